@@ -35,7 +35,7 @@ def tasks(checkout: Path, only: list[str]) -> list[Path]:
 def run(checkout: Path, task: Path, seed: int, folder: Path) -> Path:
     """Run a task by a checkout's code; gives the run's folder, of an earlier call where there is one."""
     runs = folder / f"{task.parent.name}-{task.stem}-{seed}"
-    done = list(runs.glob("*/summary.json"))
+    done = list(runs.glob("*-*/summary.json"))
     if not done:
         code = "from handcart.tools.main import main; main()"
         words = ["run", str(task), "--seed", str(seed), "--backend", "kinematic", "--runs", str(runs)]
@@ -47,7 +47,7 @@ def run(checkout: Path, task: Path, seed: int, folder: Path) -> Path:
             text=True,
             check=False,
         )
-        done = list(runs.glob("*/summary.json"))
+        done = list(runs.glob("*-*/summary.json"))
         if not done:
             raise RuntimeError(f"{checkout}: {task}, seed {seed}: {said.stderr[-2000:]}")
     return done[0].parent

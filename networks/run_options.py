@@ -35,6 +35,8 @@ class RunOptions:
     """Where the run is recorded, as MP4."""
     draw: bool = False
     """Whether `overview.svg` is drawn."""
+    report: bool = False
+    """Whether `report.html` is written."""
     checkpoints: bool = False
     """Whether `handcart resume` can go on with it in a simulated world: that is kept after each action."""
     sync: bool | None = None

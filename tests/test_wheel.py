@@ -62,7 +62,7 @@ def test_it_holds_one_name_and_every_file(wheel: Path) -> None:
     names = set(ZipFile(wheel).namelist())
     tops = {name.split("/")[0] for name in names}
     assert {each for each in tops if not each.endswith(".dist-info")} == {"handcart"}
-    kept = (".py", ".yaml", ".urdf", ".png", ".eds", ".csv")
+    kept = (".py", ".yaml", ".urdf", ".png", ".eds", ".csv", ".html")
     ours = {
         f"handcart/{path.relative_to(ROOT)}"
         for room in ROOMS

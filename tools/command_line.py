@@ -27,6 +27,8 @@ COMMANDS = {
     "describe": ("commands.describe", "describe", "Tell what a primitive takes, needs and does."),
     "localize": ("commands.localize", "localize", "Play a recorded log to the outdoor localization."),
     "explain": ("commands.explain", "explain", "Tell why a run went as it did, from its folder."),
+    "report": ("commands.report", "report", "Write a run as one page."),
+    "runs": ("commands.runs", "runs", "List the runs of a folder."),
     "schema": ("commands.schema", "schema", "Print the JSON Schema of a kind of file."),
     "teach": ("hardware.teach", "teach", "Record a posture into a robot's file."),
     "adopt": ("commands.adopt", "adopt", "Take what a calibration found into a robot's file."),

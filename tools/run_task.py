@@ -42,6 +42,9 @@ def run(
         str | None, typer.Option(help="with --backend can: simulated drives before this simulated backend")
     ] = None,
     gui: Annotated[bool, typer.Option("--gui", help="show robot and world in a window")] = False,
+    report: Annotated[
+        bool, typer.Option("--report/--no-report", help="write report.html into the run's folder")
+    ] = True,
     sync: Annotated[
         bool | None,
         typer.Option(
@@ -84,6 +87,7 @@ def run(
                 window=gui,
                 video=video,
                 draw=True,
+                report=report,
                 checkpoints=True,
                 sync=sync,
                 permits=permits,

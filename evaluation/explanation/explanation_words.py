@@ -93,12 +93,13 @@ def _chosen(explanation: Explanation) -> str:
         return "\n".join(
             [*lines, "  the journal doesn't keep the network, so what else there was isn't known"]
         )
-    lines += [f"  {line}" for line in _choice(explanation.choice)]
+    lines += [f"  {line}" for line in choice_words(explanation.choice)]
     known = ", ".join(f"{name} (action {who.number}, {who.do})" for name, who in explanation.relied_on)
     return "\n".join([*lines, *([f"  what it could use: {known}"] if known else [])])
 
 
-def _choice(choice: Choice) -> Iterator[str]:
+def choice_words(choice: Choice) -> Iterator[str]:
+    """Why an action was chosen: its way to the goal, and what else there was."""
     chosen, *others = choice.options
     fails = f", failed {_times(chosen.fails)} before" if chosen.fails else ""
     yield f"cheapest way to the goal, {_cost(choice.way)}: {_steps(choice.way)}"

@@ -24,6 +24,7 @@ from handcart.robotics.navigation.routes.voronoi_graph import voronoi_graph
 COLOURS = {"Success": "#2a9d5c", "Fail": "#e0a100", "GiveUp": "#c8382e", "running": "#999999"}
 PLANNED, DRIVEN, RESTORED, SENSED, GRAPH = "#3b6fd4", "#111111", "#e07b00", "#d62828", "#b9c7dd"
 SCAN = "#2a9d5c"
+LETTERS = 125.0  # of the widest kind that fit on the time line
 BESIDE = 0.5  # of the known part of a map that is drawn too [m]
 
 
@@ -149,15 +150,24 @@ def _draw_drive(axis: Any, run_dir: Path, track: Track) -> None:
 
 
 def _draw_time(axis: Any, stretches: list[Stretch]) -> None:
+    span = max((each.end for each in stretches), default=0.0)
     for each in stretches:
-        axis.barh(0, each.end - each.start, left=each.start, color=COLOURS[each.outcome], edgecolor="white")
+        lasted = each.end - each.start
+        axis.barh(0, lasted, left=each.start, color=COLOURS[each.outcome], edgecolor="white")
+        label = _fitting(each, LETTERS * lasted / span if span else 0.0)
         middle = 0.5 * (each.start + each.end)
-        axis.text(middle, 0.0, each.do, ha="center", va="center", fontsize=7, rotation=60, color="black")
+        axis.text(middle, 0.0, label, ha="center", va="center", fontsize=7, color="black")
     axis.set_yticks([])
     axis.set_ylim(-0.5, 0.5)
     axis.set_xlabel("time [s]; green: Success, yellow: Fail and restored, red: GiveUp")
     for side in ("top", "left", "right"):
         axis.spines[side].set_visible(False)
+
+
+def _fitting(each: Stretch, letters: float) -> str:
+    """What there is room for on the time line: number and name, the number, or nothing."""
+    labels = (f"{each.number} {each.do}", str(each.number))
+    return next((label for label in labels if len(label) + 1 <= letters), "")
 
 
 def _draw_fail(run_dir: Path, stretch: Stretch, grid: GridMap) -> None:

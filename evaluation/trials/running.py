@@ -22,6 +22,7 @@ from handcart.networks.runs.resuming import NothingToResume as NothingToResume
 from handcart.networks.runs.resuming import Past, read_past, task_of
 from handcart.networks.runs.robot_claim import claimed
 from handcart.networks.runs.run import execute
+from handcart.networks.runs.run_names import name_of, point_latest
 from handcart.networks.runs.state_check import check_state, gone_on, standing_as_left
 from handcart.networks.task.preparing import Prepared, beginning_at, make_robot, prepare
 from handcart.networks.task.task_file import load_task
@@ -66,7 +67,8 @@ def run_task(task: Path, runs: Path, options: RunOptions | None = None) -> tuple
             from .video import Video
 
             observers.append(stack.enter_context(Video(options.video, prepared.robot)))
-        folder = new_folder(runs, f"{task.resolve().parent.name}-{options.seed}")
+        folder = new_folder(runs, name_of(task, options.seed))
+        point_latest(folder)
         judge = Judge(prepared, folder)
         if claim is not None:
             claim.begin(folder)
@@ -75,6 +77,8 @@ def run_task(task: Path, runs: Path, options: RunOptions | None = None) -> tuple
         _report(prepared, folder, judge, options.observers)
         if options.draw:
             _draw(prepared, folder, judge, options.observers)
+        if options.report:
+            _write_page(folder, options.observers)
     return ran.summary, ran.end.exit_status
 
 
@@ -116,6 +120,16 @@ def _draw(prepared: Prepared, folder: Path, judge: Judge, observers: Sequence[Ru
         draw_overview(folder, model.map, model.places, radius, judge.surveys.shown)
     except OSError as error:
         _say(observers, f"{folder} can't be written: {error.strerror}; there is no overview.svg")
+
+
+def _write_page(folder: Path, observers: Sequence[RunObserver]) -> None:
+    """Write the run's page; whatever keeps it from being written doesn't change how the run ended."""
+    from handcart.evaluation.report.report import write_report
+
+    try:
+        write_report(folder)
+    except (OSError, HandcartError) as error:
+        _say(observers, f"there is no report of {folder}: {error}")
 
 
 def _say(observers: Sequence[RunObserver], words: str) -> None:

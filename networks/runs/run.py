@@ -229,7 +229,7 @@ def _guarded(
         known = isinstance(error, HandcartError)
         if not isinstance(error, JournalError):
             with suppress(OSError):  # a disk that takes no more doesn't keep the run from ending (row D6)
-                (run_dir / "error.txt").write_text(traceback.format_exc(), encoding="utf-8")
+                write_whole(run_dir / "error.txt", traceback.format_exc())
         reason = str(error) if known else f"{type(error).__name__}: {error}"
         return coordinator.broken_off(reason, "GiveUp" if isinstance(error, RobotFault) else "Error")
 

@@ -148,7 +148,7 @@ def test_the_plugin_costs_nothing_unused() -> None:
 def test_run_ends_with_how_it_ended_and_where(handcart: Callable[..., Said], tour: Path) -> None:
     said = handcart("run", tour, "--runs", tour.parent / "runs")
     assert said.status == 0
-    folder = tour.parent / "runs" / f"{tour.parent.name}-0"
+    folder = tour.parent / "runs" / f"{tour.stem}-0"
     assert said.out == f"Success in situation at_shelf; see {folder}\n"
     assert "1. MOVE_TO: at_home to at_shelf: Success" in said.err
     assert (folder / "journal.jsonl").is_file()

@@ -23,7 +23,7 @@ def run_with(
 ) -> Callable[[str], subprocess.CompletedProcess[str]]:
     """Runs the tour where no file grows beyond the journal's records up to a kind, and a little more."""
     handcart("run", tour, "--runs", tmp_path / "whole")
-    whole = tmp_path / "whole" / f"{tour.parent.name}-0" / "journal.jsonl"
+    whole = tmp_path / "whole" / f"{tour.stem}-0" / "journal.jsonl"
 
     def run(kind: str) -> subprocess.CompletedProcess[str]:
         lines = whole.read_bytes().splitlines(keepends=True)
@@ -51,7 +51,7 @@ def test_full_before_the_start_nothing_moves(
     assert "can't be written" in said.stderr
     assert "Traceback" not in said.stderr
     assert json.loads(said.stdout)["outcome"] == "Error"
-    contents = read_journal(tmp_path / "runs" / f"{tour.parent.name}-0" / "journal.jsonl")
+    contents = read_journal(tmp_path / "runs" / f"{tour.stem}-0" / "journal.jsonl")
     assert [each["kind"] for each in contents.records] == ["RUN", "PLAN"]
     assert contents.torn_at is None
 
@@ -64,7 +64,7 @@ def test_full_at_a_result_the_run_ends_and_tells_it(
     said = run_with("RESULT")
     assert said.returncode == 5
     assert "how action 1 ended is not in the journal for good" in said.stderr
-    contents = read_journal(tmp_path / "runs" / f"{tour.parent.name}-0" / "journal.jsonl")
+    contents = read_journal(tmp_path / "runs" / f"{tour.stem}-0" / "journal.jsonl")
     assert [each["kind"] for each in contents.records] == ["RUN", "PLAN", "START"]
 
 

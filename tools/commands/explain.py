@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def explain(
-    run: Annotated[Path, typer.Argument(help="the run's folder")],
+    run: Annotated[Path | None, typer.Argument(help="the run's folder; left out: runs/latest")] = None,
     action: Annotated[
         int | None, typer.Option(help="number of the action; left out: the last that failed, else the run")
     ] = None,
@@ -43,8 +43,9 @@ def explain(
     from handcart.evaluation.explanation.explanation_words import in_words
     from handcart.files.printable import printable
     from handcart.networks.journal.past_run import read_run
+    from handcart.networks.runs.run_names import latest_run
 
-    past = read_run(run)
+    past = read_run(run or latest_run(Path("runs")))
     if past.torn_at is not None:
         _warn(f"the journal's tail is torn at byte {past.torn_at}: what came after isn't known")
     explanation = explained(past, action)

@@ -13,7 +13,7 @@ RunFolder = Annotated[Path, typer.Argument(help="the run's folder")]
 
 
 def resume(
-    run: RunFolder,
+    run: Annotated[Path | None, typer.Argument(help="the run's folder; left out: runs/latest")] = None,
     confirm: Annotated[
         int | None,
         typer.Option(help="RECORD: the last one that you have seen; needed where a real robot moves"),
@@ -35,8 +35,10 @@ def resume(
     from handcart.networks.coordination.interrupts import Interrupts
     from handcart.networks.operator.permits import Permits
     from handcart.networks.run_options import RunOptions
+    from handcart.networks.runs.run_names import latest_run
     from handcart.tools.terminal.progress import Progress
 
+    run = run or latest_run(Path("runs"))
     permits = Permits(permit)
     with Interrupts() as interrupts, Progress() as progress:
         permits.asking, permits.typed = progress.ask, progress.typed

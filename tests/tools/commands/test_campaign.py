@@ -192,7 +192,7 @@ def test_a_campaign_of_processes_is_ended_by_a_signal(
         start_new_session=True,
     )
     end = time.monotonic() + 300.0
-    while len(list((tmp_path / "runs").glob("*/summary.json"))) < 2:
+    while len(list((tmp_path / "runs").glob("*-*/summary.json"))) < 2:
         assert process.poll() is None
         assert time.monotonic() < end
         time.sleep(0.02)

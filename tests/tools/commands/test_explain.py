@@ -112,7 +112,7 @@ def test_a_missing_gap(handcart: Callable[..., Said], runs: Callable[[str], Path
 @pytest.mark.slow
 def test_a_run_that_succeeded(handcart: Callable[..., Said], tour: Path, tmp_path: Path) -> None:
     assert handcart("run", tour, "--runs", tmp_path / "runs").status == 0
-    (folder,) = (tmp_path / "runs").iterdir()
+    folder = tmp_path / "runs" / "tour-0"
     said = handcart("explain", folder)
     assert said.status == 0
     assert "Success in situation at_shelf" in said.out

@@ -203,7 +203,7 @@ def test_a_real_robot_moves_only_when_a_person_has_looked(
 def test_another_task_is_not_gone_on_with(handcart: Callable[..., Said], tour: Path, tmp_path: Path) -> None:
     """D12"""
     handcart("run", tour, "--runs", tmp_path / "runs")
-    folder = tmp_path / "runs" / f"{tour.parent.name}-0"
+    folder = tmp_path / "runs" / f"{tour.stem}-0"
     cut(folder, "END", 0)
     tour.write_text(tour.read_text().replace("cost_s: 30", "cost_s: 31"))
     said = handcart("resume", folder)
@@ -240,7 +240,7 @@ def test_a_run_begun_elsewhere_is_gone_on_with(
     """A run begun with `--from`; and one that is over says so."""
     tour.write_text(THERE_AND_BACK, encoding="utf-8")
     handcart("run", tour, "--from", "there", "--runs", tmp_path / "runs")
-    folder = tmp_path / "runs" / f"{tour.parent.name}-0"
+    folder = tmp_path / "runs" / f"{tour.stem}-0"
     said = handcart("resume", folder)
     assert (said.status, "is over: Success" in said.err) == (2, True)
     cut(folder, "END", 0)
@@ -387,7 +387,7 @@ def test_a_journal_of_another_version_is_told(
 def test_a_path_that_is_no_folder_of_a_run(handcart: Callable[..., Said], tour: Path, tmp_path: Path) -> None:
     """A link to nothing where the run's folder would be, and a path that is no UTF-8."""
     (tmp_path / "runs").mkdir()
-    link = tmp_path / "runs" / f"{tour.parent.name}-0"
+    link = tmp_path / "runs" / f"{tour.stem}-0"
     link.symlink_to(tmp_path / "nothing")
     said = handcart("resume", link)
     assert (said.status, "it is a link to nothing" in said.err) == (2, True)

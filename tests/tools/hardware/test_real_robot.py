@@ -112,7 +112,7 @@ def test_after_a_give_up_no_run_starts_until_a_person_acknowledges_it(
         assert said.status == 6
         assert "waits for a person: a wheel is stuck" in said.err
         assert f"handcart ack {folder} {number}" in said.err
-    assert [each.name for each in (tmp_path / "runs").iterdir()] == [folder.name]
+    assert [each.name for each in (tmp_path / "runs").iterdir() if not each.is_symlink()] == [folder.name]
     assert handcart("ack", folder, number).status == 0
     assert run().status == 0
 

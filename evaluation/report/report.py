@@ -1,0 +1,151 @@
+"""A run as one self-contained page: nothing in it is fetched from anywhere."""
+
+from __future__ import annotations
+
+import base64
+import math
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import orjson
+
+from handcart.evaluation.explanation.explanation import Explanation, explain, relying_on_the_journal
+from handcart.evaluation.explanation.explanation_words import cause_words, choice_words
+from handcart.files.whole_file import write_whole
+from handcart.networks.journal.past_run import PastRun, read_run
+from handcart.networks.runs.run_folder import read_file
+
+from .network_picture import draw_network
+
+NAME = "report.html"
+OVERVIEW = "overview.svg"
+MOST = 16 * 2**20  # of a picture or the summary, in [bytes]
+WIDEST = 640  # of a picture of an action, in [px]
+QUALITY = 80  # of its JPEG
+PICTURES = 60  # actions with a picture; further ones go without
+
+
+def write_report(folder: Path, path: Path | None = None) -> Path:
+    """Write the page of a run.
+
+    Args:
+        folder: the run's.
+        path: of the page; None: `report.html` in the folder.
+
+    Returns:
+        The page's path.
+
+    Raises:
+        NoRun: the folder holds no run.
+        JournalError: its journal is damaged, or makes no sense.
+        OSError: the page can't be written.
+    """
+    run = read_run(folder)
+    with relying_on_the_journal(run):
+        page = _page(run)
+    path = path or folder / NAME
+    write_whole(path, page)
+    return path
+
+
+def _page(run: PastRun) -> str:
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    loader = PackageLoader("handcart.evaluation.report", "")
+    pages = Environment(loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True)
+    end = run.end
+    network = draw_network(run.network.network, run.actions) if run.network else None
+    return pages.get_template("page.html").render(
+        run=run,
+        sentence=_sentence(run),
+        ended=end["outcome"] if end else "no end",
+        network=network,
+        actions=list(_actions(run)),
+        span=max((each.end for each in run.actions), default=0.0) or 1.0,
+        pictures=list(_pictures(run.folder)),
+        figures=list(_figures(run.folder)),
+    )
+
+
+def _sentence(run: PastRun) -> str:
+    """What happened."""
+    end, fails = run.end, sum(each.fails for each in run.actions)
+    task = str(run.header["task"])
+    count = f"{len(run.actions)} action{'' if len(run.actions) == 1 else 's'} ({fails or 'none'} failed)"
+    if end is None:
+        return f"{task}: no end is known after {count}; it was killed, or still goes on."
+    reason = f": {end['reason']}" if end["reason"] else ""
+    when = f"after {end['t']:.1f} s and {count}"
+    return f"{task}: {end['outcome']} in situation {end['situation']} {when}{reason}."
+
+
+def _actions(run: PastRun) -> Iterator[dict[str, Any]]:
+    left = PICTURES
+    for action in run.actions:
+        explanation = explain(run, action.number)
+        picture = _small(explanation.picture) if explanation.picture and left else ""
+        left -= bool(picture)
+        yield {
+            "it": action,
+            "why": choice_words(explanation.choice) if explanation.choice else [],
+            "causes": [line for cause in explanation.causes for line in cause_words(action, cause)],
+            "noted": action.result.get("evidence", {}),
+            "residuals": list(_residuals(explanation)),
+            "picture": picture,
+            "shows": explanation.picture.stem if explanation.picture else "",
+        }
+
+
+def _residuals(explanation: Explanation) -> Iterator[dict[str, Any]]:
+    for each in explanation.residuals:
+        share = each.size / each.limit if each.limit else (0.0 if each.within else math.inf)
+        size = f"{each.size:.3f}" if math.isfinite(each.size) else "gone"
+        limit = "" if each.limit is None else f"{each.limit:g}"
+        yield {"name": each.name, "size": size, "limit": limit, "share": min(share, 1.0), "ok": each.within}
+
+
+def _small(path: Path) -> str:
+    """A picture as a data address, no wider than it is shown; empty where it is damaged."""
+    content = read_file(path.parent, path.name, MOST)
+    pixels = cv2.imdecode(np.frombuffer(content or b"", np.uint8), cv2.IMREAD_COLOR) if content else None
+    if pixels is None:
+        return ""
+    scale = min(1.0, WIDEST / pixels.shape[1])
+    pixels = cv2.resize(pixels, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
+    _, jpeg = cv2.imencode(".jpg", pixels, [cv2.IMWRITE_JPEG_QUALITY, QUALITY])
+    return _address("image/jpeg", jpeg.tobytes())
+
+
+def _pictures(folder: Path) -> Iterator[tuple[str, str]]:
+    """The map with the paths, then what the surveys drew: each as its title and a data address."""
+    names = sorted(path.name for path in folder.glob("*.svg") if not path.name.startswith("explained"))
+    for name in sorted(names, key=lambda each: each != OVERVIEW):
+        content = read_file(folder, name, MOST)
+        title = "Map, what was seen and time" if name == OVERVIEW else Path(name).stem.replace("_", " ")
+        # As an image a drawing can run no script and fetch nothing.
+        yield title, _address("image/svg+xml", content or b"")
+
+
+def _address(kind: str, content: bytes) -> str:
+    return f"data:{kind};base64,{base64.b64encode(content).decode()}"
+
+
+def _figures(folder: Path) -> Iterator[tuple[str, str]]:
+    """The run's numbers: those of the summary, then those of the surveys."""
+    content = read_file(folder, "summary.json", MOST, missing=True)
+    summary = orjson.loads(content) if content else {}
+    yield from _flat({key: value for key, value in summary.items() if key != "metrics"}, "")
+    yield from _flat(summary.get("metrics", {}), "")
+
+
+def _flat(values: Mapping[str, Any], before: str) -> Iterator[tuple[str, str]]:
+    for key, value in values.items():
+        if isinstance(value, Mapping):
+            yield from _flat(value, f"{before}{key}.")
+        elif isinstance(value, float):
+            yield f"{before}{key}", f"{value:.6g}"
+        else:
+            yield f"{before}{key}", value if isinstance(value, str) else orjson.dumps(value).decode()

@@ -1,0 +1,89 @@
+"""What the folders of runs are called, which one is the newest, and what they hold at a glance."""
+
+from __future__ import annotations
+
+import os
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+import orjson
+
+from .run_folder import JOURNAL, NoRun, read_file
+
+LATEST = "latest"
+"""A link beside the runs to the one that was begun last."""
+SUMMARY = "summary.json"
+USUAL = "task"
+"""Stem of a task's file that says less than its folder's name."""
+_HEADER = 16 * 2**20  # of a journal, in [bytes]: a header holds its task's network
+
+
+@dataclass(frozen=True)
+class ListedRun:
+    """One run of a list."""
+
+    folder: Path
+    task: str
+    """Its file, as given when it was run."""
+    seed: int
+    backend: str
+    outcome: str
+    """Empty where it has no end yet, or never got one."""
+    begun: float
+    """[s] since 1970."""
+
+
+def name_of(task: Path, seed: int) -> str:
+    """`FILE-SEED`; a file called `task.yaml` goes by its folder's name."""
+    path = task.resolve()
+    return f"{path.parent.name if path.stem == USUAL else path.stem}-{seed}"
+
+
+def point_latest(folder: Path) -> None:
+    """Let `latest` beside a run's folder lead to it, at once; where links can't be made, there is none."""
+    link = folder.with_name(LATEST)
+    new = folder.with_name(f".{LATEST}.{os.getpid()}.new")
+    with suppress(OSError):
+        os.symlink(folder.name, new)
+        try:
+            os.replace(new, link)
+        except OSError:
+            new.unlink()
+
+
+def latest_run(runs: Path) -> Path:
+    """The folder of the run that was begun last.
+
+    Raises:
+        NoRun: none is known there.
+    """
+    try:
+        name = os.readlink(runs / LATEST)
+    except OSError:
+        raise NoRun(runs / LATEST, "no run is known to be the latest") from None
+    if Path(name).name != name:
+        raise NoRun(runs / LATEST, "it leads out of its folder")
+    return runs / name
+
+
+def list_runs(runs: Path) -> list[ListedRun]:
+    """The runs in a folder, the newest first; what else is in there is left out."""
+    if not runs.is_dir():
+        return []
+    found = (_listed(each) for each in runs.iterdir() if each.is_dir() and not each.is_symlink())
+    return sorted((each for each in found if each), key=lambda each: (-each.begun, each.folder.name))
+
+
+def _listed(folder: Path) -> ListedRun | None:
+    try:
+        with (folder / JOURNAL).open("rb") as stream:
+            header = orjson.loads(stream.readline(_HEADER))
+        summary = read_file(folder, SUMMARY, _HEADER, missing=True)
+        outcome = orjson.loads(summary)["outcome"] if summary else ""
+        begun = float(header["wall"]["unix_s"])
+        return ListedRun(
+            folder, str(header["task_path"]), int(header["seed"]), str(header["backend"]), str(outcome), begun
+        )
+    except (OSError, NoRun, LookupError, TypeError, ValueError):
+        return None

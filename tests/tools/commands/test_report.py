@@ -1,0 +1,44 @@
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import orjson
+
+from tests.tools.conftest import Said
+
+
+def test_a_run_leaves_one_page_that_needs_nothing_else(
+    handcart: Callable[..., Said], tour: Path, tmp_path: Path
+) -> None:
+    title = 'Tour <script src="x"></script> & back'
+    text = re.sub("title: .*", f"title: '{title}'", tour.read_text(encoding="utf-8"))
+    tour.write_text(text, encoding="utf-8")
+    assert handcart("run", tour, "--runs", tmp_path / "runs").status == 0
+    page = (tmp_path / "runs" / "latest" / "report.html").read_text(encoding="utf-8")
+    assert "Success in situation at_shelf" in page
+    assert "cheapest way to the goal" in page
+    assert "<script" not in page
+    sources = re.findall(r'(?:src|href)="([^"]*)"', page)
+    assert sources
+    assert all(each.startswith(("data:image/", "#action-")) for each in sources)
+    assert all(f'id="{each[1:]}"' in page for each in sources if each.startswith("#"))
+    summary = orjson.loads((tmp_path / "runs" / "latest" / "summary.json").read_bytes())
+    assert f'<td>actions</td><td class="n">{summary["actions"]}</td>' in page
+
+    said = handcart("report", tmp_path / "runs" / "tour-0", "-o", tmp_path / "other.html")
+    assert said.status == 0
+    assert (tmp_path / "other.html").read_text(encoding="utf-8") == page
+    said = handcart("report", tmp_path / "runs" / "tour-0", "-o", tmp_path / "other.txt")
+    assert (said.status, ".txt" in said.err, "*.html" in said.err) == (2, True, True)
+
+
+def test_no_page_where_none_is_wanted_and_no_traceback_where_there_is_no_run(
+    handcart: Callable[..., Said], tour: Path, tmp_path: Path
+) -> None:
+    assert handcart("run", tour, "--no-report", "--runs", tmp_path / "runs").status == 0
+    assert not (tmp_path / "runs" / "tour-0" / "report.html").exists()
+    said = handcart("report", tmp_path / "nothing")
+    assert said.status == 2
+    assert "there is no such folder" in said.err
