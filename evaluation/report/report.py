@@ -52,10 +52,10 @@ def write_report(folder: Path, path: Path | None = None) -> Path:
 
 
 def _page(run: PastRun) -> str:
-    from jinja2 import Environment, PackageLoader, StrictUndefined
+    from jinja2 import Environment, PackageLoader
 
     loader = PackageLoader("handcart.evaluation.report", "")
-    pages = Environment(loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True)
+    pages = Environment(loader=loader, autoescape=True, trim_blocks=True)
     end = run.end
     network = draw_network(run.network.network, run.actions) if run.network else None
     return pages.get_template("page.html").render(

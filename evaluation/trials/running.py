@@ -146,7 +146,7 @@ def resume_task(
         folder: the run's.
         confirm: the journal's last record, as a person has seen it; needed where a real robot moves.
         options: how it goes on; how it was begun stands in its journal, so nothing else of them counts than
-            `permits`, `interrupts`, `sync` and `observers`.
+            `permits`, `interrupts`, `sync`, `report` and `observers`.
 
     Returns:
         The summary that also stands in the run's folder, and the exit status.
@@ -182,6 +182,8 @@ def resume_task(
         chosen = replace(options, observers=heard_by, interrupts=heard, checkpoints=True)
         ran = execute(prepared, folder, chosen, past)
         _report(prepared, folder, judge, observers)
+        if options.report:
+            _write_page(folder, observers)
     return ran.summary, ran.end.exit_status
 
 
