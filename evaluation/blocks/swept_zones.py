@@ -39,9 +39,8 @@ def swept_zones(spec: RobotFile, things: Sequence[Box]) -> list[Zone]:
         if not beside:
             continue
         reach = max(float(np.hypot(each[:, 0], each[:, 1]).max()) for each in beside)
-        less = (
-            2.0 * max(0.0, spec.footprint_radius_m - reach) / math.sqrt(2.0)
-        )  # at a corner both sides count
+        spare = max(0.0, spec.footprint_radius_m - reach)
+        less = 2.0 * spare / math.sqrt(2.0)  # at a corner both sides count
         yaw = math.atan2(thing.pose[1, 0], thing.pose[0, 0])
         length, width = (max(LEAST, side - less) for side in thing.size[:2])
         zones.append((float(thing.pose[0, 3]), float(thing.pose[1, 3]), yaw, length, width))

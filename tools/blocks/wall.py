@@ -13,16 +13,15 @@ def wall(
     drawing: Annotated[Path, typer.Argument(help="a drawing: YAML of the format handcart-drawing/1")],
     chart: Annotated[Path, typer.Option("--map", help="the map: YAML in ROS format")],
     output: Annotated[Path, typer.Option("-o", "--output", help="folder to write into")] = Path("wall"),
-    world: Annotated[
-        Path | None, typer.Option(help="of the simulation; left out: what is drawn, and nothing else")
-    ] = None,
+    world: Annotated[Path | None, typer.Option(help="of the simulation; left out: what is drawn")] = None,
 ) -> None:
-    """Compute from where blocks are taken and laid, and in which order; write task.yaml with its files."""
+    """Compute from where blocks are taken and laid, and in which order; write a task and wall.svg."""
     import os
 
     from handcart.backends.description.robot_loading import load_robot
     from handcart.evaluation.blocks.wall_files import write_wall
     from handcart.evaluation.blocks.wall_planning import plan_wall
+    from handcart.evaluation.blocks.wall_plots import draw_wall
     from handcart.files.errors import InputError
     from handcart.files.models.loading import load_document
     from handcart.files.yaml.yaml_document import read_document
@@ -42,6 +41,7 @@ def wall(
     named = Path(os.path.relpath(robot, output)).as_posix() if own else robot
     try:
         write_wall(plan, chart, named, output, world)
+        draw_wall(plan, spec.footprint_radius_m, output / "wall.svg")
     except OSError as error:
         raise NotWritable(output, error.strerror) from None
     print(

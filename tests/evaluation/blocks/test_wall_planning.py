@@ -14,7 +14,7 @@ from handcart.files.errors import FileError
 from handcart.primitives.knowledge.place import load_map
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.kinematics.shapes import Box
-from handcart.robotics.manipulation.motions.collision_model import CollisionModel
+from handcart.robotics.manipulation.placement.standing_places import stands_clear
 from tests.primitives.blocks.drawings import drawing_file, load_drawing
 
 CHART = Path(__file__).parents[3] / "tasks" / "build_wall" / "map.yaml"
@@ -44,17 +44,14 @@ def test_out_of_its_zone_the_robot_turns_freely(size: tuple[float, float, float]
     pose = Pose2(0.0, 0.0, 0.4).lift(height)
     thing = Box(pose, size)
     x, y, yaw, length, width = swept_zones(spec, [thing])[0]
-    arm, home = spec.arm_model(), np.array(spec.posture("home"))
-    rng = np.random.default_rng(0)
-    zone = Pose2(x, y, yaw)
-    for turn in rng.uniform(-np.pi, np.pi, 60):
-        way = rng.uniform(-np.pi, np.pi)
-        corner = np.array((np.sign(np.cos(way)) * length / 2, np.sign(np.sin(way)) * width / 2))
-        away = spec.footprint_radius_m + 0.01
-        spot = zone.apply((corner + away * np.array((np.cos(way), np.sin(way))))[None])[0]
-        stand = Pose2(float(spot[0]), float(spot[1]), float(turn)).lift()
-        bodies = CollisionModel(arm, [Box(np.linalg.inv(stand) @ thing.pose, size)])
-        assert not bodies.in_collision(home)
+    bodies = spec.arm_model().link_shapes(np.array(spec.posture("home")))
+    away, zone = spec.footprint_radius_m + 0.01, Pose2(x, y, yaw)
+    ways = np.pi / 4 * np.arange(8)
+    offsets = np.column_stack((np.cos(ways), np.sin(ways)))
+    corners = np.where(np.abs(offsets) < 0.1, 0.0, np.sign(offsets)) * (length / 2, width / 2)
+    spots = np.repeat(zone.apply(corners + away * offsets), 24, axis=0)
+    turns = np.tile(np.linspace(-np.pi, np.pi, 24, endpoint=False), len(ways))
+    assert stands_clear(np.column_stack((spots, turns)), bodies, [thing]).all()
 
 
 @pytest.mark.slow
