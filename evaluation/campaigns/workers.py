@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import pickle
 import signal
 import threading
 import time
@@ -225,14 +224,8 @@ def _run_all(connection: Connection, work: Work) -> None:
             done, sent = [], time.monotonic()
 
 
-def _sendable(error: Exception) -> Exception:
-    """The error, if it is the same when it is unpacked; else its words."""
-    try:
-        again = pickle.loads(pickle.dumps(error))
-        if str(again) == str(error):
-            return error
-    except Exception:
-        pass
+def _sendable(error: Exception) -> TrialFault:
+    """The error's words: not every error is the same when it is unpacked."""
     if isinstance(error, HandcartError):
         return TrialFault(str(error), error.exit_status)
     return TrialFault(f"{type(error).__name__}: {error}")

@@ -13,6 +13,7 @@ import orjson
 import pytest
 
 from handcart.backends.robot.robot import Robot
+from handcart.files.whole_file import write_whole
 from handcart.networks.action_log import ActionLog
 from handcart.networks.coordination.events import Event, RunEnded
 from handcart.networks.coordination.run_end import RunEnd
@@ -210,12 +211,14 @@ def test_a_full_disk_takes_no_error_file_either_and_the_run_ends(
     """D6: whatever broke the run off, its end is told."""
     stand, prepared = prepare()
 
-    def full(path: Path, *_: Any, **__: Any) -> None:
-        raise OSError(28, "No space left on device", str(path))
+    def full(path: Path, content: str | bytes) -> None:
+        if path.name == "error.txt":
+            raise OSError(28, "No space left on device", str(path))
+        write_whole(path, content)
 
     class Broken(RunObserver):
         def event(self, event: Event) -> None:
-            monkeypatch.setattr(Path, "write_text", full)
+            monkeypatch.setattr("handcart.networks.runs.run.write_whole", full)
             raise ZeroDivisionError("oh")
 
     end = execute(prepared, tmp_path / "run", RunOptions(observers=(Broken(),))).end

@@ -48,7 +48,7 @@ def test_the_change_is_shown_for_review(handcart: Callable[..., Said], run: Path
     said = handcart("adopt", run)
     assert said.status == 0
     assert "+    focal_px: 801.25" in said.out
-    assert "-  pivot_m: 0.15\n+  pivot_m: 0.17" in said.out
+    assert "-  pivot_m: 0.1333\n+  pivot_m: 0.17" in said.out
     assert "camera.calibrated.xyz_mm    0.1, 0.1, 0.2" in said.out
     assert "nothing is changed yet; --write" in said.out
     assert robot.read_bytes() == before
@@ -62,7 +62,7 @@ def test_it_is_written_and_nothing_else_changes(
     before = robot.read_text(encoding="utf-8")
     assert handcart("adopt", run, "--write").status == 0
     after = robot.read_text(encoding="utf-8")
-    expected = before.replace("pivot_m: 0.15\n\nerrors", "pivot_m: 0.17\n\nerrors").replace(
+    expected = before.replace("pivot_m: 0.1333\n\nerrors", "pivot_m: 0.17\n\nerrors").replace(
         "  k2: 0.09\n",
         "  k2: 0.09\n  calibrated:\n    focal_px: 801.25\n    cx_px: 320.1\n    cy_px: 239.9\n"
         "    xyz_mm: [0.5, -1.0, 2.0]\n",
@@ -90,7 +90,7 @@ def test_a_read_only_file_is_copied_where_asked(
     copy = tmp_path / "elsewhere" / "copy.yaml"
     assert handcart("adopt", run, "-o", copy).status == 0
     assert load_robot(str(copy)).suspension.pivot_m == 0.17
-    assert load_robot(str(robot)).suspension.pivot_m == 0.15
+    assert load_robot(str(robot)).suspension.pivot_m == 0.1333
 
 
 @pytest.mark.parametrize(
