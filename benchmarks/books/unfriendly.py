@@ -162,10 +162,9 @@ def _print(factor: str, level: float, tried: Sequence[Tried]) -> None:
     for one in hurt:
         what = f"wrong slot {one.wrong_slot}, pushed {one.pushed_mm:.0f} mm, {one.reason or 'Success'}"
         print(f"{'':16}  seed {one.seed}: {what}")
-    if "-v" in sys.argv or len(tried) <= 60:
-        for one in solvable:
-            if not one.done:
-                print(f"{'':16}  seed {one.seed}: {one.reason}", flush=True)
+    for one in solvable:
+        if not one.done:
+            print(f"{'':16}  seed {one.seed}: {one.reason}", flush=True)
 
 
 if __name__ == "__main__":
