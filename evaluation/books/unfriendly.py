@@ -167,6 +167,10 @@ def no_slot(row: Row, book: GeneratedBook, spoilt: Mapping[int, str]) -> str:
     """Why there is no slot that this lent book could be put into; empty where there is one."""
     if book.accession in spoilt:
         return spoilt[book.accession]
+    at = [i for i, each in enumerate(row.standing) if _is_slot(each)][row.lent.index(book)]
+    beside = row.standing[max(0, at - 1) : at + 2]
+    if any(isinstance(each, GeneratedBook) and each.lean_deg for each in beside):
+        return "a neighbour leans away from it"
     play = _gaps(row)[row.lent.index(book)] - book.thickness_mm
     return "" if play >= LEAST_PLAY_MM else f"it is {play:.1f} mm wider than the book"
 
