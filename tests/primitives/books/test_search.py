@@ -119,6 +119,32 @@ def test_darkness_tells_no_slot(docked: Callable[..., Rig], light: float) -> Non
     assert slot.left - slot.right == pytest.approx(left - right, abs=0.002)
 
 
+ABOVE = """\
+  - name: above
+    x_m: 6.5
+    y_m: 5.4
+    heading_deg: 90
+    board_m: 1.06
+    closed_from_m: 1.05
+    books:
+      - {accession: 70, call: "512.6 ABE", thickness_mm: 40, height_mm: 210, depth_mm: 150}
+      - {gap_mm: 31}
+      - {accession: 71, call: "512.8 ABE", thickness_mm: 40, height_mm: 210, depth_mm: 150}
+"""
+
+
+def test_another_row_above_is_not_this_one(docked: Callable[..., Rig]) -> None:
+    """Its slot would be the right one by its labels."""
+    rig = docked(0, shelf=ABOVE)
+    primitive = Search(shelf="shelf_1")
+    assert isinstance(rig.run(primitive), Success)
+    slot = rig.model.of(Books).slot
+    assert slot is not None
+    assert (slot.after, slot.before) == ("510.7 ABE", "512.8 ABE")
+    assert primitive.facts["labels_read"] == 10
+    assert rig.scene.contacts == []
+
+
 @pytest.mark.parametrize("grey", [0, 120])
 def test_what_stands_in_the_slot_as_far_forward_as_a_spine_is_no_slot(
     docked: Callable[..., Rig], grey: int
