@@ -17,7 +17,10 @@ _REACH = 4  # columns on each side of an edge that are compared
 _LEAST_DROP, _LEAST_RELATIVE_DROP = 7.0, 0.14
 _COVERAGE, _FEWEST_STRIPS = 0.75, 12
 _APART = 7  # columns
-_SEAM_COLUMNS = 8
+_SEAM_COLUMNS, _BRIGHTENS = (
+    8,
+    0.25,
+)  # behind a seam: how far is looked, and by which share of the spine's grey
 _SEAM = 0.0018  # [m] between the spines of two books that touch, or spine and cover, at most
 
 
@@ -151,7 +154,7 @@ def _to_seam(grey: Floats, column: float) -> float:
     profile = np.nanmedian(near, axis=0)
     darkest = int(np.argmin(profile[:-2]))
     brightens = profile[darkest:].max() - profile[darkest]
-    if darkest == 0 or brightens < max(_LEAST_DROP / 2, _LEAST_RELATIVE_DROP / 2 * profile[0]):
+    if darkest == 0 or brightens < max(_LEAST_DROP, _BRIGHTENS * profile[0]):
         return 0.0
     a, b, c = profile[darkest - 1 : darkest + 2]
     return float(darkest + 0.5 * (a - c) / max(a - 2 * b + c, 1e-9) - column % 1.0)

@@ -33,7 +33,7 @@ class Alive:
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
         )
-        self.folder = runs / f"{task.parent.name}-0"
+        self.folder = runs / f"{task.stem}-0"
         self.wait_for(lambda: (self.folder / "control").exists())
 
     def wait_for(self, ready: Callable[[], bool]) -> None:
