@@ -35,13 +35,14 @@ def seam_facts(task: Task) -> dict[str, Any]:
     try:
         placer, start = placer_of(spec), task.knowledge.start
         room = StandingRoom(spec, placer.arm, model.map, model.obstacles, start, boxes)
-        found = placer.place(work.seam, room.blocked, most.placements, room.free, most.move_m)
+        found = most.divided(placer, work.seam, room)
     except Discrepancy as lacking:
         raise FileError([task.document.finding(("robot",), f"DIVIDE can't be done: {lacking}")]) from None
     except Untrackable as error:
         raise untrackable(str(file), error) from None
     length, count = work.seam.length, len(found.segments)
-    return {"seam": f"{length:.2f} m, {count} placements, score {found.score / length:.3f}"}
+    what = "placements" if most.base == "stands" else "straight ways" if count > 1 else "straight way"
+    return {"seam": f"{length:.2f} m, {count} {what}, score {found.score / length:.3f}"}
 
 
 def _divides(task: Task) -> list[Divide]:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, ClassVar
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field
 
 from handcart.backends.capabilities.arm import Arm
@@ -17,12 +18,15 @@ from handcart.primitives.knowledge.place import Place
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.seam.seam import Seam
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.manipulation.placement.alongside import level_with, place_alongside
 from handcart.robotics.manipulation.placement.placer import Placements, Placer
 from handcart.robotics.manipulation.placement.untrackable import Untrackable
 from handcart.robotics.manipulation.tracking.tool_path import ToolPath
 
 from .seam_placer import placer_of
-from .seam_work import SeamPart, SeamWork
+from .seam_work import DrivesTo, SeamPart, SeamWork
+
+LOOK = 0.2  # [m] of a way between looks at whether it is free
 
 
 class Divide(ActionPrimitive):
@@ -36,7 +40,10 @@ class Divide(ActionPrimitive):
     placements: Annotated[int, Field(ge=1, le=50)]
     """Among how many places at most."""
     move_m: Annotated[float, Field(ge=0.0, le=100.0)] = 0.5
-    """What one more place has to gain, in metres of seam tracked at the best instead of only just."""
+    """What one more place has to gain, in metres of seam tracked at the best instead of only just; where the
+    base stands."""
+    base: Literal["stands", "drives"] = "stands"
+    """While the tool is on the seam; one that drives goes straight on from its place, level with it."""
 
     needs: ClassVar = (Arm,)
     reads: ClassVar = ("map", "seam", "work_piece", "obstacles")
@@ -56,19 +63,26 @@ class Divide(ActionPrimitive):
         placer = placer_of(robot.spec)
         rest = seam.part(work.tracked, len(seam.points) - 1)
         found = yield from robot.compute(self._divided, placer, rest, room, work.tracked, takes=2.0)
-        parts = _named(found, work, seam)
-        model.places = {**model.places, **{part.place: _place(part) for part in parts}}
-        known.seam_work = SeamWork(work.tracked, parts[0], parts[1:], work.named + len(parts), work.avoided)
+        parts = _named(found, work, rest if self.base == "drives" else None)
+        ends = {part.end.place: _place(part.end.pose) for part in parts if part.end is not None}
+        model.places = {**model.places, **{part.place: _place(part.pose) for part in parts}, **ends}
+        known.seam_work = work._replace(next=parts[0], after=parts[1:], named=work.named + len(parts))
         model.detour = None
         self.found(placements=len(parts), score=round(found.score / rest.length, 4))
 
     def _stays(self, work: SeamWork, room: StandingRoom) -> bool:
-        """Whether the next place of a division can still be stood at."""
-        return work.next is not None and not room.blocked(np.array([work.next.pose]))[0]
+        """Whether the next place of a division can still be stood at, and its way be driven."""
+        return work.next is not None and not room.blocked(_way(work.next)).any()
+
+    def divided(self, placer: Placer, rest: ToolPath, room: StandingRoom) -> Placements:
+        """The rest of a seam divided; raises `Untrackable`."""
+        if self.base == "drives":
+            return place_alongside(placer, rest, room.blocked, self.placements, room.free)
+        return placer.place(rest, room.blocked, self.placements, room.free, self.move_m)
 
     def _divided(self, placer: Placer, rest: ToolPath, room: StandingRoom, tracked: int) -> Placements:
         try:
-            return placer.place(rest, room.blocked, self.placements, room.free, self.move_m)
+            return self.divided(placer, rest, room)
         except Untrackable as error:
             line = error.index + tracked + 2
             nearest = (
@@ -85,17 +99,29 @@ def seam_of(model: ModelView) -> ToolPath:
     return work.seam
 
 
-def _named(found: Placements, work: SeamWork, seam: ToolPath) -> tuple[SeamPart, ...]:
+def _named(found: Placements, work: SeamWork, driven: ToolPath | None) -> tuple[SeamPart, ...]:
+    """`driven`: the rest of the seam, if the base drives along it."""
     parts = []
     for number, (segment, score) in enumerate(zip(found.segments, found.scores, strict=True), start=1):
-        pose = Pose2(*found.bases[segment.placement].tolist())
+        pose, name = Pose2(*found.bases[segment.placement].tolist()), f"place_{work.named + number}"
         first, last = (work.tracked + point for point in (segment.first, segment.last))
-        parts.append(SeamPart(f"place_{work.named + number}", pose, first, last, score))
+        part = SeamPart(name, pose, first, last, score)
+        if driven is not None:
+            way = level_with(pose, driven.points[segment.first : segment.last + 1])
+            part = part._replace(end=DrivesTo(f"{name}_end", Pose2(*way[-1].tolist())))
+        parts.append(part)
     return tuple(parts)
 
 
-def _place(part: SeamPart) -> Place:
-    return Place(x_m=part.pose.x, y_m=part.pose.y, heading_deg=math.degrees(part.pose.theta))
+def _way(part: SeamPart) -> NDArray[np.float64]:
+    """(k, 3) base poses on the way of a part, both ends included."""
+    end = part.pose if part.end is None else part.end.pose
+    count = 2 + int(part.pose.distance(end) / LOOK)
+    return np.linspace(part.pose, end, count) if part.end is not None else np.array([part.pose])
+
+
+def _place(pose: Pose2) -> Place:
+    return Place(x_m=pose.x, y_m=pose.y, heading_deg=math.degrees(pose.theta))
 
 
 def _words(point: object) -> str:

@@ -7,8 +7,17 @@ from typing import NamedTuple
 from handcart.robotics.geometry.pose2 import Pose2
 
 
+class DrivesTo(NamedTuple):
+    """The end of a straight way."""
+
+    place: str
+    """Name of the place there."""
+    pose: Pose2
+    """map_T_base there."""
+
+
 class SeamPart(NamedTuple):
-    """What of a seam is tracked from one place."""
+    """What of a seam is tracked from one place, or on the straight way from it."""
 
     place: str
     """Name of the place that the base is to stand at."""
@@ -20,6 +29,8 @@ class SeamPart(NamedTuple):
     """Where it ends; the next part begins there."""
     score: float
     """Integral along it, in [m]: up to its length."""
+    end: DrivesTo | None = None
+    """Where the base drives meanwhile, straight on and level with the tool; None: it stands."""
 
     @property
     def empty(self) -> bool:
@@ -50,6 +61,8 @@ class SeamWork(NamedTuple):
         """The next part is tracked."""
         if self.next is None:
             return self
-        end = self.next._replace(first=self.next.last, score=0.0)
+        end = self.next._replace(first=self.next.last, score=0.0, end=None)
+        if self.next.end is not None:
+            end = end._replace(place=self.next.end.place, pose=self.next.end.pose)
         following = self.after[0] if self.after else end
         return self._replace(tracked=self.next.last, next=following, after=self.after[1:])

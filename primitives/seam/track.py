@@ -1,9 +1,9 @@
-"""TRACK: follow a part of the seam with the tool, from where the base stands."""
+"""TRACK: follow a part of the seam with the tool, from a base that stands or drives along."""
 
 from __future__ import annotations
 
 import math
-from typing import Annotated, ClassVar
+from typing import Annotated, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,19 +14,31 @@ from handcart.backends.capabilities.positioning import Positioning
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured
+from handcart.primitives.driving.driving import HORIZON, FieldObstacleMonitor, ObstacleMonitor, make_monitor
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.motions.arm_motion import follow, move_to_joints, move_to_posture
+from handcart.primitives.restoring.retrace import retrace
+from handcart.primitives.restoring.snapshot import Snapshot
+from handcart.primitives.restoring.trace import Trace
 from handcart.primitives.seam.seam import Seam
+from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import transform
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.manipulation.placement.alongside import level_with, seen_from
 from handcart.robotics.manipulation.placement.placer import Placer
 from handcart.robotics.manipulation.placement.untrackable import Untrackable
 from handcart.robotics.manipulation.tracking.tool_path import ToolPath, tool_path
 from handcart.robotics.manipulation.tracking.tracking_limits import ArmLoad
-from handcart.robotics.manipulation.tracking.tracking_time import TimedTracking, TrackingLimits, time_tracking
+from handcart.robotics.manipulation.tracking.tracking_time import (
+    TimedTracking,
+    TrackingLimits,
+    time_evenly,
+    time_tracking,
+)
 
 from .divide import seam_of
+from .driven_base import RAMP, DrivenBase, way_from_here
 from .seam_placer import placer_of
 from .seam_work import SeamPart
 
@@ -40,22 +52,35 @@ REACH = 1.2  # [m] from the base to the tool, about
 Floats = NDArray[np.float64]
 
 
-class Track(ActionPrimitive):
-    """Follow the next part of the seam with the tool while the base stands.
+class _Plan(NamedTuple):
+    """How a part of the seam is tracked."""
 
-    The base never stops where it was planned: joint angles are found for where the positioning says that it
-    stands. Then the arm is as exact as positioning and arm are, and a moving base's errors don't count.
+    timed: TimedTracking
+    tools: ToolPath
+    """Where the tool is to be, one point each period."""
+    way_in: Floats
+    """(m, n) joint angles that lead to the first point."""
+
+
+class Track(ActionPrimitive):
+    """Follow the next part of the seam with the tool, from a base that stands or drives, by DIVIDE's plan.
+
+    A base never stops where it was planned: joint angles are found for where the positioning says that it
+    stands. Then the arm is as exact as positioning and arm are, and a moving base's errors don't count. While
+    the base drives, they do: the angles are found anew each period, for where the base will be at its end.
     """
 
     speed_m_s: Annotated[float, Field(gt=0.0, le=2.0)] | None = None
     """Of the tool; left out: the tool's, by the robot's file."""
 
     needs: ClassVar = (Arm, Positioning)
-    reads: ClassVar = ("seam", "work_piece")
-    writes: ClassVar = ("seam_work",)
+    reads: ClassVar = ("map", "seam", "work_piece")
+    writes: ClassVar = ("seam_work", "obstacles")
 
     _part: ToolPath | None = PrivateAttr(default=None)
     _at: int | None = PrivateAttr(default=None)
+    _driven: DrivenBase | None = PrivateAttr(default=None)
+    _monitor: ObstacleMonitor | FieldObstacleMonitor | None = PrivateAttr(default=None)
 
     @property
     def tracking(self) -> ToolPath | None:
@@ -74,27 +99,62 @@ class Track(ActionPrimitive):
         part = seam.part(work.next.first, work.next.last)
         placer = placer_of(robot.spec, self.speed_m_s)
         around = _around(robot, model)
+        start = way_from_here(robot, work.next.place, work.next.pose) if work.next.end else None
         try:
-            timed, way_in, way_out = yield from robot.compute(self._planned, robot, placer, part, takes=1.0)
+            plan = yield from robot.compute(self._planned, robot, placer, part, start, takes=1.0)
         except Untrackable as error:
             known.seam_work = work._replace(next=None, after=(), avoided=(*work.avoided, robot.pose))
             raise Discrepancy(_words(work.next, error)) from None  # not for good: DIVIDE avoids this place
-        yield from move_to_joints(robot, way_in[0], None, around)
-        yield from follow(robot, way_in)
-        yield from self._on_seam(robot, part, timed)
-        yield from follow(robot, way_out)
-        yield from move_to_posture(robot, "home", None, around)
+        yield from move_to_joints(robot, plan.way_in[0], None, around)
+        yield from follow(robot, plan.way_in)
+        if start is not None:
+            self._driven = DrivenBase(robot, placer.follower, plan.tools, start, plan.way_in[-1])
+            self._monitor = make_monitor(robot, model)
+        yield from self._on_seam(robot, part, plan)
+        yield from _away(robot, placer)
+        yield from move_to_posture(robot, "home", None, _around(robot, model))
         self.found(length_m=round(part.length, 3), part_score_m=round(work.next.score, 4))
         known.seam_work = work.done()
 
-    def _planned(self, robot: Robot, placer: Placer, part: ToolPath) -> tuple[TimedTracking, Floats, Floats]:
-        """Set-points along the part, and joint angles (m, n) that lead to its start and away from its end."""
-        stand = np.array(robot.pose)
-        angles = placer.joints(stand, part)
-        timed = time_tracking(placer.arm, part, angles, self._limits(robot, placer.arm), robot.period)
-        leave, last = placer.follower.joints, len(part.points) - 1
-        way_in = leave(_lead(part, 0), robot.pose.lift(), angles[0])[::-1]
-        return timed, way_in, leave(_lead(part, last), robot.pose.lift(), angles[-1])
+    def watch(self, robot: Robot, model: ModelView) -> None:
+        """Something in the way of a base that drives: remembered, so that DIVIDE finds another."""
+        if self._at is None or self._driven is None or self._monitor is None:
+            return
+        sensed = self._monitor.unexpected(robot)
+        found = self._monitor.obstacle(self._driven.ahead(self._at), sensed)
+        if found is not None:
+            model.obstacles = np.vstack([model.obstacles, self._monitor.kept(sensed, found[1])])
+            x, y = found[1]
+            raise Discrepancy(
+                f"an obstacle stands in the base's way beside the seam, at ({x:.2f}, {y:.2f}) m",
+                measured=Measured("RangeSensor", "free way ahead", found[0], HORIZON, "m"),
+            )
+
+    def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
+        """A base that has driven goes back with the arm folded: the tool would touch what the seam is on."""
+        self._at = None
+        if self._driven is None:
+            yield from retrace(robot, start, trace)
+            return
+        yield from _away(robot, placer_of(robot.spec, self.speed_m_s))
+        yield from move_to_joints(robot, start.joint_command, None, _around(robot, model))
+        folded = Trace(robot)
+        folded.moments = [each._replace(joints=start.joint_command) for each in trace.moments]
+        yield from retrace(robot, start, folded)
+
+    def _planned(self, robot: Robot, placer: Placer, part: ToolPath, start: Pose2 | None) -> _Plan:
+        """Of a base that drives on from `start`, map_T_base, or stands where it is."""
+        limits = self._limits(robot, placer.arm)
+        if start is None:
+            angles = placer.joints(np.array(robot.pose), part)
+            timed = time_tracking(placer.arm, part, angles, limits, robot.period)
+        else:
+            seen = seen_from(level_with(start, part.points), part)
+            angles = placer.joints(np.zeros(3), seen)
+            ramp = RAMP * robot.drive_limits.acceleration
+            timed = time_evenly(placer.arm, seen, angles, limits, ramp, robot.period)
+        way_in = placer.follower.joints(_lead(part.poses[0]), robot.pose.lift(), angles[0])[::-1]
+        return _Plan(timed, part.at(timed.lengths), way_in)
 
     def _limits(self, robot: Robot, model: ArmModel) -> TrackingLimits:
         arm, tool = robot.spec.arm, robot.spec.tool
@@ -103,11 +163,10 @@ class Track(ActionPrimitive):
         speed = self.speed_m_s or tool.speed_m_s
         return TrackingLimits(speed, hard, ArmLoad(model).torque, tool.force_n)
 
-    def _on_seam(self, robot: Robot, part: ToolPath, timed: TimedTracking) -> Periods:
+    def _on_seam(self, robot: Robot, part: ToolPath, plan: _Plan) -> Periods:
         self._part, worst = part, 0.0
-        should = np.array([np.interp(timed.lengths, part.lengths, axis) for axis in part.points.T]).T
-        for self._at, (q, point) in enumerate(zip(timed.set_points, should, strict=True)):
-            robot.arm.move(q)
+        for self._at, (q, point) in enumerate(zip(plan.timed.set_points, plan.tools.points, strict=True)):
+            robot.arm.move(q if self._driven is None else self._driven.joints(self._at))
             yield
             tip = (robot.pose.lift() @ robot.base_T("hand"))[:3, 3]
             worst = max(worst, float(np.linalg.norm(tip - point)))
@@ -120,7 +179,18 @@ class Track(ActionPrimitive):
                 raise Discrepancy(
                     "the tool touches something", measured=Measured("Arm", "force", force, CONTACT, "N")
                 )
+            _check_known(robot)
         self._at = None
+
+
+def _away(robot: Robot, placer: Placer) -> Periods:
+    """Straight back along the tool, where the arm can."""
+    hand = robot.pose.lift() @ robot.arm_model.forward(robot.arm.command(), "hand")
+    try:
+        way_out = placer.follower.joints(_lead(hand), robot.pose.lift(), robot.arm.command())
+    except Untrackable:
+        return
+    yield from follow(robot, way_out)
 
 
 def _check_known(robot: Robot) -> None:
@@ -132,9 +202,8 @@ def _check_known(robot: Robot) -> None:
         raise Discrepancy("it isn't known exactly enough where the base stands", measured=measured)
 
 
-def _lead(part: ToolPath, index: int) -> ToolPath:
-    """From a point of the part straight back along the tool."""
-    pose = part.poses[index]
+def _lead(pose: Floats) -> ToolPath:
+    """From a pose (4, 4) of the tool straight back along it."""
     return tool_path([pose @ transform((-away, 0.0, 0.0)) for away in np.linspace(0.0, AWAY, 7)])
 
 

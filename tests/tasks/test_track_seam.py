@@ -35,6 +35,29 @@ def test_five_metres_are_tracked_to_a_millimetre_from_three_places(tmp_path: Pat
     assert summary["fails"] == 0
 
 
+def test_while_the_base_drives_along_the_tool_stays_on_the_seam(tmp_path: Path) -> None:
+    summary, status = run_task(TASK.with_name("driving.yaml"), tmp_path, RunOptions(seed=1))
+    metrics = summary["metrics"]
+    assert status == 0
+    assert metrics["untrue"] == []
+    assert metrics["placements"] == 1
+    assert metrics["seam_tracked_m"] == pytest.approx(5.13, abs=0.01)
+    assert metrics["tracking_error_mm_max"] < 3.0
+    assert metrics["joint_limit_violations"] == 0
+
+
+@pytest.mark.slow
+def test_a_way_that_is_blocked_is_left_for_places_to_stand_at(tmp_path: Path) -> None:
+    box = "name: crate, x_m: 4.4, y_m: 2.7, size_m: [0.5, 0.5, 0.6]"
+    options = RunOptions(settings=world_with(tmp_path, box))
+    summary, status = run_task(TASK.with_name("driving.yaml"), tmp_path, options)
+    metrics = summary["metrics"]
+    assert (status, metrics["untrue"]) == (0, [])
+    assert summary["fails"] >= 1
+    assert metrics["seam_tracked_m"] == pytest.approx(5.13, abs=0.01)
+    assert metrics["tracking_error_mm_max"] < 3.0
+
+
 @pytest.mark.slow
 def test_a_place_that_is_taken_is_a_fail_and_the_rest_is_divided_again(tmp_path: Path) -> None:
     box = "name: crate, x_m: 4.4, y_m: 2.7, size_m: [0.5, 0.5, 0.6]"

@@ -185,9 +185,20 @@ class Placer:
         turned = np.tile(headings, len(spots))[:, None]
         return np.hstack((np.repeat(spots, len(headings), axis=0), turned))
 
+    @property
+    def reach(self) -> float:
+        """No tool is farther from the base's origin, seen from above, in [m]."""
+        return float(self._screw_arm.chain.reach + np.hypot(*self._screw_arm.chain.points[0, :2]))
+
+    def followed(self, base: Floats, path: ToolPath) -> Floats:
+        """The same as `joints`, and it raises where the arm doesn't follow from a little beside the place."""
+        angles = self.joints(base, path)
+        self._check_around(base, path)
+        return angles
+
     def _spots(self, path: ToolPath, step: float) -> Floats:
         """(s, 2): x and y of a grid."""
-        reach = self._screw_arm.chain.reach + float(np.hypot(*self._screw_arm.chain.points[0, :2]))
+        reach = self.reach
         low, high = path.points[:, :2].min(axis=0) - reach, path.points[:, :2].max(axis=0) + reach
         xs, ys = (np.arange(a, b, step) for a, b in zip(low, high, strict=True))
         spots = np.stack(np.meshgrid(xs, ys, indexing="ij"), axis=-1).reshape(-1, 2)
@@ -279,8 +290,7 @@ class Placer:
         for segment in placements.segments:
             base, part = placements.bases[segment.placement], path.part(segment.first, segment.last)
             try:
-                angles = self.joints(base, part)
-                self._check_around(base, part)
+                angles = self.followed(base, part)
             except Untrackable as error:
                 found[segment.placement] = Untrackable(segment.first + error.index, error.why)
                 continue

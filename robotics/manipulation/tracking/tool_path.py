@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
+from scipy.spatial.transform import Rotation, Slerp
 
 from handcart.robotics.manipulation.placement.untrackable import Untrackable
 
@@ -60,6 +60,15 @@ class ToolPath(NamedTuple):
         """Points `first` to `last`, both included; arc length starts at zero again."""
         cut = ToolPath(*(field[first : last + 1] for field in self))
         return cut._replace(lengths=cut.lengths - cut.lengths[0])
+
+    def at(self, lengths: Floats) -> ToolPath:
+        """At arc lengths (k,), in [m], on straight lines between the points."""
+        points, tangents, turns = (
+            np.column_stack([np.interp(lengths, self.lengths, axis) for axis in field.T])
+            for field in (self.points, self.tangents, self.turns)
+        )
+        rotations = Slerp(self.lengths, Rotation.from_matrix(self.rotations))(lengths).as_matrix()
+        return ToolPath(points, rotations, tangents, turns, lengths)
 
 
 def tool_path(

@@ -85,7 +85,49 @@ def time_tracking(
     raise Untrackable(int(np.searchsorted(path.lengths, along[index])), "takes too much torque at any speed")
 
 
+def time_evenly(
+    arm: ArmModel, path: ToolPath, angles: Floats, limits: TrackingLimits, ramp: float, period: float
+) -> TimedTracking:
+    """Set-points at one speed of the tool but for a ramp at both ends: for a base that drives along.
+
+    Args:
+        arm, path, angles, limits, period: as for `time_tracking`.
+        ramp: acceleration along the path at its ends, in [m/s²].
+
+    Raises:
+        Untrackable, ValueError: as for `time_tracking`; ValueError also where `ramp` isn't above zero.
+    """
+    if min(limits.speed, ramp, *limits.torque, period) <= 0.0 or limits.force < 0.0:
+        raise ValueError("speed, ramp, torque and period must be above zero, the force not below")
+    load = ArmLoad(arm)
+    push = _push(arm, load, path, angles, limits.force)
+    _check_holding(arm, load, angles, push, limits.torque)
+    spline, pushes = CubicSpline(path.lengths, angles), CubicSpline(path.lengths, push)
+    speed = limits.speed
+    for _ in range(_STRETCHES):
+        along = _trapezoid(path.length, speed, ramp, period)
+        set_points = spline(along)
+        use = load.use(set_points, period, limits.torque, pushes(along))
+        if use.violations == 0 and use.speed.max() <= _FOR_FEEDBACK:
+            return TimedTracking(set_points, along, use)
+        speed /= 1.05
+    index = int(np.argmax(use.torque.max(axis=1)))
+    raise Untrackable(int(np.searchsorted(path.lengths, along[index])), "takes too much torque at any speed")
+
+
+def _trapezoid(length: float, speed: float, ramp: float, period: float) -> Floats:
+    """Arc lengths (k,), one each `period`, from rest to rest."""
+    speed = min(speed, np.sqrt(length * ramp))
+    rising, whole = speed / ramp, length / speed + speed / ramp
+    times = np.linspace(0.0, whole, int(np.ceil(whole / period)) + 1)
+    left = whole - times
+    even = speed * (times - 0.5 * rising)
+    up, down = 0.5 * ramp * times**2, length - 0.5 * ramp * left**2
+    return np.asarray(np.where(times < rising, up, np.where(left < rising, down, even)))
+
+
 _STRETCHES = 100
+_FOR_FEEDBACK = 0.75  # of the joints' speeds: the rest makes good what the base does
 _ROOM = 0.98  # of the torque limits for TOPP-RA, which looks at fewer places
 
 

@@ -14,7 +14,7 @@ from handcart.robotics.manipulation.placement.untrackable import Untrackable
 from handcart.robotics.manipulation.tracking.tool_follower import ToolFollower
 from handcart.robotics.manipulation.tracking.tool_path import ToolPath, tool_path
 from handcart.robotics.manipulation.tracking.tracking_limits import ArmLoad
-from handcart.robotics.manipulation.tracking.tracking_time import TrackingLimits, time_tracking
+from handcart.robotics.manipulation.tracking.tracking_time import TrackingLimits, time_evenly, time_tracking
 
 from .seams import arched, five_joint_urdf
 
@@ -86,6 +86,31 @@ def test_what_is_asked_too_fast_is_slowed_down(five: ArmModel, path: ToolPath, p
     assert timed.use.violations == 0
     assert max(timed.use.speed.max(), timed.use.torque.max()) > 0.5
     assert len(timed.set_points) * PERIOD < 0.5 * path.length / LIMITS.speed
+
+
+@pytest.mark.parametrize("speed", [0.05, 0.1, 5.0])
+def test_beside_a_driving_base_the_tool_keeps_one_speed(
+    five: ArmModel, path: ToolPath, planned: np.ndarray, speed: float
+) -> None:
+    """But for ramps at its ends, and as much slower as leaves joints something for feedback."""
+    timed = time_evenly(five, path, planned, LIMITS._replace(speed=speed), 0.2, PERIOD)
+    steps = np.diff(timed.lengths) / PERIOD
+    top = steps.max()
+    assert timed.use.violations == 0
+    assert timed.use.speed.max() <= 0.75
+    assert top <= speed * (1 + 1e-9)
+    assert (steps > 0.99 * top).mean() > (0.3 if speed < 1.0 else 0.0)
+    assert np.abs(np.diff(steps)).max() <= 1.01 * 0.2 * PERIOD
+    assert (timed.lengths[0], timed.lengths[-1]) == pytest.approx((0.0, path.length))
+
+
+def test_beside_a_driving_base_an_arm_too_weak_is_refused(
+    five: ArmModel, path: ToolPath, planned: np.ndarray
+) -> None:
+    with pytest.raises(Untrackable, match="allowed: 9"):
+        time_evenly(five, path, planned, LIMITS._replace(torque=np.full(5, 10.0)), 0.2, PERIOD)
+    with pytest.raises(ValueError, match="must be above zero"):
+        time_evenly(five, path, planned, LIMITS, 0.0, PERIOD)
 
 
 def test_an_arm_too_weak_to_hold_itself_is_refused(

@@ -1,0 +1,88 @@
+"""A base that drives along the seam while the arm has the tool on it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.robot.robot import Robot
+from handcart.primitives.contract.discrepancy import Discrepancy, Measured
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.manipulation.placement.alongside import level_with
+from handcart.robotics.manipulation.placement.untrackable import Untrackable
+from handcart.robotics.manipulation.tracking.tool_follower import ToolFollower
+from handcart.robotics.manipulation.tracking.tool_path import ToolPath
+from handcart.robotics.navigation.following.straight_way import StraightWay
+
+Floats = NDArray[np.float64]
+
+RAMP = 0.5  # share of the base's acceleration with which it sets out; the rest is for corrections
+MOST_BESIDE = 0.06  # [m] from its place
+
+
+def way_from_here(robot: Robot, place: str, planned: Pose2) -> Pose2:
+    """Where the planned way begins for a base that stopped a little ahead of its place, or behind.
+
+    Raises:
+        Discrepancy: the base stands elsewhere.
+    """
+    off = robot.pose.distance(planned)
+    if off > MOST_BESIDE:
+        away = Measured("Base", "off its place", off, MOST_BESIDE, "m")
+        raise Discrepancy(
+            f"the base doesn't stand at {place}, where its way beside the seam begins", measured=away
+        )
+    return planned.compose(Pose2(robot.pose.relative_to(planned).x, 0.0, 0.0))
+
+
+class DrivenBase:
+    """Drives the base level with the tool, and tells the arm's joints for where the base will be.
+
+    The base strays from its way by wheels that slip; the localizer sees it, once a period, and the arm makes
+    it good in the next: "base feedback" of Shin et al. (2005), section 4.
+    """
+
+    def __init__(
+        self, robot: Robot, follower: ToolFollower, tools: ToolPath, start: Pose2, near: Floats
+    ) -> None:
+        """Before the tool's first point.
+
+        Args:
+            robot: its arm holds the tool there.
+            follower: inverse kinematics of the arm.
+            tools: where the tool is to be, one point each period.
+            start: map_T_base at which the straight way begins.
+            near: (n,) angles of the arm at the first point.
+        """
+        self._robot, self._follower, self._tools = robot, follower, tools
+        self._spots = level_with(start, tools.points)[:, :2]
+        self._along = (self._spots - start[:2]) @ (math.cos(start.theta), math.sin(start.theta))
+        self._way = StraightWay(start, robot.drive_limits)
+        self._joints = near
+
+    def ahead(self, index: int) -> Floats:
+        """(k, 2) where the base is still to come by from a point of the tool's on, in [m], on the map."""
+        return self._spots[max(0, index - 1) :]
+
+    def joints(self, index: int) -> Floats:
+        """Drive for the period that comes; the arm's joints (n,) that have the tool at a point at its end.
+
+        Raises:
+            Discrepancy: something stands in the base's way, or the arm doesn't reach the seam any more.
+        """
+        robot, dt = self._robot, self._robot.period
+        if robot.held is not None:
+            raise Discrepancy(f"the base is held back beside the seam: {robot.held.words}")
+        before = self._along[max(0, index - 1)]
+        speed, turn_rate = self._way.command(robot.pose, before, (self._along[index] - before) / dt, dt)
+        robot.base.drive(speed, turn_rate)
+        halfway = Pose2(0.0, 0.0, 0.5 * turn_rate * dt)
+        ahead = robot.pose.compose(halfway).compose(Pose2(speed * dt, 0.0, 0.0)).compose(halfway)
+        try:
+            found = self._follower.joints(self._tools.part(index, index), ahead.lift(), self._joints)
+        except Untrackable as error:
+            raise Discrepancy(f"the seam {error.why} from where the base has come to") from None
+        self._joints = found[0]
+        return self._joints

@@ -1,0 +1,35 @@
+"""Keeping a base on a straight way, at a given pace."""
+
+from __future__ import annotations
+
+from handcart.robotics.geometry.pose2 import Pose2
+
+from .drive_limits import DriveLimits, Ramp
+
+AHEAD = 1.0  # [1/s] by which it catches up with where it should be on its way
+BACK = 0.5  # [m] of way in which it comes back to it
+
+
+class StraightWay:
+    """A base is driven along a straight way, and to where on it somebody wants it to be.
+
+    How far it is beside the way and turned from it dies away over `BACK`, critically damped, in either
+    direction of driving.
+    """
+
+    def __init__(self, start: Pose2, limits: DriveLimits) -> None:
+        """The way leads straight ahead from `start`, world_T_base, and straight back."""
+        self._start, self._ramp = start, Ramp(limits)
+
+    def command(self, pose: Pose2, along: float, speed: float, dt: float) -> tuple[float, float]:
+        """Speed in [m/s] and turn rate in [rad/s] for the next period.
+
+        Args:
+            pose: world_T_base.
+            along: where on the way it should be now, in [m] from the start.
+            speed: with which that moves, in [m/s].
+            dt: of the period, in [s].
+        """
+        here = pose.relative_to(self._start)
+        turn = -(speed * here.y / BACK + 2.0 * abs(speed) * here.theta) / BACK
+        return self._ramp.towards(speed + AHEAD * (along - here.x), turn, dt)
