@@ -57,6 +57,8 @@ class DrivenBase:
             near: (n,) angles of the arm at the first point.
         """
         self._robot, self._follower, self._tools = robot, follower, tools
+        self.heading = start.theta
+        """Of the way, in [rad]."""
         self._spots = level_with(start, tools.points)[:, :2]
         self._along = (self._spots - start[:2]) @ (math.cos(start.theta), math.sin(start.theta))
         self._way = StraightWay(start, robot.drive_limits)
@@ -78,11 +80,16 @@ class DrivenBase:
         before = self._along[max(0, index - 1)]
         speed, turn_rate = self._way.command(robot.pose, before, (self._along[index] - before) / dt, dt)
         robot.base.drive(speed, turn_rate)
-        halfway = Pose2(0.0, 0.0, 0.5 * turn_rate * dt)
-        ahead = robot.pose.compose(halfway).compose(Pose2(speed * dt, 0.0, 0.0)).compose(halfway)
+        base = self.base_at_end(index, speed, turn_rate)
         try:
-            found = self._follower.joints(self._tools.part(index, index), ahead.lift(), self._joints)
+            found = self._follower.joints(self._tools.part(index, index), base.lift(), self._joints)
         except Untrackable as error:
             raise Discrepancy(f"the seam {error.why} from where the base has come to") from None
         self._joints = found[0]
         return self._joints
+
+    def base_at_end(self, index: int, speed: float, turn_rate: float) -> Pose2:
+        """map_T_base after the period that comes, by where it is now and its command in [m/s] and [rad/s]."""
+        dt = self._robot.period
+        halfway = Pose2(0.0, 0.0, 0.5 * turn_rate * dt)
+        return self._robot.pose.compose(halfway).compose(Pose2(speed * dt, 0.0, 0.0)).compose(halfway)
