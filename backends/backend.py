@@ -160,6 +160,11 @@ class Backend(ABC):
         """
         raise NotAState(f"the backend {self.name!r} keeps no state")
 
+    def true_base(self) -> Pose2 | None:
+        """world_T_base of the ground truth alone; None where there is none."""
+        truth = self.ground_truth()
+        return None if truth is None else truth.base
+
     def figures(self) -> Mapping[str, Any]:
         """Figures for the run's summary, such as how late periods were; by name, with the unit at its end."""
         return {}

@@ -20,7 +20,7 @@ from handcart.backends.simulation.body.simulated_parts import (
     SimulatedGripper,
     Vector,
 )
-from handcart.backends.simulation.keyed_noise import keyed
+from handcart.backends.simulation.keyed_noise import keyed, keyed_normal
 from handcart.backends.simulation.scene import Scene
 from handcart.backends.simulation.sensors.ranges import cast_rays
 from handcart.backends.simulation.sensors.simulated_range_sensor import SimulatedRangeSensor
@@ -69,7 +69,7 @@ class Rolling:
         """
         if left == 0.0 and right == 0.0:
             return Pose2(0.0, 0.0, 0.0)
-        slips = self._slip * keyed(self._seed, "slip", period).standard_normal(2)
+        slips = self._slip * keyed_normal(self._seed, "slip", period, 2)
         left, right = left * self._left_scale * (1.0 - slips[0]), right * self._right_scale * (1.0 - slips[1])
         return _arc(float(left + right) / 2, float((right - left) / self._true_tread))
 
@@ -146,7 +146,14 @@ class KinematicRangeSensor(SimulatedRangeSensor):
         self._scene = scene
         height = float(base_T_sensor[2, 3])
         self._plan = FloorPlan(scene.solids, height, height)
+        self._seen_from: tuple[Pose2, bytes] | None = None
+        self._seen = np.empty(0)
 
     def _cast(self) -> NDArray[np.float64]:
-        sensor = self._scene.base.compose(self._mount)
-        return cast_rays(self._plan, sensor, self._angles, self._scene.time, self._spec.reach_m)
+        """Anew where the base has moved, or something has come or gone."""
+        here = self._scene.base, self._plan.there(self._scene.time).tobytes()
+        if here != self._seen_from:
+            sensor = self._scene.base.compose(self._mount)
+            self._seen = cast_rays(self._plan, sensor, self._angles, self._scene.time, self._spec.reach_m)
+            self._seen_from = here
+        return self._seen

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, ClassVar, Protocol
+from typing import Any, ClassVar, Protocol, TypeVar
 
 import numpy as np
 
@@ -28,6 +28,8 @@ from handcart.robotics.geometry.pose2 import Pose2
 
 from .keyed_noise import keyed
 from .scene import Scene
+
+C = TypeVar("C", bound=Capability)
 
 
 class Part(Protocol):
@@ -61,6 +63,7 @@ class SimulatedBackend(Backend):
         self._imu: SimulatedImu | None = None
         self._gps: SimulatedGps | None = None
         self._positioning: SimulatedPositioning | None = None
+        self._by_kind: dict[type[Capability], Capability] = {}
 
     @classmethod
     def build(cls, robot: RobotFile, world: Path | WorldFile | None, seed: int) -> SimulatedBackend:
@@ -90,6 +93,15 @@ class SimulatedBackend(Backend):
         if self._robot.positioning is not None:
             spec = self._robot.positioning
             self._positioning = SimulatedPositioning(spec, self.scene, self.period, self._seed)
+
+    def get(self, kind: type[C]) -> C | None:
+        """See `Backend`; asked many times a period."""
+        known = self._by_kind.get(kind)
+        if known is None:
+            known = super().get(kind)
+            if known is not None:
+                self._by_kind[kind] = known
+        return known  # type: ignore[return-value]
 
     def capabilities(self) -> tuple[Capability, ...]:
         """See `Backend`."""
@@ -136,6 +148,10 @@ class SimulatedBackend(Backend):
             raise NotAState(f"no state of this robot in {self.name}; needed: {', '.join(parts)}")
         for name, part in parts.items():
             set_attributes(part, part.STATE, state[name])
+
+    def true_base(self) -> Pose2:
+        """See `Backend`."""
+        return self.scene.base
 
     def ground_truth(self) -> GroundTruth:
         """See `Backend`."""

@@ -89,9 +89,9 @@ class DriveRecorder(RunObserver):
 def _row(robot: Robot) -> str:
     sensed = robot.localization.sensed
     assert sensed is not None
-    truth = robot.backend.ground_truth()
+    base = robot.backend.true_base()
     place = (math.nan,) * 3 if sensed.fix is None else (*sensed.fix.position.tolist(), sensed.fix.sigma)
-    true = (math.nan,) * 3 if truth is None else tuple(truth.base)
+    true = (math.nan,) * 3 if base is None else tuple(base)
     values = [*sensed.rates.tolist(), *sensed.accelerations.tolist(), *sensed.rolled.tolist(), *place, *true]
     cells = ["" if math.isnan(value) else f"{value:.6g}" for value in values]
     return ",".join([f"{robot.time:.4f}", *cells]) + "\n"

@@ -125,6 +125,11 @@ class OutdoorLocalization(Localization):
     def _correct(self) -> None:
         """A fix is taken when it comes."""
 
+    def set_state(self, state: object) -> None:
+        """See `Localization`."""
+        super().set_state(state)
+        self._filter.forget_derived()
+
     def _parts(self) -> dict[str, tuple[object, Kinds]]:
         odometry = self._filter.odometry
         return {

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from handcart.backends.description.ground_spec import GroundSpec
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.simulation.keyed_noise import keyed
+from handcart.backends.simulation.keyed_noise import keyed, keyed_normal
 from handcart.robotics.far import Far
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.outdoors.field_noise import SHARPEST
@@ -72,7 +72,7 @@ class RoughRide:
 
     def _change(self, way: float, period: int) -> None:
         """The ground `way` [m] farther on."""
-        draws, ground = keyed(self._seed, "ground", period).standard_normal(4), self._ground
+        draws, ground = keyed_normal(self._seed, "ground", period, 4), self._ground
         share = way / ground.roughness_length_m
         keep, new = _drift(share, math.sqrt(2.0) * self._rough)
         self._waves = keep * self._waves + new * draws[:2]

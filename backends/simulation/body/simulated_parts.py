@@ -17,7 +17,7 @@ from handcart.backends.description.simulated_errors import Errors
 from handcart.backends.limits import checked_drive, checked_joints, checked_width
 from handcart.backends.plain_values import Kinds
 from handcart.backends.simulation.body.swing import is_swing, swing_yaw
-from handcart.backends.simulation.keyed_noise import keyed
+from handcart.backends.simulation.keyed_noise import keyed, keyed_normal
 from handcart.robotics.kinematics.arm_model import ArmModel
 
 _SQUARED_DAMPING = 1e-4
@@ -143,7 +143,7 @@ class SimulatedArm(Arm):
     def _read(self, sensor: str, truth: Vector, sigma: float) -> Vector:
         last = self._readings.get(sensor)
         if last is None or last[0] != self._now:
-            noise = sigma * keyed(self._seed, sensor, self._now).standard_normal(len(truth))
+            noise = sigma * keyed_normal(self._seed, sensor, self._now, len(truth))
             last = self._readings[sensor] = (self._now, truth + noise)
         return last[1].copy()
 
@@ -175,7 +175,7 @@ class SimulatedGripper(Gripper):
 
     def width(self) -> float:
         """See `Gripper`."""
-        noise = self._sigma * keyed(self._seed, "width", self._now).standard_normal()
+        noise = self._sigma * float(keyed_normal(self._seed, "width", self._now, 1)[0])
         return float(max(0.0, self.true_width() + noise))
 
     def closed_on_something(self) -> bool:

@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from handcart.robotics.geometry.transform import Transform, transform
 
 
+@lru_cache(maxsize=16)
 def leaning(lean: tuple[float, float], pivot: float) -> Transform:
-    """Pose (4, 4) of the base that leans, in the upright base.
+    """Pose (4, 4) of the base that leans, in the upright base; it is read only.
 
     Args:
         lean: roll and pitch, in [rad].
         pivot: height of the point that stays where it is, in [m].
     """
     up, down = transform((0.0, 0.0, pivot)), transform((0.0, 0.0, -pivot))
-    return np.asarray(up @ transform(rpy=(lean[0], lean[1], 0.0)) @ down)
+    pose = np.asarray(up @ transform(rpy=(lean[0], lean[1], 0.0)) @ down)
+    pose.flags.writeable = False
+    return pose
 
 
 def lean_of(reach: tuple[float, float], mrad_per_m: float) -> tuple[float, float]:

@@ -127,6 +127,9 @@ def _in_world(shelf: Shelf, corners: tuple[tuple[float, float, float], ...]) -> 
 
 def _book(canvas: Canvas, book: Book, shelf: Shelf | None) -> None:
     """Covers and head, the darker the deeper they stand inside a shelf, then the spine."""
+    box = book.box()
+    if canvas.shows_none((CORNERS.reshape(-1, 3) * box.size) @ box.pose[:3, :3].T + box.pose[:3, 3]):
+        return
     front = 0.0 if shelf is None else float((shelf.inverse_pose @ book.pose)[0, 3])
     if shelf is None:
         _part(canvas, book, (0.0, book.depth), 1.0)
@@ -140,7 +143,8 @@ def _book(canvas: Canvas, book: Book, shelf: Shelf | None) -> None:
         face = book.pose @ upper_left @ _SPINE_FACE
         light = 1.0 if shelf is None else _light(shelf, front)
         streak = _mirrored(book, shelf, canvas.eye)
-        canvas.texture(_lit(spine_levels(book.spec), light, streak, book.spec.gloss), face)
+        shade = partial(_lit, light=light, streak=streak, gloss=book.spec.gloss)
+        canvas.texture(spine_levels(book.spec), face, shade)
 
 
 def _mirrored(book: Book, shelf: Shelf | None, eye: NDArray[np.float64]) -> float | None:
@@ -153,21 +157,13 @@ def _mirrored(book: Book, shelf: Shelf | None, eye: NDArray[np.float64]) -> floa
     return 0.5 - 0.5 * bent if abs(bent) < 1.0 else None
 
 
-def _lit(
-    levels: list[tuple[GreyImage, float]], light: float, streak: float | None, gloss: float
-) -> list[tuple[GreyImage, float]]:
+def _lit(picture: GreyImage, light: float, streak: float | None, gloss: float) -> GreyImage:
     """A spine deeper in a shelf is darker; a mirrored window is a bright streak along it."""
     if light > 0.999 and streak is None:
-        return levels
-    result = []
-    for picture, metres in levels:
-        across = (np.arange(picture.shape[1]) + 0.5) / picture.shape[1]
-        added = (
-            0.0 if streak is None else gloss * _STREAK_GREY * np.exp(-(((across - streak) / _STREAK) ** 2))
-        )
-        lit = np.clip(picture * light + added, 0.0, 255.0)
-        result.append((lit.astype(np.uint8), metres))
-    return result
+        return picture
+    across = (np.arange(picture.shape[1]) + 0.5) / picture.shape[1]
+    added = 0.0 if streak is None else gloss * _STREAK_GREY * np.exp(-(((across - streak) / _STREAK) ** 2))
+    return np.clip(picture * light + added, 0.0, 255.0).astype(np.uint8)
 
 
 # A spine's picture: x to the right is -y of the book, y downwards is -z.

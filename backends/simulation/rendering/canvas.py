@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import cv2
 import numpy as np
@@ -16,6 +16,7 @@ _FAR = 30000.0  # beyond any picture, within OpenCV's fixed-point range [px]
 
 Floats = NDArray[np.float64]
 GreyImage = NDArray[np.uint8]
+Shade = Callable[[GreyImage], GreyImage]
 
 
 class Canvas:
@@ -33,6 +34,11 @@ class Canvas:
         """Whether the camera is on the side of a face that its normal points to."""
         return bool((self.eye - corner) @ normal > 0.0)
 
+    def shows_none(self, corners: Floats) -> bool:
+        """Whether a convex body with these corners (n, 3) in the world is surely outside the picture."""
+        rays = (corners - self.eye) @ self._projection.T
+        return not (rays[:, 2] < _NEAREST).any() and self._outside(rays[:, :2] / rays[:, 2:])
+
     def polygon(self, corners: Floats, grey: int) -> None:
         """A flat convex face, corners (n, 3) in the world, in one shade."""
         rays = (corners - self.eye) @ self._projection.T
@@ -46,11 +52,14 @@ class Canvas:
         fixed = np.rint(np.clip(pixels, -_FAR, _FAR) * 2**_SHIFT).astype(np.int32)
         cv2.fillConvexPoly(self.picture, fixed, grey, cv2.LINE_AA, _SHIFT)
 
-    def texture(self, levels: Sequence[tuple[GreyImage, float]], face: Transform) -> None:
+    def texture(
+        self, levels: Sequence[tuple[GreyImage, float]], face: Transform, shade: Shade | None = None
+    ) -> None:
         """A printed face.
 
         `face` (4, 4): origin at the picture's upper left corner, x along its rows, y down its columns, in
-        [m]. `levels` are the same picture in falling resolution, each with its metres a pixel.
+        [m]. `levels` are the same picture in falling resolution, each with its metres a pixel; `shade` makes
+        of the one that is shown how it looks in its light.
         """
         size = np.array([levels[0][0].shape[1], levels[0][0].shape[0]]) * levels[0][1]
         corners = face[:3, 3] + np.array([[0, 0], [1, 0], [1, 1], [0, 1]]) * size @ face[:3, :2].T
@@ -61,7 +70,7 @@ class Canvas:
         if self._outside(pixels):
             return
         picture, metres = self._level(levels, pixels, size)
-        self._warp(picture, metres, face, pixels)
+        self._warp(picture if shade is None else shade(picture), metres, face, pixels)
 
     def _level(
         self, levels: Sequence[tuple[GreyImage, float]], pixels: Floats, size: Floats

@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from handcart.backends.description.sensor_specs import ImuSpec
-from handcart.backends.simulation.keyed_noise import keyed
+from handcart.backends.simulation.keyed_noise import keyed, keyed_normal
 from handcart.backends.simulation.scene import Scene
 from handcart.robotics.geometry.pose2 import Pose2
 
@@ -41,7 +41,7 @@ class FieldImu(SimulatedImu):
 
     def rates(self) -> Vector:
         """See `Imu`."""
-        noise = self._rate_sigma * keyed(self._seed, "gyros", self._now).standard_normal(3)
+        noise = self._rate_sigma * keyed_normal(self._seed, "gyros", self._now, 3)
         warm = self._warm * math.exp(-self._now * self._period / self._spec.warm_up_s)
         bias = self._bias + warm + self._walk
         return np.asarray(self._scale * self._turned / self._period + bias + noise)
@@ -50,7 +50,7 @@ class FieldImu(SimulatedImu):
         """See `Imu`."""
         shaken = self._spec.vibration_m_s2 if self._speed != 0.0 else 0.0
         sigma = math.hypot(self._felt_sigma, shaken)
-        noise = sigma * keyed(self._seed, "accelerometers", self._now).standard_normal(3)
+        noise = sigma * keyed_normal(self._seed, "accelerometers", self._now, 3)
         return np.asarray(self._turn.T @ self._carried() + self._felt + self._felt_bias + noise)
 
     def advance(self, period: int) -> None:
@@ -71,4 +71,4 @@ class FieldImu(SimulatedImu):
     def _wander(self, period: int) -> None:
         """The gyros' bias, a period later."""
         wander = np.radians(self._spec.rate_random_walk_deg_s_rt_s) * math.sqrt(self._period)
-        self._walk = self._walk + wander * keyed(self._seed, "gyros' walk", period).standard_normal(3)
+        self._walk = self._walk + wander * keyed_normal(self._seed, "gyros' walk", period, 3)

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from handcart.backends.capabilities.imu import Imu
 from handcart.backends.description.sensor_specs import ImuSpec
 from handcart.backends.plain_values import Kinds
-from handcart.backends.simulation.keyed_noise import keyed
+from handcart.backends.simulation.keyed_noise import keyed, keyed_normal
 from handcart.backends.simulation.scene import Scene
 
 GRAVITY = 9.81  # [m/s²]
@@ -35,12 +35,12 @@ class SimulatedImu(Imu):
 
     def rates(self) -> Vector:
         """See `Imu`."""
-        noise = self._rate_sigma * keyed(self._seed, "gyros", self._now).standard_normal(3)
+        noise = self._rate_sigma * keyed_normal(self._seed, "gyros", self._now, 3)
         return np.asarray(self._turned / self._period + self._bias + noise)
 
     def accelerations(self) -> Vector:
         """See `Imu`."""
-        noise = self._felt_sigma * keyed(self._seed, "accelerometers", self._now).standard_normal(3)
+        noise = self._felt_sigma * keyed_normal(self._seed, "accelerometers", self._now, 3)
         return np.asarray(self._turn.T @ self._carried() + noise)
 
     def advance(self, period: int) -> None:

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 from handcart.backends.capabilities.positioning import PoseReading, Positioning
 from handcart.backends.description.sensor_specs import PositioningSpec
-from handcart.backends.simulation.keyed_noise import keyed
+from handcart.backends.simulation.keyed_noise import keyed_normal
 from handcart.backends.simulation.scene import Scene
 from handcart.robotics.geometry.pose2 import Pose2
 
@@ -64,5 +64,5 @@ class SimulatedPositioning(Positioning):
     def _measured(self, number: int) -> Pose2:
         x, y, theta = self._scene.base
         sigma, turn = self._spec.sigma_mm / 1e3, self._spec.heading_sigma_mrad / 1e3
-        dx, dy, angle = keyed(self._seed, "positioning", number).standard_normal(3).tolist()
+        dx, dy, angle = keyed_normal(self._seed, "positioning", number, 3).tolist()
         return Pose2(x + sigma * dx, y + sigma * dy, theta + turn * angle)

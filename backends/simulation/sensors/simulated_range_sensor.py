@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from handcart.backends.capabilities.range_sensor import RangeSensor, Scan
 from handcart.backends.description.sensor_specs import RangeSpec
 from handcart.backends.plain_values import Kinds
-from handcart.backends.simulation.keyed_noise import keyed
+from handcart.backends.simulation.keyed_noise import keyed_normal
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform
 
@@ -39,7 +39,7 @@ class SimulatedRangeSensor(RangeSensor):
     def scan(self) -> Scan:
         """See `RangeSensor`."""
         if self._last is None or self._last[0] != self._now:
-            noise = keyed(self._seed, "range sensor", self._now).standard_normal(len(self._angles))
+            noise = keyed_normal(self._seed, "range sensor", self._now, len(self._angles))
             ranges = np.maximum(self._cast() + self._spec.sigma_mm / 1e3 * noise, 0.0)
             ranges[ranges > self._spec.reach_m] = np.inf
             self._last = (self._now, Scan(self._angles.copy(), ranges, self._mount))

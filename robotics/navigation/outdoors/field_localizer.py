@@ -107,6 +107,9 @@ class FieldLocalizer(ABC):
         """Where the robot was at the marked moments, by all readings so far; else nothing."""
         return []
 
+    def forget_derived(self) -> None:
+        """Its state was set from outside: forget what was derived from it."""
+
     def _flush(self) -> None:
         if self._odometry.pending > 0.0:
             self._advance(self._odometry.take())

@@ -84,6 +84,9 @@ class GpsFilter(FieldLocalizer):
             for each in supposed
         ]
         """One for each supposition."""
+        self._here: Pose2 | None = None
+        self._spread: Array | None = None
+        """(3, 3) covariance; like `_here` asked many times between two steps."""
 
     @property
     def weights(self) -> Array:
@@ -133,7 +136,9 @@ class GpsFilter(FieldLocalizer):
         if self._search is not None:
             away = self._start_position**2 + self._estimate().distance(self._begun) ** 2
             return np.diag([away, away, math.pi**2 / 3.0])
-        return self._mixed([each.belief for each in self.filters]).covariance[:3, :3]
+        if self._spread is None:
+            self._spread = self._mixed([each.belief for each in self.filters]).covariance[:3, :3]
+        return self._spread.copy()
 
     def mark(self) -> Belief:
         """See `FieldLocalizer`."""
@@ -148,15 +153,23 @@ class GpsFilter(FieldLocalizer):
     def _estimate(self) -> Pose2:
         if self._search is not None:
             return self._since
-        x, y, heading = _mean([each.belief.mean for each in self.filters], self._weights)[:3].tolist()
-        return Pose2(x, y, wrap(heading))
+        if self._here is None:
+            x, y, heading = _mean([each.belief.mean for each in self.filters], self._weights)[:3].tolist()
+            self._here = Pose2(x, y, wrap(heading))
+        return self._here
+
+    def forget_derived(self) -> None:
+        """See `FieldLocalizer`."""
+        self._here, self._spread = None, None
 
     def _advance(self, advance: Advance) -> None:
+        self.forget_derived()
         self._clock += advance.time
         for each in self.filters:
             each.advance(advance)
 
     def _fix(self, position: Array, sigma: float | None) -> bool:
+        self.forget_derived()
         if self._search is not None:
             self._find_heading(self._search, position, self._noise.gps_white if sigma is None else sigma)
             return True
