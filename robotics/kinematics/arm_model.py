@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -129,11 +130,17 @@ class ArmModel:
     def link_poses(self, q: Vector) -> NDArray[np.float64]:
         """base_T_shape (g, 4, 4) of each body of `link_shapes`, in the same order."""
         pin.forwardKinematics(self._model, self._data, self.ordered(q))
-        placements = [
-            self._base_T_root * self._data.oMi[body.parentJoint] * body.placement
-            for body in self._geometry.geometryObjects
-        ]
-        return np.array([placement.homogeneous for placement in placements])
+        joints, rows, joint_T_bodies = self._mounts
+        base_T_joints = np.array([(self._base_T_root * self._data.oMi[j]).homogeneous for j in joints])
+        return np.asarray(base_T_joints[rows] @ joint_T_bodies)
+
+    @cached_property
+    def _mounts(self) -> tuple[list[int], NDArray[np.intp], NDArray[np.float64]]:
+        """Joints that carry bodies, which of them carries each body, and joint_T_body (g, 4, 4)."""
+        bodies = self._geometry.geometryObjects
+        joints, rows = np.unique([body.parentJoint for body in bodies], return_inverse=True)
+        placements = np.array([body.placement.homogeneous for body in bodies]).reshape(-1, 4, 4)
+        return joints.astype(int).tolist(), rows, placements
 
     def link_shapes(self, q: Vector) -> list[Shape]:
         """All collision bodies of the robot, posed in `base`, each named after its link."""
