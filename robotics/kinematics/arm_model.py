@@ -48,6 +48,7 @@ class ArmModel:
         self.tip = tip
         self.base = base
         self._others = dict(others or {})
+        self._alike: dict[tuple[tuple[str, float], ...], ArmModel] = {}
         reduced = urdf_of_arm(urdf_text, self.joint_names, self._others)
         self._model = pin.buildModelFromXML(reduced, True)
         self._geometry = pin.buildGeomFromUrdfString(
@@ -67,9 +68,19 @@ class ArmModel:
         self._base_T_root = self._root_T_base.inverse()
 
     def with_others(self, others: Mapping[str, float]) -> ArmModel:
-        """The same arm with other joints standing elsewhere, for example fingers opened to hold a book."""
-        everyone = {**self._others, **others}
-        return ArmModel(self._urdf, self.joint_names, self.tip, self.base, everyone, self.allowed)
+        """The same arm with other joints standing elsewhere, for example fingers opened to hold a book.
+
+        Asked again, it is the same object.
+        """
+        key = tuple(sorted(others.items()))
+        if key not in self._alike:
+            if len(self._alike) >= _ALIKE:
+                self._alike.clear()
+            everyone = {**self._others, **others}
+            self._alike[key] = ArmModel(
+                self._urdf, self.joint_names, self.tip, self.base, everyone, self.allowed
+            )
+        return self._alike[key]
 
     @property
     def dof(self) -> int:
@@ -214,6 +225,7 @@ class ArmModel:
 
 
 _GRAVITY = 9.81  # [m/s²]
+_ALIKE = 32  # models with other joints elsewhere that are kept
 _ITERATIONS = 40
 _DRAWN = 8
 _LONGEST_STEP = 0.5  # [rad]
