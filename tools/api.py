@@ -184,6 +184,7 @@ def campaign(
     generate: Sequence[str] = (),
     out: Path | str | None = None,
     shard: str | None = None,
+    cluster: str | None = None,
     until: str | None = None,
     vary: Path | str | None = None,
     faults: Path | str | None = None,
@@ -203,6 +204,7 @@ def campaign(
         generate: `NAME` or `NAME.KEY=VALUE` each: a generated world for each seed.
         out: the campaign's folder: each trial is kept there, and the same call goes on.
         shard: `K/N`: the K-th of N parts, for `handcart campaign merge`.
+        cluster: address of a Dask scheduler, or its file: its workers run the trials.
         until: `p > 0.95`: end when it is sure whether that holds.
         vary, faults: files of numbers that vary by trial, and of faults that come (docs/campaigns.md).
         level: `network`: no robot moves, outcomes are drawn by each action's `p`.
@@ -233,7 +235,7 @@ def campaign(
         _path(runs),
     )
     with asked.opened() as opened:
-        for _ in opened.trials(jobs or (2 if level == "run" else 1)):
+        for _ in opened.trials(jobs, cluster):
             pass
         counted = opened.counted() if out is not None else tuple(opened.counted())
         found = CampaignReport(counted, None if opened.settling is None else opened.settling.verdict)

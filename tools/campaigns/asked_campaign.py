@@ -150,11 +150,23 @@ class OpenCampaign:
     """What becomes of a claim; None: nothing is claimed."""
     out: Path | None
 
-    def trials(self, jobs: int) -> Generator[Trial, None, None]:
-        """Run what isn't there yet, until a claim is settled; raises as `run_campaign` does."""
+    def trials(self, jobs: int | None, cluster: str | None = None) -> Generator[Trial, None, None]:
+        """Run what isn't there yet, until a claim is settled.
+
+        Args:
+            jobs: processes side by side; None: 2, on the network alone 1.
+            cluster: address, or file, of a Dask scheduler whose workers run them instead.
+
+        Raises:
+            InputError: both are given.
+            HandcartError, KeyboardInterrupt: as `run_campaign` does.
+        """
+        if cluster is not None and jobs is not None:
+            raise NotPossible("--cluster --jobs; allowed: one of them, a cluster has as many as it has")
+        jobs = jobs or (2 if self.setting.level == "run" else 1)
         if self.settling is not None and any(self.settling.hear(each) for each in self.log.trials()):
             return
-        with closing(run_campaign(self.setting, self.seeds, jobs, self.log)) as running:
+        with closing(run_campaign(self.setting, self.seeds, jobs, self.log, cluster)) as running:
             for trial in running:
                 yield trial
                 if self.settling is not None and self.settling.hear(trial):

@@ -44,6 +44,10 @@ def campaign(
     until: Annotated[
         str | None, typer.Option(help='"p > 0.95": end when it is sure whether that holds; 3 where not')
     ] = None,
+    cluster: Annotated[
+        str | None,
+        typer.Option(help="tcp://HOST:PORT of a Dask scheduler, or its file: its workers run the trials"),
+    ] = None,
     junit: Annotated[Path | None, typer.Option(help="also write the trials as JUnit XML")] = None,
     vary: Annotated[
         Path | None, typer.Option(help="a file of numbers in task, robot or world that vary by trial")
@@ -84,7 +88,7 @@ def campaign(
         runs,
     )
     with asked.opened() as opened:
-        interrupted = _run(opened, jobs or (2 if level == "run" else 1))
+        interrupted = _run(opened, jobs, cluster)
         found = CampaignReport(opened.counted())
         told = CampaignWords(found, opened.arguments, interrupted, opened.settling)
         if junit is not None:
@@ -104,7 +108,7 @@ def campaign(
         sys.exit(0 if opened.settling is None or opened.settling.verdict else 3)
 
 
-def _run(opened: OpenCampaign, jobs: int) -> bool:
+def _run(opened: OpenCampaign, jobs: int | None, cluster: str | None) -> bool:
     """Run what isn't there yet, with progress; whether it was interrupted."""
     from rich.console import Console
     from rich.progress import track
@@ -113,7 +117,7 @@ def _run(opened: OpenCampaign, jobs: int) -> bool:
     if there:
         print(f"{there} of {count} trials are there already", file=sys.stderr)
     try:
-        with closing(opened.trials(jobs)) as running:
+        with closing(opened.trials(jobs, cluster)) as running:
             for _ in track(running, "trials", count - there, console=Console(stderr=True)):
                 pass
     except KeyboardInterrupt:

@@ -80,7 +80,7 @@ def beside(setting, seed):
     return Slow()(seed)
 
 if __name__ == "__main__":
-    campaign._beside = beside
+    campaign.run_beside = beside
     with TrialLog(Path(sys.argv[1])) as log:
         for _ in run_campaign(CampaignSetting(Path("none")), range(60), 2, log):
             pass
