@@ -12,7 +12,7 @@ EXTRAS: dict[str, Sequence[str]] = {
     "pybullet": ("pybullet",),
     "bags": ("rosbags",),
     "cluster": ("distributed",),
-    "export": ("arro3",),
+    "export": ("arro3", "foxglove"),
 }
 """By the name of an extra in pyproject.toml: the modules that come with it."""
 

@@ -42,7 +42,8 @@ def without(names: Sequence[str], *words: str) -> subprocess.CompletedProcess[st
 def test_the_extras_are_those_of_the_project() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     extras = project["optional-dependencies"]
-    modules = {"pin": "pinocchio", "python-fcl": "fcl", "arro3-core": "arro3", "arro3-io": "arro3"}
+    modules = {"pin": "pinocchio", "python-fcl": "fcl"}
+    modules |= {"arro3-core": "arro3", "arro3-io": "arro3", "foxglove-sdk": "foxglove"}
     for extra, brought in EXTRAS.items():
         names = [re.split("[>;]", each)[0] for each in extras[extra]]
         assert {modules.get(each, each) for each in names} == set(brought)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Annotated
 
@@ -9,20 +10,41 @@ import typer
 
 
 def export(
-    folder: Annotated[Path, typer.Argument(help="a campaign's folder")],
-    file: Annotated[Path, typer.Option("--output", "-o", help="*.parquet: a row each trial")],
+    folder: Annotated[Path, typer.Argument(help="a run's folder, or a campaign's")],
+    file: Annotated[
+        Path, typer.Option("--output", "-o", help="*.mcap: a run; *.parquet: a campaign, a row each trial")
+    ],
 ) -> None:
-    """Write the trials of a campaign as Parquet."""
-    from handcart.evaluation.campaigns.campaign_folder import CampaignFolder
-    from handcart.evaluation.export.campaign_parquet import write_parquet
+    """Write a run as MCAP, or the trials of a campaign as Parquet."""
     from handcart.files.printable import printable
     from handcart.tools.terminal.writing import NotWritable
 
-    if file.suffix != ".parquet":
-        raise NotWritable(file, f"nothing is written with the suffix {file.suffix!r}", "*.parquet")
-    trials = CampaignFolder.read(folder).trials()
+    write = FORMATS.get(file.suffix)
+    if write is None:
+        raise NotWritable(file, f"nothing is written with the suffix {file.suffix!r}", "*.mcap, *.parquet")
     try:
-        write_parquet(trials, file)
+        words = write(folder, file)
     except OSError as error:
         raise NotWritable(file, error.strerror) from None
-    print(printable(f"written: {file}, {len(trials)} trials"))
+    print(printable(f"written: {file}, {words}"))
+
+
+def _mcap(folder: Path, file: Path) -> str:
+    from handcart.evaluation.export.run_mcap import write_mcap
+    from handcart.networks.journal.past_run import read_run
+
+    counts = write_mcap(read_run(folder), file)
+    return ", ".join(f"{count} {topic}" for topic, count in sorted(counts.items()))
+
+
+def _parquet(folder: Path, file: Path) -> str:
+    from handcart.evaluation.campaigns.campaign_folder import CampaignFolder
+    from handcart.evaluation.export.campaign_parquet import write_parquet
+
+    trials = CampaignFolder.read(folder).trials()
+    write_parquet(trials, file)
+    return f"{len(trials)} trials"
+
+
+FORMATS: Mapping[str, Callable[[Path, Path], str]] = {".mcap": _mcap, ".parquet": _parquet}
+"""By suffix."""

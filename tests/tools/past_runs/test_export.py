@@ -20,6 +20,6 @@ def test_a_campaigns_trials_are_exported(handcart: Callable[..., Said], tour: Pa
 
 def test_what_cannot_be_exported_is_told(handcart: Callable[..., Said], tmp_path: Path) -> None:
     said = handcart("export", tmp_path, "-o", tmp_path / "trials.csv")
-    assert (said.status, "*.parquet" in said.err) == (2, True)
+    assert (said.status, "*.mcap, *.parquet" in said.err) == (2, True)
     said = handcart("export", tmp_path, "-o", tmp_path / "trials.parquet")
     assert (said.status, "there is no campaign.json in it" in said.err) == (2, True)
