@@ -31,9 +31,9 @@ def export(
 
 def _mcap(folder: Path, file: Path) -> str:
     from handcart.evaluation.export.run_mcap import write_mcap
-    from handcart.networks.journal.past_run import read_run
+    from handcart.evaluation.playback.playback import Playback
 
-    counts = write_mcap(read_run(folder), file)
+    counts = write_mcap(Playback.read(folder), file)
     return ", ".join(f"{count} {topic}" for topic, count in sorted(counts.items()))
 
 
