@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import threading
 import time
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
@@ -97,6 +98,20 @@ def _files(setting: CampaignSetting) -> Mapping[str, str]:
     return checksums(setting, load_task(setting.task, setting.settings))
 
 
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Without what the library tells programmers of connections that are lost."""
+    handlers = list(logging.getLogger("distributed").handlers)
+    before = [each.level for each in handlers]
+    for each in handlers:
+        each.setLevel(logging.CRITICAL)
+    try:
+        yield
+    finally:
+        for each, level in zip(handlers, before, strict=True):
+            each.setLevel(level)
+
+
 @dataclass
 class Asked:
     """A trial that is on its way."""
@@ -136,7 +151,7 @@ class Cluster:
         from distributed import as_completed
 
         self._left = iter(seeds)
-        with self._client() as client:
+        with _quiet(), self._client() as client:
             waiting = as_completed(loop=client.loop, with_results=True, raise_errors=False)
             try:
                 while self._give(client, waiting):

@@ -19,7 +19,7 @@ from benchmarks.campaigns.walk import walk
 from handcart.evaluation.campaigns import cluster as module
 from handcart.evaluation.campaigns.campaign import run_campaign
 from handcart.evaluation.campaigns.campaign_setting import CampaignSetting
-from handcart.evaluation.campaigns.cluster import Cluster, NoCluster, TrialThere
+from handcart.evaluation.campaigns.cluster import Cluster, ClusterLost, NoCluster, TrialThere
 from handcart.evaluation.campaigns.trial import Trial
 from handcart.evaluation.campaigns.trial_log import TrialLog, line_of
 from handcart.evaluation.campaigns.workers import TrialFault
@@ -46,8 +46,9 @@ class Work:
 
 @dataclass
 class Machines:
-    """A scheduler's file, and the processes of its three workers, the last one slow."""
+    """A scheduler and its file, and the processes of its three workers, the last one slow."""
 
+    scheduler: subprocess.Popen[bytes]
     file: Path
     workers: list[subprocess.Popen[bytes]]
 
@@ -66,7 +67,7 @@ def machines(tmp_path: Path) -> Iterator[Machines]:
     try:
         with Client(scheduler_file=str(file), set_as_default=False) as client:
             client.wait_for_workers(3, timeout=60.0)
-        yield Machines(file, workers)
+        yield Machines(scheduler, file, workers)
     finally:
         for each in (*workers, scheduler):
             each.kill()
@@ -116,6 +117,16 @@ def test_a_campaign_ends_as_on_one_machine_and_what_cannot_be_run_is_told(
     with pytest.raises(TrialFault, match="this can't be") as raised:
         list(Cluster(Work(tmp_path, refuses=1), str(machines.file)).trials(range(3)))
     assert raised.value.exit_status == 2
+
+
+@pytest.mark.slow
+def test_where_the_scheduler_dies_the_campaign_ends_in_words(machines: Machines, tmp_path: Path) -> None:
+    done = 0
+    with pytest.raises(ClusterLost, match="the same command goes on with what is left"):
+        for together in Cluster(Work(tmp_path), str(machines.file)).trials(range(1000)):
+            done += len(together)
+            machines.scheduler.kill()
+    assert 0 < done < 1000
 
 
 def test_a_worker_with_other_files_runs_nothing(tmp_path: Path) -> None:
