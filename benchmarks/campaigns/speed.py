@@ -3,7 +3,7 @@
     python -m benchmarks.campaigns.speed [--trials 100000]
 
 The network alone, as a command, start included, and the page of 10,000 trials; trials of 50 ms on two
-workers against the ideal, processes and those of a Dask scheduler; the memory of many trials and their report.
+workers against the ideal, processes and those of a Dask scheduler; memory of many trials and their report.
 One of 50 ms sleeps, so that two need no second core.
 """
 

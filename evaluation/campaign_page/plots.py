@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -13,6 +14,7 @@ WIDTH, HEIGHT = 300.0, 96.0
 SEEN = 1.5  # [px] that a single trial is high at least
 _MOST_BINS = 30
 _TICKS = 4
+_SLACK = 1e-9  # of a step
 
 
 @dataclass(frozen=True)
@@ -32,14 +34,15 @@ class Axis:
 
     def ticks(self) -> list[tuple[float, str]]:
         """Round values, and where they stand."""
-        from matplotlib.ticker import MaxNLocator
-
-        found = MaxNLocator(_TICKS, steps=[1, 2, 5, 10], integer=self.whole).tick_values(
-            self.least, self.most
-        )
-        slack = 1e-9 * (self.most - self.least)
-        inside = (float(each) for each in found if self.least - slack <= each <= self.most + slack)
-        return [(self.at(each), f"{each:.6g}") for each in inside]
+        if self.least == self.most:
+            return [(self.at(self.least), f"{self.least:.6g}")]
+        least_step = (self.most - self.least) / _TICKS
+        decade = 10.0 ** math.floor(math.log10(least_step))
+        step = next(each * decade for each in (1, 2, 5, 10) if each * decade >= least_step * (1.0 - _SLACK))
+        step = max(1.0, step) if self.whole else step
+        first = math.ceil(self.least / step - _SLACK)
+        last = math.floor(self.most / step + _SLACK)
+        return [(self.at(step * each), f"{step * each:.6g}") for each in range(first, last + 1)]
 
 
 @dataclass(frozen=True)
