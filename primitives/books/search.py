@@ -77,6 +77,8 @@ class Search(ActionPrimitive):
     _held: Box | None = PrivateAttr(default=None)
     _around: tuple[Box, ...] = PrivateAttr(default=())
     _views: list[SpineView] = PrivateAttr(default_factory=list)
+    _labels: list[Label] = PrivateAttr(default_factory=list)
+    """What was read in all views."""
     _thicknesses: dict[CallNumber, float] = PrivateAttr(default_factory=dict)
     """Of the books in the catalogue, in [m]."""
     _last: HandView | None = PrivateAttr(default=None)
@@ -159,7 +161,8 @@ class Search(ActionPrimitive):
 
     def _see(self, robot: Robot, reader: LabelReader) -> Generator[None, None, None]:
         view = self._last = yield from look(robot, self._base_T_shelf, self._held)
-        labels = reader.read(view.image, view.camera, view.camera_T_shelf, view.mask)
+        labels = reader.read(view.image, view.camera, view.camera_T_shelf, view.mask, self._labels)
+        self._labels += labels
         seen = find_spines(view.image, view.camera, view.camera_T_shelf, labels, view.mask, self._thicknesses)
         self._views.append(seen)
         self.evidence.pictures[f"view_{len(self._views)}"] = draw_overlay(

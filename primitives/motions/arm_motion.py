@@ -19,6 +19,7 @@ from handcart.robotics.manipulation.motions.trajectory import time_path
 
 MARGIN = 0.005  # [m] between the arm and anything
 ALLOWED = ((HELD, "tray"),)  # what the hand holds was taken from there
+FINELY = 5e-4  # [m] to which fingers are known, so that one model serves for many motions
 LAGS = 0.15  # [rad] behind the command at which something stops the arm: two periods at top speed
 
 Vector = NDArray[np.float64]
@@ -104,7 +105,7 @@ def collision_model(robot: Robot, held: Shape | None, around: Sequence[Shape] = 
     """What arm, hand and what it holds must not touch; arguments as for `move_to_joints`."""
     gripper, arm = robot.backend.get(Gripper), robot.arm_model  # type: ignore[type-abstract]
     if gripper is not None:
-        width = max(0.0, gripper.width() / 2.0)
+        width = FINELY * round(max(0.0, gripper.width() / 2.0) / FINELY)
         arm = arm.with_others({"left_finger": width, "right_finger": width})
     return CollisionModel(arm, around, held, margin=MARGIN, allowed=ALLOWED)
 

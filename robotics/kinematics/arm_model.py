@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,6 +48,7 @@ class ArmModel:
         self.tip = tip
         self.base = base
         self._others = dict(others or {})
+        self._alike: dict[tuple[tuple[str, float], ...], ArmModel] = {}
         reduced = urdf_of_arm(urdf_text, self.joint_names, self._others)
         self._model = pin.buildModelFromXML(reduced, True)
         self._geometry = pin.buildGeomFromUrdfString(
@@ -66,9 +68,19 @@ class ArmModel:
         self._base_T_root = self._root_T_base.inverse()
 
     def with_others(self, others: Mapping[str, float]) -> ArmModel:
-        """The same arm with other joints standing elsewhere, for example fingers opened to hold a book."""
-        everyone = {**self._others, **others}
-        return ArmModel(self._urdf, self.joint_names, self.tip, self.base, everyone, self.allowed)
+        """The same arm with other joints standing elsewhere, for example fingers opened to hold a book.
+
+        Asked again, it is the same object.
+        """
+        key = tuple(sorted(others.items()))
+        if key not in self._alike:
+            if len(self._alike) >= _ALIKE:
+                self._alike.clear()
+            everyone = {**self._others, **others}
+            self._alike[key] = ArmModel(
+                self._urdf, self.joint_names, self.tip, self.base, everyone, self.allowed
+            )
+        return self._alike[key]
 
     @property
     def dof(self) -> int:
@@ -129,11 +141,17 @@ class ArmModel:
     def link_poses(self, q: Vector) -> NDArray[np.float64]:
         """base_T_shape (g, 4, 4) of each body of `link_shapes`, in the same order."""
         pin.forwardKinematics(self._model, self._data, self.ordered(q))
-        placements = [
-            self._base_T_root * self._data.oMi[body.parentJoint] * body.placement
-            for body in self._geometry.geometryObjects
-        ]
-        return np.array([placement.homogeneous for placement in placements])
+        joints, rows, joint_T_bodies = self._mounts
+        base_T_joints = np.array([(self._base_T_root * self._data.oMi[j]).homogeneous for j in joints])
+        return np.asarray(base_T_joints[rows] @ joint_T_bodies)
+
+    @cached_property
+    def _mounts(self) -> tuple[list[int], NDArray[np.intp], NDArray[np.float64]]:
+        """Joints that carry bodies, which of them carries each body, and joint_T_body (g, 4, 4)."""
+        bodies = self._geometry.geometryObjects
+        joints, rows = np.unique([body.parentJoint for body in bodies], return_inverse=True)
+        placements = np.array([body.placement.homogeneous for body in bodies]).reshape(-1, 4, 4)
+        return joints.astype(int).tolist(), rows, placements
 
     def link_shapes(self, q: Vector) -> list[Shape]:
         """All collision bodies of the robot, posed in `base`, each named after its link."""
@@ -207,6 +225,7 @@ class ArmModel:
 
 
 _GRAVITY = 9.81  # [m/s²]
+_ALIKE = 32  # models with other joints elsewhere that are kept
 _ITERATIONS = 40
 _DRAWN = 8
 _LONGEST_STEP = 0.5  # [rad]

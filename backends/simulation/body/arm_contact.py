@@ -222,7 +222,7 @@ class ArmContact:
             thing.box() for thing in self._scene.things() if thing.rest not in (Rest.HAND, Rest.FLOOR)
         ]
         self._boxes = [*self._fixed, *standing]
-        self._solids = [RigidBody.box(np.array(box.size) - _GIVE) for box in self._boxes]
+        self._solids = [RigidBody.box(size) for size in np.array([box.size for box in self._boxes]) - _GIVE]
         poses = np.array([box.pose for box in self._boxes]).reshape(-1, 4, 4)
         self._middle, self._turn = poses[:, :3, 3], poses[:, :3, :3]
         self._half = np.array([box.size for box in self._boxes]).reshape(-1, 3) / 2

@@ -35,7 +35,7 @@ class RigidBody(NamedTuple):
     def box(cls, size: NDArray[np.float64]) -> Self:
         """A box of that size (3,) in [m] about its middle."""
         x, y, z = size.tolist()
-        return cls.of(Box(np.eye(4), (x, y, z), ""))
+        return cls(*_box(x, y, z))
 
 
 def overlap(one: RigidBody, pose: Transform, other: RigidBody, other_pose: Transform) -> float:
@@ -74,6 +74,12 @@ def touch(one: object, pose: Transform, other: object, other_pose: Transform) ->
 
 def _for_fcl(geometry: object, pose: Transform) -> object:
     return fcl.CollisionObject(geometry, fcl.Transform(pose[:3, :3], pose[:3, 3]))
+
+
+@lru_cache(maxsize=1024)
+def _box(x: float, y: float, z: float) -> RigidBody:
+    """Bodies are never changed: things of one size may share one."""
+    return RigidBody.of(Box(np.eye(4), (x, y, z), ""))
 
 
 @lru_cache(maxsize=256)

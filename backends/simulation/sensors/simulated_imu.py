@@ -6,13 +6,13 @@ from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from handcart.backends.capabilities.imu import Imu
 from handcart.backends.description.sensor_specs import ImuSpec
 from handcart.backends.plain_values import Kinds
 from handcart.backends.simulation.keyed_noise import keyed, keyed_normal
 from handcart.backends.simulation.scene import Scene
+from handcart.robotics.kinematics.libraries import pin
 
 GRAVITY = 9.81  # [m/s²]
 
@@ -46,7 +46,7 @@ class SimulatedImu(Imu):
     def advance(self, period: int) -> None:
         """A period has passed."""
         turn = self._scene.world_T_base[:3, :3]
-        self._turned = Rotation.from_matrix(self._turn.T @ turn).as_rotvec()
+        self._turned = pin.log3(self._turn.T @ turn)
         self._turn, self._now = turn, period
 
     def _carried(self) -> Vector:

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from toppra.algorithm import TOPPRA
-from toppra.constraint import (
+
+from handcart.robotics.manipulation.motions.rounded_path import RoundedPath
+
+from .toppra_library import (
+    TOPPRA,
+    AbstractGeometricPath,
     JointAccelerationConstraint,
     JointVelocityConstraint,
 )
-from toppra.interpolator import AbstractGeometricPath
-
-from handcart.robotics.manipulation.motions.rounded_path import RoundedPath
 
 Vector = NDArray[np.float64]
 

@@ -62,7 +62,7 @@ def _between_stops(corners: NDArray[np.float64]) -> list[NDArray[np.float64]]:
 def _time_smooth(
     rounded: RoundedPath, velocity: Vector, acceleration: Vector, period: float
 ) -> NDArray[np.float64]:
-    # toppra brings matplotlib along: seconds, for whoever imports this and never moves an arm.
+    # toppra brings much of scipy along: half a second, for whoever imports this and never moves an arm.
     from handcart.robotics.manipulation.motions.path_speed import highest_speed
 
     s, speed = highest_speed(rounded, velocity, acceleration)

@@ -7,15 +7,15 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
-from toppra import SplineInterpolator
-from toppra.algorithm import TOPPRA
-from toppra.constraint import (
+
+from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.manipulation.motions.toppra_library import (
+    TOPPRA,
     JointAccelerationConstraint,
     JointTorqueConstraint,
     JointVelocityConstraintVarying,
+    SplineInterpolator,
 )
-
-from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.manipulation.placement.untrackable import Untrackable
 
 from .tool_path import ToolPath

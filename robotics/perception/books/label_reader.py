@@ -17,6 +17,7 @@ from handcart.robotics.perception.books.text_lines import text_lines
 from handcart.robotics.perception.cameras.camera_model import CameraModel, Floats, GreyImage, plane_to_rays
 
 _CAP_HEIGHT_M = 0.005  # of capitals, where a crop shows `crop_height_m`
+_SAME_PLACE, _SURE = 0.0025, 0.95  # [m] between views' places of one label; confidence
 _PAGE_M_PER_PX, _PAGE_SHARE = 0.000177, 0.9  # how lines are looked for: scale, and what isn't the paper's rim
 
 
@@ -71,18 +72,22 @@ class LabelReader(ABC):
         camera: CameraModel,
         camera_T_shelf: Floats,
         mask: NDArray[np.bool_] | None = None,
+        known: Sequence[Label] = (),
     ) -> list[Label]:
         """The labels wholly visible in `image`, from left to right.
 
         `camera_T_shelf` (4, 4) may be a few millimetres and degrees off; `mask` (h, w) is True where the
-        image shows the shelf. Raises ValueError when the camera doesn't look at the shelf's front.
+        image shows the shelf. What another view surely read at a label's place (`known`) isn't read again.
+        Raises ValueError when the camera doesn't look at the shelf's front.
         """
         boxes = find_labels(image, camera, camera_T_shelf, mask)
-        crops = [self._crop(image, camera, camera_T_shelf, box) for box in boxes]
-        readings = self.read_crops(crops) if crops else []
+        before = [_read_before(box, known) for box in boxes]
+        fresh = [box for box, reading in zip(boxes, before, strict=True) if reading is None]
+        crops = [self._crop(image, camera, camera_T_shelf, box) for box in fresh]
+        readings = iter(self.read_crops(crops) if crops else [])
         found = [
-            (box, self._label(box, reading, camera, camera_T_shelf))
-            for box, reading in zip(boxes, readings, strict=True)
+            (box, self._label(box, reading or next(readings), camera, camera_T_shelf))
+            for box, reading in zip(boxes, before, strict=True)
         ]
         # Print that is no call number is a title.
         return [label for box, label in found if box.paper or label.call_number is not None]
@@ -108,6 +113,20 @@ class LabelReader(ABC):
             number = snap(reading.text, self._catalogue)
         corners = camera.plane_in_image(box.corners[[1, 2, 3, 0]], camera_T_shelf)
         return Label(reading.text, number, reading.confidence, corners, *box.centre, box.width, box.lean)
+
+
+def _read_before(box: LabelBox, known: Sequence[Label]) -> Reading | None:
+    """What a label at the same place was surely read as; None where none was, or different ones were."""
+    lateral, height = box.centre
+    there = {
+        label.text: Reading(label.text, label.confidence)
+        for label in known
+        if abs(label.lateral - lateral) < _SAME_PLACE
+        and abs(label.height - height) < 2 * _SAME_PLACE
+        and label.confidence >= _SURE
+        and label.call_number is not None
+    }
+    return next(iter(there.values())) if len(there) == 1 else None
 
 
 def _flat_label(

@@ -34,8 +34,9 @@ class OcrLabelReader(LabelReader):
         self._threads = threads
 
     def read_crops(self, crops: Sequence[GreyImage]) -> list[Reading]:
-        outputs = self._session.run(None, {self._session.get_inputs()[0].name: _batch(crops)})[0]
-        return [self._reading(probabilities) for probabilities in outputs]
+        """See `LabelReader`; one after the other: in a batch all would be as wide as the widest."""
+        name = self._session.get_inputs()[0].name
+        return [self._reading(self._session.run(None, {name: _input(crop)})[0][0]) for crop in crops]
 
     def _reading(self, probabilities: NDArray[np.float32]) -> Reading:
         decoded = self._decoder.decode(probabilities)
@@ -66,13 +67,10 @@ def _model_file() -> Path:
     return models[-1]
 
 
-def _batch(crops: Sequence[GreyImage]) -> NDArray[np.float32]:
-    """Crops (48, w) as the recogniser wants them: (n, 3, 48, widest), -1..1, padded with 0."""
-    height = crops[0].shape[0]
-    widest = -(-max(crop.shape[1] for crop in crops) // _STEP_PX) * _STEP_PX
-    batch = np.zeros((len(crops), 3, height, widest), dtype=np.float32)
-    for i, crop in enumerate(crops):
-        darkest, brightest = float(crop.min()), float(crop.max())
-        stretched = (crop.astype(np.float32) - darkest) / max(brightest - darkest, 1.0)
-        batch[i, :, :, : crop.shape[1]] = 2.0 * stretched - 1.0
-    return batch
+def _input(crop: GreyImage) -> NDArray[np.float32]:
+    """A crop (48, w) as the recogniser wants it: (1, 3, 48, w), -1..1, padded with 0."""
+    height, width = crop.shape
+    result = np.zeros((1, 3, height, -(-width // _STEP_PX) * _STEP_PX), dtype=np.float32)
+    darkest, brightest = float(crop.min()), float(crop.max())
+    result[..., :width] = 2.0 * (crop.astype(np.float32) - darkest) / max(brightest - darkest, 1.0) - 1.0
+    return result
