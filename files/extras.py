@@ -11,6 +11,8 @@ EXTRAS: dict[str, Sequence[str]] = {
     "sim": ("mujoco",),
     "pybullet": ("pybullet",),
     "bags": ("rosbags",),
+    "cluster": ("distributed",),
+    "export": ("arro3", "foxglove"),
 }
 """By the name of an extra in pyproject.toml: the modules that come with it."""
 

@@ -37,6 +37,8 @@ class RunOptions:
     """Whether `overview.svg` is drawn."""
     report: bool = False
     """Whether `report.html` is written."""
+    playback: bool = False
+    """Whether what `handcart view` and `handcart export` show is recorded."""
     checkpoints: bool = False
     """Whether `handcart resume` can go on with it in a simulated world: that is kept after each action."""
     sync: bool | None = None

@@ -12,6 +12,8 @@ from typing import Any
 import pytest
 
 import handcart
+from handcart.files.errors import InputError
+from tests.tools.conftest import TOUR
 
 ROOT = Path(__file__).resolve().parents[1]
 TEXT = (ROOT / "docs" / "api.md").read_text(encoding="utf-8")
@@ -51,6 +53,28 @@ def test_the_documents_examples_run(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     monkeypatch.chdir(tmp_path)
     code = compile(EXAMPLES[number], "docs/api.md", "exec", dont_inherit=True)
     exec(code, {"__name__": "__main__"})
+
+
+def test_a_campaign_takes_what_the_command_takes(tmp_path: Path) -> None:
+    for name in ("world.yaml", "map.yaml", "map.png", "places.yaml", "catalogue.yaml"):
+        (tmp_path / name).write_bytes((ROOT / "tasks" / "return_book" / name).read_bytes())
+    task = tmp_path / "tour.yaml"
+    task.write_text(TOUR.replace("cost_s: 30", "cost_s: 30, attempts: 1, p: 0.9"), encoding="utf-8")
+    vary = tmp_path / "vary.yaml"
+    varied = "{file: task, key: actions.0.p, list: [0.2, 0.7]}"
+    vary.write_text(f"format: handcart-vary/1\nvary:\n  - {varied}\n", encoding="utf-8")
+    out = tmp_path / "out"
+    report = handcart.campaign(task, trials=400, level="network", out=out, until="p < 0.8", vary=vary)
+    assert report.holds is True
+    assert 0.3 < report.successes / len(report.trials) < 0.7
+    assert len(report.trials) < 400
+    assert {value for trial in report.trials for value in trial.varied.values()} == {0.2, 0.7}
+    assert (out / "report.html").is_file()
+    assert "0.2" in (out / "trials.jsonl").read_text(encoding="utf-8")
+    with pytest.raises(InputError, match=r"until: p < 0\.8 there, nothing now"):
+        handcart.campaign(task, trials=400, level="network", out=out, vary=vary)
+    with pytest.raises(InputError, match="allowed: run, network"):
+        handcart.campaign(task, level="physics")  # type: ignore[arg-type]
 
 
 def test_a_result_shows_itself_in_a_notebook(tmp_path: Path) -> None:

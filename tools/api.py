@@ -177,11 +177,20 @@ def campaign(
     *,
     trials: int = 20,
     first: int = 0,
-    jobs: int = 2,
+    jobs: int | None = None,
     backend: str | None = None,
     robot: str | None = None,
     set: Settings | None = None,
-    runs: Path | str = "runs",
+    generate: Sequence[str] = (),
+    out: Path | str | None = None,
+    shard: str | None = None,
+    cluster: str | None = None,
+    until: str | None = None,
+    vary: Path | str | None = None,
+    faults: Path | str | None = None,
+    level: Literal["run", "network"] = "run",
+    report: bool = True,
+    runs: Path | str | None = None,
 ) -> CampaignReport:
     """Run seeded trials of a task side by side, and count how they end.
 
@@ -189,21 +198,50 @@ def campaign(
         task: its file.
         trials: how many.
         first: the first one's seed.
-        jobs: processes side by side; from a script with more than one, call it under
-            `if __name__ == "__main__":`.
-        backend, robot, set, runs: as in `run`.
+        jobs: processes side by side, from a script with more than one under `if __name__ == "__main__":`;
+            None: 2, on the network alone 1.
+        backend, robot, set: as in `run`.
+        generate: `NAME` or `NAME.KEY=VALUE` each: a generated world for each seed.
+        out: the campaign's folder: each trial is kept there, and the same call goes on.
+        shard: `K/N`: the K-th of N parts, for `handcart campaign merge`.
+        cluster: address of a Dask scheduler, or its file: its workers run the trials.
+        until: `p > 0.95`: end when it is sure whether that holds.
+        vary, faults: files of numbers that vary by trial, and of faults that come (docs/campaigns.md).
+        level: `network`: no robot moves, outcomes are drawn by each action's `p`.
+        report: whether `report.html` is written into the folder.
+        runs: where the runs' folders are made; None: in `runs`, in the campaign's folder where it has one.
 
     Raises:
         KeyboardInterrupt: somebody ended it.
-        HandcartError: a trial can't be run; in words.
+        InputError: something isn't possible, in words; nothing has moved.
+        HandcartError: a trial can't be run, or kept; in words.
     """
     from handcart.evaluation.campaign_report.campaign_report import CampaignReport
-    from handcart.evaluation.campaigns.campaign import run_campaign
-    from handcart.evaluation.campaigns.campaign_setting import CampaignSetting
+    from handcart.tools.campaigns.asked_campaign import AskedCampaign
 
-    setting = CampaignSetting(Path(task), backend, _words(set, robot), None, Path(runs))
-    done = run_campaign(setting, range(first, first + trials), jobs)
-    return CampaignReport(tuple(sorted(done, key=lambda each: each.seed)))
+    asked = AskedCampaign(
+        Path(task),
+        trials,
+        first,
+        backend,
+        _words(set, robot),
+        generate,
+        _path(out),
+        shard,
+        until,
+        _path(vary),
+        _path(faults),
+        level,
+        _path(runs),
+    )
+    with asked.opened() as opened:
+        for _ in opened.trials(jobs, cluster):
+            pass
+        counted = opened.counted() if out is not None else tuple(opened.counted())
+        found = CampaignReport(counted, None if opened.settling is None else opened.settling.verdict)
+        if report:
+            opened.write_page(found)
+        return found
 
 
 def conformance(
@@ -237,3 +275,7 @@ def _words(settings: Settings | None, robot: str | None) -> dict[str, str]:
         for name, value in (settings or {}).items()
     }
     return words if robot is None else {**words, "robot": robot}
+
+
+def _path(given: Path | str | None) -> Path | None:
+    return None if given is None else Path(given)

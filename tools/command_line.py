@@ -27,7 +27,8 @@ COMMANDS = {
     "describe": ("commands.describe", "describe", "Tell what a primitive takes, needs and does."),
     "localize": ("commands.localize", "localize", "Play a recorded log to the outdoor localization."),
     "explain": ("commands.explain", "explain", "Tell why a run went as it did, from its folder."),
-    "report": ("past_runs.report", "report", "Write a run as one page."),
+    "report": ("past_runs.report", "report", "Write a run, or a campaign, as one page."),
+    "export": ("past_runs.export", "export", "Write a run or a campaign for other programs."),
     "runs": ("past_runs.runs", "runs", "List the runs of a folder."),
     "schema": ("commands.schema", "schema", "Print the JSON Schema of a kind of file."),
     "teach": ("hardware.teach", "teach", "Record a posture into a robot's file."),
@@ -35,9 +36,9 @@ COMMANDS = {
     "bench": ("hardware.bench", "bench", "Simulate a robot's CAN drives, as a process of its own."),
     "jog": ("hardware.jog", "jog", "Move one axis of a real robot while a key is held."),
     "bringup": ("hardware.bringup", "bringup", "Bring a real robot up, rung by rung."),
-    "campaign": ("commands.campaign", "campaign", "Run a task many times, with seeds, and count."),
-    "campaign merge": ("commands.campaign_merge", "merge", "Put the parts of a campaign together."),
-    "campaign compare": ("commands.campaign_compare", "compare", "Compare two campaigns, paired by seed."),
+    "campaign": ("campaigns.campaign", "campaign", "Run a task many times, with seeds, and count."),
+    "campaign merge": ("campaigns.merge", "merge", "Put the parts of a campaign together."),
+    "campaign compare": ("campaigns.compare", "compare", "Compare two campaigns, paired by seed."),
     "conformance": ("commands.conformance", "conformance", "Try whether a backend keeps what it promises."),
 }
 """Name to module below this room, function and what help says of it. A name of two words goes before the

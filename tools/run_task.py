@@ -88,6 +88,7 @@ def run(
                 video=video,
                 draw=True,
                 report=report,
+                playback=True,
                 checkpoints=True,
                 sync=sync,
                 permits=permits,

@@ -228,6 +228,11 @@ class Robot:
         self._picture, self._pictured_at = image, here
         return image
 
+    @property
+    def seen(self) -> NDArray[np.uint8] | None:
+        """The last picture that was asked for, (height, width) grey; None before the first. Takes none."""
+        return self._picture if self._picture.size else None
+
     def state(self) -> dict[str, Any]:
         """What was estimated so far, for a checkpoint, as plain data."""
         return {

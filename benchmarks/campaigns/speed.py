@@ -2,23 +2,31 @@
 
     python -m benchmarks.campaigns.speed [--trials 100000]
 
-The network alone, as a command, start included; trials of 50 ms on two workers against the ideal; the
-memory of many trials and their report. One of 50 ms sleeps, so that two need no second core.
+The network alone, as a command, start included, and the page of 10,000 trials; trials of 50 ms on two
+workers against the ideal, processes and those of a Dask scheduler; memory of many trials and their report.
+One of 50 ms sleeps, so that two need no second core.
 """
 
 from __future__ import annotations
 
 import argparse
+import os
 import resource
 import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Iterable, Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
+from distributed import Client
+
 from benchmarks.campaigns.walk import walk
+from handcart.evaluation.campaign_page.campaign_page import CampaignPage
+from handcart.evaluation.campaigns.cluster import Cluster
 from handcart.evaluation.campaigns.trial import Trial
-from handcart.evaluation.campaigns.trial_log import TrialLog
+from handcart.evaluation.campaigns.trial_log import TrialLog, line_of
 from handcart.evaluation.campaigns.workers import Workers
 
 SLEEPS_S, SLEEPERS = 0.05, 1000
@@ -30,12 +38,17 @@ def sleep(seed: int) -> Trial:
     return Trial(seed, 0, {"outcome": "Success", "reason": "", "seed": seed, "metrics": {}})
 
 
-def overhead(folder: Path) -> tuple[float, float]:
+def sleep_there(seed: int) -> bytes:
+    """The same on a cluster."""
+    return line_of(sleep(seed))
+
+
+def overhead(path: Path, running: Iterable[list[Trial]]) -> tuple[float, float]:
     """By how much longer than ideal a campaign takes on two workers: in all, and from the first trial on."""
     began = time.monotonic()
     first, ended = 0.0, 0
-    with TrialLog(folder / "trials.jsonl") as log:
-        for together in Workers(sleep, 2).trials(range(SLEEPERS)):
+    with TrialLog(path) as log:
+        for together in running:
             log.append(together)
             ended += len(together)
             if not first:
@@ -59,6 +72,51 @@ def campaign(task: Path, trials: int, out: Path, jobs: int) -> float:
     return time.monotonic() - began
 
 
+@contextmanager
+def scheduler(folder: Path) -> Iterator[Path]:
+    """The file of a Dask scheduler with two workers."""
+    file = folder / "scheduler.json"
+    where = ["--scheduler-file", str(file), "--no-dashboard", "--host", "127.0.0.1"]
+    with ExitStack() as stack:
+        stack.enter_context(dask("scheduler", "--port", "0", *where))
+        while not file.exists():
+            time.sleep(0.1)
+        for _ in range(2):
+            kept = ("--no-nanny", "--local-directory", str(folder))
+            stack.enter_context(dask("worker", "--nthreads", "1", *kept, *where))
+        with Client(scheduler_file=str(file), set_as_default=False) as client:  # type: ignore[no-untyped-call]
+            client.wait_for_workers(2)
+        yield file
+
+
+@contextmanager
+def dask(*words: str) -> Iterator[None]:
+    """A process of Dask's."""
+    known = os.environ | {"PYTHONPATH": str(Path(__file__).parents[2])}
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    process = subprocess.Popen([sys.executable, "-m", "dask", *words], env=known, **quiet)  # type: ignore[call-overload]
+    try:
+        yield
+    finally:
+        process.kill()
+        process.wait()
+
+
+def tell(what: str, shares: tuple[float, float]) -> None:
+    """Print an overhead."""
+    whole, running = (100.0 * each for each in shares)
+    print(f"{SLEEPERS} trials of 50 ms on 2 workers, {what}: {whole:.2f} % more than ideal, start included,")
+    print(f"  {running:.2f} % once the first has ended")
+
+
+def page(task: Path, out: Path, trials: int = 10_000) -> tuple[float, float]:
+    """The page of a campaign of the network alone: its size in [MB], and seconds of CPU to write it."""
+    campaign(task, trials, out, 1)
+    before = time.process_time()
+    path = CampaignPage.of(out).write()
+    return path.stat().st_size / 1e6, time.process_time() - before
+
+
 def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
@@ -70,12 +128,14 @@ def main() -> None:
         least = min(campaign(task, 1000, folder / f"small{number}", 1) for number in range(3))
         nothing = min(campaign(task, 1, folder / f"one{number}", 1) for number in range(3))
         print(f"1000 trials, network alone: {least:.2f} s, of which {nothing:.2f} s for a campaign of one")
+        size, spent = page(task, folder / "page")
+        print(f"page of 10000 trials: {size:.2f} MB, {spent:.2f} s of CPU")
         taken = campaign(task, trials, folder / "big", 1)
         peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024.0
         print(f"{trials} trials, network alone: {taken:.1f} s, at most {peak:.0f} MiB")
-        whole, running = overhead(folder)
-        print(f"{SLEEPERS} trials of 50 ms on 2 workers: {100 * whole:.2f} % more than ideal, start included")
-        print(f"  {100 * running:.2f} % once the first has ended")
+        tell("processes", overhead(folder / "here", Workers(sleep, 2).trials(range(SLEEPERS))))
+        with scheduler(folder) as file:
+            tell("Dask", overhead(folder / "there", Cluster(sleep_there, str(file)).trials(range(SLEEPERS))))
 
 
 if __name__ == "__main__":

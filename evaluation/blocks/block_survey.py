@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -84,6 +84,7 @@ class BlockSurvey(Survey):
     name = "blocks"
     effects = EFFECTS
     noted = BlockNotes
+    limits: ClassVar = {"raw_error_mm_max": STACKED_MM}
 
     def __init__(self, run: SurveyedRun) -> None:
         """See `Survey`."""

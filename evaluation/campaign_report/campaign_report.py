@@ -41,6 +41,8 @@ class CampaignReport:
 
     trials: Sequence[Trial]
     """In the order of their seeds."""
+    holds: bool | None = None
+    """Whether what is claimed of the success rate holds; None: nothing is claimed, or nobody can be sure."""
 
     @cached_property
     def tally(self) -> Tally:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from scipy.special import betaln
@@ -80,6 +80,15 @@ class Settling:
             self.successes += success
             self.verdict = self.claim.verdict(self.successes, self.count)
         return self.verdict is not None
+
+    @classmethod
+    def heard(cls, words: str | None, seeds: Sequence[int], trials: Iterable[Trial]) -> Settling | None:
+        """What became of a claim by these trials; None: nothing is claimed."""
+        if words is None:
+            return None
+        settling = cls(Claim.of(words), seeds)
+        any(settling.hear(trial) for trial in trials)
+        return settling
 
     def words(self) -> str:
         """The verdict."""

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from scipy.stats import binomtest
 
+from handcart.evaluation.campaigns.action_ends import action_names
 from handcart.files.errors import InputError
 from handcart.networks.analysis.figures import figures, missing_chances
 from handcart.networks.chains.policy import TooLarge
@@ -43,6 +44,18 @@ def exact_goal(task: Path, settings: Mapping[str, str]) -> float | str:
         return figures(read).forecast.goal
     except TooLarge as error:
         return str(error)
+
+
+def file_chances(task: Path, settings: Mapping[str, str]) -> dict[str, float]:
+    """The probabilities of Success that stand in a task's file, by the action's name; none where it can't be
+    read any more.
+    """
+    try:
+        read = load_task(task, settings)
+    except InputError:
+        return {}
+    named = zip(action_names(read), read.file.actions, strict=True)
+    return {name: action.p for name, action in named if action.p is not None}
 
 
 def beside(goal: float, successes: int, count: int) -> ExactValue:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 
 from handcart.files.errors import InputError
@@ -20,7 +22,7 @@ def merged(parts: Sequence[Path], out: Path) -> CampaignFolder:
 
     Args:
         parts: folders of one campaign, each made with another `--shard`.
-        out: the folder; nothing is there yet, or the same.
+        out: the folder; nothing is there yet, or the same. It has links to the runs of the parts.
 
     Raises:
         NotOneCampaign: they differ in more than the shard, hold a trial twice, or lack one.
@@ -34,7 +36,18 @@ def merged(parts: Sequence[Path], out: Path) -> CampaignFolder:
     with whole.log() as log:
         for each in found:
             log.append(list(each.trials()))
+            _link_runs(each, whole)
     return whole
+
+
+def _link_runs(part: CampaignFolder, whole: CampaignFolder) -> None:
+    """Let the whole lead to the runs of its parts; where links can't be made, it doesn't."""
+    with suppress(OSError):
+        whole.runs.mkdir(exist_ok=True)
+        for trial in part.trials():
+            run, link = part.runs / trial.run_name, whole.runs / trial.run_name
+            if trial.run_name and run.is_dir() and not os.path.lexists(link):
+                os.symlink(os.path.relpath(run, whole.runs), link)
 
 
 def _faults(found: Sequence[CampaignFolder]) -> list[str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import PurePath
 from typing import Any, NamedTuple
 
 
@@ -50,6 +51,11 @@ class Trial:
     def success(self) -> bool:
         """Whether the goal was reached."""
         return self.status == 0
+
+    @property
+    def run_name(self) -> str:
+        """What the folder of its run is called; empty: it has none."""
+        return PurePath(str(self.summary.get("run_dir") or "")).name
 
     @property
     def cancelled(self) -> bool:

@@ -63,6 +63,8 @@ class TrialFile(Sequence[Trial]):
             return _read_at(file, self._offsets[at], self._path)
 
     def __iter__(self) -> Iterator[Trial]:
+        if not self._offsets:
+            return
         with self._path.open("rb") as file:
             for offset in self._offsets:
                 yield _read_at(file, offset, self._path)

@@ -26,6 +26,15 @@ def run_trial(setting: CampaignSetting, seed: int) -> Trial:
         return replace(_trial(setting, seed), varied=row)
 
 
+def run_beside(setting: CampaignSetting, seed: int) -> Trial:
+    """The same in a process that computes beside others."""
+    if setting.level == "run":
+        import cv2
+
+        cv2.setNumThreads(1)
+    return run_trial(setting, seed)
+
+
 def _trial(setting: CampaignSetting, seed: int) -> Trial:
     chosen = dict(setting.settings or {})
     if setting.level == "network":

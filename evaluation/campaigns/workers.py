@@ -204,7 +204,7 @@ def _serve(connection: Connection, work: Work) -> None:
     except (EOFError, OSError, KeyboardInterrupt):
         return
     except Exception as error:
-        connection.send(_sendable(error))
+        connection.send(sendable(error))
 
 
 def _run_all(connection: Connection, work: Work) -> None:
@@ -224,8 +224,10 @@ def _run_all(connection: Connection, work: Work) -> None:
             done, sent = [], time.monotonic()
 
 
-def _sendable(error: Exception) -> TrialFault:
+def sendable(error: Exception) -> TrialFault:
     """The error's words: not every error is the same when it is unpacked."""
+    if isinstance(error, TrialFault):
+        return error
     if isinstance(error, HandcartError):
         return TrialFault(str(error), error.exit_status)
     return TrialFault(f"{type(error).__name__}: {error}")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,6 +55,7 @@ class SeamSurvey(Survey):
     name = "seam"
     effects = EFFECTS
     noted = list[StretchNotes]
+    limits: ClassVar = {"tracking_error_mm_max": 1e3 * (MOST_OFF + SENSORS)}
 
     def __init__(self, run: SurveyedRun) -> None:
         """See `Survey`."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
@@ -72,7 +72,7 @@ def run_task(task: Path, runs: Path, options: RunOptions | None = None) -> tuple
         judge = Judge(prepared, folder)
         if claim is not None:
             claim.begin(folder)
-        chosen = replace(options, observers=(judge, DriveRecorder(), *observers), interrupts=heard)
+        chosen = replace(options, observers=(judge, *_recorders(options), *observers), interrupts=heard)
         ran = execute(prepared, folder, chosen)
         _report(prepared, folder, judge, options.observers)
         if options.draw:
@@ -80,6 +80,14 @@ def run_task(task: Path, runs: Path, options: RunOptions | None = None) -> tuple
         if options.report:
             _write_page(folder, options.observers)
     return ran.summary, ran.end.exit_status
+
+
+def _recorders(options: RunOptions) -> Iterator[RunObserver]:
+    yield DriveRecorder()
+    if options.playback:
+        from handcart.evaluation.playback.recorder import PlaybackRecorder
+
+        yield PlaybackRecorder()
 
 
 def _prepared(task: Path, options: RunOptions) -> Prepared:
@@ -146,7 +154,7 @@ def resume_task(
         folder: the run's.
         confirm: the journal's last record, as a person has seen it; needed where a real robot moves.
         options: how it goes on; how it was begun stands in its journal, so nothing else of them counts than
-            `permits`, `interrupts`, `sync`, `report` and `observers`.
+            `permits`, `interrupts`, `sync`, `report`, `playback` and `observers`.
 
     Returns:
         The summary that also stands in the run's folder, and the exit status.
@@ -178,7 +186,7 @@ def resume_task(
         judge.go_on()
         if claim is not None:
             claim.begin(folder)
-        heard_by = (judge, DriveRecorder(), *observers)
+        heard_by = (judge, *_recorders(options), *observers)
         chosen = replace(options, observers=heard_by, interrupts=heard, checkpoints=True)
         ran = execute(prepared, folder, chosen, past)
         _report(prepared, folder, judge, observers)

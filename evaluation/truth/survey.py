@@ -96,6 +96,8 @@ class Survey(ABC):
     it holds, and beside what its `meant_contacts` name for the hand, is found without that."""
     noted: ClassVar[Any] = None
     """Type of what `notes` gives: numbers, words, lists, mappings, dataclasses of them. None: no notes."""
+    limits: ClassVar[Mapping[str, float]] = {}
+    """By name of a figure: the most that it may be where a whole run's Success is true."""
     shown: ClassVar[frozenset[str]] = frozenset()
     """Primitives whose pictures a run's overview shows before others'."""
 

@@ -45,7 +45,14 @@ def resume(
         summary, status = resume_task(
             run,
             confirm,
-            RunOptions(sync=sync, report=True, permits=permits, interrupts=interrupts, observers=(progress,)),
+            RunOptions(
+                sync=sync,
+                report=True,
+                playback=True,
+                permits=permits,
+                interrupts=interrupts,
+                observers=(progress,),
+            ),
         )
         progress.end()
         if as_json:

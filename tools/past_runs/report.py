@@ -1,4 +1,4 @@
-"""`handcart report`: a run as one page."""
+"""`handcart report`: a run, or a campaign, as one page."""
 
 from __future__ import annotations
 
@@ -9,21 +9,38 @@ import typer
 
 
 def report(
-    run: Annotated[Path | None, typer.Argument(help="the run's folder; left out: runs/latest")] = None,
+    folder: Annotated[
+        Path | None, typer.Argument(help="a run's folder, or a campaign's; left out: runs/latest")
+    ] = None,
     page: Annotated[
-        Path | None, typer.Option("--output", "-o", help="*.html; left out: report.html in the run's folder")
+        Path | None, typer.Option("--output", "-o", help="*.html; left out: report.html in the folder")
     ] = None,
 ) -> None:
-    """Write a run as one page that needs nothing beside it, nor a network."""
-    from handcart.evaluation.report.report import write_report
+    """Write a run, or a campaign, as one page that needs nothing beside it, nor a network."""
+    from handcart.evaluation.campaigns.campaign_folder import ARGUMENTS
     from handcart.files.printable import printable
     from handcart.networks.runs.run_names import latest_run
     from handcart.tools.terminal.writing import NotWritable
 
-    folder = run or latest_run(Path("runs"))
+    folder = folder or latest_run(Path("runs"))
     if page is not None and page.suffix != ".html":
         raise NotWritable(page, f"no page has the suffix {page.suffix!r}", "*.html")
     try:
-        print(printable(f"written: {write_report(folder, page)}"))
+        write = _campaign_page if (folder / ARGUMENTS).exists() else _run_page
+        print(printable(f"written: {write(folder, page)}"))
     except OSError as error:
         raise NotWritable(page or folder, error.strerror) from None
+
+
+def _run_page(folder: Path, page: Path | None) -> Path:
+    from handcart.evaluation.report.report import write_report
+
+    return write_report(folder, page)
+
+
+def _campaign_page(folder: Path, page: Path | None) -> Path:
+    from handcart.evaluation.campaign_page.campaign_page import CampaignPage
+
+    found = CampaignPage.of(folder)
+    found.write_runs()
+    return found.write(page)

@@ -8,12 +8,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from handcart.evaluation.campaign_report.exact_value import beside, exact_goal
+from handcart.evaluation.campaign_report.rerun import rerun
 
 if TYPE_CHECKING:
     from handcart.evaluation.campaign_report.campaign_report import CampaignReport, Spread
     from handcart.evaluation.campaign_report.claim import Settling
     from handcart.evaluation.campaigns.campaign_folder import CampaignFolder
-    from handcart.evaluation.campaigns.trial import Trial
 
 
 class CampaignWords:
@@ -95,26 +95,7 @@ class CampaignWords:
             yield f"\nseed {trial.seed}: {words}{f' (with {varied})' if varied else ''}"
             if median is not None and (found := first_difference(trial, median)):
                 yield f"  {found.words('it', f'the median run (seed {median.seed})')}"
-            yield f"  {self._rerun(trial)}"
-
-    def _rerun(self, trial: Trial) -> str:
-        said = self._arguments
-        chosen = "".join(f" --set {key}={value}" for key, value in said["settings"].items())
-        chosen += f" --backend {said['backend']}" if said.get("backend") else ""
-        if said.get("vary_file"):
-            part = f"{trial.seed - said['first'] + 1}/{said['trials']} --out again-{trial.seed}"
-            whole = f"--first {said['first']} --trials {said['trials']} --vary {said['vary_file']}"
-            chosen += " --level network" if said["level"] == "network" else ""
-            chosen += f" --faults {said['faults']}" if said.get("faults") else ""
-            return f"handcart campaign {said['task']} {whole} --shard {part}{chosen}"
-        if said.get("level") == "network":
-            once = f"--level network --trials 1 --first {trial.seed}"
-            return f"handcart campaign {said['task']} {once}{chosen}"
-        worlds = "".join(f" --generate {each}" for each in said["generate"])
-        worlds += f" --faults {said['faults']}" if said.get("faults") else ""
-        if not worlds:
-            return f"handcart run {said['task']} --seed {trial.seed}{chosen}"
-        return f"handcart campaign {said['task']} --trials 1 --first {trial.seed} --jobs 1{worlds}{chosen}"
+            yield f"  {rerun(self._arguments, trial.seed)}"
 
     def _exact(self) -> float | str:
         if not self._report.trials:
@@ -158,7 +139,7 @@ class CampaignWords:
                     "seed": each.seed,
                     "outcome": each.summary["outcome"],
                     "reason": each.summary["reason"],
-                    "rerun": self._rerun(each),
+                    "rerun": rerun(self._arguments, each.seed),
                     "differs": None if median is None else _difference(first_difference(each, median)),
                 }
                 for each in report.worst()

@@ -21,6 +21,9 @@ MODULES = {
     "pyserial": "serial",
     "pillow": "PIL",
     "py-trees": "py_trees",
+    "arro3-core": "arro3.core",
+    "arro3-io": "arro3.io",
+    "foxglove-sdk": "foxglove",
     "pyyaml": "yaml",
     "ruamel-yaml": "ruamel.yaml",
 }

@@ -100,6 +100,11 @@ class Localization(ABC):
         return self._wheels.covariance
 
     @property
+    def particles(self) -> NDArray[np.float64] | None:
+        """(3, n) x, y in [m], heading in [rad] of poses that it holds possible; None where it has none."""
+        return None
+
+    @property
     def sigma(self) -> tuple[float, float]:
         """How well two poses that are both measured like this one can be compared, in [m] and [rad]."""
         sigma = np.sqrt(np.diag(self.covariance))

@@ -59,6 +59,11 @@ class OutdoorLocalization(Localization):
         return self._filter.covariance
 
     @property
+    def particles(self) -> Array | None:
+        """See `Localization`."""
+        return self._filter.particles
+
+    @property
     def sigma(self) -> tuple[float, float]:
         """See `Localization`: before the heading is known, poses are by wheels and gyros alone."""
         return super().sigma if self.heading_known else RECKONED

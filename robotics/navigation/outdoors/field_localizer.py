@@ -82,6 +82,11 @@ class FieldLocalizer(ABC):
     def covariance(self) -> Array:
         """(3, 3) of x, y in [m] and heading in [rad], in the world's frame, at the last step."""
 
+    @property
+    def particles(self) -> Array | None:
+        """(3, n) x, y in [m], heading in [rad]; None where it isn't made of particles."""
+        return None
+
     def predict(self, rates: Array, accelerations: Array, wheels: Array, dt: float) -> None:
         """Take in one period's readings (see `GyroOdometry.update`)."""
         self._odometry.update(rates, accelerations, wheels, dt)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -111,6 +112,23 @@ def test_parts_are_merged_into_what_one_machine_has(tmp_path: Path) -> None:
     whole = merged(parts, tmp_path / "whole")
     assert list(whole.trials()) == [trial(seed, 3 * (seed == 4)) for seed in range(6)]
     assert (whole.arguments["shard"], CampaignReport(whole.trials()).successes) == (None, 5)
+
+
+def test_a_merged_campaign_leads_to_the_runs_of_its_parts(tmp_path: Path) -> None:
+    parts = [tmp_path / "1", tmp_path / "2"]
+    for seed, folder in enumerate(parts):
+        found = CampaignFolder.made(folder, {"trials": 2, "first": 0, "shard": f"{seed + 1}/2"})
+        (found.runs / f"tour-{seed}").mkdir(parents=True)
+        (found.runs / f"tour-{seed}" / "summary.json").write_text(str(seed), encoding="utf-8")
+        ended = trial(seed)
+        with found.log() as log:
+            log.append([replace(ended, summary={**ended.summary, "run_dir": f"elsewhere/tour-{seed}"})])
+    for _ in range(2):  # the second time all is there
+        whole = merged(parts, tmp_path / "whole")
+        assert [(whole.runs / f"tour-{seed}" / "summary.json").read_text("utf-8") for seed in (0, 1)] == [
+            "0",
+            "1",
+        ]
 
 
 def test_what_is_not_one_campaign_is_not_merged(tmp_path: Path) -> None:

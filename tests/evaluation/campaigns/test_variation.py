@@ -14,7 +14,7 @@ from handcart.evaluation.campaigns.variation import Variation, load_variation
 from handcart.files.errors import FileError
 from handcart.files.yaml.changed_numbers import changed_numbers
 from handcart.networks.task.task_file import load_task
-from tests.tools.conftest import Said
+from tests.tools.conftest import TOUR, Said
 from tests.tools.conftest import handcart as handcart
 
 HEAD = "format: handcart-vary/1\n"
@@ -92,3 +92,21 @@ def test_a_campaign_keeps_what_varied_with_each_trial(handcart: Callable[..., Sa
     again = handcart(*command, "--shard", "3/12", "--out", tmp_path / "part")
     (trial,) = CampaignFolder.read(tmp_path / "part").trials()
     assert (again.status, trial) == (0, CampaignFolder.read(tmp_path / "whole").trials()[2])
+
+
+@pytest.mark.slow
+def test_a_number_of_the_world_varies_and_the_robot_finds_it_so(
+    handcart: Callable[..., Said], tmp_path: Path
+) -> None:
+    """A desk stands where its map has it, then across the way: it drives round it."""
+    walk(tmp_path)
+    (tmp_path / "tour.yaml").write_text(TOUR, encoding="utf-8")
+    line = "{file: world, key: furniture.0.x_m, list: [3.0, 4.4]}"
+    (tmp_path / "vary.yaml").write_text(f"{HEAD}design: grid\nvary:\n  - {line}\n", encoding="utf-8")
+    words = ("--trials", "2", "--jobs", "1", "--vary", tmp_path / "vary.yaml", "--out", tmp_path / "out")
+    assert handcart("campaign", tmp_path / "tour.yaml", *words).status == 0
+    as_drawn, across = CampaignFolder.read(tmp_path / "out").trials()
+    assert [list(each.varied.values()) for each in (as_drawn, across)] == [[3.0], [4.4]]
+    driven = [each.summary["metrics"]["path_length_m"] for each in (as_drawn, across)]
+    assert driven[1] > driven[0] + 3.0
+    assert across.success

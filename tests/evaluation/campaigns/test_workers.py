@@ -80,7 +80,7 @@ def beside(setting, seed):
     return Slow()(seed)
 
 if __name__ == "__main__":
-    campaign._beside = beside
+    campaign.run_beside = beside
     with TrialLog(Path(sys.argv[1])) as log:
         for _ in run_campaign(CampaignSetting(Path("none")), range(60), 2, log):
             pass
@@ -118,6 +118,49 @@ def test_killed_at_any_instant_it_goes_on_and_loses_nothing(tmp_path: Path) -> N
     while any(alive(each) for each in left):
         assert time.monotonic() < end, "a worker outlives its parent"
         time.sleep(0.05)
+
+
+DEAF = """
+import signal, sys, time
+from handcart.evaluation.campaigns import campaign
+from handcart.evaluation.campaigns.campaign_setting import CampaignSetting
+from handcart.evaluation.campaigns.trial_log import TrialLog
+from pathlib import Path
+
+def beside(setting, seed):
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    Path(sys.argv[1]).with_name(f"deaf-{seed}").touch()
+    time.sleep(120.0)
+
+if __name__ == "__main__":
+    campaign.run_beside = beside
+    with TrialLog(Path(sys.argv[1])) as log:
+        list(campaign.run_campaign(CampaignSetting(Path("none")), range(9), 2, log))
+"""
+
+
+@pytest.mark.slow
+def test_a_second_interrupt_ends_even_trials_that_are_deaf_to_the_first(tmp_path: Path) -> None:
+    """K3: it kills them, and the log is whole."""
+    script, path = tmp_path / "script.py", tmp_path / "trials.jsonl"
+    script.write_text(DEAF, encoding="utf-8")
+    process = subprocess.Popen([sys.executable, str(script), str(path)], cwd=ROOT, stderr=subprocess.DEVNULL)
+    end = time.monotonic() + 60.0
+    while len(list(tmp_path.glob("deaf-*"))) < 2:
+        assert time.monotonic() < end
+        time.sleep(0.02)
+    there = children(process.pid)
+    process.send_signal(signal.SIGINT)
+    with pytest.raises(subprocess.TimeoutExpired):
+        process.wait(1.5)
+    process.send_signal(signal.SIGINT)
+    process.wait(10.0)
+    assert process.returncode
+    end = time.monotonic() + 10.0
+    while any(alive(each) for each in there):
+        assert time.monotonic() < end, "a worker outlives its parent"
+        time.sleep(0.05)
+    assert path.read_bytes() == b""
 
 
 def alive(process: int) -> bool:

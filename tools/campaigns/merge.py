@@ -19,11 +19,18 @@ def merge(
     """Put the parts of a campaign together, and tell what one machine would have told."""
     import orjson
 
+    from handcart.evaluation.campaign_page.campaign_page import CampaignPage
     from handcart.evaluation.campaigns.merging import merged
+    from handcart.files.printable import printable
     from handcart.tools.terminal.campaign_words import report_of
 
     with ExitStack() as stack:
         folder = out or Path(stack.enter_context(tempfile.TemporaryDirectory())) / "whole"
-        report, told = report_of(merged(parts, folder))
+        whole = merged(parts, folder)
+        report, told = report_of(whole)
         print(orjson.dumps(told.facts()).decode() if as_json else "\n".join(told.lines()))
+        if out is not None:
+            page = CampaignPage(whole, report, None)
+            page.write_runs()
+            print(printable(f"written: {page.write()}"), file=sys.stderr)
         sys.exit(0 if not report.untrue else 5)

@@ -1,0 +1,127 @@
+"""Small plots of a campaign's page: where everything stands; the page draws it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+WIDTH, HEIGHT = 300.0, 96.0
+"""Of a histogram's bars, in [px]."""
+SEEN = 1.5  # [px] that a single trial is high at least
+_MOST_BINS = 30
+_TICKS = 4
+_SLACK = 1e-9  # of a step
+
+
+@dataclass(frozen=True)
+class Axis:
+    """Values along a width."""
+
+    least: float
+    most: float
+    width: float
+    whole: bool = False
+    """Whether only whole numbers stand on it."""
+
+    def at(self, value: float) -> float:
+        """Where a value stands, in [px] from the left."""
+        span = self.most - self.least
+        return self.width * (value - self.least) / span if span else 0.5 * self.width
+
+    def ticks(self) -> list[tuple[float, str]]:
+        """Round values, and where they stand."""
+        if self.least == self.most:
+            return [(self.at(self.least), f"{self.least:.6g}")]
+        least_step = (self.most - self.least) / _TICKS
+        decade = 10.0 ** math.floor(math.log10(least_step))
+        step = next(each * decade for each in (1, 2, 5, 10) if each * decade >= least_step * (1.0 - _SLACK))
+        step = max(1.0, step) if self.whole else step
+        first = math.ceil(self.least / step - _SLACK)
+        last = math.floor(self.most / step + _SLACK)
+        return [(self.at(step * each), f"{step * each:.6g}") for each in range(first, last + 1)]
+
+
+@dataclass(frozen=True)
+class Bar:
+    """Trials with a metric between two values."""
+
+    x: float
+    width: float
+    reached: float
+    """Height of those that reached the goal, in [px]."""
+    others: float
+    """Height of the others, above it."""
+    words: str
+
+
+@dataclass(frozen=True)
+class Histogram:
+    """How a metric is distributed."""
+
+    axis: Axis
+    bars: Sequence[Bar]
+    highest: int
+    """Trials that the full height stands for."""
+    median: float
+    """Where it stands, in [px]."""
+    limit: float | None
+    """Where the most that is allowed stands, in [px]; None: nothing is known to be."""
+
+
+def histogram(
+    values: NDArray[np.float64], success: NDArray[np.bool_], limit: float | None = None
+) -> Histogram:
+    """Of a metric.
+
+    Args:
+        values: (n,), at least one of them no NaN.
+        success: (n,), whether the trials reached the goal.
+        limit: the most that is allowed, where that is known.
+    """
+    there = np.isfinite(values)
+    edges = _edges(values[there])
+    reached, _ = np.histogram(values[there & success], edges)
+    others, _ = np.histogram(values[there & ~success], edges)
+    highest = int((reached + others).max())
+    least, most = float(edges[0]), float(edges[-1])
+    if limit is not None:
+        least, most = min(least, limit), max(most, limit)
+    axis = Axis(least, most, WIDTH, _are_whole(values[there]))
+    scale = HEIGHT / highest
+    bars = [
+        Bar(
+            axis.at(low),
+            axis.at(high) - axis.at(low),
+            max(scale * yes, SEEN) if yes else 0.0,
+            max(scale * no, SEEN) if no else 0.0,
+            f"{low:.5g} to {high:.5g}: {yes + no} trials, {no} of them did not reach the goal",
+        )
+        for low, high, yes, no in zip(edges[:-1], edges[1:], reached, others, strict=True)
+    ]
+    median = axis.at(float(np.median(values[there])))
+    return Histogram(axis, bars, highest, median, None if limit is None else axis.at(limit))
+
+
+def _edges(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    least, most = values.min(), values.max()
+    if least == most:
+        return np.array([least - 0.5, most + 0.5])
+    if _are_whole(values) and most - least < _MOST_BINS:
+        return np.arange(least - 0.5, most + 1.0)
+    count = round(2.0 * len(values) ** (1 / 3))  # Rice's rule
+    return np.linspace(least, most, min(_MOST_BINS, max(5, count)) + 1)
+
+
+def _are_whole(values: NDArray[np.float64]) -> bool:
+    return bool((values == np.round(values)).all())
+
+
+def share_axis(shares: Sequence[float], width: float) -> Axis:
+    """An axis of shares, in [%], that holds them all with something beside them."""
+    least, most = 100.0 * min(shares), 100.0 * max(shares)
+    room = max(1.0, 0.15 * (most - least))
+    return Axis(max(0.0, least - room), min(100.0, most + room), width)

@@ -1,0 +1,35 @@
+"""The command that runs one trial of a campaign again."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+
+def rerun(said: Mapping[str, Any], seed: int) -> str:
+    """The command, by the arguments that a campaign's folder keeps."""
+    return shlex.join(_words(said, seed))
+
+
+def _words(said: Mapping[str, Any], seed: int) -> Iterator[str]:
+    varied, network = said.get("vary_file"), said.get("level") == "network"
+    alone = not (varied or network or said["generate"] or said.get("faults"))
+    yield from ("handcart", "run" if alone else "campaign", said["task"])
+    if alone:
+        yield from ("--seed", str(seed))
+    elif varied:  # what varies is spread over all seeds that were asked for
+        yield from ("--first", str(said["first"]), "--trials", str(said["trials"]), "--vary", varied)
+        yield from ("--shard", f"{seed - said['first'] + 1}/{said['trials']}", "--out", f"again-{seed}")
+    else:
+        yield from ("--trials", "1", "--first", str(seed))
+    if network:
+        yield from ("--level", "network")
+    for each in said["generate"]:
+        yield from ("--generate", each)
+    if said.get("faults"):
+        yield from ("--faults", said["faults"])
+    for key, value in said["settings"].items():
+        yield from ("--set", f"{key}={value}")
+    if said.get("backend"):
+        yield from ("--backend", said["backend"])

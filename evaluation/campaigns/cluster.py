@@ -1,0 +1,246 @@
+"""Trials on a Dask cluster: workers that die, freeze or crawl lose none, and none counts twice."""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from handcart.files.errors import HandcartError, InputError
+from handcart.networks.task.task_file import load_task
+
+from .campaign_files import checksums
+from .campaign_setting import CampaignSetting
+from .trial import Trial, died
+from .trial_log import line_of, trial_of
+from .trial_run import run_beside
+from .workers import TrialFault, sendable
+
+if TYPE_CHECKING:
+    from distributed import Client, Future
+
+Work = Callable[[int], bytes]
+"""Runs the trial of a seed, on a worker, and gives its line as `line_of` does."""
+ANSWERS_S = 10.0
+"""[s] within which a scheduler answers, and knows a worker."""
+PATIENCE_S = 5.0
+"""[s] for which nobody else is given a trial that is on its way, at least."""
+LATE = 3.0
+"""Times the mean time of a trial, the same."""
+COPIES = 4
+"""Workers that one trial is given to at most, one after the other."""
+AHEAD = 2
+"""Trials that each thread of a worker has, the running one counted."""
+LOOKS_S = 2.0
+"""[s] between two looks at which workers are there."""
+NAPS_S = 0.005
+"""[s] between two looks at what has ended."""
+_ALONE = threading.Lock()  # a process runs one trial at a time: libraries are set up for all its threads
+
+_CHECKED: list[TrialThere] = []
+"""What a worker has found to be as it is here."""
+
+
+class NoCluster(InputError):
+    """There is no scheduler, or no worker; nothing has moved."""
+
+
+class ClusterLost(HandcartError):
+    """The scheduler is gone; what has ended is on disk."""
+
+    def __init__(self, address: str) -> None:
+        super().__init__(f"the scheduler {address} is gone; the same command goes on with what is left")
+
+
+class OtherFiles(InputError):
+    """A worker has other files than who asks for trials."""
+
+
+@dataclass(frozen=True)
+class TrialThere:
+    """What a worker does; it has the same files, by their content, at the same paths."""
+
+    setting: CampaignSetting
+    files: Mapping[str, str]
+
+    @classmethod
+    def of(cls, setting: CampaignSetting) -> TrialThere:
+        """By files that are here; raises `FileError` where they are wrong."""
+        faults = None if setting.faults is None else setting.faults.absolute()
+        there = replace(setting, task=setting.task.absolute(), runs=setting.runs.absolute(), faults=faults)
+        return cls(there, _files(there))
+
+    def __call__(self, seed: int) -> bytes:
+        """Run the trial of a seed; raises `TrialFault` where it can't be run."""
+        try:
+            with _ALONE:
+                self._check()
+                return line_of(run_beside(self.setting, seed))
+        except Exception as error:
+            raise sendable(error) from None
+
+    def _check(self) -> None:
+        if self in _CHECKED:
+            return
+        here = _files(self.setting)
+        wrong = [name for name in {**self.files, **here} if self.files.get(name) != here.get(name)]
+        if wrong:
+            raise OtherFiles(f"a worker has another content in {', '.join(sorted(wrong))}; needed: the same")
+        _CHECKED.append(self)
+
+
+def _files(setting: CampaignSetting) -> Mapping[str, str]:
+    return checksums(setting, load_task(setting.task, setting.settings))
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Without what the library tells programmers of connections that are lost."""
+    handlers = list(logging.getLogger("distributed").handlers)
+    before = [each.level for each in handlers]
+    for each in handlers:
+        each.setLevel(logging.CRITICAL)
+    try:
+        yield
+    finally:
+        for each, level in zip(handlers, before, strict=True):
+            each.setLevel(level)
+
+
+@dataclass
+class Asked:
+    """A trial that is on its way."""
+
+    since: float
+    futures: list[Future[bytes]] = field(default_factory=list)
+
+
+class Cluster:
+    """Runs trials on the workers of a scheduler. Who leaves the iteration early gives the rest up."""
+
+    def __init__(self, work: Work, address: str) -> None:
+        """Nothing is asked for before it is iterated.
+
+        Args:
+            work: can be sent; handcart is installed on the workers.
+            address: such as `tcp://10.0.0.1:8786`, or the path of a scheduler's file.
+        """
+        self._work, self._address = work, address
+        self._left: Iterator[int] = iter(())
+        self._over = False
+        """Whether each seed has been given to somebody."""
+        self._asked: dict[int, Asked] = {}
+        self._seeds: dict[Any, int] = {}
+        """By the key of a future."""
+        self._took, self._ended = 0.0, 0
+        self._looked, self._room = 0.0, 0
+
+    def trials(self, seeds: Iterable[int]) -> Generator[list[Trial], None, None]:
+        """Run a trial for each seed; those that have ended by the same time come together.
+
+        Raises:
+            NoCluster: nobody answers.
+            ClusterLost: nobody answers any more.
+            TrialFault: a trial can't be run.
+        """
+        from distributed import as_completed
+
+        self._left = iter(seeds)
+        with _quiet(), self._client() as client:
+            waiting = as_completed(loop=client.loop, with_results=True, raise_errors=False)
+            try:
+                while self._give(client, waiting):
+                    if done := self._taken(client, waiting.next_batch(False)):
+                        yield done
+                    else:
+                        time.sleep(NAPS_S)
+            except OSError:
+                raise ClusterLost(self._address) from None
+            finally:
+                with suppress(OSError):
+                    client.cancel([each for asked in self._asked.values() for each in asked.futures])
+
+    @contextmanager
+    def _client(self) -> Iterator[Client]:
+        from distributed import Client
+
+        named = {"address": self._address} if "://" in self._address else {"scheduler_file": self._address}
+        if "address" not in named and not Path(self._address).is_file():
+            words = "no such file; allowed: an address such as tcp://10.0.0.1:8786, or a scheduler's file"
+            raise NoCluster(f"--cluster {self._address}: {words}")
+        try:
+            client = Client(**named, timeout=ANSWERS_S, set_as_default=False)
+        except (OSError, ValueError) as error:
+            raise NoCluster(f"--cluster {self._address}: no scheduler answers: {error}") from None
+        with client:
+            try:
+                client.wait_for_workers(1, timeout=ANSWERS_S)
+            except TimeoutError:
+                raise NoCluster(f"--cluster {self._address}: the scheduler has no workers") from None
+            yield client
+
+    def _give(self, client: Client, waiting: Any) -> bool:
+        """Hand out as much as there are workers for; whether anything is left to wait for."""
+        if time.monotonic() - self._looked > LOOKS_S:
+            self._looked = time.monotonic()
+            self._room = AHEAD * sum(client.nthreads().values())
+            if self._over:
+                self._give_again(client, waiting)
+        while not self._over and len(self._asked) < self._room:
+            seed = next(self._left, None)
+            if seed is None:
+                self._over = True
+            else:
+                self._asked[seed] = Asked(time.monotonic())
+                self._submit(client, waiting, seed, None)
+        return bool(self._asked) or not self._over
+
+    def _give_again(self, client: Client, waiting: Any) -> None:
+        """What is late is given to those that have nothing to do: who has it is dead, frozen or slow."""
+        idle = [worker for worker, keys in client.processing().items() if not keys]
+        most = max(PATIENCE_S, LATE * self._took / max(1, self._ended))
+        for seed, asked in self._asked.items():
+            if idle and len(asked.futures) < COPIES and time.monotonic() - asked.since > most:
+                asked.since = time.monotonic()
+                self._submit(client, waiting, seed, idle.pop())
+
+    def _submit(self, client: Client, waiting: Any, seed: int, worker: str | None) -> None:
+        future = client.submit(self._work, seed, workers=worker, allow_other_workers=bool(worker), pure=False)
+        self._asked[seed].futures.append(future)
+        self._seeds[future.key] = seed
+        waiting.add(future)
+
+    def _taken(self, client: Client, batch: Iterable[tuple[Future[bytes], Any]]) -> list[Trial]:
+        """Of each trial what came first."""
+        done = []
+        for future, result in batch:
+            seed = self._seeds.pop(future.key)
+            if seed not in self._asked:
+                continue
+            done.append(self._trial(future.status, result, seed))
+            asked = self._asked.pop(seed)
+            self._took += time.monotonic() - asked.since
+            self._ended += 1
+            if others := [each for each in asked.futures if each.key != future.key]:
+                client.cancel(others)
+        return done
+
+    def _trial(self, status: str | None, result: Any, seed: int) -> Trial:
+        from distributed import KilledWorker
+
+        if status == "finished":
+            trial = trial_of(result)
+            if trial is None or trial.seed != seed:
+                raise TrialFault(f"the trial of seed {seed} came back as something else")
+            return trial
+        if status != "error":
+            raise ClusterLost(self._address)
+        error = result[1]
+        if isinstance(error, KilledWorker):
+            return died(seed, f"its worker died {error.allowed_failures + 1} times")
+        raise sendable(error)

@@ -1,0 +1,1 @@
+"""Runs and campaigns in the formats of other programs."""

@@ -1,0 +1,40 @@
+"""A run's journal as messages in words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from handcart.networks.journal.past_run import PastRun, Record
+
+from .stamped import Message, stamp
+
+LEVELS = {"Fail": "Warning", "GiveUp": "Error"}
+
+
+def event_messages(run: PastRun) -> Iterator[Message]:
+    """`/events`: each record, as a message of a log; Fails are warnings, GiveUps errors."""
+    from foxglove.messages import Log, LogLevel
+
+    done = {each.number: each.do for each in run.actions}
+    for record in run.records:
+        time, level = float(record["t"]), LEVELS.get(str(record.get("outcome", "")), "Info")
+        yield (
+            time,
+            "/events",
+            Log(
+                timestamp=stamp(time),
+                level=getattr(LogLevel, level),
+                message=": ".join(_words(record, done)),
+                name=str(record["kind"]),
+            ),
+        )
+
+
+def _words(record: Record, done: dict[int, str]) -> Iterator[str]:
+    if record["kind"] == "RUN":
+        yield str(record["task"])
+    if (number := record.get("n")) is not None:
+        yield f"{number}. {done.get(number, '')}"
+    if "action" in record:
+        yield f"from {record['action']['from']} to {record['action']['to']}"
+    yield from (str(record[key]) for key in ("effect", "outcome", "situation", "reason") if record.get(key))

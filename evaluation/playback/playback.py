@@ -1,0 +1,263 @@
+"""A run that was recorded, to be looked at again: where everything was, at any time."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import NamedTuple, Self
+from zipfile import BadZipFile
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import ValidationError
+
+from handcart.networks.journal.evidence_files import FOLDER as EVIDENCE
+from handcart.networks.journal.past_run import PastAction, PastRun, read_run
+from handcart.networks.runs.flight_recorder import SUFFIX, load_arrays
+from handcart.networks.runs.run_folder import NoRun, read_file
+
+from .part import Part
+from .recorder import FAR, FOLDER, NOTHING, SCENERY
+from .scenery import Scenery, ThingShape
+from .seven import between, on_floor
+
+MOST = 64 * 2**20  # of the scenery, in [bytes]
+GAP = 1.0  # [s] between two rows: what lies further apart isn't a motion
+PLANNED = "planned"  # how primitives call, in their evidence, the path that they mean to drive
+Array = NDArray[np.float64]
+
+
+class Moment(NamedTuple):
+    """A run at one time."""
+
+    time: float
+    """The robot's, in [s]."""
+    world_time: float
+    """In [s]: goes on while the run is paused."""
+    pose: Array
+    """(3,) estimated map_T_base: x, y in [m], heading in [rad]."""
+    truth: Array | None
+    """(7,) world_T_base; None where nobody knows."""
+    joints: Array
+    """(j,) measured, in [rad] or [m]."""
+    width: float
+    """Between the fingers, in [m]."""
+    covariance: Array
+    """(3, 3) of the estimate."""
+    action: int
+    """Number of the action that ran, from 1; 0 before the first."""
+    restoring: bool
+
+    @property
+    def base(self) -> Array:
+        """(7,) world_T_base: the true one where it is known, else the estimate."""
+        return on_floor(self.pose[None])[0] if self.truth is None else self.truth
+
+
+class ThingTrack(NamedTuple):
+    """A thing, and where it was."""
+
+    shape: ThingShape
+    time: Array
+    """(k,) in [s]; there is nothing before the first."""
+    pose: Array
+    """(k, 7) world_T_thing, each until the next one."""
+
+    def at(self, time: float) -> Array | None:
+        """(7,) world_T_thing; None before it is there."""
+        row = int(np.searchsorted(self.time, time, "right")) - 1
+        if row < 0:
+            return None
+        if row + 1 == len(self.time) or self.time[row + 1] - self.time[row] > GAP:
+            return np.asarray(self.pose[row])
+        share = (time - self.time[row]) / (self.time[row + 1] - self.time[row])
+        return between(self.pose[row], self.pose[row + 1], float(share))
+
+
+@dataclass(frozen=True)
+class Playback:
+    """A recorded run: rows ten times a second, scans and particles five times, pictures as they came."""
+
+    run: PastRun
+    scenery: Scenery
+    rows: Part
+    """All parts put together; `names` and `shapes` are empty there: see `things`."""
+    pictures: tuple[bytes, ...]
+    """JPEG, at `rows.picture_time`."""
+    things: Mapping[str, ThingTrack]
+    """By name."""
+
+    @classmethod
+    def read(cls, folder: Path) -> Self:
+        """Read what a run left in its folder; a run that was killed lacks its last minute.
+
+        Raises:
+            NoRun: the folder holds no run, or nothing that could be played back.
+            JournalError: its journal is damaged.
+        """
+        run = read_run(folder)
+        content = read_file(folder, f"{FOLDER}/{SCENERY}", MOST, missing=True)
+        if content is None:
+            wrong = "nothing was recorded in it to be played back (an older run, or a campaign's)"
+            raise NoRun(folder, f"{wrong}; `handcart run` with the same task and seed records it")
+        try:
+            scenery = Scenery.model_validate_json(content)
+        except ValidationError as error:
+            first = error.errors(include_url=False, include_context=False)[0]
+            where = ".".join(map(str, first["loc"]))
+            raise NoRun(folder, f"{FOLDER}/{SCENERY} in it: {where}: {first['msg']}") from None
+        parts = _cut([_part(folder, path) for path in sorted((folder / FOLDER).glob("[0-9]*.npz"))])
+        if not any(len(part.time) for part in parts):
+            raise NoRun(folder, "nothing of its motion was recorded: it was killed in its first minute")
+        try:
+            rows = _joined(parts)
+        except ValueError as error:
+            raise NoRun(folder, f"the parts in {FOLDER} don't belong together: {error}") from None
+        pictures = tuple(jpeg for part in parts for jpeg in part.jpegs())
+        return cls(run, scenery, rows, pictures, _things(parts))
+
+    @property
+    def start(self) -> float:
+        """Of the recording, in [s] of the robot's time."""
+        return float(self.rows.time[0])
+
+    @property
+    def end(self) -> float:
+        """[s]"""
+        return float(self.rows.time[-1])
+
+    def at(self, time: float) -> Moment:
+        """The run at a time in [s], between two rows on a straight way; before and after: its ends."""
+        rows = self.rows
+        a = int(np.clip(np.searchsorted(rows.time, time, "right") - 1, 0, len(rows.time) - 1))
+        b = min(a + 1, len(rows.time) - 1)
+        span = float(rows.time[b] - rows.time[a])
+        share = float(np.clip((time - rows.time[a]) / span, 0.0, 1.0)) if 0.0 < span <= GAP else 0.0
+        turn = (rows.pose[b, 2] - rows.pose[a, 2] + np.pi) % (2.0 * np.pi) - np.pi
+        step = np.array([*(rows.pose[b, :2] - rows.pose[a, :2]), turn])
+        known = bool(np.isfinite(rows.truth[[a, b]]).all())
+        return Moment(
+            float(np.clip(time, self.start, self.end)),
+            float(rows.world_time[a] + share * (rows.world_time[b] - rows.world_time[a])),
+            rows.pose[a] + share * step,
+            between(rows.truth[a], rows.truth[b], share) if known else None,
+            (1.0 - share) * rows.joints[a] + share * rows.joints[b],
+            float((1.0 - share) * rows.width[a] + share * rows.width[b]),
+            rows.covariance[a],
+            int(rows.action[a]),
+            bool(rows.restoring[a]),
+        )
+
+    def ranges(self, number: int) -> Array:
+        """(b,) in [m] of a scan; infinity where nothing came back, NaN where it is no number."""
+        return metres(self.rows.scan_mm[number])
+
+    def latest(self, times: Array, time: float) -> int | None:
+        """Which of some times (n,) was the last one at a time, all in [s]; None before the first."""
+        number = int(np.searchsorted(times, time + 1e-9, "right")) - 1
+        return None if number < 0 else number
+
+    def action(self, number: int) -> PastAction | None:
+        """An action of the run."""
+        return self._actions.get(number)
+
+    def situation(self, time: float) -> str:
+        """Where in the network the run is at a time in [s]: while an action runs, where that began."""
+        times, names = self._situations
+        number = self.latest(times, time)
+        return "" if number is None else names[number]
+
+    def planned(self, number: int) -> Array:
+        """(n, 2) in [m] on the map: the path that an action meant to drive; (0, 2) where it had none."""
+        return self._planned.get(number, np.empty((0, 2)))
+
+    @cached_property
+    def _actions(self) -> dict[int, PastAction]:
+        return {each.number: each for each in self.run.actions}
+
+    @cached_property
+    def _situations(self) -> tuple[Array, list[str]]:
+        """From when on the run is in which situation."""
+        times, names = [], []
+        for record in self.run.records:
+            match record["kind"]:
+                case "PLAN" | "END":
+                    name = str(record["situation"])
+                case "START":
+                    name = str(record["action"]["from"])
+                case "RESULT" if record["outcome"] == "Success":
+                    past = self.action(int(record["n"]))
+                    name = "" if past is None else past.target
+                case _:
+                    continue
+            times.append(float(record["t"]))
+            names.append(name)
+        return np.array(times), names
+
+    @cached_property
+    def _planned(self) -> dict[int, Array]:
+        found: dict[int, Array] = {}
+        for path in sorted((self.run.folder / EVIDENCE).glob("[0-9]*_*.npz")):
+            if path.name.endswith(SUFFIX):
+                continue
+            try:
+                arrays = load_arrays(path)
+            except (OSError, ValueError, BadZipFile) as error:
+                raise NoRun(self.run.folder, f"{EVIDENCE}/{path.name} in it is damaged ({error})") from None
+            way = arrays.get(PLANNED, np.empty((0, 2)))
+            if way.ndim == 2 and way.shape[1:] == (2,):
+                found[int(path.name.split("_")[0])] = way
+        return found
+
+
+def metres(scan_mm: NDArray[np.uint16]) -> Array:
+    """Ranges in [m], any shape, of what a part has."""
+    known = scan_mm / 1e3
+    return np.where(scan_mm == NOTHING, np.nan, np.where(scan_mm == FAR, np.inf, known))
+
+
+def _part(folder: Path, path: Path) -> Part:
+    try:
+        return Part.of(load_arrays(path))
+    except (OSError, ValueError, BadZipFile) as error:
+        raise NoRun(folder, f"{FOLDER}/{path.name} in it is damaged ({error})") from None
+
+
+def _cut(parts: list[Part]) -> list[Part]:
+    """Without what was done anew in a run that went on: each part up to where later ones begin."""
+    kept, until = [], np.inf
+    for part in reversed(parts):
+        kept.append(part.before(until))
+        if len(part.time):
+            until = min(until, float(part.time[0]))
+    return kept[::-1]
+
+
+def _joined(parts: list[Part]) -> Part:
+    first = parts[0]
+    whole = {
+        name: np.concatenate([each for part in parts if len(each := getattr(part, name))] or [of_first[:0]])
+        for name, of_first in first._asdict().items()
+    }
+    whole |= {name: getattr(first, name)[:0] for name in ("picture", "picture_end", "names", "shapes")}
+    return Part(**whole)
+
+
+def _things(parts: list[Part]) -> dict[str, ThingTrack]:
+    shapes = {each.name: each for part in parts for each in part.new_shapes()}
+    rows: dict[str, list[tuple[Array, Array]]] = {}
+    for part in parts:
+        order = np.argsort(part.moved_name, kind="stable")
+        edges = np.searchsorted(part.moved_name[order], np.arange(len(part.names) + 1))
+        for number, name in enumerate(part.names.tolist()):
+            chosen = order[edges[number] : edges[number + 1]]
+            rows.setdefault(name, []).append((part.moved_time[chosen], part.moved_pose[chosen]))
+    return {
+        name: ThingTrack(
+            shapes[name], np.concatenate([t for t, _ in each]), np.concatenate([p for _, p in each])
+        )
+        for name, each in rows.items()
+        if name in shapes
+    }

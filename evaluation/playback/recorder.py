@@ -1,0 +1,250 @@
+"""Writing down, while a run goes on, what `handcart view` and `handcart export` show of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import orjson
+from numpy.typing import NDArray
+
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.gripper import Gripper
+from handcart.backends.capabilities.range_sensor import RangeSensor
+from handcart.backends.robot.robot import Robot
+from handcart.backends.simulation.scene import Scene
+from handcart.backends.simulation.world.thing import Thing
+from handcart.evaluation.truth.survey import simulated_world
+from handcart.files.whole_file import write_whole
+from handcart.networks.coordination.events import Ended, Event, Restoring, Started
+from handcart.networks.coordination.run_end import RunEnd
+from handcart.networks.run_observer import RunObserver
+from handcart.networks.task.preparing import Prepared
+
+from .scenery import scenery_of, thing_shape
+from .seven import sevens
+
+FOLDER = "playback"
+SCENERY = "scenery.json"
+PART = "{:05d}.npz"
+EVERY, SCANS, PICTURES = 0.1, 0.2, 0.5  # [s] of the robot's time between rows, scans and clouds, pictures
+LENGTH = 60.0  # [s] of a part
+CLOUD = 256  # particles that are kept of a cloud
+NOTHING, FAR = 65535, 65534  # [mm] of a range that isn't a number, and of one where nothing came back
+QUALITY = 80  # of pictures
+ROWS = ("time", "world_time", "pose", "truth", "joints", "width", "covariance", "action", "restoring")
+_SOON = 1e-6  # [s]
+
+
+class PlaybackRecorder(RunObserver):
+    """Writes `playback/scenery.json` as a run begins, and `playback/00001.npz` ... as it goes on.
+
+    A row has what was measured and estimated, and where the run is simulated what is true: see `Part`.
+    Nothing is read that the run doesn't read anyway, so it isn't changed. A process that is killed loses the
+    last part. What keeps it from being recorded (a full disk, say) ends the recording, not the run.
+    """
+
+    def __init__(self) -> None:
+        self._folder: Path | None = None
+        self._scene: Scene | None = None
+        self._action, self._restoring = 0, False
+        self.lost: str | None = None
+        """Why nothing more is kept; the run goes on without."""
+        self._part = self._changes = 0
+        self._due = self._scan_due = self._picture_due = 0.0
+        self._begun = 0.0
+        self._shown: NDArray[np.uint8] | None = None
+        self._at: dict[str, NDArray[np.float64]] = {}
+        self._clear()
+
+    def begin(self, prepared: Prepared, run_dir: Path) -> None:
+        """See `RunObserver`; what a run that goes on had is kept, up to where it goes on from."""
+        self._scene = simulated_world(prepared.backend)
+        backend = prepared.backend
+        self._arm, self._gripper = backend.get(Arm), backend.get(Gripper)  # type: ignore[type-abstract]
+        self._range = backend.get(RangeSensor)  # type: ignore[type-abstract]
+        self._changes = -1
+        self._due = self._scan_due = self._picture_due = self._begun = prepared.robot.time
+        folder = run_dir / FOLDER
+        try:
+            folder.mkdir(exist_ok=True)
+            self._part = len(list(folder.glob("[0-9]*.npz")))
+            scenery = scenery_of(prepared, self._scene)
+            write_whole(folder / SCENERY, scenery.model_dump_json(), sync=False)
+            self._folder = folder
+        except Exception as error:
+            self._lose(error)
+        self._note(prepared.robot)
+
+    def period(self, robot: Robot) -> None:
+        """See `RunObserver`."""
+        if robot.time >= self._due - _SOON:
+            self._note(robot)
+
+    def event(self, event: Event) -> None:
+        """See `RunObserver`."""
+        match event:
+            case Started(number=number):
+                self._action, self._restoring = number, False
+            case Restoring():
+                self._restoring = True
+            case Ended():
+                self._restoring = False
+            case _:
+                pass
+
+    def end(self) -> None:
+        """See `RunObserver`."""
+        self._write()
+        self._folder = None
+
+    def figures(self, end: RunEnd) -> Mapping[str, Any]:
+        """See `RunObserver`: why the recording isn't whole, where it isn't."""
+        return {} if self.lost is None else {"playback_lost": self.lost}
+
+    # One row
+
+    def _note(self, robot: Robot) -> None:
+        if self._folder is None or (self._rows["time"] and robot.time <= self._rows["time"][-1]):
+            return
+        self._due = robot.time + EVERY
+        # What a sensor's fault means is for those to say who need the reading.
+        with suppress(Exception):
+            self._take(robot)
+        if robot.time - self._begun >= LENGTH:
+            self._write()
+            self._begun = robot.time
+
+    def _take(self, robot: Robot) -> None:
+        joints = np.empty(0) if self._arm is None else self._arm.joints()
+        width = 0.0 if self._gripper is None else self._gripper.width()
+        scene, localization = self._scene, robot.localization
+        row = {
+            "time": robot.time,
+            "world_time": robot.time if scene is None else scene.time,
+            "pose": tuple(robot.pose),
+            "truth": np.full((4, 4), np.nan) if scene is None else scene.world_T_base,
+            "joints": joints,
+            "width": width,
+            "covariance": localization.covariance,
+            "action": self._action,
+            "restoring": self._restoring,
+        }
+        for name, value in row.items():
+            self._rows[name].append(value)
+        if robot.time >= self._scan_due - _SOON:
+            self._scan_due = robot.time + SCANS
+            self._take_scan(robot)
+        if robot.time >= self._picture_due - _SOON:
+            self._take_picture(robot)
+        if scene is not None:
+            self._take_things(robot.time, scene)
+
+    def _take_scan(self, robot: Robot) -> None:
+        if self._range is not None:
+            self._scan_times.append(robot.time)
+            self._scans.append(self._range.scan().ranges)
+        cloud = robot.localization.particles
+        if cloud is not None:
+            self._cloud_times.append(robot.time)
+            self._clouds.append(cloud.T[:: max(1, cloud.shape[1] // CLOUD)][:CLOUD])
+
+    def _take_picture(self, robot: Robot) -> None:
+        """The latest that a primitive has asked for, where it is a new one."""
+        picture = robot.seen
+        if picture is None or picture is self._shown:
+            return
+        self._picture_due = robot.time + PICTURES
+        self._shown = picture
+        self._picture_times.append(robot.time)
+        self._pictures.append(jpeg_of(picture))
+
+    def _take_things(self, time: float, scene: Scene) -> None:
+        carried: Iterable[Thing] = scene.things()
+        if scene.changes == self._changes:
+            carried = [*scene.riding(), *([] if scene.held is None else [scene.held])]
+        self._changes = scene.changes
+        for thing in carried:
+            before = self._at.get(thing.name)
+            if before is None:
+                self._shapes.append(thing_shape(thing).model_dump(mode="json"))
+            if before is None or not np.array_equal(before, thing.pose):
+                pose = self._at[thing.name] = thing.pose.copy()
+                self._moved.append((time, thing.name, pose))
+
+    # A part
+
+    def _clear(self) -> None:
+        self._rows: dict[str, list[Any]] = {name: [] for name in ROWS}
+        self._scan_times: list[float] = []
+        self._scans: list[NDArray[np.float64]] = []
+        self._cloud_times: list[float] = []
+        self._clouds: list[NDArray[np.float64]] = []
+        self._picture_times: list[float] = []
+        self._pictures: list[bytes] = []
+        self._moved: list[tuple[float, str, NDArray[np.float64]]] = []
+        self._shapes: list[dict[str, Any]] = []
+
+    def _write(self) -> None:
+        if self._folder is None or not self._rows["time"]:
+            return
+        self._part += 1
+        try:
+            packed = BytesIO()
+            np.savez_compressed(packed, **self._arrays())
+            write_whole(self._folder / PART.format(self._part), packed.getvalue(), sync=False)
+        except Exception as error:
+            self._lose(error)
+        self._clear()
+
+    def _lose(self, error: Exception) -> None:
+        self._folder = None
+        self.lost = (
+            error.strerror if isinstance(error, OSError) else None
+        ) or f"{type(error).__name__}: {error}"
+
+    def _arrays(self) -> dict[str, Any]:
+        """As `Part` has them."""
+        rows = {name: np.array(values) for name, values in self._rows.items()}
+        truth = rows["truth"]
+        known = np.isfinite(truth[:, 0, 0])
+        seven = np.full((len(truth), 7), np.nan)
+        seven[known] = sevens(truth[known])
+        names = sorted({name for _, name, _ in self._moved})
+        index = {name: number for number, name in enumerate(names)}
+        return {
+            **rows,
+            "truth": seven,
+            "covariance": rows["covariance"].astype(np.float32),
+            "action": rows["action"].astype(np.int32),
+            "scan_time": np.array(self._scan_times),
+            "scan_mm": millimetres(np.array(self._scans)),
+            "cloud_time": np.array(self._cloud_times),
+            "cloud": np.array(self._clouds, dtype=np.float32),
+            "picture_time": np.array(self._picture_times),
+            "picture_end": np.cumsum([len(each) for each in self._pictures], dtype=np.int64),
+            "picture": np.frombuffer(b"".join(self._pictures), np.uint8),
+            "moved_time": np.array([time for time, _, _ in self._moved]),
+            "moved_name": np.array([index[name] for _, name, _ in self._moved], dtype=np.int32),
+            "moved_pose": sevens(np.array([pose for _, _, pose in self._moved]).reshape(-1, 4, 4)),
+            "names": np.array(names, dtype=np.str_),
+            "shapes": np.frombuffer(orjson.dumps(self._shapes), np.uint8),
+        }
+
+
+def millimetres(ranges: NDArray[np.float64]) -> NDArray[np.uint16]:
+    """Of ranges in [m], any shape; two values stand for what is no distance."""
+    whole = np.clip(np.rint(1e3 * np.nan_to_num(ranges, nan=0.0, posinf=0.0)), 0, FAR - 1)
+    return np.where(np.isnan(ranges), NOTHING, np.where(np.isinf(ranges), FAR, whole)).astype(np.uint16)
+
+
+def jpeg_of(picture: NDArray[np.uint8]) -> bytes:
+    """A grey picture (h, w) at half its size."""
+    half = cv2.resize(picture, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA)
+    _, jpeg = cv2.imencode(".jpg", half, [cv2.IMWRITE_JPEG_QUALITY, QUALITY])
+    return jpeg.tobytes()

@@ -1,0 +1,57 @@
+"""Poses as seven numbers: x, y, z in [m], then a unit quaternion with its real part first."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from handcart.robotics.geometry.transform import Transform
+
+Array = NDArray[np.float64]
+Seven = tuple[float, float, float, float, float, float, float]
+
+
+def sevens(poses: Array) -> Array:
+    """(n, 7) of poses (n, 4, 4)."""
+    if len(poses) == 0:
+        return np.empty((0, 7))
+    turns = Rotation.from_matrix(poses[:, :3, :3]).as_quat(canonical=True, scalar_first=True)
+    return np.column_stack((poses[:, :3, 3], turns))
+
+
+def seven(pose: Transform) -> Seven:
+    """Of one pose (4, 4)."""
+    x, y, z, qw, qx, qy, qz = sevens(pose[None])[0].tolist()
+    return x, y, z, qw, qx, qy, qz
+
+
+def transforms(rows: Array) -> Array:
+    """(n, 4, 4) of rows (n, 7)."""
+    found = np.tile(np.eye(4), (len(rows), 1, 1))
+    if len(rows):
+        found[:, :3, :3] = Rotation.from_quat(rows[:, 3:], scalar_first=True).as_matrix()
+        found[:, :3, 3] = rows[:, :3]
+    return found
+
+
+def on_floor(poses: Array) -> Array:
+    """(n, 7) of poses in the plane (n, 3): x, y in [m], heading in [rad]."""
+    found = np.zeros((len(poses), 7))
+    found[:, :2] = poses[:, :2]
+    found[:, 3], found[:, 6] = np.cos(poses[:, 2] / 2), np.sin(poses[:, 2] / 2)
+    return found
+
+
+def between(a: Array, b: Array, share: float) -> Array:
+    """A pose (7,) on the way from one to another, 0 to 1: straight, and turning evenly."""
+    other = b[3:] if float(a[3:] @ b[3:]) >= 0.0 else -b[3:]
+    cosine = min(1.0, float(a[3:] @ other))
+    angle = math.acos(cosine)
+    if angle < 1e-3:
+        turn = (1.0 - share) * a[3:] + share * other
+    else:
+        turn = (math.sin((1.0 - share) * angle) * a[3:] + math.sin(share * angle) * other) / math.sin(angle)
+    return np.concatenate(((1.0 - share) * a[:3] + share * b[:3], turn / np.linalg.norm(turn)))

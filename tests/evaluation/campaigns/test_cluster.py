@@ -1,0 +1,150 @@
+"""Trials on a real Dask scheduler and real workers: what becomes of these loses none."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+from distributed import Client
+
+from benchmarks.campaigns.walk import walk
+from handcart.evaluation.campaigns import cluster as module
+from handcart.evaluation.campaigns.campaign import run_campaign
+from handcart.evaluation.campaigns.campaign_setting import CampaignSetting
+from handcart.evaluation.campaigns.cluster import Cluster, ClusterLost, NoCluster, TrialThere
+from handcart.evaluation.campaigns.trial import Trial
+from handcart.evaluation.campaigns.trial_log import TrialLog, line_of
+from handcart.evaluation.campaigns.workers import TrialFault
+from handcart.files.errors import InputError
+
+ROOT = Path(__file__).resolve().parents[3]
+
+
+@dataclass(frozen=True)
+class Work:
+    """A trial that takes a moment, on one worker ten times as long; it notes who has begun it."""
+
+    notes: Path
+    refuses: int = -1
+
+    def __call__(self, seed: int) -> bytes:
+        if seed == self.refuses:
+            raise InputError("this can't be")
+        with (self.notes / str(seed)).open("a", encoding="utf-8") as file:
+            file.write(f"{os.getpid()}\n")
+        time.sleep(0.1 if "SLOW" in os.environ else 0.05)
+        return line_of(Trial(seed, 0, {"outcome": "Success", "reason": "", "metrics": {}}))
+
+
+@dataclass
+class Machines:
+    """A scheduler and its file, and the processes of its three workers, the last one slow."""
+
+    scheduler: subprocess.Popen[bytes]
+    file: Path
+    workers: list[subprocess.Popen[bytes]]
+
+
+@pytest.fixture
+def machines(tmp_path: Path) -> Iterator[Machines]:
+    file = tmp_path / "scheduler.json"
+    where = ["--scheduler-file", str(file), "--no-dashboard", "--host", "127.0.0.1"]
+    more = ["--nthreads", "1", "--no-nanny", "--local-directory", str(tmp_path)]
+    scheduler = started(["scheduler", "--port", "0", *where])
+    end = time.monotonic() + 60.0
+    while not file.exists():
+        assert time.monotonic() < end
+        time.sleep(0.05)
+    workers = [started(["worker", *where, *more], **({"SLOW": "1"} if at == 2 else {})) for at in range(3)]
+    try:
+        with Client(scheduler_file=str(file), set_as_default=False) as client:
+            client.wait_for_workers(3, timeout=60.0)
+        yield Machines(scheduler, file, workers)
+    finally:
+        for each in (*workers, scheduler):
+            each.kill()
+            each.wait()
+
+
+def started(words: list[str], **more: str) -> subprocess.Popen[bytes]:
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    command = [sys.executable, "-m", "dask", *words]
+    known = os.environ | {"PYTHONPATH": str(ROOT), "PYTHONWARNINGS": "ignore"} | more
+    return subprocess.Popen(command, cwd=ROOT, env=known, **quiet)  # type: ignore[call-overload, no-any-return]
+
+
+@pytest.mark.slow
+def test_one_is_killed_one_freezes_one_is_slow_and_each_trial_counts_once(
+    machines: Machines, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "PATIENCE_S", 1.0)
+    monkeypatch.setattr(module, "LOOKS_S", 0.2)
+    count, seen = 60, Counter[int]()
+    notes = tmp_path / "notes"
+    notes.mkdir()
+    for together in Cluster(Work(notes), str(machines.file)).trials(range(count)):
+        seen.update(each.seed for each in together)
+        begun = {int(each) for path in notes.iterdir() for each in path.read_text("utf-8").split()}
+        if machines.workers[0].poll() is None and {each.pid for each in machines.workers} <= begun:
+            machines.workers[0].kill()
+            machines.workers[0].wait()
+            machines.workers[1].send_signal(signal.SIGSTOP)
+            assert len(seen) < count - 10
+    assert seen == Counter(range(count))
+    assert machines.workers[0].poll() is not None, "all was over before anything went wrong"
+
+
+@pytest.mark.slow
+def test_a_campaign_ends_as_on_one_machine_and_what_cannot_be_run_is_told(
+    machines: Machines, tmp_path: Path
+) -> None:
+    setting = CampaignSetting(walk(tmp_path), level="network")
+    kept = {}
+    for name, cluster in (("here", None), ("there", str(machines.file))):
+        with TrialLog(tmp_path / name) as log:
+            seeds = [each.seed for each in run_campaign(setting, range(40), 1, log, cluster)]
+            assert sorted(seeds) == list(range(40))
+            kept[name] = list(log.trials())
+    assert kept["here"] == kept["there"]
+    with pytest.raises(TrialFault, match="this can't be") as raised:
+        list(Cluster(Work(tmp_path, refuses=1), str(machines.file)).trials(range(3)))
+    assert raised.value.exit_status == 2
+
+
+@pytest.mark.slow
+def test_where_the_scheduler_dies_the_campaign_ends_in_words(machines: Machines, tmp_path: Path) -> None:
+    done = 0
+    with pytest.raises(ClusterLost, match="the same command goes on with what is left"):
+        for together in Cluster(Work(tmp_path), str(machines.file)).trials(range(1000)):
+            done += len(together)
+            machines.scheduler.kill()
+    assert 0 < done < 1000
+
+
+def test_a_worker_with_other_files_runs_nothing(tmp_path: Path) -> None:
+    there = TrialThere.of(CampaignSetting(walk(tmp_path), level="network"))
+    there(0)
+    other = TrialThere(there.setting, {**there.files, "map.png": "0" * 64})
+    with pytest.raises(TrialFault, match=r"another content in map\.png") as raised:
+        other(0)
+    assert raised.value.exit_status == 2
+
+
+@pytest.mark.parametrize(
+    ("address", "wrong"),
+    [("nowhere.json", "no such file; allowed: an address"), ("tcp://127.0.0.1:9", "no scheduler answers")],
+)
+def test_where_nobody_answers_nothing_moves(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, address: str, wrong: str
+) -> None:
+    monkeypatch.setattr(module, "ANSWERS_S", 0.3)
+    with pytest.raises(NoCluster, match=wrong):
+        list(Cluster(Work(tmp_path), address).trials(range(3)))

@@ -1,0 +1,133 @@
+"""A run as MCAP, read back by the reader of those who made the format."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import orjson
+import pytest
+from mcap.reader import make_reader
+from mcap_protobuf.decoder import DecoderFactory
+
+from handcart.evaluation.playback.playback import Playback
+from tests.tools.conftest import Said
+
+SCHEMAS = {
+    "/camera": "CompressedImage",
+    "/events": "Log",
+    "/joint_states": "JointStates",
+    "/map": "Grid",
+    "/particles": "PosesInFrame",
+    "/pose": "PoseInFrame",
+    "/scan": "LaserScan",
+    "/scenery": "SceneUpdate",
+    "/tf": "FrameTransforms",
+    "/things": "SceneUpdate",
+    "/truth": "PoseInFrame",
+}
+
+
+@pytest.fixture
+def run(handcart: Callable[..., Said], tour: Path, tmp_path: Path) -> Path:
+    """The folder of a run that is over."""
+    assert handcart("run", tour, "--runs", tmp_path / "runs", "--no-report").status == 0
+    return tmp_path / "runs" / "tour-0"
+
+
+def messages(path: Path) -> dict[str, list[tuple[str, float, Any]]]:
+    """By topic: schema, time and content."""
+    found: dict[str, list[tuple[str, float, Any]]] = {}
+    with path.open("rb") as file:
+        reader = make_reader(file, decoder_factories=[DecoderFactory()])
+        for schema, channel, message, content in reader.iter_decoded_messages():
+            assert schema is not None
+            found.setdefault(channel.topic, []).append((schema.name, message.log_time / 1e9, content))
+    return found
+
+
+def counts(recorded: Playback) -> dict[str, int]:
+    """How many messages a run comes to."""
+    rows, moves = recorded.rows, sum(len(each.time) for each in recorded.things.values())
+    each_row = dict.fromkeys(("/pose", "/tf", "/truth", "/joint_states"), len(rows.time))
+    rest = {"/scan": len(rows.scan_time), "/things": moves, "/scenery": len(recorded.scenery.solids)}
+    rest |= {"/particles": len(rows.cloud_time), "/camera": len(rows.picture_time)}
+    found = {"/map": 1, "/events": len(recorded.run.records), **each_row, **rest}
+    return {topic: count for topic, count in found.items() if count}
+
+
+def test_all_that_was_recorded_is_there_once(
+    handcart: Callable[..., Said], run: Path, tmp_path: Path
+) -> None:
+    path, recorded = tmp_path / "run.mcap", Playback.read(run)
+    said = handcart("export", run, "-o", path)
+    expected = counts(recorded)
+    assert (
+        said.out == f"written: {path}, " + ", ".join(f"{expected[at]} {at}" for at in sorted(expected)) + "\n"
+    )
+    found, rows = messages(path), recorded.rows
+    assert {topic: len(each) for topic, each in found.items()} == expected
+    for topic, each in found.items():
+        assert {schema for schema, _, _ in each} == {f"foxglove.{SCHEMAS[topic]}"}
+    assert len(rows.time) > 200
+    poses = [(at, each.pose.position.x, each.pose.position.y) for _, at, each in found["/pose"]]
+    assert np.array(poses) == pytest.approx(np.column_stack([rows.time, rows.pose[:, :2]]), abs=1e-9)
+    true = [each.pose.orientation.w for _, _, each in found["/truth"]]
+    assert true == pytest.approx(rows.truth[:, 3])
+    moved = found["/tf"][-1][2].transforms[0]
+    assert (moved.parent_frame_id, moved.child_frame_id) == ("map", "base")
+    assert (moved.translation.x, moved.translation.y) == pytest.approx(rows.pose[-1, :2])
+    assert found["/scan"][-1][2].ranges == pytest.approx(recorded.ranges(-1))
+    robot = recorded.scenery.robot
+    joints = {each.name: each.position for each in found["/joint_states"][-1][2].joints}
+    assert [joints[name] for name in robot.joints] == pytest.approx(rows.joints[-1])
+    assert joints["left_finger"] == joints["right_finger"] == pytest.approx(rows.width[-1] / 2)
+
+
+def test_what_stood_around_stands_where_it_stood(
+    handcart: Callable[..., Said], run: Path, tmp_path: Path
+) -> None:
+    handcart("export", run, "-o", tmp_path / "run.mcap")
+    found, recorded = messages(tmp_path / "run.mcap"), Playback.read(run)
+    drawn = {each.entities[0].id: each.entities[0].cubes[0] for _, _, each in found["/scenery"]}
+    pillar = next(each for each in recorded.scenery.solids if each.name == "pillar")
+    assert (drawn["pillar"].pose.position.x, drawn["pillar"].size.z) == pytest.approx((pillar.pose[0], 2.0))
+    (grid,) = (each for _, _, each in found["/map"])
+    cells = np.frombuffer(grid.data, np.int8).reshape(-1, grid.column_count)
+    x, y = pillar.pose[0] - grid.pose.position.x, pillar.pose[1] - grid.pose.position.y
+    row, column, near = (round(each / grid.cell_size.x) for each in (y, x, 0.3))
+    around = slice(column - near, column + near)
+    assert 100 in cells[row - near : row + near, around]
+    assert 100 not in cells[len(cells) - row - near : len(cells) - row + near, around]
+
+
+def test_events_are_in_words_and_what_the_run_was_is_told(
+    handcart: Callable[..., Said], run: Path, tmp_path: Path
+) -> None:
+    handcart("export", run, "-o", tmp_path / "run.mcap")
+    events = [each for _, _, each in messages(tmp_path / "run.mcap")["/events"]]
+    assert Counter(each.name for each in events) == {"RUN": 1, "PLAN": 1, "START": 1, "RESULT": 1, "END": 1}
+    assert [each.message for each in events if each.name in ("START", "RESULT")] == [
+        "1. MOVE_TO: from at_home to at_shelf",
+        "1. MOVE_TO: Success",
+    ]
+    with (tmp_path / "run.mcap").open("rb") as file:
+        reader = make_reader(file)
+        (about,) = [each.metadata for each in reader.iter_metadata()]
+        attached = {each.name: each.data for each in reader.iter_attachments()}
+    assert (about["outcome"], about["seed"], about["task"]) == ("Success", "0", "Drive to a shelf")
+    assert orjson.loads(attached["summary.json"])["outcome"] == "Success"
+    assert attached["robot.urdf"].decode() == Playback.read(run).scenery.robot.urdf
+
+
+def test_a_run_that_was_not_recorded_is_told(
+    handcart: Callable[..., Said], tour: Path, tmp_path: Path
+) -> None:
+    said = handcart("campaign", tour, "--trials", "1", "--jobs", "1", "--runs", tmp_path / "runs")
+    assert said.status == 0
+    said = handcart("export", tmp_path / "runs" / "tour-0", "-o", tmp_path / "run.mcap")
+    assert (said.status, "`handcart run` with the same task and seed records it" in said.err) == (2, True)
+    assert not (tmp_path / "run.mcap").exists()

@@ -1,0 +1,224 @@
+"""A campaign that somebody asks for, from a shell or from Python: checked before anything moves."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Generator, Iterator, Mapping, Sequence
+from contextlib import ExitStack, closing, contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from handcart.evaluation.campaign_report.campaign_report import CampaignReport
+from handcart.evaluation.campaign_report.claim import Claim, Settling
+from handcart.evaluation.campaigns.campaign import run_campaign
+from handcart.evaluation.campaigns.campaign_folder import RUNS, CampaignFolder
+from handcart.evaluation.campaigns.campaign_setting import CampaignSetting, Level, WorldGenerator
+from handcart.evaluation.campaigns.trial import Trial
+from handcart.evaluation.campaigns.trial_log import TrialLog
+from handcart.evaluation.campaigns.variation import Variation, load_variation
+from handcart.files.errors import InputError
+from handcart.networks.task.task_file import Task, load_task
+
+LEVELS: Mapping[str, Level] = {"run": "run", "network": "network"}
+
+
+class NotPossible(InputError):
+    """Options of a campaign that can't be, or can't be together; nothing has moved."""
+
+
+@dataclass(frozen=True)
+class AskedCampaign:
+    """What is asked for; see `handcart campaign --help`."""
+
+    task: Path
+    trials: int = 20
+    first: int = 0
+    backend: str | None = None
+    settings: Mapping[str, str] = field(default_factory=dict)
+    generate: Sequence[str] = ()
+    out: Path | None = None
+    shard: str | None = None
+    until: str | None = None
+    vary: Path | None = None
+    faults: Path | None = None
+    level: str = "run"
+    runs: Path | None = None
+
+    @contextmanager
+    def opened(self) -> Iterator[OpenCampaign]:
+        """Checked, with its folder, or with one that is gone afterwards.
+
+        Raises:
+            InputError: something isn't possible, in words; nothing has moved.
+            TrialLogError: the folder's trials can't be read, or written.
+        """
+        self._check()
+        worlds = _worlds(self.generate) if self.generate else None
+        claim = None if self.until is None else Claim.of(self.until)
+        read = None if self.out is None and self.vary is None else load_task(self.task, self.settings)
+        setting = self._setting(worlds, self._variation(read))
+        arguments = self._arguments(setting, claim)
+        with ExitStack() as stack:
+            if self.out is None:
+                folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
+                log = TrialLog(folder / "trials.jsonl", sync=False)
+            else:
+                assert read is not None
+                log = CampaignFolder.made(self.out, {**arguments, **_made_of(setting, read)}).log()
+            stack.enter_context(log)
+            seeds = self._seeds()
+            settling = None if claim is None else Settling(claim, seeds)
+            yield OpenCampaign(setting, seeds, arguments, log, settling, self.out)
+
+    def _check(self) -> None:
+        network = self.level == "network"
+        if self.level not in LEVELS:
+            raise NotPossible(f"--level {self.level}; allowed: {', '.join(LEVELS)}")
+        if network and self.generate:
+            raise NotPossible("--level network --generate; allowed: one of them, a network has no world")
+        if self.vary is not None and self.generate:
+            raise NotPossible("--vary --generate; allowed: one of them, for a generated world has no file")
+        if self.shard is not None and self.out is None:
+            raise NotPossible("--shard without --out; needed: the folder for this part")
+        if self.shard is not None and self.until is not None:
+            raise NotPossible("--until --shard; allowed: one of them, a part alone can't settle it")
+        if self.faults is not None:
+            from handcart.evaluation.campaigns.fault_plan import load_faults
+
+            load_faults(self.faults)
+            if network:
+                raise NotPossible("--level network --faults; allowed: one of them, a network has no robot")
+        self._seeds()
+
+    def _seeds(self) -> range:
+        """Those that this process has to do."""
+        seeds = range(self.first, self.first + self.trials)
+        if self.shard is None:
+            return seeds
+        number, _, count = self.shard.partition("/")
+        if not (number.isdecimal() and count.isdecimal() and 1 <= int(number) <= int(count)):
+            raise NotPossible(f"--shard {self.shard}; allowed: K/N with K from 1 to N, such as 3/40")
+        return seeds[int(number) - 1 :: int(count)]
+
+    def _variation(self, task: Task | None) -> Variation | None:
+        """What varies, each of it a number in the task's files."""
+        return None if self.vary is None or task is None else load_variation(self.vary, task)
+
+    def _setting(self, worlds: WorldGenerator | None, varied: Variation | None) -> CampaignSetting:
+        runs = self.runs or (Path(RUNS) if self.out is None else self.out / RUNS)
+        every = range(0) if varied is None else range(self.first, self.first + self.trials)
+        return CampaignSetting(
+            self.task,
+            self.backend,
+            self.settings,
+            worlds,
+            runs,
+            LEVELS[self.level],
+            varied,
+            every,
+            self.faults,
+        )
+
+    def _arguments(self, setting: CampaignSetting, claim: Claim | None) -> dict[str, Any]:
+        """As the campaign's folder keeps them."""
+        return {
+            "task": str(self.task),
+            "backend": self.backend,
+            "settings": dict(self.settings),
+            "generate": sorted(self.generate),
+            "first": self.first,
+            "trials": self.trials,
+            "level": self.level,
+            "vary_file": None if self.vary is None else str(self.vary),
+            "vary": None if setting.varied is None else setting.varied.model_dump(mode="json"),
+            "faults": None if self.faults is None else str(self.faults),
+            "until": None if claim is None else str(claim),
+            "shard": self.shard,
+        }
+
+
+@dataclass
+class OpenCampaign:
+    """One that can run, or go on."""
+
+    setting: CampaignSetting
+    seeds: range
+    arguments: dict[str, Any]
+    log: TrialLog
+    settling: Settling | None
+    """What becomes of a claim; None: nothing is claimed."""
+    out: Path | None
+
+    def trials(self, jobs: int | None, cluster: str | None = None) -> Generator[Trial, None, None]:
+        """Run what isn't there yet, until a claim is settled.
+
+        Args:
+            jobs: processes side by side; None: 2, on the network alone 1.
+            cluster: address, or file, of a Dask scheduler whose workers run them instead.
+
+        Raises:
+            InputError: both are given.
+            HandcartError, KeyboardInterrupt: as `run_campaign` does.
+        """
+        if cluster is not None and jobs is not None:
+            raise NotPossible("--cluster --jobs; allowed: one of them, a cluster has as many as it has")
+        jobs = jobs or (2 if self.setting.level == "run" else 1)
+        if self.settling is not None and any(self.settling.hear(each) for each in self.log.trials()):
+            return
+        with closing(run_campaign(self.setting, self.seeds, jobs, self.log, cluster)) as running:
+            for trial in running:
+                yield trial
+                if self.settling is not None and self.settling.hear(trial):
+                    return
+
+    def counted(self) -> Sequence[Trial]:
+        """The trials that count: of a claim, those that settled it."""
+        trials = self.log.trials()
+        return trials if self.settling is None else trials[: self.settling.count]
+
+    def write_page(self, report: CampaignReport, runs: bool = True) -> Path | None:
+        """Write the campaign's page into its folder, if it has one.
+
+        Args:
+            report: of the trials that count.
+            runs: whether the runs to look at first get pages too.
+
+        Raises:
+            OSError: it can't be written.
+        """
+        if self.out is None:
+            return None
+        from handcart.evaluation.campaign_page.campaign_page import CampaignPage
+
+        page = CampaignPage(CampaignFolder.read(self.out), report, self.settling)
+        if runs:
+            page.write_runs()
+        return page.write()
+
+
+def _made_of(setting: CampaignSetting, task: Task) -> dict[str, Any]:
+    """What else decides how a campaign's trials end."""
+    from importlib.metadata import version
+
+    from handcart.evaluation.campaigns.campaign_files import checksums
+
+    return {"handcart": version("handcart"), "files": checksums(setting, task)}
+
+
+def _worlds(words: Sequence[str]) -> WorldGenerator:
+    """What makes them, of the domain that has worlds of that name."""
+    from handcart.files.suggest import suggest
+    from handcart.tasks.domain import domains, imported
+    from handcart.tools.terminal.typed_model import typed_model
+
+    known = {name: path for domain in domains() for name, path in domain.worlds.items()}
+    named = [word.partition(".") for word in words]
+    name = named[0][0]
+    if other := next((each for each, _, _ in named if each != name), None):
+        raise NotPossible(f"--generate {name} and {other}; allowed: worlds of one kind")
+    if name not in known:
+        raise NotPossible(f"--generate {name}: no worlds of that name{suggest(name, known)}")
+    options = [option for _, _, option in named if option]
+    worlds: WorldGenerator = typed_model(imported(known[name]), options, f"--generate {name}")
+    return worlds

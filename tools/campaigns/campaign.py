@@ -1,0 +1,149 @@
+"""`handcart campaign`: one task, many seeds."""
+
+from __future__ import annotations
+
+import sys
+from contextlib import closing
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from handcart.evaluation.campaign_report.campaign_report import CampaignReport
+    from handcart.tools.campaigns.asked_campaign import OpenCampaign
+
+
+def campaign(
+    task: Annotated[Path, typer.Argument(help="the task's file")],
+    trials: Annotated[int, typer.Option(min=1, help="how many")] = 20,
+    first: Annotated[int, typer.Option(help="the first trial's seed")] = 0,
+    jobs: Annotated[
+        int | None, typer.Option(min=1, help="processes side by side; otherwise 2, on the network 1")
+    ] = None,
+    backend: Annotated[str | None, typer.Option(help="another backend than the task names")] = None,
+    robot: Annotated[
+        str | None, typer.Option(help="another robot than the task names, or the path of its file")
+    ] = None,
+    settings: Annotated[
+        list[str] | None, typer.Option("--set", help="KEY=VALUE: a parameter that the task declares")
+    ] = None,
+    generate: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="NAME or NAME.KEY=VALUE: a generated world for each seed, such as library.blocked=way_around"
+        ),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(help="the campaign's folder: each trial is kept there, and the same command goes on"),
+    ] = None,
+    shard: Annotated[
+        str | None, typer.Option(help="K/N: the K-th of N parts, for `handcart campaign merge`; needs --out")
+    ] = None,
+    until: Annotated[
+        str | None, typer.Option(help='"p > 0.95": end when it is sure whether that holds; 3 where not')
+    ] = None,
+    cluster: Annotated[
+        str | None,
+        typer.Option(help="tcp://HOST:PORT of a Dask scheduler, or its file: its workers run the trials"),
+    ] = None,
+    junit: Annotated[Path | None, typer.Option(help="also write the trials as JUnit XML")] = None,
+    vary: Annotated[
+        Path | None, typer.Option(help="a file of numbers in task, robot or world that vary by trial")
+    ] = None,
+    faults: Annotated[
+        Path | None, typer.Option(help="a file of faults that come in each simulated trial")
+    ] = None,
+    level: Annotated[
+        str, typer.Option(help="run, or network: no robot, outcomes are drawn by each action's `p`")
+    ] = "run",
+    report: Annotated[bool, typer.Option(help="whether report.html is written into the folder")] = True,
+    as_json: Annotated[bool, typer.Option("--json", help="end with one JSON object on stdout")] = False,
+    runs: Annotated[
+        Path | None, typer.Option(help="where the runs' folders are made; otherwise runs, or OUT/runs")
+    ] = None,
+) -> None:
+    """Run seeded trials of a task side by side, and count how they end."""
+    from handcart.evaluation.campaign_report.campaign_report import CampaignReport
+    from handcart.files.models.settings import split_setting
+    from handcart.tools.campaigns.asked_campaign import AskedCampaign
+    from handcart.tools.terminal.campaign_words import CampaignWords
+
+    words = [*(settings or []), *([f"robot={robot}"] if robot else [])]
+    chosen = dict(split_setting(each) for each in words)
+    asked = AskedCampaign(
+        task,
+        trials,
+        first,
+        backend,
+        chosen,
+        tuple(generate or ()),
+        out,
+        shard,
+        until,
+        vary,
+        faults,
+        level,
+        runs,
+    )
+    with asked.opened() as opened:
+        interrupted = _run(opened, jobs, cluster)
+        found = CampaignReport(opened.counted())
+        told = CampaignWords(found, opened.arguments, interrupted, opened.settling)
+        if junit is not None:
+            _write_junit(junit, opened, found)
+        if as_json:
+            import orjson
+
+            print(orjson.dumps(told.facts()).decode())
+        elif found.trials:
+            print("\n".join(told.lines()))
+        if report:
+            _write_page(opened, found, not interrupted)
+        if interrupted:
+            sys.exit(130)
+        if found.untrue:
+            sys.exit(5)
+        sys.exit(0 if opened.settling is None or opened.settling.verdict else 3)
+
+
+def _run(opened: OpenCampaign, jobs: int | None, cluster: str | None) -> bool:
+    """Run what isn't there yet, with progress; whether it was interrupted."""
+    from rich.console import Console
+    from rich.progress import track
+
+    there, count = len(opened.log), len(opened.seeds)
+    if there:
+        print(f"{there} of {count} trials are there already", file=sys.stderr)
+    try:
+        with closing(opened.trials(jobs, cluster)) as running:
+            for _ in track(running, "trials", count - there, console=Console(stderr=True)):
+                pass
+    except KeyboardInterrupt:
+        print(f"interrupted after {len(opened.log)} of {count} trials", file=sys.stderr)
+        return True
+    return False
+
+
+def _write_junit(path: Path, opened: OpenCampaign, report: CampaignReport) -> None:
+    from handcart.evaluation.campaign_report.junit import write_junit
+    from handcart.tools.terminal.writing import NotWritable
+
+    try:
+        write_junit(path, str(opened.setting.task), report.trials, opened.settling)
+    except OSError as error:
+        raise NotWritable(path, error.strerror) from None
+
+
+def _write_page(opened: OpenCampaign, report: CampaignReport, runs: bool) -> None:
+    """Write the campaign's page; whatever keeps it from being written doesn't change how it ended."""
+    from handcart.files.printable import printable
+
+    try:
+        path = opened.write_page(report, runs)
+    except OSError as error:
+        print(printable(f"there is no report of {opened.out}: {error}"), file=sys.stderr)
+    else:
+        if path is not None:
+            print(printable(f"written: {path}"), file=sys.stderr)
