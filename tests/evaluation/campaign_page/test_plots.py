@@ -14,7 +14,9 @@ from handcart.evaluation.campaign_page.plots import HEIGHT, WIDTH, Axis, histogr
 
 def test_round_numbers_stand_on_an_axis() -> None:
     assert [words for _, words in Axis(0.0, 1.0, 100.0).ticks()] == ["0", "0.5", "1"]
-    assert Axis(2.63, 2.91, 280.0).ticks()[0] == (pytest.approx(70.0), "2.7")
+    (at, words), *_ = Axis(2.63, 2.91, 280.0).ticks()
+    assert at == pytest.approx(70.0)
+    assert words == "2.7"
     assert [words for _, words in Axis(-0.5, 1.5, 100.0, whole=True).ticks()] == ["0", "1"]
     assert Axis(7.0, 7.0, 100.0).ticks() == [(50.0, "7")]
 
