@@ -58,7 +58,8 @@ def _campaign(python: Path, checkout: Path, task: str, trials: int) -> float:
 def simulated_s(task: str) -> float:
     """How long a run takes of the robot's time."""
     with tempfile.TemporaryDirectory() as folder:
-        words = [HERE / "tasks" / task / "task.yaml", "--json", "--runs", folder, "--no-report"]
+        file = str(HERE / "tasks" / task / "task.yaml")
+        words = [file, "--json", "--runs", folder, "--no-report"]
         done = subprocess.run(
             [sys.executable, "-m", "handcart", "run", *words],
             check=True,

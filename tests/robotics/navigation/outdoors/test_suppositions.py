@@ -48,6 +48,7 @@ def test_suppositions_that_are_apart_are_unsure() -> None:
     localizer = GpsFilter(start_pose(record_course(straight_course(1), REFERENCE, 0)))
     near = localizer.covariance[0, 0]
     localizer.filters[1]._mean[0] += 2.0
+    localizer.forget_derived()
     share = localizer.weights[1]
     assert localizer.covariance[0, 0] == pytest.approx(near + 4.0 * share * (1.0 - share))
     assert localizer.pose.x == pytest.approx(2.0 * share, abs=1e-6)
