@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 AWAY = np.array([-3.2, -3.6, 4.2])  # of the eye from the robot, at first [m]
+BEFORE = np.array([0.4, 0.4, 0.0])  # share of the way to the robot: on a phone the panel covers what is below
 FEWER = 2  # of the rays that hit something, every how many is drawn
 OUTDOORS = 1.6  # times that far
 LAYERS = {
@@ -103,7 +104,7 @@ class Page:
         if self._at is None:
             eye = at + AWAY * (OUTDOORS if self._outdoors else 1.0)
             self._server.initial_camera.position = tuple(eye.tolist())
-            self._server.initial_camera.look_at = tuple(at.tolist())
+            self._server.initial_camera.look_at = tuple((at + BEFORE * (eye - at)).tolist())
         elif self._follow and not np.array_equal(at, self._at):
             for client in self._server.get_clients().values():
                 moved = at - self._at

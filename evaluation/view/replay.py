@@ -49,6 +49,7 @@ class Replay:
         """Show another time, in [s]."""
         with self._lock:
             self._time = min(max(time, self._playback.start), self._playback.end)
+        self._follow_slider()
 
     def play(self, playing: bool) -> None:
         """Go on by itself, or stand; at the end it begins anew."""
@@ -61,7 +62,6 @@ class Replay:
         """Let `passed` [s] go by, and draw what has changed; gives whether anything had."""
         if self._playing:
             self.go_to(self._time + passed * self._factor)
-            self._follow_slider()
             if self._time >= self._playback.end:
                 self.play(False)
         time = self._time
@@ -126,7 +126,6 @@ class Replay:
         else:
             target = max((each for each in starts if each < self._time - 1.0), default=self._playback.start)
         self.go_to(target)
-        self._follow_slider()
 
     def _next(self) -> PastAction | None:
         return next(iter(self._playback.run.actions), None)
