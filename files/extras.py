@@ -13,6 +13,7 @@ EXTRAS: dict[str, Sequence[str]] = {
     "bags": ("rosbags",),
     "cluster": ("distributed",),
     "export": ("arro3", "foxglove"),
+    "view": ("viser", "yourdfpy"),
 }
 """By the name of an extra in pyproject.toml: the modules that come with it."""
 

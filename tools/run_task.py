@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
+
+if TYPE_CHECKING:
+    from handcart.networks.run_observer import RunObserver
 
 Permit = Literal["ask", "always", "never"]
 
@@ -42,6 +47,12 @@ def run(
         str | None, typer.Option(help="with --backend can: simulated drives before this simulated backend")
     ] = None,
     gui: Annotated[bool, typer.Option("--gui", help="show robot and world in a window")] = False,
+    view: Annotated[
+        bool, typer.Option("--view", help="show it in the browser while it goes on; simulated: in real time")
+    ] = False,
+    port: Annotated[
+        int | None, typer.Option(min=0, max=65535, help="with --view; left out: 8080 or the next free one")
+    ] = None,
     report: Annotated[
         bool, typer.Option("--report/--no-report", help="write report.html into the run's folder")
     ] = True,
@@ -72,8 +83,9 @@ def run(
     check_folder(runs)
     chosen = dict(split_setting(each) for each in settings)
     permits = Permits(permit, step, breaks or ())
-    with Interrupts() as interrupts, Progress() as progress:
+    with Interrupts() as interrupts, Progress() as progress, ExitStack() as stack:
         permits.asking, permits.typed = progress.ask, progress.typed
+        shown = (stack.enter_context(_shown(port, progress)),) if view else ()
         summary, status = run_task(
             task,
             runs,
@@ -93,7 +105,7 @@ def run(
                 sync=sync,
                 permits=permits,
                 interrupts=interrupts,
-                observers=(progress,),
+                observers=(progress, *shown),
             ),
         )
         progress.end()
@@ -104,3 +116,14 @@ def run(
             ended = f"{summary['outcome']} in situation {summary['situation']}{reason}"
             print(f"{ended}; see {summary['run_dir']}", flush=True)
     sys.exit(status)
+
+
+@contextmanager
+def _shown(port: int | None, progress: RunObserver) -> Iterator[RunObserver]:
+    """Who shows a run while it goes on."""
+    from handcart.evaluation.view.live_view import LiveView
+    from handcart.evaluation.view.server import address, open_server
+
+    with open_server(port, "handcart run --view") as server:
+        progress.say(f"{address(server)} shows it")
+        yield LiveView(server)

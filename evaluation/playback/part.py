@@ -12,6 +12,13 @@ from pydantic import TypeAdapter
 
 from .scenery import ThingShape
 
+FOLDER = "playback"
+"""In a run's folder: the scenery, and the parts."""
+SCENERY = "scenery.json"
+NAME = "{:05d}.npz"
+"""Of a part, by its number from 1."""
+NOTHING, FAR = 65535, 65534
+"""[mm] of a range that is no number, and of one where nothing came back."""
 Array = NDArray[np.float64]
 SHAPES = TypeAdapter(list[ThingShape])
 
@@ -127,3 +134,15 @@ _FORMS = {
     for name in names
 }
 _WIDTHS = {"pose": (3,), "truth": (7,), "covariance": (3, 3), "moved_pose": (7,)}
+
+
+def millimetres(ranges: Array) -> NDArray[np.uint16]:
+    """Of ranges in [m], any shape."""
+    whole = np.clip(np.rint(1e3 * np.nan_to_num(ranges, nan=0.0, posinf=0.0)), 0, FAR - 1)
+    return np.where(np.isnan(ranges), NOTHING, np.where(np.isinf(ranges), FAR, whole)).astype(np.uint16)
+
+
+def metres(scan_mm: NDArray[np.uint16]) -> Array:
+    """Ranges in [m] of what `millimetres` gave."""
+    known = scan_mm / 1e3
+    return np.where(scan_mm == NOTHING, np.nan, np.where(scan_mm == FAR, np.inf, known))

@@ -18,8 +18,7 @@ from handcart.networks.journal.past_run import PastAction, PastRun, read_run
 from handcart.networks.runs.flight_recorder import SUFFIX, load_arrays
 from handcart.networks.runs.run_folder import NoRun, read_file
 
-from .part import Part
-from .recorder import FAR, FOLDER, NOTHING, SCENERY
+from .part import FOLDER, SCENERY, Part, metres
 from .scenery import Scenery, ThingShape
 from .seven import between, on_floor
 
@@ -210,12 +209,6 @@ class Playback:
             if way.ndim == 2 and way.shape[1:] == (2,):
                 found[int(path.name.split("_")[0])] = way
         return found
-
-
-def metres(scan_mm: NDArray[np.uint16]) -> Array:
-    """Ranges in [m], any shape, of what a part has."""
-    known = scan_mm / 1e3
-    return np.where(scan_mm == NOTHING, np.nan, np.where(scan_mm == FAR, np.inf, known))
 
 
 def _part(folder: Path, path: Path) -> Part:

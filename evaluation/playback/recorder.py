@@ -26,16 +26,13 @@ from handcart.networks.coordination.run_end import RunEnd
 from handcart.networks.run_observer import RunObserver
 from handcart.networks.task.preparing import Prepared
 
+from .part import FOLDER, NAME, SCENERY, millimetres
 from .scenery import scenery_of, thing_shape
 from .seven import sevens
 
-FOLDER = "playback"
-SCENERY = "scenery.json"
-PART = "{:05d}.npz"
 EVERY, SCANS, PICTURES = 0.1, 0.2, 0.5  # [s] of the robot's time between rows, scans and clouds, pictures
 LENGTH = 60.0  # [s] of a part
 CLOUD = 256  # particles that are kept of a cloud
-NOTHING, FAR = 65535, 65534  # [mm] of a range that isn't a number, and of one where nothing came back
 QUALITY = 80  # of pictures
 ROWS = ("time", "world_time", "pose", "truth", "joints", "width", "covariance", "action", "restoring")
 _SOON = 1e-6  # [s]
@@ -197,7 +194,7 @@ class PlaybackRecorder(RunObserver):
         try:
             packed = BytesIO()
             np.savez_compressed(packed, **self._arrays())
-            write_whole(self._folder / PART.format(self._part), packed.getvalue(), sync=False)
+            write_whole(self._folder / NAME.format(self._part), packed.getvalue(), sync=False)
         except Exception as error:
             self._lose(error)
         self._clear()
@@ -235,12 +232,6 @@ class PlaybackRecorder(RunObserver):
             "names": np.array(names, dtype=np.str_),
             "shapes": np.frombuffer(orjson.dumps(self._shapes), np.uint8),
         }
-
-
-def millimetres(ranges: NDArray[np.float64]) -> NDArray[np.uint16]:
-    """Of ranges in [m], any shape; two values stand for what is no distance."""
-    whole = np.clip(np.rint(1e3 * np.nan_to_num(ranges, nan=0.0, posinf=0.0)), 0, FAR - 1)
-    return np.where(np.isnan(ranges), NOTHING, np.where(np.isinf(ranges), FAR, whole)).astype(np.uint16)
 
 
 def jpeg_of(picture: NDArray[np.uint8]) -> bytes:

@@ -4,23 +4,24 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Iterable
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from handcart.backends.capabilities.range_sensor import RangeSensor
-from handcart.backends.simulation.scene import Scene
-from handcart.backends.simulation.world.solids import THE_GROUND, Solid
-from handcart.backends.simulation.world.thing import Thing
 from handcart.files.models.model import FileModel
-from handcart.networks.task.preparing import Prepared
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.maps.grid_map import GridMap
 
 from .seven import Seven, seven
+
+if TYPE_CHECKING:
+    from handcart.backends.simulation.scene import Scene
+    from handcart.backends.simulation.world.solids import Solid
+    from handcart.backends.simulation.world.thing import Thing
+    from handcart.networks.task.preparing import Prepared
+    from handcart.robotics.navigation.maps.grid_map import GridMap
 
 Size = tuple[float, float, float]
 Grey = Annotated[int, Field(ge=0, le=255)]
@@ -125,6 +126,8 @@ def thing_shape(thing: Thing) -> ThingShape:
 
 
 def _robot(prepared: Prepared) -> RobotShape:
+    from handcart.backends.capabilities.range_sensor import RangeSensor
+
     robot = prepared.robot
     spec, sensor = robot.spec, robot.backend.get(RangeSensor)  # type: ignore[type-abstract]
     scan = None if sensor is None else sensor.scan()
@@ -142,6 +145,8 @@ def _robot(prepared: Prepared) -> RobotShape:
 
 
 def _without_ground(solids: Iterable[Solid]) -> Iterable[Solid]:
+    from handcart.backends.simulation.world.solids import THE_GROUND
+
     return (each for each in solids if each is not THE_GROUND)
 
 

@@ -20,6 +20,14 @@ LETTER = 7.4  # width of the widest usual letter at 12 px, all in [px]
 HEIGHT, ACROSS, DOWN, MARGIN, LEAST = 40.0, 34.0, 14.0, 12.0, 60.0
 
 
+class Way(NamedTuple):
+    """An action, or all copies of it that a repeat made."""
+
+    source: str
+    target: str
+    do: str
+
+
 class Box(NamedTuple):
     """A situation or an action on the paper; x and y are its upper left corner, in [px]."""
 
@@ -31,6 +39,8 @@ class Box(NamedTuple):
     """`situation`, or what became of an action: `travelled`, `failed`, `mixed`, `untried`."""
     words: str
     below: str
+    way: Way | None = None
+    """Which action it is; None: a situation."""
 
 
 class Link(NamedTuple):
@@ -52,12 +62,6 @@ class NetworkPicture:
     links: Sequence[Link]
 
 
-class _Way(NamedTuple):
-    source: str
-    target: str
-    do: str
-
-
 def folded(name: str) -> str:
     """A situation's name without the number of its element: all copies of a repeat are one."""
     return re.sub(r"\[\d+\]", "", name)
@@ -70,13 +74,20 @@ def draw_network(network: ActionNetwork, actions: Sequence[PastAction]) -> Netwo
         network: as the journal kept it.
         actions: those of the run.
     """
-    ways = list(dict.fromkeys(_Way(folded(a.source), folded(a.target), a.do) for a in network.actions))
-    done = Counter((_Way(folded(a.source), folded(a.target), a.do), a.outcome) for a in actions)
+    ways = list(dict.fromkeys(Way(folded(a.source), folded(a.target), a.do) for a in network.actions))
+    done = Counter((Way(folded(a.source), folded(a.target), a.do), a.outcome) for a in actions)
     columns = _columns(ways, folded(network.start))
     size = {each: _size(each, done) for column in columns for each in column}
     corner, height = _placed(columns, size)
     boxes = [
-        Box(*corner[each], *size[each], _kind(each, done), _words(each), _below(each, done))
+        Box(
+            *corner[each],
+            *size[each],
+            _kind(each, done),
+            _words(each),
+            _below(each, done),
+            each if isinstance(each, Way) else None,
+        )
         for each in corner
     ]
     links = []
@@ -89,18 +100,18 @@ def draw_network(network: ActionNetwork, actions: Sequence[PastAction]) -> Netwo
     return NetworkPicture(width, height, boxes, links)
 
 
-def _columns(ways: Sequence[_Way], start: str) -> list[list[str | _Way]]:
+def _columns(ways: Sequence[Way], start: str) -> list[list[str | Way]]:
     """Situations by their distance from the start, each way in the column right of its source."""
     graph: nx.DiGraph[str] = nx.DiGraph([(way.source, way.target) for way in ways])
     graph.add_node(start)
     depth = nx.single_source_shortest_path_length(graph, start)
     far = max(depth.values()) + 1
-    columns: list[list[str | _Way]] = [[] for _ in range(2 * far + 2)]
+    columns: list[list[str | Way]] = [[] for _ in range(2 * far + 2)]
     for name in graph:
         columns[2 * depth.get(name, far)].append(name)
     for way in ways:
         columns[2 * depth.get(way.source, far) + 1].append(way)
-    above: dict[str | _Way, float] = {}
+    above: dict[str | Way, float] = {}
     for number, column in enumerate(columns):
         if number:
             column.sort(key=lambda each: _mean(each, ways, above))
@@ -108,19 +119,19 @@ def _columns(ways: Sequence[_Way], start: str) -> list[list[str | _Way]]:
     return [column for column in columns if column]
 
 
-def _mean(each: str | _Way, ways: Sequence[_Way], above: Mapping[str | _Way, float]) -> float:
-    before = [each.source] if isinstance(each, _Way) else [way for way in ways if way.target == each]
+def _mean(each: str | Way, ways: Sequence[Way], above: Mapping[str | Way, float]) -> float:
+    before = [each.source] if isinstance(each, Way) else [way for way in ways if way.target == each]
     rows = [above[one] for one in before if one in above]
     return sum(rows) / len(rows) if rows else 0.0
 
 
 def _placed(
-    columns: Sequence[Sequence[str | _Way]], size: Mapping[str | _Way, tuple[float, float]]
-) -> tuple[dict[str | _Way, tuple[float, float]], float]:
+    columns: Sequence[Sequence[str | Way]], size: Mapping[str | Way, tuple[float, float]]
+) -> tuple[dict[str | Way, tuple[float, float]], float]:
     """The upper left corner of each box, and the paper's height."""
     highest = max(len(column) for column in columns)
     height = 2 * MARGIN + highest * (HEIGHT + DOWN) - DOWN
-    corner: dict[str | _Way, tuple[float, float]] = {}
+    corner: dict[str | Way, tuple[float, float]] = {}
     x = MARGIN
     for column in columns:
         wide = max(size[each][0] for each in column)
@@ -132,17 +143,17 @@ def _placed(
     return corner, height
 
 
-def _size(each: str | _Way, done: Counter[tuple[_Way, str]]) -> tuple[float, float]:
+def _size(each: str | Way, done: Counter[tuple[Way, str]]) -> tuple[float, float]:
     longest = max(len(_words(each)), len(_below(each, done)))
     return max(LEAST, LETTER * longest + 16.0), HEIGHT
 
 
-def _words(each: str | _Way) -> str:
-    return each.do if isinstance(each, _Way) else each
+def _words(each: str | Way) -> str:
+    return each.do if isinstance(each, Way) else each
 
 
-def _below(each: str | _Way, done: Counter[tuple[_Way, str]]) -> str:
-    if not isinstance(each, _Way):
+def _below(each: str | Way, done: Counter[tuple[Way, str]]) -> str:
+    if not isinstance(each, Way):
         return ""
     told = [f"{done[each, end]} {words}" for end, words in _ENDS.items() if done[each, end]]
     return ", ".join(told) or "not tried"
@@ -151,8 +162,8 @@ def _below(each: str | _Way, done: Counter[tuple[_Way, str]]) -> str:
 _ENDS = {"Success": "Success", "Fail": "Fail", "GiveUp": "GiveUp", "": "no end"}
 
 
-def _kind(each: str | _Way, done: Counter[tuple[_Way, str]]) -> str:
-    if not isinstance(each, _Way):
+def _kind(each: str | Way, done: Counter[tuple[Way, str]]) -> str:
+    if not isinstance(each, Way):
         return "situation"
     went = done[each, "Success"] > 0
     failed = sum(done[each, end] for end in ("Fail", "GiveUp", "")) > 0
@@ -160,10 +171,10 @@ def _kind(each: str | _Way, done: Counter[tuple[_Way, str]]) -> str:
 
 
 def _curve(
-    corner: Mapping[str | _Way, tuple[float, float]],
-    size: Mapping[str | _Way, tuple[float, float]],
-    a: str | _Way,
-    b: str | _Way,
+    corner: Mapping[str | Way, tuple[float, float]],
+    size: Mapping[str | Way, tuple[float, float]],
+    a: str | Way,
+    b: str | Way,
 ) -> str:
     x0, y0 = corner[a][0] + size[a][0], corner[a][1] + 0.5 * HEIGHT
     x1, y1 = corner[b][0], corner[b][1] + 0.5 * HEIGHT

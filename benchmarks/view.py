@@ -1,0 +1,133 @@
+"""What looking at a run costs.
+
+`python -m benchmarks.view cost TASK` prints how much longer a run takes because it is recorded.
+`python -m benchmarks.view open RUN` prints how long a recorded run takes to open: from the command's start to
+a page that is served whole, and where there is chromium, until that has drawn it. Then how long a frame takes
+while somebody scrubs through it.
+"""
+
+from __future__ import annotations
+
+import http.client
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+from handcart.evaluation.playback.part import FOLDER
+from handcart.evaluation.playback.playback import Playback
+
+TIMES = 5
+FRAMES = 300
+PERIOD = 1.0 / 25.0  # [s] of a frame that doesn't stutter
+
+
+def main() -> None:
+    """One of the two."""
+    what, path = sys.argv[1], Path(sys.argv[2])
+    if what == "cost":
+        cost(path)
+    else:
+        opening(path)
+        scrubbing(path)
+
+
+def cost(task: Path) -> None:
+    """CPU of a run with and without being recorded, in turns; the least of each."""
+    from handcart.evaluation.trials.running import run_task
+    from handcart.networks.run_options import RunOptions
+
+    spent: dict[bool, list[float]] = {False: [], True: []}
+    size, lasted = 0, 0.0
+    with TemporaryDirectory() as there:
+        run_task(task, Path(there), RunOptions())  # what is compiled at first counts for neither
+        for _ in range(TIMES):
+            for playback in (False, True):
+                before = time.process_time()
+                summary, _ = run_task(task, Path(there), RunOptions(playback=playback))
+                spent[playback].append(time.process_time() - before)
+            size = sum(each.stat().st_size for each in (Path(summary["run_dir"]) / FOLDER).iterdir())
+            lasted = summary["sim_time_s"]
+    bare, recorded = min(spent[False]), min(spent[True])
+    print(
+        f"{task}: {bare:.2f} s of CPU, recorded {recorded:.2f} s: {100.0 * (recorded / bare - 1.0):+.1f} %; "
+        f"{size / 1e6:.2f} MB for {lasted:.0f} s of the robot's time"
+    )
+    print(
+        "  bare:", *(f"{each:.2f}" for each in spent[False]), " recorded:", *(f"{e:.2f}" for e in spent[True])
+    )
+
+
+def opening(run: Path) -> None:
+    """From the command's start to the page."""
+    playback = Playback.read(run)
+    rows, pictures = playback.rows, len(playback.pictures)
+    print(
+        f"{run}: {playback.end - playback.start:.0f} s, {len(rows.time)} rows, {len(rows.scan_time)} scans, "
+        f"{pictures} pictures, {len(playback.things)} things"
+    )
+    for _ in range(TIMES):
+        before = time.perf_counter()
+        command = [sys.executable, "-m", "handcart", "view", str(run), "--port", "0"]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+            assert process.stdout is not None
+            found = re.search(r"http://([\d.]+):(\d+)", process.stdout.readline())
+            assert found
+            page = http.client.HTTPConnection(found[1], int(found[2]))
+            page.request("GET", "/")
+            page.getresponse().read()
+            served = time.perf_counter() - before
+            loaded = _loaded(found[0])
+            process.send_signal(signal.SIGINT)
+            _, status, used = os.wait4(process.pid, 0)
+            process.returncode = os.waitstatus_to_exitcode(status)
+        told = "" if loaded is None else f"; then drawn by a chromium without a GPU in {loaded:.2f} s"
+        cpu = used.ru_utime + used.ru_stime
+        print(f"  served whole after {served:.2f} s{told}; the command took {cpu:.2f} s of CPU in all")
+
+
+def _loaded(url: str) -> float | None:
+    """How long a browser that is open takes until the panel tells of the run, in [s]; None without one."""
+    from tests.browser import CHROMIUM, DESK, browsing
+
+    if not CHROMIUM.exists():
+        return None
+    with browsing(DESK) as seen:
+        before = time.perf_counter()
+        seen.page.goto(url)
+        seen.page.locator("canvas").first.wait_for()
+        seen.page.get_by_text(re.compile(r"^\d+\.\d s$")).first.wait_for()
+        return time.perf_counter() - before
+
+
+def scrubbing(run: Path) -> None:
+    """Frames at random times, as by a hand that pulls the slider: until each is handed to the browser."""
+    from handcart.evaluation.view.replay import Replay
+    from handcart.evaluation.view.server import open_server
+
+    playback = Playback.read(run)
+    times = np.random.default_rng(0).uniform(playback.start, playback.end, FRAMES)
+    with open_server(0, "benchmark") as server:
+        replay = Replay(server, playback)
+        took = []
+        for each in times.tolist():
+            before = time.perf_counter()
+            replay.go_to(each)
+            replay.step(0.0)
+            took.append(time.perf_counter() - before)
+    half, most, worst = 1e3 * np.percentile(took, [50, 99, 100])
+    late = np.mean(np.array(took) > PERIOD)
+    print(
+        f"  scrubbed to {FRAMES} random times: a frame in {half:.1f} ms (median), {most:.1f} ms (99 %), "
+        f"{worst:.1f} ms (worst); {100 * late:.1f} % took more than {1e3 * PERIOD:.0f} ms"
+    )
+
+
+if __name__ == "__main__":
+    main()

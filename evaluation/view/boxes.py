@@ -1,0 +1,59 @@
+"""Many boxes in the page as one node."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .colours import Rgb
+
+if TYPE_CHECKING:
+    import viser
+
+Array = NDArray[np.float64]
+# Each side has corners of its own: shared ones would be shaded as if they were round.
+_SIDE = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) / 2
+
+
+def unit_box() -> tuple[NDArray[np.float32], NDArray[np.uint32]]:
+    """Corners (24, 3) and triangles (12, 3) of a box about its middle, sides 1 m long."""
+    corners: list[Array] = []
+    triangles: list[tuple[int, int, int]] = []
+    for axis in range(3):
+        for way in (-0.5, 0.5):
+            first = len(corners)
+            for u, v in _SIDE if way > 0 else _SIDE[::-1]:
+                corner = np.empty(3)
+                corner[axis], corner[(axis + 1) % 3], corner[(axis + 2) % 3] = way, u, v
+                corners.append(corner)
+            triangles += [(first, first + 1, first + 2), (first, first + 2, first + 3)]
+    return np.array(corners, np.float32), np.array(triangles, np.uint32)
+
+
+def add_boxes(
+    scene: viser.SceneApi,
+    name: str,
+    poses: Array,
+    sizes: Array,
+    colours: Rgb | NDArray[np.uint8],
+    opacity: float,
+) -> None:
+    """Draw boxes that never move: `poses` (n, 7) of their middles, `sizes` (n, 3) in [m]."""
+    if not len(poses):
+        return
+    corners, triangles = unit_box()
+    scene.add_batched_meshes_simple(
+        name,
+        corners,
+        triangles,
+        batched_wxyzs=poses[:, 3:],
+        batched_positions=poses[:, :3],
+        batched_scales=sizes,
+        batched_colors=colours,
+        opacity=opacity if opacity < 1.0 else None,
+        lod="off",
+        flat_shading=True,
+        cast_shadow=opacity == 1.0,
+    )

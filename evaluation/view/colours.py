@@ -1,0 +1,35 @@
+"""Colours of what is seen of a run; those of outcomes are told apart by the colour-blind too."""
+
+from __future__ import annotations
+
+import colorsys
+from zlib import crc32
+
+Rgb = tuple[int, int, int]
+
+OUTCOMES = {"Success": "#009e73", "Fail": "#e69f00", "GiveUp": "#c8382e", "": "#8a929b"}
+"""By how an action ended; empty: it didn't, yet."""
+RAY: Rgb = (158, 214, 186)
+HIT: Rgb = (0, 128, 92)
+PLANNED: Rgb = (47, 99, 201)
+DRIVEN: Rgb = (30, 34, 40)
+RESTORED: Rgb = (224, 123, 0)
+CLOUD: Rgb = (126, 63, 178)
+WALL: Rgb = (173, 182, 194)
+FURNITURE: Rgb = (196, 160, 117)
+GROUND: Rgb = (214, 219, 209)
+FLOOR: Rgb = (238, 240, 243)
+
+
+def of_solid(grey: int | None) -> Rgb:
+    """Furniture where nothing else is said."""
+    return FURNITURE if grey is None else (grey, grey, grey)
+
+
+def of_thing(name: str, grey: int) -> Rgb:
+    """As bright as it is grey, and of a hue of its own, so that neighbours are told apart."""
+    number = crc32(name.encode())
+    hue, full = (number % 360) / 360.0, 0.22 + 0.28 * ((number >> 12) % 100) / 100.0
+    bright = 0.35 + 0.6 * grey / 255.0
+    red, green, blue = colorsys.hsv_to_rgb(hue, full, min(1.0, bright))
+    return round(255 * red), round(255 * green), round(255 * blue)

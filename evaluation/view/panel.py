@@ -1,0 +1,91 @@
+"""The page's panel: what the run is doing, its time line, the camera's picture, the network."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Sequence
+from html import escape
+from typing import TYPE_CHECKING
+
+from handcart.networks.graph.network import ActionNetwork
+from handcart.networks.journal.past_run import PastAction
+
+from . import colours
+from .frame import Frame
+from .network_window import NetworkWindow
+from .time_line import time_line
+
+if TYPE_CHECKING:
+    import viser
+
+LINE = 0.2  # [s] between two pictures of the time line
+_HEAD = "font-family:system-ui,sans-serif;padding:0.3em 0.8em;line-height:1.35;color:#1d2733;font-size:0.85em"
+
+
+class Panel:
+    """Its parts, from the top; controls come below what it shows."""
+
+    def __init__(self, server: viser.ViserServer, title: str, ended: str) -> None:
+        """`title` of the task; `ended`: how the run did, in a sentence, or that it goes on."""
+        gui = server.gui
+        self._title, self.ended = title, ended
+        self._status = gui.add_html("")
+        self._line = gui.add_html("")
+        self.controls = gui.add_folder(None)
+        self._network = gui.add_html("")
+        self._picture = gui.add_html("")
+        self._window: NetworkWindow | None = None
+        self._shown: tuple[object, ...] = ()
+        self._line_at = -1.0
+
+    def know(self, network: ActionNetwork | None, actions: Sequence[PastAction]) -> None:
+        """Lay the network out anew, with what became of its actions."""
+        self._window = None if network is None else NetworkWindow(network, actions)
+        self._shown = ()
+
+    def show(
+        self,
+        frame: Frame,
+        action: PastAction | None,
+        actions: Sequence[PastAction],
+        span: tuple[float, float],
+        at_once: bool,
+    ) -> None:
+        """A frame.
+
+        Args:
+            frame: with a picture where there is a new one.
+            action: that runs, or ran last.
+            actions: all that are known, for the time line.
+            span: of the time line, in [s].
+            at_once: whether the time line is drawn even if it was just now.
+        """
+        time = frame.moment.time
+        runs = action is not None and action.start <= time < action.end
+        self._status.content = self._words(frame, action, runs)
+        if at_once or abs(time - self._line_at) >= LINE * max(1.0, (span[1] - span[0]) / 100.0):
+            self._line_at = time
+            self._line.content = f'<div style="padding:0.2em 0.8em">{time_line(actions, *span, time)}</div>'
+        if frame.picture is not None:
+            data = base64.b64encode(frame.picture).decode()
+            image = f'<img alt="what the camera saw" style="width:100%" src="data:image/jpeg;base64,{data}">'
+            self._picture.content = f'<div style="padding:0.2em 0.8em">{image}</div>'
+        shown = (frame.situation, action.number if action is not None and runs else None)
+        if shown != self._shown and self._window is not None:
+            self._shown = shown
+            svg = self._window.svg(frame.situation, action if runs else None)
+            self._network.content = f'<div style="padding:0.4em 0.8em">{svg}</div>'
+
+    def _words(self, frame: Frame, action: PastAction | None, runs: bool) -> str:
+        doing = f"in situation <b>{escape(frame.situation)}</b>"
+        if action is not None and runs:
+            way = f"{escape(action.source)} → {escape(action.target)}"
+            doing = f"{action.number}. <b>{escape(action.do)}</b> {way}"
+            if frame.moment.restoring:
+                doing += f' <b style="color:{colours.OUTCOMES["Fail"]}">restoring</b>'
+        return (
+            f'<div style="{_HEAD}"><div style="font-weight:600">{escape(self._title)}</div>'
+            f'<div style="color:#4a5868">{escape(self.ended)}</div>'
+            f'<div style="margin-top:0.3em"><span style="font-variant-numeric:tabular-nums">'
+            f"{frame.moment.time:.1f} s</span> &nbsp;{doing}</div></div>"
+        )

@@ -1,0 +1,140 @@
+"""A recorded run in the page: played, paused, gone through by hand."""
+
+from __future__ import annotations
+
+import threading
+import time as clock
+from typing import TYPE_CHECKING
+
+from handcart.evaluation.playback.playback import Playback
+from handcart.networks.journal.past_run import PastAction, PastRun
+
+from .page import Page
+from .recorded_frames import RecordedFrames
+
+if TYPE_CHECKING:
+    import viser
+
+FRAMES = 25.0  # in a second, at most
+SPEEDS = ("¼", "1", "2", "5", "20")
+FACTORS = {"¼": 0.25}
+BEFORE, NEXT = "◂ before", "next ▸"
+STEP = 0.1  # [s] of the slider
+
+
+class Replay:
+    """Owns the controls; who drives it calls `step` again and again."""
+
+    def __init__(self, server: viser.ViserServer, playback: Playback) -> None:
+        """Draw the run's beginning."""
+        self._playback, run = playback, playback.run
+        self._frames = RecordedFrames(playback)
+        things = [track.shape for track in playback.things.values()]
+        self._page = Page(server, playback.scenery, things, str(run.header["task"]), _ended(run))
+        network = None if run.network is None else run.network.network
+        self._page.panel.know(network, run.actions)
+        self._time, self._drawn = playback.start, -1.0
+        self._playing, self._factor = False, 1.0
+        self._lock = threading.Lock()
+        self._add_controls(server)
+        self._page.add_layers()
+        self.step(0.0)
+
+    @property
+    def time(self) -> float:
+        """That is shown, in [s] of the robot's time."""
+        return self._time
+
+    def go_to(self, time: float) -> None:
+        """Show another time, in [s]."""
+        with self._lock:
+            self._time = min(max(time, self._playback.start), self._playback.end)
+        self._follow_slider()
+
+    def play(self, playing: bool) -> None:
+        """Go on by itself, or stand; at the end it begins anew."""
+        if playing and self._time >= self._playback.end:
+            self.go_to(self._playback.start)
+        self._playing = playing
+        self._play.label = "Pause" if playing else "Play"
+
+    def step(self, passed: float) -> bool:
+        """Let `passed` [s] go by, and draw what has changed; gives whether anything had."""
+        if self._playing:
+            self.go_to(self._time + passed * self._factor)
+            if self._time >= self._playback.end:
+                self.play(False)
+        time = self._time
+        if time == self._drawn:
+            return False
+        jumped = not self._playing
+        self._drawn = time
+        span = (self._playback.start, self._playback.end)
+        frame = self._frames.at(time)
+        action = self._playback.action(frame.moment.action) or self._next()
+        self._page.draw(frame, action, self._playback.run.actions, span, jumped)
+        return True
+
+    def run(self, stop: threading.Event) -> None:
+        """Draw until told to stop."""
+        before = clock.monotonic()
+        while not stop.wait(max(0.001, before + 1.0 / FRAMES - clock.monotonic())):
+            now = clock.monotonic()
+            self.step(now - before)
+            before = now
+
+    # Controls
+
+    def _add_controls(self, server: viser.ViserServer) -> None:
+        gui = server.gui
+        with self._page.panel.controls:
+            start, end = self._playback.start, max(self._playback.end, self._playback.start + STEP)
+            self._slider = gui.add_slider("time [s]", start, end, STEP, start)
+            self._play = gui.add_button("Play")
+            jump = gui.add_button_group("action", (BEFORE, NEXT))
+            speed = gui.add_button_group("speed", SPEEDS)
+
+        @self._slider.on_update
+        def _(event: viser.GuiEvent) -> None:  # type: ignore[type-arg]
+            if event.client is not None:
+                self.go_to(float(self._slider.value))
+
+        @self._play.on_click
+        def _(_: object) -> None:
+            self.play(not self._playing)
+
+        @jump.on_click
+        def _(_: object) -> None:
+            self._jump(jump.value == NEXT)
+
+        @speed.on_click
+        def _(_: object) -> None:
+            self._factor = FACTORS.get(speed.value) or float(speed.value)
+
+    def _follow_slider(self) -> None:
+        value = round(self._time / STEP) * STEP
+        if abs(value - float(self._slider.value)) >= STEP / 2:
+            self._slider.value = min(max(value, self._slider.min), self._slider.max)  # type: ignore[misc]
+
+    def _jump(self, on: bool) -> None:
+        """To the beginning of the next action, or of this one, or of the one before."""
+        starts = [each.start for each in self._playback.run.actions]
+        if on:
+            target = min(
+                (each for each in starts if each > self._time + STEP / 2), default=self._playback.end
+            )
+        else:
+            target = max((each for each in starts if each < self._time - 1.0), default=self._playback.start)
+        self.go_to(target)
+
+    def _next(self) -> PastAction | None:
+        return next(iter(self._playback.run.actions), None)
+
+
+def _ended(run: PastRun) -> str:
+    end, fails = run.end, sum(each.fails for each in run.actions)
+    count = f"{len(run.actions)} action{'' if len(run.actions) == 1 else 's'}, {fails or 'none'} failed"
+    if end is None:
+        return f"no end is known; {count}"
+    reason = f": {end['reason']}" if end["reason"] else ""
+    return f"{end['outcome']} after {end['t']:.1f} s, {count}{reason}"

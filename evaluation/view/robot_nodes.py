@@ -1,0 +1,74 @@
+"""The robot in the page: its URDF's visual bodies, moved by its joints."""
+
+from __future__ import annotations
+
+import logging
+from io import StringIO
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.evaluation.playback.scenery import RobotShape
+from handcart.evaluation.playback.seven import sevens, transforms
+from handcart.robotics.geometry.transform import Transform, inverse
+
+if TYPE_CHECKING:
+    import viser
+
+Array = NDArray[np.float64]
+NAME = "/robot"
+BASE = "base"
+FINGERS = ("left_finger", "right_finger")
+
+
+class RobotNodes:
+    """A robot that is drawn once and then only moved."""
+
+    def __init__(self, server: viser.ViserServer, shape: RobotShape) -> None:
+        """Draw it, its base at the world's origin; a mesh that isn't on this machine is left out."""
+        from viser.extras import ViserUrdf
+
+        self._shape = shape
+        self._root = server.scene.add_frame(NAME, show_axes=False)
+        self._urdf = _loaded(shape.urdf)
+        self._drawn = ViserUrdf(server, self._urdf, root_node_name=NAME)
+        self._actuated = {name: k for k, name in enumerate(self._urdf.actuated_joint_names)}
+        self._configuration = np.zeros(len(self._actuated))
+        self._urdf.update_cfg(self._configuration)
+        links = self._urdf.link_map
+        base = BASE if BASE in links else self._urdf.base_link
+        self._base_T_root: Transform = inverse(self._urdf.get_transform(base))
+
+    def move(self, base: Array, joints: Array, width: float) -> None:
+        """Put it where `base` (7,) is world_T_base, its arm's joints (j,) in [rad] or [m], fingers that far
+        apart in [m]."""
+        pose = sevens((transforms(base[None])[0] @ self._base_T_root)[None])[0]
+        self._root.position, self._root.wxyz = pose[:3], pose[3:]
+        values = dict(zip(self._shape.joints, joints.tolist(), strict=False))
+        values |= dict.fromkeys(FINGERS, width / 2)
+        configuration = self._configuration.copy()
+        for name, value in values.items():
+            if name in self._actuated:
+                configuration[self._actuated[name]] = value
+        if not np.array_equal(configuration, self._configuration):
+            self._configuration = configuration
+            self._drawn.update_cfg(configuration)
+
+
+def _loaded(text: str) -> Any:
+    import yourdfpy
+
+    logging.getLogger("yourdfpy").setLevel(logging.CRITICAL)  # what a URDF lacks, `handcart check` tells
+    return yourdfpy.URDF.load(
+        StringIO(text),
+        build_scene_graph=True,
+        load_meshes=True,
+        filename_handler=_mesh,
+    )
+
+
+def _mesh(name: str) -> str:
+    """Where a mesh is."""
+    return str(Path(name.removeprefix("file://")))

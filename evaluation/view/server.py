@@ -1,0 +1,70 @@
+"""The server behind the page: on this machine alone."""
+
+from __future__ import annotations
+
+import socket
+from collections.abc import Iterator
+from contextlib import contextmanager, redirect_stdout
+from io import StringIO
+from typing import TYPE_CHECKING
+
+from handcart.files.errors import InputError
+from handcart.files.extras import lack
+
+if TYPE_CHECKING:
+    import viser
+
+HOST = "127.0.0.1"
+PORT = 8080
+TRIES = 100  # ports from the usual one on
+
+
+class NoView(InputError):
+    """A run can't be shown."""
+
+
+@contextmanager
+def open_server(port: int | None, title: str) -> Iterator[viser.ViserServer]:
+    """Serve, to this machine alone, as long as it is wanted.
+
+    Args:
+        port: which; None: 8080, or the next one that is free; 0: any.
+        title: over the page's panel.
+
+    Raises:
+        NoView: the port is taken, or the library isn't installed.
+    """
+    if wrong := lack("the view", "view"):
+        raise NoView(wrong)
+    import viser
+
+    chosen = _free(port)
+    with redirect_stdout(StringIO()):  # it greets
+        server = viser.ViserServer(host=HOST, port=chosen, label=title, verbose=False)
+    try:
+        # Sharing would lead the page out of this machine.
+        server.gui.configure_theme(control_width="large", show_logo=False, show_share_button=False)
+        server.gui.main_panel.dock_right()
+        server.scene.set_up_direction("+z")
+        yield server
+    finally:
+        with redirect_stdout(StringIO()):
+            server.stop()
+
+
+def address(server: viser.ViserServer) -> str:
+    """Where the page is."""
+    return f"http://{HOST}:{server.get_port()}"
+
+
+def _free(port: int | None) -> int:
+    for chosen in range(PORT, PORT + TRIES) if port is None else (port,):
+        with socket.socket() as tried:
+            tried.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            try:
+                tried.bind((HOST, chosen))
+                return int(tried.getsockname()[1])
+            except OSError as error:
+                wrong = error.strerror
+    asked = f"the port {port}" if port is not None else f"any port from {PORT} to {PORT + TRIES - 1}"
+    raise NoView(f"--port: {asked} can't be had: {wrong}; allowed: a free one, or 0 for any")

@@ -1,0 +1,190 @@
+"""The world in the page: solids, things, the map, and what the robot senses, estimates and plans."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.evaluation.playback.scenery import FREE, OCCUPIED, MapShape, Scenery, SolidShape, ThingShape
+from handcart.evaluation.playback.seven import seven, sevens, transforms
+
+from . import colours
+from .boxes import add_boxes
+from .colours import Rgb
+
+if TYPE_CHECKING:
+    import viser
+
+Array = NDArray[np.float64]
+TALL = 1.6  # [m]: what is higher is seen through
+THROUGH = 0.28  # how opaque that is
+ABOVE = 0.015  # of lines over the floor [m]
+CIRCLE = 48  # corners of an ellipse
+SIGMAS = 3.0
+RAISED = 0.3  # [m] of what a map shows, where no solids are known
+
+
+class WorldNodes:
+    """What stands around the robot, and lines that change."""
+
+    def __init__(self, server: viser.ViserServer, scenery: Scenery, things: Iterable[ThingShape]) -> None:
+        """Draw all of it; a thing isn't seen before it has a place."""
+        self._server, self._scene = server, server.scene
+        self._passing: list[tuple[SolidShape, Any]] = []
+        self._things: dict[str, tuple[Any, Array]] = {}
+        self._at: dict[str, Array | None] = {}
+        self._ground(scenery)
+        if scenery.map is not None:
+            self._map(scenery.map, raised=not scenery.simulated)
+        self._solids(scenery.solids)
+        for thing in things:
+            self.add_thing(thing)
+        for name, (x, y, _) in scenery.places.items():
+            self._scene.add_label(f"/places/{name}", name, position=(x, y, 0.05), font_screen_scale=0.8)
+        none = np.zeros((0, 2, 3), np.float32)
+        self.rays = self._lines("/rays", none, colours.RAY, 0.003)
+        self.hits = self._points("/hits", colours.HIT, 0.025)
+        self.planned = self._lines("/planned", none, colours.PLANNED, 0.015)
+        self.driven = self._lines("/driven", none, colours.DRIVEN, 0.012)
+        self.restored = self._lines("/restored", none, colours.RESTORED, 0.015)
+        self.ellipse = self._lines("/ellipse", none, colours.CLOUD, 0.015)
+        self.cloud = self._points("/cloud", colours.CLOUD, 0.04)
+
+    # What moves
+
+    def add_thing(self, shape: ThingShape) -> None:
+        """Something that hands can carry; it isn't seen yet. One that is there already stays as it is."""
+        if shape.name in self._things:
+            return
+        middle = transforms(np.array([shape.middle]))[0]
+        colour = colours.of_thing(shape.name, shape.grey)
+        box = self._scene.add_box(
+            f"/things/{shape.name}", color=colour, dimensions=shape.size_m, visible=False
+        )
+        self._things[shape.name] = (box, middle)
+
+    def place(self, poses: Mapping[str, Array | None]) -> None:
+        """Put things where they are: (7,) world_T_thing, None where they aren't there yet."""
+        for name, pose in poses.items():
+            if name in self._at and _same(self._at[name], pose):
+                continue
+            self._at[name] = pose
+            box, middle = self._things[name]
+            if pose is None:
+                box.visible = False
+                continue
+            at = sevens((transforms(pose[None])[0] @ middle)[None])[0]
+            box.position, box.wxyz, box.visible = at[:3], at[3:], True
+
+    def come_and_go(self, world_time: float) -> None:
+        """Show those solids that are there at a time in [s]."""
+        for solid, box in self._passing:
+            there = solid.appears_s <= world_time < (np.inf if solid.leaves_s is None else solid.leaves_s)
+            if box.visible != there:
+                box.visible = there
+
+    def estimate(self, pose: Array, covariance: Array) -> None:
+        """Three sigmas of where the base is believed to be: `pose` (3,), `covariance` (3, 3)."""
+        values, vectors = np.linalg.eigh(covariance[:2, :2].astype(np.float64))
+        angle = np.linspace(0.0, 2.0 * np.pi, CIRCLE + 1)
+        unit = np.stack((np.cos(angle), np.sin(angle)))
+        radii = SIGMAS * np.sqrt(np.clip(values, 0.0, None))
+        if not np.isfinite(radii).all():
+            radii = np.zeros(2)
+        self.draw(self.ellipse, (vectors @ (np.maximum(radii, 0.02)[:, None] * unit)).T + pose[:2])
+
+    @staticmethod
+    def draw(lines: Any, path: Array, chosen: NDArray[np.bool_] | None = None) -> None:
+        """Let lines follow a path (n, 2) in [m], or those steps of it (n - 1,) that are chosen."""
+        points = np.column_stack((path, np.full(len(path), ABOVE)))
+        steps = np.stack((points[:-1], points[1:]), axis=1) if len(path) > 1 else np.zeros((0, 2, 3))
+        lines.points = (steps if chosen is None else steps[chosen]).astype(np.float32)
+
+    # What stays
+
+    def _ground(self, scenery: Scenery) -> None:
+        plane = colours.GROUND if scenery.outdoors else colours.FLOOR
+        self._scene.add_grid(
+            "/ground",
+            infinite_grid=True,
+            cell_size=1.0,
+            section_size=5.0,
+            cell_color=(206, 212, 219),
+            section_color=(178, 186, 196),
+            plane_color=plane,
+            plane_opacity=1.0,
+            position=(0.0, 0.0, -0.02),
+            fade_distance=60.0,
+        )
+
+    def _map(self, shape: MapShape, raised: bool) -> None:
+        picture = shape.picture()
+        cell = shape.resolution_m
+        height, width = picture.shape
+        x0, y0 = shape.origin_m
+        rgba = np.zeros((height, width, 4), np.uint8)
+        rgba[picture == FREE] = (255, 255, 255, 150)
+        rgba[picture == OCCUPIED] = (70, 78, 90, 200)
+        middle = (x0 + width * cell / 2, y0 + height * cell / 2, -0.008)
+        turned = seven(np.diag([1.0, -1.0, -1.0, 1.0]))  # a picture's y goes down
+        self._scene.add_image(
+            "/map",
+            rgba,
+            width * cell,
+            height * cell,
+            format="png",
+            wxyz=turned[3:],
+            position=middle,
+            cast_shadow=False,
+        )
+        if raised:
+            add_boxes(self._scene, "/map/raised", *_runs(shape, picture), colours.WALL, 1.0)
+
+    def _solids(self, solids: Iterable[SolidShape]) -> None:
+        passing = [each for each in solids if each.appears_s > 0.0 or each.leaves_s is not None]
+        staying = [each for each in solids if each not in passing]
+        for number, solid in enumerate(passing):
+            box = self._scene.add_box(
+                f"/passing/{number}",
+                color=(200, 96, 60),
+                dimensions=solid.size_m,
+                position=solid.pose[:3],
+                wxyz=solid.pose[3:],
+            )
+            self._passing.append((solid, box))
+        tall = [each for each in staying if each.size_m[2] > TALL]
+        low = [each for each in staying if each.size_m[2] <= TALL]
+        for name, chosen, opacity in (("/tall", tall, THROUGH), ("/solids", low, 1.0)):
+            poses = np.array([each.pose for each in chosen]).reshape(-1, 7)
+            sizes = np.array([each.size_m for each in chosen]).reshape(-1, 3)
+            tints = [colours.WALL if opacity < 1.0 else colours.of_solid(each.grey) for each in chosen]
+            add_boxes(self._scene, name, poses, sizes, np.array(tints, np.uint8), opacity)
+
+    def _lines(self, name: str, points: NDArray[np.float32], colour: Rgb, thickness: float) -> Any:
+        return self._scene.add_line_segments(name, points, colour, thickness=thickness)
+
+    def _points(self, name: str, colour: Rgb, size: float) -> Any:
+        none = np.zeros((0, 3), np.float32)
+        return self._scene.add_point_cloud(
+            name, none, colour, point_size=size, point_shape="circle", precision="float32"
+        )
+
+
+def _same(a: Array | None, b: Array | None) -> bool:
+    return a is b or (a is not None and b is not None and np.array_equal(a, b))
+
+
+def _runs(shape: MapShape, picture: NDArray[np.uint8]) -> tuple[Array, Array]:
+    """Boxes for what a map shows as occupied, a row's neighbours together: poses (n, 7) and sizes (n, 3)."""
+    cell, (x0, y0), height = shape.resolution_m, shape.origin_m, picture.shape[0]
+    poses, sizes = [], []
+    for row, cells in enumerate(picture == OCCUPIED):
+        edges = np.flatnonzero(np.diff(np.concatenate(([0], cells.astype(np.int8), [0]))))
+        for a, b in edges.reshape(-1, 2).tolist():
+            y = y0 + (height - row - 0.5) * cell
+            poses.append((x0 + (a + b) / 2 * cell, y, RAISED / 2, 1.0, 0.0, 0.0, 0.0))
+            sizes.append(((b - a) * cell, cell, RAISED))
+    return np.array(poses).reshape(-1, 7), np.array(sizes).reshape(-1, 3)

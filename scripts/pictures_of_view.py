@@ -1,0 +1,52 @@
+"""Pictures of `handcart view` for the documents: `python scripts/pictures_of_view.py RUN SECONDS`, by chromium.
+
+Writes docs/view_desk.png and docs/view_phone.png.
+"""
+
+from __future__ import annotations
+
+import sys
+import threading
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+EYE = (-2.6, -2.4, 2.3)  # from the robot [m]
+DRAWN = 9000  # [ms] until a browser without a GPU has drawn all of it
+
+
+def main() -> None:
+    """Draw a run at a time, both sizes."""
+    sys.path.insert(0, str(ROOT))  # for what tests have of browsers
+    from handcart.evaluation.playback.playback import Playback
+    from handcart.evaluation.view.replay import Replay
+    from handcart.evaluation.view.server import address, open_server
+    from tests.browser import DESK, PHONE, browsing
+
+    playback, time = Playback.read(Path(sys.argv[1])), float(sys.argv[2])
+    stop = threading.Event()
+    with open_server(0, "handcart view") as server:
+        replay = Replay(server, playback)
+        replay.go_to(time)
+        replay.step(0.0)
+        drawing = threading.Thread(target=replay.run, args=(stop,), daemon=True)
+        drawing.start()
+        x, y, _ = playback.at(time).base[:3].tolist()
+        for name, size, low in (("desk", DESK, 0.6), ("phone", PHONE, -0.9)):
+            server.initial_camera.position = (x + EYE[0], y + EYE[1], EYE[2])
+            server.initial_camera.look_at = (x + 0.3, y - 0.3, low)
+            with browsing(size) as seen:
+                seen.page.goto(address(server))
+                seen.page.wait_for_timeout(DRAWN)
+                notice = seen.page.get_by_text("Software WebGL rendering detected")
+                if notice.count():  # where it is drawn without a GPU, the library says so
+                    seen.page.locator("button.mantine-Notification-closeButton").first.click()
+                    seen.page.wait_for_timeout(2000)
+                path = ROOT / "docs" / f"view_{name}.png"
+                seen.page.screenshot(path=path)
+                print(f"written: {path}")
+        stop.set()
+        drawing.join()
+
+
+if __name__ == "__main__":
+    main()

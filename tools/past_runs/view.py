@@ -1,0 +1,30 @@
+"""`handcart view`: a run in three dimensions in the browser."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def view(
+    run: Annotated[Path | None, typer.Argument(help="the run's folder; left out: runs/latest")] = None,
+    port: Annotated[
+        int | None, typer.Option(min=0, max=65535, help="of the page; left out: 8080 or the next free one")
+    ] = None,
+) -> None:
+    """Show a recorded run in the browser, on this machine alone, until Ctrl-C."""
+    import threading
+
+    from handcart.evaluation.playback.playback import Playback
+    from handcart.evaluation.view.replay import Replay
+    from handcart.evaluation.view.server import address, open_server
+    from handcart.files.printable import printable
+    from handcart.networks.runs.run_names import latest_run
+
+    playback = Playback.read(run or latest_run(Path("runs")))
+    with open_server(port, "handcart view") as server:
+        replay = Replay(server, playback)
+        print(printable(f"{playback.run.folder}: {address(server)} shows it; Ctrl-C ends that"), flush=True)
+        replay.run(threading.Event())
