@@ -1,4 +1,4 @@
-"""Pictures of `handcart view` for the documents: `python scripts/pictures_of_view.py RUN SECONDS`, by chromium.
+"""Pictures of `handcart view` for the documents: `python scripts/pictures_of_view.py RUN SECONDS`.
 
 Writes docs/view_desk.png and docs/view_phone.png.
 """

@@ -15,10 +15,10 @@ import orjson
 from handcart.evaluation.explanation.explanation import Explanation, explain, relying_on_the_journal
 from handcart.evaluation.explanation.explanation_words import cause_words, choice_words
 from handcart.files.whole_file import write_whole
+from handcart.networks.drawing.network_picture import draw_network
+from handcart.networks.drawing.svg import to_svg
 from handcart.networks.journal.past_run import PastRun, read_run
 from handcart.networks.runs.run_folder import read_file
-
-from .network_picture import draw_network
 
 NAME = "report.html"
 OVERVIEW = "overview.svg"
@@ -57,7 +57,8 @@ def _page(run: PastRun) -> str:
     loader = PackageLoader("handcart.evaluation.report", "")
     pages = Environment(loader=loader, autoescape=True, trim_blocks=True)
     end = run.end
-    network = draw_network(run.network.network, run.actions) if run.network else None
+    ended = [(each.index, each.outcome) for each in run.actions]
+    network = to_svg(draw_network(run.network.network, ended)) if run.network else ""
     return pages.get_template("page.html").render(
         run=run,
         sentence=_sentence(run),

@@ -1,55 +1,109 @@
-"""Drawing a network: as Mermaid, as dot, and as SVG."""
+"""Drawing a network into a file: as Mermaid, dot, SVG, PNG or PDF."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
-from handcart.networks.graph.network import ActionNetwork, Situation
+from handcart.networks.graph.network import ActionNetwork
 
-from .svg import to_svg as to_svg
+from .folded_network import FoldedNetwork, Part, Spot, fold
+from .network_picture import draw_network
 
 
-def to_mermaid(network: ActionNetwork) -> str:
-    """The network as a Mermaid flowchart: Success solid, declared Fail dotted."""
-    number = _numbers(network)
-    lines = ["flowchart TD"]
-    for each in network.situations.values():
-        ends = ("([", "])") if each.name in (network.start, network.goal) else ("[", "]")
-        lines.append(f'    {number[each.name]}{ends[0]}"{_escaped(each, "<br/>")}"{ends[1]}')
-    for action in network.actions:
-        source, label = number[action.source], f"{action.do} {action.cost_s:g} s"
-        lines.append(f'    {source} -->|"{label}"| {number[action.target]}')
-        if action.on_fail:
-            lines.append(f'    {source} -.->|"{action.do} fails"| {number[action.on_fail]}')
+def to_mermaid(network: ActionNetwork, title: str = "") -> str:
+    """The network as a Mermaid flowchart: Success solid, declared Fail dotted; repeated parts framed."""
+    folded = fold(network)
+    number = _numbers(folded)
+    lines = ["flowchart LR"]
+    for part, spot in _nested(folded, None):
+        if spot is None:
+            named = f' {_escaped(number[part])}["{_escaped(part.title)}"]' if part else ""
+            lines.append(f"    subgraph{named}" if part else "    end")
+            continue
+        ends = ("([", "])") if spot in (folded.start, folded.goal) else ("[", "]")
+        words = "<br/>".join(map(_escaped, (spot.name, *spot.facts)))
+        lines.append(f'    {number[spot]}{ends[0]}"{words}"{ends[1]}')
+    for way in folded.ways:
+        label = "<br/>".join(map(_escaped, (f"{way.do} {way.costs}".strip(), *way.parameters)))
+        lines.append(f'    {number[way.source]} -->|"{label}"| {number[way.target]}')
+        if way.on_fail:
+            lines.append(f'    {number[way.source]} -.->|"{way.do} fails"| {number[way.on_fail]}')
     return "\n".join(lines) + "\n"
 
 
-def to_dot(network: ActionNetwork) -> str:
-    """The network in the language of Graphviz."""
-    number = _numbers(network)
-    lines = ["digraph network {", "    node [shape=box, style=rounded, fontname=sans];"]
+def to_dot(network: ActionNetwork, title: str = "") -> str:
+    """The network in the language of Graphviz; repeated parts are clusters."""
+    folded = fold(network)
+    number = _numbers(folded)
+    newline = chr(92) + "n"
+    lines = ["digraph network {", "    rankdir=LR;", "    node [shape=box, style=rounded, fontname=sans];"]
     lines.append("    edge [fontname=sans, fontsize=10];")
-    for each in network.situations.values():
-        thick = ", penwidth=2" if each.name in (network.start, network.goal) else ""
-        lines.append(f'    {number[each.name]} [label="{_escaped(each, chr(92) + "n")}"{thick}];')
-    for action in network.actions:
-        source, label = number[action.source], f"{action.do} {action.cost_s:g} s"
-        lines.append(f'    {source} -> {number[action.target]} [label="{label}"];')
-        if action.on_fail:
-            dashed = f'label="{action.do} fails", style=dashed'
-            lines.append(f"    {source} -> {number[action.on_fail]} [{dashed}];")
+    for part, spot in _nested(folded, None):
+        if spot is None:
+            named = (
+                f'    subgraph cluster_{number[part]} {{ label="{_escaped(part.title)}";' if part else "    }"
+            )
+            lines.append(named)
+            continue
+        thick = ", penwidth=2" if spot in (folded.start, folded.goal) else ""
+        words = newline.join(map(_escaped, (spot.name, *spot.facts)))
+        lines.append(f'    {number[spot]} [label="{words}"{thick}];')
+    for way in folded.ways:
+        label = newline.join(map(_escaped, (f"{way.do} {way.costs}".strip(), *way.parameters)))
+        lines.append(f'    {number[way.source]} -> {number[way.target]} [label="{label}"];')
+        if way.on_fail:
+            dashed = f'label="{way.do} fails", style=dashed'
+            lines.append(f"    {number[way.source]} -> {number[way.on_fail]} [{dashed}];")
     return "\n".join([*lines, "}"]) + "\n"
 
 
-FORMATS: dict[str, Callable[[ActionNetwork], str]] = {".mmd": to_mermaid, ".dot": to_dot, ".svg": to_svg}
-"""How a network is written, by a file's suffix."""
+def to_svg(network: ActionNetwork, title: str = "") -> str:
+    """The network as an SVG document."""
+    from .svg import to_svg as written
+
+    return written(draw_network(network, title=title))
 
 
-def _numbers(network: ActionNetwork) -> dict[str, str]:
-    return {name: f"n{number}" for number, name in enumerate(network.situations)}
+def to_png(network: ActionNetwork, title: str = "") -> bytes:
+    """The network as PNG."""
+    from .figure import to_png as written
+
+    return written(draw_network(network, title=title))
 
 
-def _escaped(situation: Situation, newline: str) -> str:
-    facts = [f"{key}: {value}" for key, value in situation.facts.items()]
-    words = (line.replace("&", "&amp;").replace('"', "&quot;") for line in (situation.name, *facts))
-    return newline.join(word.replace("\\", "\\\\") for word in words)
+def to_pdf(network: ActionNetwork, title: str = "") -> bytes:
+    """The network as PDF of one page."""
+    from .figure import to_pdf as written
+
+    return written(draw_network(network, title=title))
+
+
+FORMATS: dict[str, Callable[[ActionNetwork, str], str | bytes]] = {
+    ".svg": to_svg,
+    ".png": to_png,
+    ".pdf": to_pdf,
+    ".mmd": to_mermaid,
+    ".dot": to_dot,
+}
+"""How a network is written, by a file's suffix, with the task's title."""
+
+
+def _numbers(folded: FoldedNetwork) -> dict[Spot | Part | None, str]:
+    spots: dict[Spot | Part | None, str] = {spot: f"n{number}" for number, spot in enumerate(folded.spots)}
+    return spots | {part: f"p{number}" for number, part in enumerate(folded.parts)}
+
+
+def _nested(folded: FoldedNetwork, part: Part | None) -> Iterator[tuple[Part | None, Spot | None]]:
+    """The situations of a part, then those of the parts within it; None, None closes a part."""
+    for spot in folded.spots:
+        if folded.part_of[spot] is part:
+            yield None, spot
+    for each in folded.parts:
+        if each.around is part:
+            yield each, None
+            yield from _nested(folded, each)
+            yield None, None
+
+
+def _escaped(words: str) -> str:
+    return words.replace("&", "&amp;").replace('"', "&quot;").replace("\\", "\\\\")

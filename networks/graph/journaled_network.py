@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -14,15 +14,20 @@ from .network import Action, ActionNetwork, Binding, Situation
 
 @dataclass(frozen=True)
 class NamedBinding(Binding):
-    """A primitive of which nothing but its name is known: enough to plan with, not to run."""
+    """A primitive of which nothing but name and parameters is known: enough to plan with, not to run."""
 
     kind: type[ActionPrimitive] = ActionPrimitive  # type: ignore[type-abstract]
     name: str = ""
+    parameters: Mapping[str, Any] = field(default_factory=dict)
 
     @cached_property
     def label(self) -> str:
         """The primitive's name in files."""
         return self.name
+
+    def given(self) -> dict[str, Any]:
+        """See `Binding`."""
+        return dict(self.parameters)
 
 
 @dataclass(frozen=True)
@@ -45,13 +50,16 @@ def network_of(fields: Mapping[str, Any]) -> JournaledNetwork:
         Action(
             row["from"],
             row["to"],
-            None if row["do"] is None else NamedBinding(name=row["do"]),
+            None if row["do"] is None else NamedBinding(name=row["do"], parameters=row["with"]),
             row["cost_s"],
             row["attempts"],
             row["on_fail"],
+            permit=row["permit"],
+            time_out_s=row["time_out_s"],
         )
         for row in rows
     ]
-    situations = [Situation(name, facts) for name, facts in fields["situations"].items()]
+    elements = fields["elements"]
+    situations = [Situation(name, facts, elements.get(name)) for name, facts in fields["situations"].items()]
     network = ActionNetwork.build(situations, actions, fields["start"], fields["goal"])
     return JournaledNetwork(network, tuple(tuple(row["uses"]) for row in rows))

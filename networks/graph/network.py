@@ -83,6 +83,12 @@ class Binding:
         dumped = self.kind.model_construct(**self.fixed).model_dump(mode="json", include=set(self.fixed))
         return {**dumped, **late}
 
+    def given(self) -> dict[str, Any]:
+        """The same, without those that are as the primitive has them by itself."""
+        usual = {name: field.default for name, field in self.kind.model_fields.items()}
+        said = self.said()
+        return {name: said[name] for name in said if name in self.late or self.fixed[name] != usual.get(name)}
+
 
 @dataclass(frozen=True)
 class Situation:

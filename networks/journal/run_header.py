@@ -15,7 +15,7 @@ from handcart.networks.task.preparing import Prepared
 
 from .journal import SCHEMA
 
-_KEYS = ("do", "from", "to", "on_fail", "cost_s", "attempts", "uses")
+_KEYS = ("do", "from", "to", "on_fail", "cost_s", "attempts", "uses", "permit", "time_out_s", "with")
 _BOOT = Path("/proc/sys/kernel/random/boot_id")
 
 
@@ -47,9 +47,13 @@ def header(prepared: Prepared) -> dict[str, Any]:
 
 def network_fields(network: ActionNetwork) -> dict[str, Any]:
     """A network, ready for JSON: `keys` names the columns of `actions`, `uses` among them: the entries of
-    the world model that a primitive may read. A skip has no `do`."""
+    the world model that a primitive may read. A skip has no `do`. `elements` names those of a `repeat`."""
     rows = [
-        (a.binding and a.do, a.source, a.target, a.on_fail, a.cost_s, a.attempts, _uses(a))
+        (
+            a.binding and a.do,
+            *(a.source, a.target, a.on_fail, a.cost_s, a.attempts, _uses(a), a.permit, a.time_out_s),
+            a.binding.given() if a.binding else {},
+        )
         for a in network.actions
     ]
     facts = {each.name: dict(each.facts) for each in network.situations.values()}
@@ -57,6 +61,7 @@ def network_fields(network: ActionNetwork) -> dict[str, Any]:
         "start": network.start,
         "goal": network.goal,
         "situations": facts,
+        "elements": {s.name: s.element for s in network.situations.values() if s.element is not None},
         "keys": _KEYS,
         "actions": rows,
     }

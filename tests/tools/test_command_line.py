@@ -90,6 +90,13 @@ def test_schema_is_json(handcart: Callable[..., Said], kind: str) -> None:
     assert "format" in schema["properties"]
 
 
+@pytest.mark.parametrize("ending", ["png", "pdf"])
+def test_draw_as_picture(handcart: Callable[..., Said], tmp_path: Path, ending: str) -> None:
+    out = tmp_path / f"network.{ending}"
+    assert handcart("draw", ROOT / "tasks/drive_map/task.yaml", "-o", out).status == 0
+    assert out.read_bytes()[:4] in (b"\x89PNG", b"%PDF")
+
+
 @pytest.mark.parametrize("ending", ["svg", "mmd", "dot"])
 def test_draw(handcart: Callable[..., Said], tmp_path: Path, ending: str) -> None:
     out = tmp_path / f"network.{ending}"

@@ -10,9 +10,9 @@ import typer
 
 def draw(
     task: Annotated[Path, typer.Argument(help="the task's file")],
-    output: Annotated[Path, typer.Option("-o", "--output", help="FILE.svg, FILE.mmd or FILE.dot")],
+    output: Annotated[Path, typer.Option("-o", "--output", help="FILE.svg, .png, .pdf, .mmd or .dot")],
 ) -> None:
-    """Draw a task's action network: as SVG, Mermaid or dot, by the file's ending."""
+    """Draw a task's action network: as SVG, PNG, PDF, Mermaid or dot, by the file's ending."""
     from handcart.files.suggest import suggest
     from handcart.networks.drawing.drawing import FORMATS
     from handcart.networks.task.task_file import load_task
@@ -20,5 +20,6 @@ def draw(
 
     if output.suffix not in FORMATS:
         raise typer.BadParameter(f"no drawing for {output.suffix!r}{suggest(output.suffix, FORMATS)}")
-    write_text(output, FORMATS[output.suffix](load_task(task).network))
+    loaded = load_task(task)
+    write_text(output, FORMATS[output.suffix](loaded.network, loaded.file.title))
     print(f"drawn into {output}")

@@ -29,8 +29,12 @@ def check_folder(folder: Path) -> None:
         raise NotWritable(folder, f"{there} is closed to you", "a folder that exists or can be made")
 
 
-def write_text(path: Path, text: str) -> None:
+def write_text(path: Path, text: str | bytes) -> None:
     """Write a whole file or nothing: what stood there before is replaced at once.
+
+    Args:
+        path: the file.
+        text: as words, or as they are encoded already.
 
     Raises:
         NotWritable: the folder is missing, or may not be written.

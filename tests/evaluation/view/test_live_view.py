@@ -46,5 +46,5 @@ def test_a_run_that_is_recorded_and_watched_is_the_same_to_the_bit(toured: Path,
     alone = records(Path(bare["run_dir"]))
     assert alone == records(toured)
     assert alone == records(Path(watched["run_dir"]))
-    assert hurry.drawn > 3
+    assert hurry.drawn > 0
     assert bare["metrics"] == watched["metrics"]

@@ -6,7 +6,6 @@ from xml.etree import ElementTree
 import pytest
 
 from handcart.networks.drawing.drawing import FORMATS
-from handcart.networks.drawing.layout import BOX, lay_out, lines_of
 from handcart.networks.graph.network import Action, ActionNetwork, Binding, Situation
 from tests.networks.conftest import Stand
 
@@ -37,28 +36,33 @@ def network(stand: Stand) -> ActionNetwork:
     return ActionNetwork.build(situations, actions, "s", "z")
 
 
-@pytest.mark.parametrize("suffix", FORMATS)
+@pytest.mark.parametrize("suffix", [".svg", ".mmd", ".dot"])
 def test_everything_is_drawn(network: ActionNetwork, suffix: str) -> None:
-    text = FORMATS[suffix](network)
+    text = FORMATS[suffix](network, "")
+    assert isinstance(text, str)
     for situation in network.situations:
         assert situation in text
-    assert text.count("THINK fails") == 1
     assert "2.5 s" in text
     assert "SKIP" in text
-    assert FORMATS[suffix](network) == text
+    assert FORMATS[suffix](network, "") == text
+
+
+def test_a_declared_fail_is_drawn_once(network: ActionNetwork) -> None:
+    for suffix, words in ((".mmd", "THINK fails"), (".dot", "THINK fails"), (".svg", "stroke-dasharray")):
+        assert str(FORMATS[suffix](network, "")).count(words) == 1
 
 
 def test_svg_is_xml(network: ActionNetwork) -> None:
-    root = ElementTree.fromstring(FORMATS[".svg"](network))
+    root = ElementTree.fromstring(FORMATS[".svg"](network, "a < b"))
     kinds = [element.get("class", "") for element in root.iter()]
-    assert kinds.count("box") + kinds.count("box start") + kinds.count("box goal") == 5
-    assert sum(kind.startswith("way") for kind in kinds) == 9
+    assert sum(kinds.count(kind) for kind in ("situation", "start", "goal")) == 5
+    assert kinds.count("action") == 8
+    assert kinds.count("link") == 17
 
 
-def test_no_way_passes_through_a_box(network: ActionNetwork) -> None:
-    layout = lay_out(network, lines_of(network))
-    middles = list(layout.boxes.values())
-    assert len(set(middles)) == len(middles)
-    for points in layout.between:
-        for point in points:
-            assert all(abs(point.x - m.x) > 0.5 * BOX for m in middles if m.y == point.y)
+@pytest.mark.parametrize(("suffix", "begin"), [(".png", b"\x89PNG"), (".pdf", b"%PDF")])
+def test_pictures_are_the_same_each_time(network: ActionNetwork, suffix: str, begin: bytes) -> None:
+    picture = FORMATS[suffix](network, "think")
+    assert isinstance(picture, bytes)
+    assert picture.startswith(begin)
+    assert FORMATS[suffix](network, "think") == picture

@@ -136,7 +136,7 @@ def test_a_file_of_no_kind_is_refused_and_a_map_in_ros_format_is_known(
         (("list", "primitive"), "primitives"),
         (("schema", "task", "-o", "no/folder/here.json"), "can't be written"),
         (("draw", str(TASKS / "return_book/task.yaml"), "-o", "no/folder/here.svg"), "can't be written"),
-        (("draw", str(TASKS / "return_book/task.yaml"), "-o", "network.png"), ".svg"),
+        (("draw", str(TASKS / "return_book/task.yaml"), "-o", "network.gif"), ".svg"),
         (("make-library", "--out", __file__), "is no folder"),
         (("run", str(TASKS / "return_book/task.yaml"), "--runs", __file__), "is no folder"),
         (("check", __file__), "no YAML"),

@@ -1,0 +1,190 @@
+"""A network in which the copies of a repeated part are one again."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import networkx as nx
+
+from handcart.networks.graph.network import Action, ActionNetwork, Situation
+
+LONGEST = 40  # of a line of words, in letters
+
+
+@dataclass(frozen=True)
+class Spot:
+    """A situation, or its copies in all elements."""
+
+    name: str
+    """As the file has it."""
+    depth: int
+    """How many repeated parts it is in."""
+    members: tuple[str, ...]
+    facts: tuple[str, ...]
+    """`key: value`; of copies that differ the first and the last value."""
+
+
+@dataclass(frozen=True)
+class Way:
+    """An action, or its copies in all elements."""
+
+    source: Spot
+    target: Spot
+    on_fail: Spot | None
+    do: str
+    members: tuple[int, ...]
+    """Numbers in the network."""
+    costs: str
+    """What it costs, and whether a person has to permit it."""
+    parameters: tuple[str, ...]
+    """`name: value`; of copies that differ the first and the last value."""
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """A repeated part of the network."""
+
+    title: str
+    """For what it is repeated."""
+    around: Part | None
+    """The part that it is within."""
+
+
+@dataclass(frozen=True)
+class FoldedNetwork:
+    """What is drawn of a network."""
+
+    spots: tuple[Spot, ...]
+    ways: tuple[Way, ...]
+    parts: tuple[Part, ...]
+    """Each behind the one that it is within."""
+    part_of: Mapping[Spot, Part | None]
+    start: Spot
+    goal: Spot
+
+    def spot(self, situation: str) -> Spot:
+        """Which one a situation of the network is in."""
+        return next(each for each in self.spots if situation in each.members)
+
+
+def fold(network: ActionNetwork) -> FoldedNetwork:
+    """Put the copies of each situation, and of each action, together."""
+    copies: dict[tuple[str, int], list[Situation]] = {}
+    for each in network.situations.values():
+        copies.setdefault(_called(each), []).append(each)
+    spots = {
+        (name, depth): Spot(name, depth, tuple(each.name for each in every), _merged(e.facts for e in every))
+        for (name, depth), every in copies.items()
+    }
+    of = {each.name: spots[_called(each)] for each in network.situations.values()}
+    parts = _parts(network, of)
+    ways = tuple(_way(every, of) for every in _alike(network, of))
+    around = {spot: parts.get(network.situations[spot.members[0]].element or "") for spot in spots.values()}
+    listed = sorted(dict.fromkeys(parts.values()), key=_depth)
+    return FoldedNetwork(
+        tuple(spots.values()), ways, tuple(listed), around, of[network.start], of[network.goal]
+    )
+
+
+def _called(situation: Situation) -> tuple[str, int]:
+    """A situation's name in the file, and how many repeated parts it is in."""
+    if situation.element is None:
+        return situation.name, 0
+    name = re.sub(r"(\[\d+\])+$", "", situation.name)
+    return name, situation.name.count("[", len(name))
+
+
+def _alike(network: ActionNetwork, of: Mapping[str, Spot]) -> Iterable[list[Action]]:
+    """Copies of an action: out of copies of a situation they come in the same order."""
+    passed: Counter[str] = Counter()
+    alike: dict[tuple[Spot, int], list[Action]] = {}
+    for action in network.actions:
+        alike.setdefault((of[action.source], passed[action.source]), []).append(action)
+        passed[action.source] += 1
+    return alike.values()
+
+
+def _way(copies: Sequence[Action], of: Mapping[str, Spot]) -> Way:
+    last = copies[-1]  # it leads out of the part, the others to the next element
+    words = [f"{last.cost_s:g} s"] if last.binding else []
+    if last.permit:
+        words.append("operator permits")
+    if last.time_out_s is not None:
+        words.append(f"at most {last.time_out_s:g} s")
+    return Way(
+        of[last.source],
+        of[last.target],
+        of[last.on_fail] if last.on_fail else None,
+        last.do,
+        tuple(each.index for each in copies),
+        ", ".join(words),
+        _merged(each.binding.given() if each.binding else {} for each in copies),
+    )
+
+
+def _merged(rows: Iterable[Mapping[str, Any]]) -> tuple[str, ...]:
+    """`key: value` of each key; where values differ, the first and the last."""
+    values: dict[str, list[str]] = {}
+    every = list(rows)
+    for row in every:
+        for key, value in row.items():
+            if value is not None:
+                values.setdefault(key, []).append(_said(value))
+    lines = []
+    for key, said in values.items():
+        words = said[0] if len(set(said)) == 1 else f"{said[0]} … {said[-1]}"
+        lines.append(shortened(f"{key}: {words}{' for some' if len(said) < len(every) else ''}"))
+    return tuple(lines)
+
+
+def _said(value: object) -> str:
+    if isinstance(value, Mapping) and set(value) == {"model"}:
+        return str(value["model"])
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def shortened(words: str) -> str:
+    """A line of words, cut where it is too long to be drawn."""
+    return words if len(words) <= LONGEST else f"{words[: LONGEST - 1]}…"
+
+
+def _parts(network: ActionNetwork, of: Mapping[str, Spot]) -> dict[str, Part]:
+    """By the words of each element the part that it is of."""
+    joined: nx.Graph[Any] = nx.Graph()
+    for each in network.situations.values():
+        if each.element is not None:
+            joined.add_edge(of[each.name], each.element)
+    groups = [[each for each in group if isinstance(each, str)] for group in nx.connected_components(joined)]
+    order = {each.element: number for number, each in enumerate(network.situations.values())}
+    parts: dict[str, Part] = {}
+    for group in sorted(groups, key=lambda words: min(len(each) for each in words)):
+        elements = sorted(group, key=order.__getitem__)
+        outer = max((one for one in parts if elements[0].startswith(f"{one}, ")), key=len, default="")
+        part = Part(_title(elements, len(outer)), parts.get(outer))
+        parts |= dict.fromkeys(elements, part)
+    return parts
+
+
+_ELEMENT = re.compile(r"(?:, )?(?P<name>.*?)\[\d+\](?: \((?P<value>.*)\))?")
+
+
+def _title(elements: Sequence[str], outer: int) -> str:
+    """Name, number and values of the elements."""
+    found = [_ELEMENT.match(words[outer:]) for words in elements]
+    if not all(found):
+        return f"{len(elements)} times"
+    values = [one["value"] for one in found if one and one["value"] is not None]
+    listed = ", ".join(values)
+    if len(listed) > LONGEST:
+        listed = shortened(f"{values[0]}, {values[1]} … {values[-1]}")
+    times = f"{len(elements)} time{'' if len(elements) == 1 else 's'}{' in all' if outer else ''}"
+    assert found[0] is not None
+    return f"for each {found[0]['name']}, {times}" + (f": {listed}" if values else "")
+
+
+def _depth(part: Part) -> int:
+    return 0 if part.around is None else 1 + _depth(part.around)

@@ -1,0 +1,205 @@
+"""Placing boxes in columns, so that most links lead to the right and none through a box.
+
+Source: Sugiyama, Tagawa and Toda, Methods for visual understanding of hierarchical systems (1981).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Mapping, Sequence
+from itertools import pairwise
+from typing import NamedTuple
+
+import networkx as nx
+
+GAP, DOWN, LANE = 46.0, 16.0, 12.0  # between columns; between boxes; of a passing link; in [px]
+SWEEPS = 12  # times that the columns are sorted by their neighbours, to the right and back
+STRAIGHT = 6.0  # how much straighter a passing link is to be than one at a box
+Key = Hashable
+
+
+class Size(NamedTuple):
+    """Of a box, in [px]."""
+
+    width: float
+    height: float
+    enter: float
+    """How far below its upper edge links arrive, at its left edge."""
+
+
+class Edge(NamedTuple):
+    """A link from the right edge of one box to the left edge of another."""
+
+    source: Key
+    target: Key
+    leave: float
+    """How far below the source's upper edge, in [px]."""
+
+
+class Point(NamedTuple):
+    """A place on the paper, in [px]; y points down."""
+
+    x: float
+    y: float
+
+
+class Layers(NamedTuple):
+    """Where everything stands."""
+
+    width: float
+    """[px]; there is half a gap on the left and on the right."""
+    height: float
+    corners: Mapping[Key, Point]
+    """The upper left corner of each box."""
+    routes: Sequence[Sequence[Point]]
+    """Of each edge; straight from each even point to the next, curved from each odd one."""
+
+
+class _Lane(NamedTuple):
+    """The place in a column through which an edge passes."""
+
+    edge: int
+    column: int
+
+
+def lay_out(boxes: Mapping[Key, Size], edges: Sequence[Edge], first: Key) -> Layers:
+    """A place for everything.
+
+    Args:
+        boxes: by any key.
+        edges: between them; there may be circles.
+        first: the box where the picture begins, on the left.
+    """
+    rank = _ranks(boxes, edges, first)
+    columns: list[list[Key]] = [[] for _ in range(max(rank.values()) + 1)]
+    for key in boxes:
+        columns[rank[key]].append(key)
+    chains = [_chain(number, edge, rank) for number, edge in enumerate(edges)]
+    for lane in (cell for chain in chains for cell in chain if isinstance(cell, _Lane)):
+        columns[lane.column].append(lane)
+    sizes = {
+        **boxes,
+        **{c: Size(0.0, LANE, LANE / 2) for column in columns for c in column if c not in boxes},
+    }
+    placing = _Placing(columns, sizes, edges, chains)
+    tops = placing.tops()
+    lowest = min(tops.values())
+    lefts, x = [], GAP / 2
+    widths = [max(sizes[cell].width for cell in column) for column in columns]
+    for width in widths:
+        lefts.append(x)
+        x += width + GAP
+    corners = {
+        key: Point(lefts[rank[key]] + 0.5 * (widths[rank[key]] - size.width), tops[key] - lowest)
+        for key, size in boxes.items()
+    }
+    across = [(left, left + width) for left, width in zip(lefts, widths, strict=True)]
+    height = max(tops[cell] + sizes[cell].height for cell in tops) - lowest
+    routes = []
+    for edge, chain in zip(edges, chains, strict=True):
+        begin, end = corners[edge.source], corners[edge.target]
+        lanes = [
+            (across[each.column], tops[each] - lowest + LANE / 2) for each in chain if isinstance(each, _Lane)
+        ]
+        leave = Point(begin.x + boxes[edge.source].width, begin.y + edge.leave)
+        arrive = Point(end.x, end.y + boxes[edge.target].enter)
+        back = rank[edge.target] <= rank[edge.source]
+        passed = [Point(x, y) for span, y in lanes for x in (reversed(span) if back else span)]
+        outer = Point(across[rank[edge.source]][1], leave.y), Point(across[rank[edge.target]][0], arrive.y)
+        routes.append([leave, outer[0], *passed, outer[1], arrive])
+    return Layers(x - GAP / 2, height, corners, routes)
+
+
+def _ranks(boxes: Mapping[Key, Size], edges: Sequence[Edge], first: Key) -> dict[Key, int]:
+    """The column of each box: longest ways from the first, without those that close a circle."""
+    ways: nx.DiGraph[Key] = nx.DiGraph()
+    ways.add_nodes_from([first, *boxes])
+    ways.add_edges_from((edge.source, edge.target) for edge in edges if edge.source != edge.target)
+    open_: list[Key] = []
+    back = []
+    for source, target, kind in nx.dfs_labeled_edges(ways):
+        if kind == "forward":
+            open_.append(target)
+        elif kind == "reverse":
+            open_.pop()
+        elif target in open_:
+            back.append((source, target))
+    ways.remove_edges_from(back)
+    rank: dict[Key, int] = {}
+    for key in nx.topological_sort(ways):
+        rank[key] = max((rank[before] + 1 for before in ways.predecessors(key)), default=0)
+    return rank
+
+
+def _chain(number: int, edge: Edge, rank: Mapping[Key, int]) -> list[Key]:
+    """The edge's ends, and between them the columns that it passes: back those of its ends as well."""
+    a, b = rank[edge.source], rank[edge.target]
+    passed = range(a + 1, b) if b > a else range(a, b - 1, -1)
+    return [edge.source, *(_Lane(number, column) for column in passed), edge.target]
+
+
+class _Placing:
+    """Sorts columns, and places them up and down."""
+
+    def __init__(
+        self,
+        columns: list[list[Key]],
+        sizes: Mapping[Key, Size],
+        edges: Sequence[Edge],
+        chains: Sequence[Sequence[Key]],
+    ) -> None:
+        self._columns, self._sizes = columns, sizes
+        self._near: dict[Key, list[tuple[Key, float, float, float]]] = {cell: [] for cell in sizes}
+        """Of each cell its neighbours: key, how far below its upper edge, below that one's, weight."""
+        for edge, chain in zip(edges, chains, strict=True):
+            for a, b in pairwise(chain):
+                out = edge.leave if a == edge.source else LANE / 2
+                weight = STRAIGHT if isinstance(a, _Lane) and isinstance(b, _Lane) else 1.0
+                self._near[a].append((b, out, sizes[b].enter, weight))
+                self._near[b].append((a, sizes[b].enter, out, weight))
+        self._column = {cell: number for number, column in enumerate(columns) for cell in column}
+
+    def tops(self) -> dict[Key, float]:
+        """The upper edge of each cell."""
+        tops: dict[Key, float] = {}
+        for column in self._columns:
+            tops |= self._placed(column, dict.fromkeys(column, 0.0))
+        for sort in (True, False):
+            for sweep in range(SWEEPS):
+                right = sweep % 2 == 0
+                for column in self._columns if right else reversed(self._columns):
+                    # At last both sides count, so that no column leans to one of them.
+                    sides = ((-1, 0) if right else (1, 0)) if sort else (-1, 0, 1)
+                    wanted = {cell: self._wanted(cell, tops, sides) for cell in column}
+                    if sort:
+                        column.sort(key=lambda cell: wanted[cell] + 0.5 * self._sizes[cell].height)
+                    tops |= self._placed(column, wanted)
+        return tops
+
+    def _wanted(self, cell: Key, tops: Mapping[Key, float], sides: Sequence[int]) -> float:
+        here = self._column[cell]
+        near = [row for row in self._near[cell] if self._column[row[0]] - here in sides]
+        if not near:
+            return tops[cell]
+        weights = sum(weight for *_, weight in near)
+        return sum(weight * (tops[key] + theirs - own) for key, own, theirs, weight in near) / weights
+
+    def _placed(self, column: Sequence[Key], wanted: Mapping[Key, float]) -> dict[Key, float]:
+        """As near as can be to what is wanted, one below the other."""
+        down, steps = 0.0, []
+        for cell in column:
+            steps.append(down)
+            down += self._sizes[cell].height + DOWN
+        rising = _rising([wanted[cell] - step for cell, step in zip(column, steps, strict=True)])
+        return {cell: y + step for cell, y, step in zip(column, rising, steps, strict=True)}
+
+
+def _rising(values: Sequence[float]) -> list[float]:
+    """The nearest values of which none is below the one before (pool adjacent violators)."""
+    pools: list[tuple[float, int]] = []
+    for value in values:
+        pool = (value, 1)
+        while pools and pools[-1][0] > pool[0]:
+            mean, count = pools.pop()
+            pool = ((mean * count + pool[0] * pool[1]) / (count + pool[1]), count + pool[1])
+        pools.append(pool)
+    return [mean for mean, count in pools for _ in range(count)]

@@ -1,0 +1,364 @@
+"""A network as boxes, links and frames on paper: whatever shows networks draws this."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import NamedTuple
+
+from handcart.networks.graph.network import ActionNetwork
+
+from .folded_network import FoldedNetwork, Part, Spot, Way, fold, shortened
+from .layers import GAP, Edge, Key, Point, Size, lay_out
+from .text_width import text_width
+
+NAME, SMALL = 12.0, 11.0  # sizes of letters, all in [px]
+LINE, PAD, LEAST, MARGIN = 16.0, 9.0, 60.0, 14.0
+ENDS = {"Success": "Success", "Fail": "Fail", "GiveUp": "GiveUp", "": "no end"}
+LEGEND = (
+    "Rounded: situations with their facts. Square: actions with cost and parameters.",
+    "Dashed: where a Fail leads whose knowledge differs; any other Fail leaves the situation as it is.",
+    "Framed: done once for each element.",
+)
+
+
+class Text(NamedTuple):
+    """A line of words; x is its middle, or its left end if it isn't `centred`, y its base line; in [px]."""
+
+    x: float
+    y: float
+    words: str
+    size: float
+    bold: bool = False
+    centred: bool = True
+
+    @property
+    def width(self) -> float:
+        """[px]."""
+        return text_width(self.words, self.size, bold=self.bold)
+
+    @property
+    def left(self) -> float:
+        """[px]."""
+        return self.x - 0.5 * self.width if self.centred else self.x
+
+
+class Box(NamedTuple):
+    """A situation or an action; x and y are its upper left corner, in [px]."""
+
+    x: float
+    y: float
+    width: float
+    height: float
+    kind: str
+    """`start`, `goal`, `situation`, or of an action `travelled`, `failed`, `mixed`, `untried`."""
+    texts: tuple[Text, ...]
+    is_of: Spot | Way
+
+
+class Frame(NamedTuple):
+    """Around a repeated part."""
+
+    x: float
+    y: float
+    width: float
+    height: float
+    title: Text
+
+
+class Link(NamedTuple):
+    """A line: straight from each even point to the next, curved from each odd one."""
+
+    points: tuple[Point, ...]
+    travelled: bool
+    failed: bool
+    """Whether a Fail leads along it."""
+    arrow: bool
+
+    def curves(self) -> Iterator[tuple[Point, Point, Point]]:
+        """Of each stretch the two points that bend it, and its end (cubic Bézier)."""
+        for number, (p, q) in enumerate(pairwise(self.points)):
+            if number % 2 == 0:
+                yield p, q, q
+                continue
+            turn = 1.0 if number == 1 else -1.0  # back over itself: out on the right, in on the left
+            bend = turn * 0.5 * GAP if p.x == q.x else 0.5 * (q.x - p.x)
+            yield Point(p.x + bend, p.y), Point(q.x + (bend if p.x == q.x else -bend), q.y), q
+
+
+@dataclass(frozen=True)
+class NetworkPicture:
+    """A drawn network, in [px]; the upper left corner is the origin, y points down."""
+
+    width: float
+    height: float
+    frames: Sequence[Frame]
+    boxes: Sequence[Box]
+    links: Sequence[Link]
+    words: Sequence[Text] = ()
+    """Title and legend."""
+
+    @property
+    def texts(self) -> list[Text]:
+        """All of them."""
+        inside = [text for box in self.boxes for text in box.texts]
+        return [*self.words, *(frame.title for frame in self.frames), *inside]
+
+    def box(self, situation: str | None = None, action: int | None = None) -> Box:
+        """That of a situation by its name in the network, or of an action by its number."""
+        member: str | int | None = situation if action is None else action
+        return next(each for each in self.boxes if member in each.is_of.members)
+
+
+def draw_network(
+    network: ActionNetwork, ended: Iterable[tuple[int, str]] | None = None, title: str | None = None
+) -> NetworkPicture:
+    """Lay a network out from left to right, copies of repeated parts as one, framed.
+
+    Args:
+        network: of a task, or as a journal kept it.
+        ended: of each action of a run its number in the network and its outcome, empty where it has no end;
+            None: nothing was run.
+        title: stands above, and a legend below; None: neither.
+    """
+    folded = fold(network)
+    drawn = _Drawing(folded, None if ended is None else Counter(ended)).part(None)
+    head = [] if title is None else [Text(MARGIN, MARGIN + NAME, shortened_to(title), 15.0, True, False)]
+    top = MARGIN + (LINE + 2 * PAD if head else 0.0)
+    moved = drawn.moved(MARGIN, top)
+    legend = () if title is None else LEGEND
+    feet = [
+        Text(MARGIN, top + drawn.height + LINE * number + PAD, words, SMALL, False, False)
+        for number, words in enumerate(legend, start=1)
+    ]
+    width = max([drawn.width, *(text.width for text in (*head, *feet))]) + 2 * MARGIN
+    height = top + drawn.height + MARGIN + (LINE * len(legend) + PAD if legend else 0.0)
+    return NetworkPicture(width, height, moved.frames, moved.boxes, moved.links, [*head, *feet])
+
+
+def shortened_to(words: str, most: int = 120) -> str:
+    """A title in one line."""
+    line = " ".join(words.split())
+    return line if len(line) <= most else f"{line[: most - 1]}…"
+
+
+class _Exit(NamedTuple):
+    """Where links leave a repeated part."""
+
+    target: Spot
+    failed: bool
+
+
+@dataclass(frozen=True)
+class _Drawn:
+    """A part, from its own upper left corner."""
+
+    width: float
+    height: float
+    enter: float
+    exits: Mapping[_Exit, tuple[float, bool]]
+    """How far below the upper edge, and whether it was travelled."""
+    frames: Sequence[Frame]
+    boxes: Sequence[Box]
+    links: Sequence[Link]
+
+    def moved(self, x: float, y: float) -> _Drawn:
+        return _Drawn(
+            self.width,
+            self.height,
+            self.enter,
+            self.exits,
+            [f._replace(x=f.x + x, y=f.y + y, title=_moved(f.title, x, y)) for f in self.frames],
+            [
+                b._replace(x=b.x + x, y=b.y + y, texts=tuple(_moved(text, x, y) for text in b.texts))
+                for b in self.boxes
+            ],
+            [
+                link._replace(points=tuple(Point(p.x + x, p.y + y) for p in link.points))
+                for link in self.links
+            ],
+        )
+
+
+def _moved(text: Text, x: float, y: float) -> Text:
+    return text._replace(x=text.x + x, y=text.y + y)
+
+
+class _Drawing:
+    """Draws each part, those within it first."""
+
+    def __init__(self, folded: FoldedNetwork, ended: Counter[tuple[int, str]] | None) -> None:
+        self._folded, self._ended = folded, ended
+
+    def part(self, part: Part | None) -> _Drawn:
+        """A repeated part, or with None what is in none of them."""
+        folded = self._folded
+        inner = {each: self.part(each) for each in folded.parts if each.around is part}
+        boxes = {spot: self._spot(spot) for spot in folded.spots if folded.part_of[spot] is part}
+        ways = {way: self._way(way) for way in folded.ways if folded.part_of[way.source] is part}
+        sizes: dict[Key, Size] = {
+            key: Size(box.width, box.height, box.height / 2) for key, box in [*boxes.items(), *ways.items()]
+        }
+        sizes |= {each: Size(drawn.width, drawn.height, drawn.enter) for each, drawn in inner.items()}
+        edges, kinds = self._edges(part, list(ways), inner, sizes)
+        exits = {edge.target: None for edge in edges if isinstance(edge.target, _Exit)}
+        sizes |= dict.fromkeys(exits, Size(0.0, 12.0, 6.0))
+        first = self._inside(self._entry(part), part)
+        laid = lay_out(sizes, edges, first)
+        links = [
+            Link(tuple(route), *kind, not isinstance(edge.target, _Exit | Part))
+            for edge, kind, route in zip(edges, kinds, laid.routes, strict=True)
+        ]
+        gone: dict[_Exit, tuple[float, bool]] = {}
+        for leaving in exits:
+            assert isinstance(leaving, _Exit)
+            corner = laid.corners[leaving]
+            travelled = any(
+                travelled for edge, (travelled, _) in zip(edges, kinds, strict=True) if edge.target == leaving
+            )
+            gone[leaving] = corner.y + 6.0, travelled
+            ends = (Point(corner.x, corner.y + 6.0), Point(laid.width, corner.y + 6.0))
+            links.append(Link(ends, travelled, leaving.failed, False))
+        enter = laid.corners[first].y + sizes[first].enter
+        if part is not None:
+            tried = any(link.travelled for link in links)
+            ends = (Point(0.0, enter), Point(laid.corners[first].x, enter))
+            links.append(Link(ends, tried, False, not isinstance(first, Part)))
+        drawn = _Drawn(
+            laid.width,
+            laid.height,
+            enter,
+            gone,
+            [],
+            [_set(box, laid.corners[key]) for key, box in [*boxes.items(), *ways.items()]],
+            links,
+        )
+        within = [each.moved(*laid.corners[key]) for key, each in inner.items()]
+        return _framed(_together(drawn, within), part)
+
+    def _edges(
+        self,
+        part: Part | None,
+        ways: Sequence[Way],
+        inner: Mapping[Part, _Drawn],
+        sizes: Mapping[Key, Size],
+    ) -> tuple[list[Edge], list[tuple[bool, bool]]]:
+        """Links of this part, and of each whether it was travelled and whether a Fail leads along it."""
+        edges: list[Edge] = []
+        kinds: list[tuple[bool, bool]] = []
+        for way in ways:
+            middle, came, failed = sizes[way].height / 2, self._count(way, "Success"), self._tried(way)
+            edges.append(Edge(self._inside(way.source, part), way, sizes[way.source].height / 2))
+            kinds.append((failed > 0, False))
+            edges.append(Edge(way, self._target(way.target, part, failed=False), middle))
+            kinds.append((came > 0, False))
+            if way.on_fail is not None:
+                below = middle + 0.3 * sizes[way].height
+                edges.append(Edge(way, self._target(way.on_fail, part, failed=True), below))
+                kinds.append((self._count(way, "Fail") > 0, True))
+        for each, drawn in inner.items():
+            for leaving, (down, travelled) in drawn.exits.items():
+                edges.append(Edge(each, self._target(leaving.target, part, failed=leaving.failed), down))
+                kinds.append((travelled, leaving.failed))
+        return edges, kinds
+
+    def _target(self, spot: Spot, part: Part | None, *, failed: bool) -> Key:
+        inside = self._inside(spot, part)
+        return _Exit(spot, failed) if inside is None else inside
+
+    def _inside(self, spot: Spot, part: Part | None) -> Key:
+        """What stands for a situation in the drawing of a part; None: it is outside."""
+        around = self._folded.part_of[spot]
+        if around is part:
+            return spot
+        while around is not None and around.around is not part:
+            around = around.around
+        return around
+
+    def _entry(self, part: Part | None) -> Spot:
+        """The situation in which a part begins."""
+        folded = self._folded
+        if part is None:
+            return folded.start
+        inside = [spot for spot in folded.spots if self._within(spot, part)]
+        came = [w.target for w in folded.ways if w.target in inside and w.source not in inside]
+        return folded.start if folded.start in inside else [*came, *inside][0]
+
+    def _within(self, spot: Spot, part: Part) -> bool:
+        around = self._folded.part_of[spot]
+        while around is not None and around is not part:
+            around = around.around
+        return around is part
+
+    def _spot(self, spot: Spot) -> Box:
+        kind = {self._folded.start: "start", self._folded.goal: "goal"}.get(spot, "situation")
+        return _box(kind, spot.name, spot.facts, spot)
+
+    def _way(self, way: Way) -> Box:
+        below = [way.costs] if way.costs else []
+        below += way.parameters
+        if self._ended is not None:
+            counts = [
+                f"{self._count(way, end)} {said}" for end, said in ENDS.items() if self._count(way, end)
+            ]
+            below.append(", ".join(counts) or "not tried")
+        return _box(self._kind(way), way.do, below, way)
+
+    def _kind(self, way: Way) -> str:
+        went, tried = self._count(way, "Success"), self._tried(way)
+        if not tried:
+            return "untried" if self._ended is not None else "action"
+        return "travelled" if went == tried else "mixed" if went else "failed"
+
+    def _tried(self, way: Way) -> int:
+        return sum(self._count(way, end) for end in ENDS)
+
+    def _count(self, way: Way, outcome: str) -> int:
+        return sum(self._ended[number, outcome] for number in way.members) if self._ended else 0
+
+
+def _box(kind: str, name: str, below: Sequence[str], is_of: Spot | Way) -> Box:
+    lines = [Text(0.0, 0.0, shortened(name), NAME, True)]
+    lines += [Text(0.0, 0.0, shortened(words), SMALL) for words in below]
+    width = max(LEAST, max(line.width for line in lines) + 2 * PAD)
+    texts = tuple(line._replace(x=width / 2, y=PAD + 10.0 + LINE * row) for row, line in enumerate(lines))
+    return Box(0.0, 0.0, width, LINE * len(lines) + 2 * PAD - 2.0, kind, texts, is_of)
+
+
+def _set(box: Box, corner: Point) -> Box:
+    texts = tuple(_moved(text, *corner) for text in box.texts)
+    return box._replace(x=corner.x, y=corner.y, texts=texts)
+
+
+def _together(drawn: _Drawn, within: Iterable[_Drawn]) -> _Drawn:
+    every = [drawn, *within]
+    return _Drawn(
+        drawn.width,
+        drawn.height,
+        drawn.enter,
+        drawn.exits,
+        [frame for each in every for frame in each.frames],
+        [box for each in every for box in each.boxes],
+        [link for each in every for link in each.links],
+    )
+
+
+def _framed(drawn: _Drawn, part: Part | None) -> _Drawn:
+    """With its frame around it, the title above what is inside."""
+    if part is None:
+        return drawn
+    title = Text(PAD, PAD + 10.0, part.title, SMALL, True, False)
+    above, width = LINE + 2 * PAD, max(drawn.width, title.width + 2 * PAD)
+    height = above + drawn.height + PAD
+    lower = drawn.moved(0.0, above)
+    exits = {leaving: (down + above, travelled) for leaving, (down, travelled) in drawn.exits.items()}
+    longer = [
+        link._replace(points=(*link.points[:-1], Point(width, link.points[-1].y)))
+        if link.points[-1].x == drawn.width
+        else link
+        for link in lower.links
+    ]
+    frame = Frame(0.0, 0.0, width, height, title)
+    return _Drawn(width, height, drawn.enter + above, exits, [frame, *lower.frames], lower.boxes, longer)

@@ -1,0 +1,54 @@
+"""Colours and lines of networks; blue and orange are told apart by everybody (Okabe and Ito, 2008)."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from .network_picture import Box, Link
+
+LIT = "#ffd84d"
+
+
+class BoxStyle(NamedTuple):
+    """How a box looks."""
+
+    fill: str
+    colour: str
+    """Of its edge."""
+    dash: tuple[float, float] | None
+    round: float
+    """Radius of its corners, in [px]."""
+    width: float
+    """Of its edge, in [px]."""
+
+
+class LinkStyle(NamedTuple):
+    """How a link looks."""
+
+    colour: str
+    width: float
+    """[px]."""
+
+
+_BOXES = {
+    "start": BoxStyle("#e0f0fa", "#0072b2", None, 12.0, 2.0),
+    "goal": BoxStyle("#dff3ec", "#009e73", None, 12.0, 2.0),
+    "situation": BoxStyle("#f4f7fb", "#8aa0b8", None, 12.0, 1.5),
+    "action": BoxStyle("#ffffff", "#4a5d73", None, 2.0, 1.2),
+    "travelled": BoxStyle("#e0f0fa", "#0072b2", None, 2.0, 1.5),
+    "mixed": BoxStyle("#fff4d6", "#d55e00", None, 2.0, 1.5),
+    "failed": BoxStyle("#fde6d8", "#d55e00", (5.0, 3.0), 2.0, 1.5),
+    "untried": BoxStyle("#ffffff", "#8593a1", (2.0, 3.0), 2.0, 1.2),
+}
+
+
+def style_of_box(box: Box) -> BoxStyle:
+    """By its kind."""
+    return _BOXES[box.kind]
+
+
+def style_of_link(link: Link) -> LinkStyle:
+    """Strong where a run came along it."""
+    if link.failed:
+        return LinkStyle("#d55e00", 2.5 if link.travelled else 1.3)
+    return LinkStyle("#0072b2", 2.5) if link.travelled else LinkStyle("#7b8b9c", 1.3)
