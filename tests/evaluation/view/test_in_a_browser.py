@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+import urllib.request
 from collections.abc import Iterator
 from contextlib import contextmanager
 from io import BytesIO
@@ -43,7 +44,9 @@ def drawn(seen: Seen) -> np.ndarray[tuple[int, ...], np.dtype[np.int16]]:
 
 @pytest.mark.slow
 def test_ctrl_c_ends_it_at_once(toured: Path) -> None:
-    with viewing(toured) as (process, _):
+    with viewing(toured) as (process, url):
+        with urllib.request.urlopen(url, timeout=20) as page:
+            assert page.status == 200
         process.send_signal(signal.SIGINT)
         began = time.monotonic()
         out, errors = process.communicate(timeout=20)
