@@ -13,14 +13,15 @@ SLACK = 0.5  # [px] by which boxes may touch
 
 def faults_of(figure: Any) -> list[str]:
     """What is wrong with a figure's texts, in words: each pair that overlaps, each that is clipped."""
-    canvas = FigureCanvasAgg(figure)
+    canvas: Any = FigureCanvasAgg(figure)
     canvas.draw()
     renderer = canvas.get_renderer()
     paper = figure.bbox
-    boxes = []
-    for text in figure.findobj(matplotlib.text.Text):
-        if text.get_text().strip() and _is_drawn(text, figure):
-            boxes.append((text, text.get_window_extent(renderer)))
+    boxes = [
+        (text, text.get_window_extent(renderer))
+        for text in figure.findobj(matplotlib.text.Text)
+        if text.get_text().strip() and _is_drawn(text)
+    ]
     clipped = [
         f"{text.get_text()!r} is clipped"
         for text, box in boxes
@@ -38,7 +39,7 @@ def faults_of(figure: Any) -> list[str]:
     return clipped + overlapping
 
 
-def _is_drawn(text: Any, figure: Any) -> bool:
+def _is_drawn(text: Any) -> bool:
     """Ticks beyond an axis' limits, and those of a hidden axis, are there and not drawn."""
     axes = text.axes
     if not text.get_visible() or (axes is not None and not axes.get_visible()):

@@ -89,8 +89,8 @@ FORMATS: dict[str, Callable[[ActionNetwork, str], str | bytes]] = {
 
 
 def _numbers(folded: FoldedNetwork) -> dict[Spot | Part | None, str]:
-    spots = {spot: f"n{number}" for number, spot in enumerate(folded.spots)}
-    return {**spots, **{part: f"p{number}" for number, part in enumerate(folded.parts)}}
+    spots: dict[Spot | Part | None, str] = {spot: f"n{number}" for number, spot in enumerate(folded.spots)}
+    return spots | {part: f"p{number}" for number, part in enumerate(folded.parts)}
 
 
 def _nested(folded: FoldedNetwork, part: Part | None) -> Iterator[tuple[Part | None, Spot | None]]:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from io import BytesIO
 from typing import Any
 
-from .network_picture import Box, Frame, Link, NetworkPicture, Point, Text
+from .layers import Point
+from .network_picture import Box, Frame, Link, NetworkPicture, Text
 from .styles import style_of_box, style_of_link
 from .text_width import FAMILY
 

@@ -97,7 +97,9 @@ def lay_out(boxes: Mapping[Key, Size], edges: Sequence[Edge], first: Key) -> Lay
     routes = []
     for edge, chain in zip(edges, chains, strict=True):
         begin, end = corners[edge.source], corners[edge.target]
-        lanes = [(across[each.column], tops[each] - lowest + LANE / 2) for each in chain[1:-1]]
+        lanes = [
+            (across[each.column], tops[each] - lowest + LANE / 2) for each in chain if isinstance(each, _Lane)
+        ]
         leave = Point(begin.x + boxes[edge.source].width, begin.y + edge.leave)
         arrive = Point(end.x, end.y + boxes[edge.target].enter)
         back = rank[edge.target] <= rank[edge.source]

@@ -64,9 +64,10 @@ def test_boxes_are_apart_and_hold_their_texts(picture: NetworkPicture) -> None:
     for box in picture.boxes:
         assert all(box.x < t.left and t.left + t.width < box.x + box.width for t in box.texts)
         assert all(box.y < t.y - t.size and t.y < box.y + box.height for t in box.texts)
-    for box in [*picture.boxes, *picture.frames]:
-        assert 0 <= box.x < box.x + box.width <= picture.width
-        assert 0 <= box.y < box.y + box.height <= picture.height
+    drawn: list[Box | Frame] = [*picture.boxes, *picture.frames]
+    for each in drawn:
+        assert 0 <= each.x < each.x + each.width <= picture.width
+        assert 0 <= each.y < each.y + each.height <= picture.height
 
 
 def test_no_link_passes_through_a_box(picture: NetworkPicture) -> None:
