@@ -241,7 +241,7 @@ def forged_header(scene: Scene) -> None:
     """The journal is of another version, task, robot or backend, and its chain whole."""
     keys = ("schema", "handcart", "task_path", "settings", "backend", "bench", "seed", "errors", "start")
     key = scene.rng.choice((*keys, "network", "robot_sha256", "simulated", "plan_on", "robot"))
-    odd = (*ODD, "/dev/zero", str(scene.outside / "folder"), "handcart-journal/2", "9.9.9", "pybullet", "can")
+    odd = (*ODD, "/dev/zero", str(scene.outside / "folder"), "handcart-journal/9", "9.9.9", "pybullet", "can")
 
     def change(records: list[dict[str, Any]]) -> None:
         if scene.rng.random() < 0.2:

@@ -19,7 +19,7 @@ from handcart.files.printable import printable
 from .journal_record import FIRST, JournalContents, JournalError, seal
 from .syncing import DiskSync, Sync
 
-SCHEMA = "handcart-journal/1"
+SCHEMA = "handcart-journal/2"
 
 _FLAGS = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_APPEND | os.O_CLOEXEC | os.O_NOFOLLOW
 _AGAIN = os.O_WRONLY | os.O_APPEND | os.O_CLOEXEC | os.O_NOFOLLOW

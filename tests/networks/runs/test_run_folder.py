@@ -13,7 +13,7 @@ from handcart.networks.journal.journal import Journal
 from handcart.networks.journal.journal_record import JournalError
 from handcart.networks.runs.run_folder import NoRun, check_folder, read_file, read_run_journal
 
-HEADER = {"schema": "handcart-journal/1", "task_path": "/t", "simulated": True}
+HEADER = {"schema": "handcart-journal/2", "task_path": "/t", "simulated": True}
 
 
 @pytest.fixture

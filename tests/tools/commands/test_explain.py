@@ -216,7 +216,7 @@ def forged(folder: Path, header: dict[str, Any], do: str = "MOVE_TO") -> Path:
     """A run's folder with a journal that is whole, and that no run wrote."""
     folder.mkdir()
     with Journal(folder / "journal.jsonl") as journal:
-        journal.append("RUN", 0.0, {"schema": "handcart-journal/1", **header})
+        journal.append("RUN", 0.0, {"schema": "handcart-journal/2", **header})
         action = {"index": 0, "do": do, "from": "a", "to": "b", "with": {}}
         journal.append("START", 0.0, {"n": 1, "action": action})
         fields = {"outcome": "Fail", "reason": "it failed", "permanent": False, "residuals": {}}
@@ -239,13 +239,13 @@ def test_an_action_that_its_network_does_not_have_is_told_in_words(
     handcart: Callable[..., Said], tmp_path: Path, index: int, source: str
 ) -> None:
     """D15: whoever chained it anew."""
-    keys = ("do", "from", "to", "on_fail", "cost_s", "attempts", "uses")
+    keys = ("do", "from", "to", "on_fail", "cost_s", "attempts", "uses", "permit", "time_out_s", "with")
     network: dict[str, Any] = {"start": "a", "goal": "b", "situations": {"a": {}, "b": {}}, "keys": keys}
-    network["actions"] = [("MOVE_TO", "a", "b", None, 1.0, 3, [])]
+    network["actions"] = [("MOVE_TO", "a", "b", None, 1.0, 3, [], False, None, {})]
     folder = tmp_path / "run"
     folder.mkdir()
     with Journal(folder / "journal.jsonl") as journal:
-        journal.append("RUN", 0.0, {"schema": "handcart-journal/1", "plan_on": network})
+        journal.append("RUN", 0.0, {"schema": "handcart-journal/2", "plan_on": network})
         action = {"index": index, "do": "MOVE_TO", "from": source, "to": "b", "with": {}}
         journal.append("START", 0.0, {"n": 1, "action": action})
     said = handcart("explain", folder)
