@@ -240,7 +240,13 @@ def test_an_action_that_its_network_does_not_have_is_told_in_words(
 ) -> None:
     """D15: whoever chained it anew."""
     keys = ("do", "from", "to", "on_fail", "cost_s", "attempts", "uses", "permit", "time_out_s", "with")
-    network: dict[str, Any] = {"start": "a", "goal": "b", "situations": {"a": {}, "b": {}}, "keys": keys}
+    network: dict[str, Any] = {
+        "start": "a",
+        "goal": "b",
+        "situations": {"a": {}, "b": {}},
+        "keys": keys,
+        "elements": {},
+    }
     network["actions"] = [("MOVE_TO", "a", "b", None, 1.0, 3, [], False, None, {})]
     folder = tmp_path / "run"
     folder.mkdir()
