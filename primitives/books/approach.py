@@ -28,7 +28,7 @@ from handcart.robotics.perception.cameras.overlay import draw_overlay
 
 from .hand_view import look
 from .shelf_front import measure_shelf
-from .slot_edge import slot_edge, spine_edge
+from .slot_edge import moved, seen_past, side_near, slot_edge
 
 BEFORE = 0.035  # [m] from the book's fore-edge to the shelf's front
 CLEAR = 0.006  # [m] from the book's foot to the board
@@ -97,15 +97,16 @@ class Approach(ActionPrimitive):
     def _measured(self, robot: Robot, base_T_shelf: Transform, slot: Slot) -> Generator[None, None, Slot]:
         """The slot moved to where its left side is seen now."""
         view = yield from look(robot, base_T_shelf, self._held)
-        left = slot_edge(view, slot.left, WITHIN, SURELY)
-        if left is None and slot.neighbour:
-            # A dark spine doesn't show against the slot; its other side does.
-            beyond = spine_edge(view, slot.left + slot.neighbour, SURELY)
-            left = None if beyond is None else beyond - slot.neighbour
-        moved = slot if left is None else slot._replace(left=left, right=left - (slot.left - slot.right))
+        strips = seen_past(view)
+        shift = moved(strips, slot.sides, WITHIN)
+        if shift is None:
+            left = slot_edge(strips, slot.left, WITHIN, SURELY)
+        else:
+            left = side_near(strips, slot.left + shift)
+        now = slot if left is None else slot.moved(left - slot.left)
         self.evidence.pictures["slot"] = draw_overlay(
             view.image,
-            gaps=[Gap(moved.left, moved.right)],
+            gaps=[Gap(now.left, now.right)],
             camera=view.camera,
             camera_T_shelf=view.camera_T_shelf,
         )
@@ -114,7 +115,7 @@ class Approach(ActionPrimitive):
             raise Discrepancy(
                 f"the slot's side is not seen where SEARCH saw it: {_beside(slot)}", measured=unseen
             )
-        return moved
+        return now
 
 
 def _before(robot: Robot, book: Book, lateral: float) -> Transform:

@@ -28,8 +28,13 @@ class Slot(NamedTuple):
     """Call number of the left neighbour; empty at the end of the row."""
     before: str
     """Call number of the right neighbour."""
-    neighbour: float = 0.0
-    """How thick the left neighbour looked, in [m]; 0: none was seen."""
+    sides: tuple[float, ...] = ()
+    """y of the sides of books left of it, its own left side among them, in [m]."""
+
+    def moved(self, y: float) -> Slot:
+        """Farther left, with its books, by `y` in [m]."""
+        sides = tuple(side + y for side in self.sides)
+        return self._replace(left=self.left + y, right=self.right + y, sides=sides)
 
 
 @dataclass

@@ -32,7 +32,7 @@ from handcart.robotics.perception.books.label_reader import Label, LabelReader
 from handcart.robotics.perception.books.ocr_label_reader import OcrLabelReader
 from handcart.robotics.perception.books.shelf_views import ShelfReading, fuse_views
 from handcart.robotics.perception.books.slots import Gap, find_slots
-from handcart.robotics.perception.books.spines import LEANS, SpineView, find_spines
+from handcart.robotics.perception.books.spines import LEANS, SpineView, find_spines, scale_of
 from handcart.robotics.perception.books.template_label_reader import TemplateLabelReader
 from handcart.robotics.perception.cameras.overlay import draw_overlay
 
@@ -49,6 +49,9 @@ BEYOND = 0.012  # [m] of the side panels that is in view
 ASIDE = 0.03  # [m] to both sides of the slot, for a closer look
 PLAY = 0.006  # [m] that a slot is wider than its book, about
 SIGMA = 0.001  # [m] of a slot's sides
+ROUGHLY = 0.004  # [m] that an interval may be wider than it looks before it is looked at from nearby
+LEFT_OF = 0.25  # [m] from a slot that books' sides are noted: what APPROACH sees past the held book
+TOUCHING = 0.002  # [m] between the sides of two books, at most
 
 
 class Search(ActionPrimitive):
@@ -184,7 +187,7 @@ class Search(ActionPrimitive):
         self._note(reading)
         widest = max((gap.width for gap in reading.intervals), default=0.0)
         wide = reading._replace(gaps=reading.intervals)
-        return find_gap(wide, number, book.thickness_mm / 1e3, widest, self.misplacement)
+        return find_gap(wide, number, book.thickness_mm / 1e3 - ROUGHLY, widest, self.misplacement)
 
     def _slot_in(self, seen: GapFound, book: Book, number: CallNumber) -> GapFound | NoGap:
         """The slot in an interval that was looked at from both sides."""
@@ -219,7 +222,10 @@ class Search(ActionPrimitive):
         """The slot among `slots`."""
         reading = self._reading()
         self._note(reading)
-        reading = reading._replace(gaps=slots)
+        scale = scale_of(self._views, self._thicknesses)
+        reading = reading._replace(
+            gaps=tuple(slot._replace(right=slot.left - slot.width / scale) for slot in slots)
+        )
         return find_gap(reading, number, book.thickness_mm / 1e3, misplacement=self.misplacement)
 
     def _note(self, reading: ShelfReading) -> None:
@@ -236,9 +242,8 @@ class Search(ActionPrimitive):
         after, before = (str(number) if number is not None else "" for number in (found.before, found.after))
         self.found(gap_mm=round(1e3 * found.width, 1), gap_at_mm=round(1e3 * found.centre, 1))
         self.found(after=after, before=before, misplaced=", ".join(map(str, found.misplaced)))
-        beside = min(self._reading().books, key=lambda each: abs(each.right - found.left), default=None)
-        thick = beside.left - beside.right if beside is not None and str(beside.call_number) == after else 0.0
-        model.of(Books).slot = Slot(self.shelf, found.left, found.right, SIGMA, after, before, thick)
+        sides = _sides_left_of(found.left, self._reading())
+        model.of(Books).slot = Slot(self.shelf, found.left, found.right, SIGMA, after, before, sides)
 
     def _decided_by(self, found: NoGap) -> None:
         """The view that shows most nearly in its middle where the book belongs decided."""
@@ -265,6 +270,15 @@ def _thicknesses(catalogue: Catalogue) -> dict[CallNumber, float]:
         if (number := parse(book.call)) is not None:
             known.setdefault(number, set()).add(book.thickness_mm / 1e3)
     return {number: sizes.pop() for number, sizes in known.items() if len(sizes) == 1}
+
+
+def _sides_left_of(y: float, reading: ShelfReading) -> tuple[float, ...]:
+    """y of the sides of books within LEFT_OF of y, with y itself, in [m]; of two that touch one."""
+    sides = {y}
+    for side in sorted((side for book in reading.books for side in (book.left, book.right)), key=float):
+        if TOUCHING < side - y < LEFT_OF and all(abs(side - other) > TOUCHING for other in sides):
+            sides.add(side)
+    return tuple(sorted(sides, reverse=True))
 
 
 def _end_of_row(reading: ShelfReading, number: CallNumber, no_gap: bool) -> float | None:

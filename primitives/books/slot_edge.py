@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+import numpy as np
+
 from handcart.robotics.perception.books.flat_view import flat_view
 from handcart.robotics.perception.books.spine_edges import (
     Strips,
@@ -21,21 +25,27 @@ SPINE, DARK = (
 )  # [m] left and right of the side: where spine and slot are compared
 LOW_HEIGHTS = (0.012, 0.150)  # [m]: the same from the height at which labels are read
 PLAY = (0.0, 0.015)  # [m] by which a slot may be wider than its book, as measured
+ALIKE = 0.001  # [m] that sides of books move unlike each other
+SEEN = 0.7  # of where a side may be, at least
 DARKER = 0.65  # a slot's brightness, against the spine's
 
 
-def slot_edge(view: HandView, expected: float, within: float, surely: float) -> float | None:
+def seen_past(view: HandView) -> Strips:
+    """What is seen past a held book, at the height at which it goes in."""
+    return _strips(view, HEIGHTS)
+
+
+def slot_edge(strips: Strips, expected: float, within: float, surely: float) -> float | None:
     """y in the shelf frame of a slot's left side, in [m]; None where no such side is seen.
 
     In most shelves a slot is darker than its neighbour: such an edge is taken before others.
 
     Args:
-        view: past the held book.
+        strips: past the held book.
         expected: y of the side as it was seen before, in [m].
         within: how far from there it may be, in [m].
         surely: the same of an edge that isn't darker on the slot's side.
     """
-    strips = _strips(view, HEIGHTS)
     darker: list[float] = []
     others: list[float] = []
     for edge in falling_edges(strips):
@@ -47,10 +57,36 @@ def slot_edge(view: HandView, expected: float, within: float, surely: float) -> 
     return min(darker or others, key=lambda y: abs(y - expected), default=None)
 
 
-def spine_edge(view: HandView, expected: float, within: float) -> float | None:
-    """y in the shelf frame of any edge of a spine within so far of where it is expected, all in [m]."""
-    near = [y for y in all_sides(_strips(view, HEIGHTS)) if abs(y - expected) < within]
-    return min(near, key=lambda y: abs(y - expected), default=None)
+def moved(strips: Strips, sides: Sequence[float], within: float) -> float | None:
+    """By how much books' sides, as a whole, are seen beside where they were, in [m]; None where fewer than
+    two, or fewer than half of those in view, agree.
+
+    Each edge may be each side's; the shift that the most sides agree on is taken, of several the smallest.
+
+    Args:
+        strips: past the held book.
+        sides: y in the shelf frame as they were seen before, in [m].
+        within: how far they may have moved, in [m].
+    """
+    edges = np.array(all_sides(strips))
+    in_view = np.array([y for y in sides if strips.seen(y + within, y - within, HEIGHTS[1]) > SEEN])
+    if len(in_view) < 2 or len(edges) == 0:
+        return None
+    apart = edges[:, None] - in_view
+    shifts = apart[np.abs(apart) < within]
+    agree = [np.abs(apart - shift).min(axis=0) < ALIKE for shift in shifts]
+    best = max(zip(agree, shifts, strict=True), key=lambda a: (a[0].sum(), -abs(a[1])), default=None)
+    if best is None or best[0].sum() < max(2, len(in_view) / 2):
+        return None
+    nearest = np.take_along_axis(apart, np.abs(apart - best[1]).argmin(axis=0)[None], axis=0)[0]
+    return float(np.median(nearest[best[0]]))
+
+
+def side_near(strips: Strips, expected: float) -> float:
+    """y in the shelf frame of the edge that is where a side is expected, in [m]; where there is none (a dark
+    spine before a dark slot), `expected`."""
+    near = [y for y in all_sides(strips) if abs(y - expected) < ALIKE]
+    return min(near, key=lambda y: abs(y - expected), default=expected)
 
 
 def book_end(view: HandView, left: float, thickness: float) -> float | None:

@@ -71,9 +71,12 @@ def find_slots(
     cuts = [interval.left, *_shared_edges(a, b, interval), interval.right]
     pieces = list(pairwise(cuts))
     compared = [compare(a, b, left, right, solid) for left, right in pieces]
+    deep = [alike is not None and alike.deep for alike in compared]
     slots: list[Gap] = []
-    for (left, right), alike in zip(pieces, compared, strict=True):
-        if alike is None or not alike.deep:
+    for i, (left, right) in enumerate(pieces):
+        # No book is as thin as a piece that can't be compared: what lies within a slot has edges, too.
+        thin = left - right < NARROWEST and any(deep[max(0, i - 1) : i + 2])
+        if not deep[i] and not thin:
             continue
         if slots and slots[-1].right == left:
             slots[-1] = slots[-1]._replace(right=right)

@@ -27,6 +27,7 @@ _OFF_MIDDLE, _OFF_THICKNESS = (
     0.004,
     0.0025,
 )  # [m]: of a label on its spine; of a book, as the catalogue has it
+_COMPARED = 6  # sightings of books whose thickness is known, at least
 _RIM = 0.0008  # of a label that may look like a spine's side, [m]
 
 
@@ -36,6 +37,8 @@ class Spine(NamedTuple):
     left: float
     right: float
     label: Label | None
+    both: bool = True
+    """Whether both sides were seen; else one, and the catalogue has how thick it is."""
 
 
 class SpineView(NamedTuple):
@@ -82,6 +85,23 @@ def find_spines(
     return SpineView(spines, tuple(sorted(sides)), strips, eye, view.left, right, leaning)
 
 
+def scale_of(views: Sequence[SpineView], thicknesses: Mapping[CallNumber, float]) -> float:
+    """How wide books look, by how thick the catalogue has them, in [m]; 1 where too few can be compared.
+
+    A camera that isn't quite what and where its file says shows all widths alike too large or too small.
+    """
+    seen, known = [], []
+    for spine in (spine for view in views for spine in view.spines if spine.both and spine.label):
+        assert spine.label is not None
+        thickness = thicknesses.get(spine.label.call_number) if spine.label.call_number else None
+        if thickness is not None:
+            seen.append(spine.left - spine.right)
+            known.append(thickness)
+    if len(known) < _COMPARED:
+        return 1.0
+    return float(np.dot(seen, known) / np.dot(known, known))
+
+
 def _labelled(
     labels: Sequence[Label], sides: Sequence[float], thicknesses: Mapping[CallNumber, float]
 ) -> tuple[Spine, ...]:
@@ -89,28 +109,31 @@ def _labelled(
     # Of several on one spine, a tag say, the one that was read counts.
     for label in sorted(labels, key=lambda each: (each.call_number is not None, each.confidence)):
         thickness = thicknesses.get(label.call_number) if label.call_number is not None else None
-        ends = _first_edges(label, sides) if thickness is None else _as_thick(label, sides, thickness)
-        if ends is not None:
-            found[ends] = Spine(*ends, label)
+        spine = _first_edges(label, sides) if thickness is None else _as_thick(label, sides, thickness)
+        if spine is not None:
+            found[spine.left, spine.right] = spine
     return tuple(_without_overlaps(list(found.values())))
 
 
-def _first_edges(label: Label, sides: Sequence[float]) -> tuple[float, float] | None:
+def _first_edges(label: Label, sides: Sequence[float]) -> Spine | None:
     half = label.width / 2 - _RIM
     left = min((y for y in sides if y > label.lateral + half), default=math.inf)
     right = max((y for y in sides if y < label.lateral - half), default=-math.inf)
-    return (left, right) if _THINNEST <= left - right <= _THICKEST else None
+    return Spine(left, right, label) if _THINNEST <= left - right <= _THICKEST else None
 
 
-def _as_thick(label: Label, sides: Sequence[float], thickness: float) -> tuple[float, float] | None:
+def _as_thick(label: Label, sides: Sequence[float], thickness: float) -> Spine | None:
     """Two edges as far apart as the book is thick, the label about in their middle; or one of them."""
     lefts, rights = (
         [y for y in sides if abs(y - label.lateral - half) < _OFF_MIDDLE]
         for half in (thickness / 2, -thickness / 2)
     )
-    pairs = [(a, b) for a in lefts for b in rights if abs(a - b - thickness) < _OFF_THICKNESS]
-    pairs = pairs or [(a, a - thickness) for a in lefts] + [(b + thickness, b) for b in rights]
-    return min(pairs, key=lambda ends: abs(sum(ends) / 2 - label.lateral), default=None)
+    pairs = [Spine(a, b, label) for a in lefts for b in rights if abs(a - b - thickness) < _OFF_THICKNESS]
+    pairs = pairs or [
+        *(Spine(a, a - thickness, label, both=False) for a in lefts),
+        *(Spine(b + thickness, b, label, both=False) for b in rights),
+    ]
+    return min(pairs, key=lambda one: abs((one.left + one.right) / 2 - label.lateral), default=None)
 
 
 def _without_overlaps(spines: list[Spine]) -> list[Spine]:
