@@ -28,7 +28,7 @@ def main() -> None:
         replay = Replay(server, playback)
         replay.go_to(time)
         replay.step(0.0)
-        drawing = threading.Thread(target=replay.run, args=(stop,), daemon=True)
+        drawing = threading.Thread(target=replay.run, args=(stop.is_set,), daemon=True)
         drawing.start()
         x, y, _ = playback.at(time).base[:3].tolist()
         for name, size, low in (("desk", DESK, 0.6), ("phone", PHONE, -0.9)):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 import time as clock
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from handcart.evaluation.playback.playback import Playback
@@ -75,10 +76,11 @@ class Replay:
         self._page.draw(frame, action, self._playback.run.actions, span, jumped)
         return True
 
-    def run(self, stop: threading.Event) -> None:
-        """Draw until told to stop."""
+    def run(self, over: Callable[[], bool]) -> None:
+        """Draw until `over`, which is asked before each frame."""
         before = clock.monotonic()
-        while not stop.wait(max(0.001, before + 1.0 / FRAMES - clock.monotonic())):
+        while not over():
+            clock.sleep(max(0.001, before + 1.0 / FRAMES - clock.monotonic()))
             now = clock.monotonic()
             self.step(now - before)
             before = now

@@ -50,7 +50,6 @@ def bench(
     if list_faults:
         _list_faults()
         return
-    import signal
     import time
 
     from handcart.backends.can.bench.bench import Bench
@@ -60,6 +59,7 @@ def bench(
     from handcart.backends.can.errors import NoDrives
     from handcart.backends.description.robot_loading import load_robot
     from handcart.backends.registry import make_backend
+    from handcart.tools.terminal.asked_to_end import AskedToEnd
 
     spec = load_robot(robot)
     if spec.can is None:
@@ -70,9 +70,7 @@ def bench(
     channel = channel or (spec.can.channel if spec.can.interface == interface else MULTICAST)
     bus = open_interface(interface, channel, 1000 * spec.can.bitrate_kbit_s)
     made = Bench(spec, spec.can, inner, bus)
-    over: list[int] = []
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-        signal.signal(number, lambda kind, _: over.append(kind))
+    over = AskedToEnd()
     end = None if seconds is None else time.monotonic() + seconds
     file = None if log is None else log.open("w", encoding="utf-8", buffering=1)
     looks: list[Callable[[Bench], None]] = [] if file is None else [_Log(file)]

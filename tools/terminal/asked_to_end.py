@@ -1,0 +1,26 @@
+"""Whether somebody has asked a command that serves until then to end."""
+
+from __future__ import annotations
+
+import signal
+
+
+class AskedToEnd:
+    """Ctrl-C, or a request from the system, kept until it is looked for, wherever it arrives.
+
+    A KeyboardInterrupt can be lost: a library's callback that catches everything swallows it.
+    """
+
+    def __init__(self) -> None:
+        """Take the signals over for the rest of the process."""
+        self._signals: list[int] = []
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            signal.signal(number, lambda kind, _: self._signals.append(kind))
+
+    def __bool__(self) -> bool:
+        return bool(self._signals)
+
+    @property
+    def status(self) -> int:
+        """The exit status a shell expects: 128 and the first signal's number; 0 where none has come."""
+        return 128 + self._signals[0] if self._signals else 0
