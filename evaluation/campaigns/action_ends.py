@@ -10,7 +10,7 @@ from handcart.networks.graph.network import Action
 from handcart.networks.run_observer import RunObserver
 from handcart.networks.task.preparing import Prepared
 from handcart.networks.task.task_file import Task
-from handcart.primitives.contract.outcome import Success
+from handcart.primitives.contract.outcome import Fail, Success
 
 from .trial import ActionEnd
 
@@ -35,7 +35,8 @@ class ActionEnds(RunObserver):
         reason = "" if isinstance(outcome, Success) else outcome.reason
         check = causes[-1].check if reason and causes else ""
         ends = action.source, action.target, type(outcome).__name__
-        self.ends.append(ActionEnd(self._name(action), *ends, round(event.time, 6), reason, check))
+        for_good = isinstance(outcome, Fail) and outcome.permanent
+        self.ends.append(ActionEnd(self._name(action), *ends, round(event.time, 6), reason, check, for_good))
 
     def _name(self, action: Action) -> str:
         return self._names.get(action.index, f"{action.do} ({action.source} to {action.target})")

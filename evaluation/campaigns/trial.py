@@ -24,6 +24,8 @@ class ActionEnd(NamedTuple):
     """Why it didn't succeed."""
     check: str = ""
     """What found that out: see `Cause.check`."""
+    for_good: bool = False
+    """Whether a Fail used up all attempts."""
 
     @property
     def primitive(self) -> str:

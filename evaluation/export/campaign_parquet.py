@@ -56,7 +56,7 @@ def write_parquet(trials: Iterable[Trial], path: Path) -> None:
     from arro3.io import write_parquet as write
 
     columns = _columns(trials)
-    ends = dict.fromkeys(ActionEnd._fields, "text") | {"time_s": "number"}
+    ends = dict.fromkeys(ActionEnd._fields, "text") | {"time_s": "number", "for_good": "yes or no"}
     faults = {"fault": "text", "at_s": "number", "bitten": "integer"}
     lists = {"action_ends": ends, "injected": faults}
     fields = [_field(name, _kind(kind)) for name, kind, _ in columns]
