@@ -188,7 +188,8 @@ def campaign(
     until: str | None = None,
     vary: Path | str | None = None,
     faults: Path | str | None = None,
-    level: Literal["run", "network"] = "run",
+    level: Literal["run", "fitted", "network"] = "run",
+    learned_from: Sequence[Path | str] = (),
     report: bool = True,
     runs: Path | str | None = None,
 ) -> CampaignReport:
@@ -207,7 +208,9 @@ def campaign(
         cluster: address of a Dask scheduler, or its file: its workers run the trials.
         until: `p > 0.95`: end when it is sure whether that holds.
         vary, faults: files of numbers that vary by trial, and of faults that come (docs/campaigns.md).
-        level: `network`: no robot moves, outcomes are drawn by each action's `p`.
+        level: `network`: no robot moves, outcomes are drawn by each action's `p`; `fitted`: as they were seen
+            in other campaigns.
+        learned_from: folders of those.
         report: whether `report.html` is written into the folder.
         runs: where the runs' folders are made; None: in `runs`, in the campaign's folder where it has one.
 
@@ -217,6 +220,7 @@ def campaign(
         HandcartError: a trial can't be run, or kept; in words.
     """
     from handcart.evaluation.campaign_report.campaign_report import CampaignReport
+    from handcart.evaluation.campaigns.trial_log import TrialFile
     from handcart.tools.campaigns.asked_campaign import AskedCampaign
 
     asked = AskedCampaign(
@@ -232,13 +236,15 @@ def campaign(
         _path(vary),
         _path(faults),
         level,
+        tuple(map(Path, learned_from)),
         _path(runs),
     )
     with asked.opened() as opened:
-        for _ in opened.trials(jobs, cluster):
+        for _ in opened.run(jobs, cluster):
             pass
-        counted = opened.counted() if out is not None else tuple(opened.counted())
-        found = CampaignReport(counted, None if opened.settling is None else opened.settling.verdict)
+        found = opened.report()
+        if out is None and isinstance(found.trials, TrialFile):  # which is gone at the end
+            found = CampaignReport(tuple(found.trials), found.holds)
         if report:
             opened.write_page(found)
         return found

@@ -22,15 +22,14 @@ from benchmarks.campaigns.walk import walk
 from handcart.evaluation.campaign_report.comparison import Comparison, compare
 from handcart.evaluation.campaign_report.intervals import wilson
 from handcart.evaluation.campaign_report.paired_tests import ALPHA, mcnemar
-from handcart.evaluation.campaigns.network_trial import NetworkTrials
 from handcart.evaluation.campaigns.trial import Trial
-from handcart.networks.task.task_file import load_task
+from handcart.evaluation.campaigns.walked_trials import WalkedTrials, network_trials
 
 LOWER = 0.4
 """The first action's probability in the second campaign, where there is a difference."""
 
 
-def drawn(trials: NetworkTrials, count: int, first: int) -> Sequence[Trial]:
+def drawn(trials: WalkedTrials, count: int, first: int) -> Sequence[Trial]:
     """So many trials from a seed on, renumbered from 0: what is drawn for a pair is independent."""
     return [replace(trials.trial(first + seed), seed=seed) for seed in range(count)]
 
@@ -48,8 +47,8 @@ def main() -> None:
     parser.add_argument("--trials", type=int, default=200)
     chosen = parser.parse_args()
     with tempfile.TemporaryDirectory() as name:
-        same = NetworkTrials(load_task(walk(Path(name))))
-        lower = NetworkTrials(load_task(walk(Path(name), LOWER)))
+        same = network_trials(walk(Path(name)), {})
+        lower = network_trials(walk(Path(name), LOWER), {})
     equal, other = [], []
     for number in track(range(chosen.pairs), "pairs", console=Console(stderr=True)):
         first = 3 * number * chosen.trials

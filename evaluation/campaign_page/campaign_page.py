@@ -129,7 +129,12 @@ class CampaignPage:
         said = self._arguments
         yield str(said["task"])
         yield from (f"{name}={value}" for name, value in said["settings"].items())
-        yield "network alone" if said["level"] == "network" else f"backend {said['backend'] or 'of the task'}"
+        if learned := said.get("learned_from"):
+            yield f"no robot: actions end as in {', '.join(learned)}"
+        elif said["level"] == "network":
+            yield "network alone"
+        else:
+            yield f"backend {said['backend'] or 'of the task'}"
         yield f"seeds {said['first']} to {said['first'] + said['trials'] - 1}"
         for key in ("vary_file", "faults", "shard"):
             if said.get(key):
@@ -185,7 +190,7 @@ class CampaignPage:
 
     def _limits(self) -> dict[str, float]:
         """The most that ground truth takes for a Success, by metric."""
-        if self._arguments["level"] == "network":
+        if self._arguments["level"] != "run":
             return {}
         from handcart.evaluation.truth.surveys import survey_kinds
 

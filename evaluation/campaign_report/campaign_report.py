@@ -44,10 +44,13 @@ class CampaignReport:
     holds: bool | None = None
     """Whether what is claimed of the success rate holds; None: nothing is claimed, or nobody can be sure."""
 
+    counted: Tally | None = None
+    """What is counted of them already; None: nothing is."""
+
     @cached_property
     def tally(self) -> Tally:
         """All that is counted, in one pass."""
-        return Tally(self.trials)
+        return Tally(self.trials) if self.counted is None else self.counted
 
     @property
     def successes(self) -> int:

@@ -13,8 +13,8 @@ def rerun(said: Mapping[str, Any], seed: int) -> str:
 
 
 def _words(said: Mapping[str, Any], seed: int) -> Iterator[str]:
-    varied, network = said.get("vary_file"), said.get("level") == "network"
-    alone = not (varied or network or said["generate"] or said.get("faults"))
+    varied, walks = said.get("vary_file"), said.get("level", "run") != "run"
+    alone = not (varied or walks or said["generate"] or said.get("faults"))
     yield from ("handcart", "run" if alone else "campaign", said["task"])
     if alone:
         yield from ("--seed", str(seed))
@@ -23,8 +23,10 @@ def _words(said: Mapping[str, Any], seed: int) -> Iterator[str]:
         yield from ("--shard", f"{seed - said['first'] + 1}/{said['trials']}", "--out", f"again-{seed}")
     else:
         yield from ("--trials", "1", "--first", str(seed))
-    if network:
-        yield from ("--level", "network")
+    if walks:
+        yield from ("--level", said["level"])
+    for each in said.get("learned_from", ()):
+        yield from ("--learned-from", each)
     for each in said["generate"]:
         yield from ("--generate", each)
     if said.get("faults"):

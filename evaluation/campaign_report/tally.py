@@ -7,8 +7,10 @@ import math
 import re
 from array import array
 from collections import Counter
-from collections.abc import Iterable
-from typing import NamedTuple
+from collections.abc import Iterable, Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from handcart.evaluation.campaigns.trial import Trial
 
@@ -33,6 +35,12 @@ class Blame(NamedTuple):
 def in_general(reason: str) -> str:
     """Words with # for each number, so that those are equal that differ in measured values alone."""
     return _NUMBER.sub("#", reason)
+
+
+def outcome_in_general(summary: Mapping[str, Any]) -> str:
+    """How a trial ended, and why, in general."""
+    reason = in_general(summary["reason"])
+    return str(summary["outcome"]) + (f": {reason}" if reason else "")
 
 
 def figures(trial: Trial) -> dict[str, float | bool]:
@@ -63,7 +71,8 @@ class Tally:
         self.blames: Counter[Blame] = Counter()
         self.worst: list[tuple[bool, bool, float, int]] = []
         """The trials to look at first, by rank, the last element saying which."""
-        self._times: list[tuple[float, int]] = []
+        self.times, self.timed = array("d"), array("q")
+        """How long trials took that succeeded, in [s], and which they are."""
         for at, trial in enumerate(trials):
             self._add(at, trial)
         self.worst.sort(reverse=True)
@@ -71,19 +80,21 @@ class Tally:
     @property
     def median_run(self) -> int | None:
         """Which trial took the median time of those that succeeded; None: none did."""
-        ordered = sorted(self._times)
-        return ordered[(len(ordered) - 1) // 2][1] if ordered else None
+        if not self.timed:
+            return None
+        order = np.lexsort((np.asarray(self.timed), np.asarray(self.times)))
+        return self.timed[int(order[(len(order) - 1) // 2])]
 
     def _add(self, at: int, trial: Trial) -> None:
         summary = trial.summary
         self.count += 1
         self.successes += trial.success
-        reason = in_general(summary["reason"])
-        self.outcomes[summary["outcome"] + (f": {reason}" if reason else "")] += 1
+        self.outcomes[outcome_in_general(summary)] += 1
         if trial.untrue:
             self.untrue.append(at)
         if trial.success:
-            self._times.append((summary["sim_time_s"], at))
+            self.times.append(summary["sim_time_s"])
+            self.timed.append(at)
         for name, value in figures(trial).items():
             self.columns.setdefault(name, array("d")).append(value)
             if isinstance(value, bool):
@@ -98,5 +109,8 @@ class Tally:
         """Untrue ones first, then those that did not succeed, then those with most Fails."""
         fails = float(trial.summary["fails"])
         if trial.untrue or not trial.success or fails:
-            rank = (bool(trial.untrue), not trial.success, fails, -at)
-            (heapq.heappush if len(self.worst) < WORST else heapq.heappushpop)(self.worst, rank)
+            self.rank((bool(trial.untrue), not trial.success, fails, -at))
+
+    def rank(self, rank: tuple[bool, bool, float, int]) -> None:
+        """Keep it if it is among the worst by now."""
+        (heapq.heappush if len(self.worst) < WORST else heapq.heappushpop)(self.worst, rank)

@@ -12,6 +12,7 @@ from handcart.files.yaml.yaml_document import read_document
 from handcart.networks.journal.run_header import robot_fingerprint
 from handcart.networks.task.task_file import Task
 
+from .campaign_folder import TRIALS
 from .campaign_setting import CampaignSetting
 
 _YAML = (".yaml", ".yml")
@@ -29,7 +30,10 @@ def checksums(setting: CampaignSetting, task: Task) -> dict[str, str]:
     if setting.faults is not None:
         _add(found, setting.faults, iter(()))
     sums = {path.name: digest for path, digest in sorted(found.items(), reverse=True)}
-    if setting.level == "network":
+    if setting.walks:
+        for number, folder in enumerate(setting.learned_from, start=1):
+            learned = (folder / TRIALS).read_bytes()
+            sums[f"trials learned from, {number}"] = hashlib.sha256(learned).hexdigest()
         return sums
     from handcart.backends.description.robot_loading import load_robot
 

@@ -20,7 +20,13 @@ TRIALS, ARGUMENTS, RUNS = "trials.jsonl", "campaign.json", "runs"
 _MOST = 16 * 2**20
 Arguments = Mapping[str, Any]
 """What decides how a campaign's trials end, ready for JSON: equal in all its parts but for `shard`."""
-_NAMES_ALONE = ("format", "task", "vary_file", "faults")  # where they lie says nothing; their content does
+_NAMES_ALONE = (
+    "format",
+    "task",
+    "vary_file",
+    "faults",
+    "learned_from",
+)  # where they lie says nothing; their content does
 
 
 class NoCampaign(InputError):

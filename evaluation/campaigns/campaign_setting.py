@@ -12,8 +12,9 @@ from .variation import Variation
 WorldGenerator = Callable[[int, Path], Mapping[str, str]]
 """Writes the files of a world, by a seed, into a folder, and gives the settings of a task that name them."""
 
-Level = Literal["run", "network"]
-"""What a trial is: a run on a backend, or a walk through the network, outcomes drawn by their `p`."""
+Level = Literal["run", "fitted", "network"]
+"""What a trial is: a run on a backend; or a walk through the network, outcomes drawn as recorded campaigns
+show them, or by the file's `p`."""
 
 
 @dataclass(frozen=True)
@@ -34,3 +35,10 @@ class CampaignSetting:
     """Of all trials, in whatever parts they are run: what varies is spread over them."""
     faults: Path | None = None
     """A file of faults that come in each trial."""
+    learned_from: tuple[Path, ...] = ()
+    """Folders of the campaigns that show how actions end."""
+
+    @property
+    def walks(self) -> bool:
+        """Whether no robot moves."""
+        return self.level != "run"

@@ -6,6 +6,7 @@ import tempfile
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from handcart.files.yaml.changed_numbers import changed_numbers
 from handcart.networks.coordination.interrupts import Interrupts
@@ -14,6 +15,9 @@ from handcart.networks.task.task_file import load_task
 
 from .campaign_setting import CampaignSetting
 from .trial import Trial
+
+if TYPE_CHECKING:
+    from .walked_trials import WalkedTrials
 
 
 def run_trial(setting: CampaignSetting, seed: int) -> Trial:
@@ -37,17 +41,35 @@ def run_beside(setting: CampaignSetting, seed: int) -> Trial:
 
 def _trial(setting: CampaignSetting, seed: int) -> Trial:
     chosen = dict(setting.settings or {})
-    if setting.level == "network":
-        from .network_trial import NetworkTrials, network_trials
-
-        if setting.varied is not None:
-            return NetworkTrials(load_task(setting.task, chosen)).trial(seed)
-        return network_trials(setting.task, chosen).trial(seed)
+    if setting.walks:
+        return walked_trials(setting).trial(seed)
     if setting.world is None:
         return _run(setting, chosen, seed)
     with tempfile.TemporaryDirectory() as folder:
         named = setting.world(seed, Path(folder))
         return _run(setting, {**named, **chosen}, seed)
+
+
+def walked_trials(setting: CampaignSetting) -> WalkedTrials:
+    """The trials of a setting in which no robot moves.
+
+    Raises:
+        FileError: the task's file is wrong, or lacks probabilities.
+        InputError: the campaigns that are learned from tell nothing of the task.
+    """
+    chosen = dict(setting.settings or {})
+    if setting.level == "fitted":
+        from handcart.evaluation.learned.learned import learned_trials
+
+        return learned_trials(setting.task, chosen, setting.learned_from)
+    from handcart.evaluation.walks.file_odds import FileOdds
+
+    from .walked_trials import WalkedTrials, network_trials
+
+    if setting.varied is None:
+        return network_trials(setting.task, chosen)
+    task = load_task(setting.task, chosen)
+    return WalkedTrials(task, FileOdds(task), side_by_side=1)
 
 
 def _run(setting: CampaignSetting, settings: Mapping[str, str], seed: int) -> Trial:

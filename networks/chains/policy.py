@@ -76,7 +76,7 @@ def policy(network: ActionNetwork, for_good: bool = False, effort: Effort | None
 
 
 def _whole(network: ActionNetwork, for_good: bool, effort: Effort, steps: dict[State, Step]) -> Policy:
-    maker = _Maker(network, for_good, effort)
+    maker = StepMaker(network, for_good, effort)
     start = State(network.start, ())
     made: dict[State, Step] = {}
     ahead = [] if network.start == network.goal else [start]
@@ -96,7 +96,7 @@ def _whole(network: ActionNetwork, for_good: bool, effort: Effort, steps: dict[S
     return Policy(network, start, steps)
 
 
-class _Maker:
+class StepMaker:
     """Makes the steps of one network's policy."""
 
     def __init__(self, network: ActionNetwork, for_good: bool, effort: Effort) -> None:

@@ -7,20 +7,25 @@ from collections.abc import Generator, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from handcart.evaluation.campaign_report.campaign_report import CampaignReport
 from handcart.evaluation.campaign_report.claim import Claim, Settling
 from handcart.evaluation.campaigns.campaign import run_campaign
 from handcart.evaluation.campaigns.campaign_folder import RUNS, CampaignFolder
 from handcart.evaluation.campaigns.campaign_setting import CampaignSetting, Level, WorldGenerator
-from handcart.evaluation.campaigns.trial import Trial
 from handcart.evaluation.campaigns.trial_log import TrialLog
+from handcart.evaluation.campaigns.trial_run import walked_trials
 from handcart.evaluation.campaigns.variation import Variation, load_variation
+from handcart.evaluation.campaigns.walked_trials import WalkedSequence
 from handcart.files.errors import InputError
 from handcart.networks.task.task_file import Task, load_task
 
-LEVELS: Mapping[str, Level] = {"run": "run", "network": "network"}
+if TYPE_CHECKING:
+    from handcart.evaluation.campaign_report.walk_tally import WalkTally
+    from handcart.evaluation.learned.learned import Learned
+
+LEVELS: Mapping[str, Level] = {"run": "run", "fitted": "fitted", "network": "network"}
 
 
 class NotPossible(InputError):
@@ -43,6 +48,7 @@ class AskedCampaign:
     vary: Path | None = None
     faults: Path | None = None
     level: str = "run"
+    learned_from: Sequence[Path] = ()
     runs: Path | None = None
 
     @contextmanager
@@ -56,7 +62,9 @@ class AskedCampaign:
         self._check()
         worlds = _worlds(self.generate) if self.generate else None
         claim = None if self.until is None else Claim.of(self.until)
-        read = None if self.out is None and self.vary is None else load_task(self.task, self.settings)
+        needed = self.out is not None or self.vary is not None or self.learned_from
+        read = load_task(self.task, self.settings) if needed else None
+        learned = self._learned(read)
         setting = self._setting(worlds, self._variation(read))
         arguments = self._arguments(setting, claim)
         with ExitStack() as stack:
@@ -69,14 +77,32 @@ class AskedCampaign:
             stack.enter_context(log)
             seeds = self._seeds()
             settling = None if claim is None else Settling(claim, seeds)
-            yield OpenCampaign(setting, seeds, arguments, log, settling, self.out)
+            yield OpenCampaign(setting, seeds, arguments, log, settling, self.out, learned)
+
+    def _learned(self, task: Task | None) -> Learned | None:
+        """What is learned, tried on trials that were held out."""
+        if not self.learned_from or task is None:
+            return None
+        from handcart.evaluation.learned.learned import Learned
+
+        learned = Learned.read(task, self.learned_from)
+        learned.check()
+        return learned
 
     def _check(self) -> None:
-        network = self.level == "network"
+        walks = self.level != "run"
         if self.level not in LEVELS:
             raise NotPossible(f"--level {self.level}; allowed: {', '.join(LEVELS)}")
-        if network and self.generate:
-            raise NotPossible("--level network --generate; allowed: one of them, a network has no world")
+        if (self.level == "fitted") != bool(self.learned_from):
+            raise NotPossible("--level fitted and --learned-from; needed: both of them, or none")
+        if self.learned_from and self.vary is not None:
+            raise NotPossible(
+                "--level fitted --vary; allowed: one of them, what was seen doesn't vary with it"
+            )
+        if walks and self.generate:
+            raise NotPossible(
+                f"--level {self.level} --generate; allowed: one of them, a network has no world"
+            )
         if self.vary is not None and self.generate:
             raise NotPossible("--vary --generate; allowed: one of them, for a generated world has no file")
         if self.shard is not None and self.out is None:
@@ -87,8 +113,10 @@ class AskedCampaign:
             from handcart.evaluation.campaigns.fault_plan import load_faults
 
             load_faults(self.faults)
-            if network:
-                raise NotPossible("--level network --faults; allowed: one of them, a network has no robot")
+            if walks:
+                raise NotPossible(
+                    f"--level {self.level} --faults; allowed: one of them, a network has no robot"
+                )
         self._seeds()
 
     def _seeds(self) -> range:
@@ -118,6 +146,7 @@ class AskedCampaign:
             varied,
             every,
             self.faults,
+            tuple(self.learned_from),
         )
 
     def _arguments(self, setting: CampaignSetting, claim: Claim | None) -> dict[str, Any]:
@@ -130,6 +159,7 @@ class AskedCampaign:
             "first": self.first,
             "trials": self.trials,
             "level": self.level,
+            "learned_from": [str(each) for each in self.learned_from],
             "vary_file": None if self.vary is None else str(self.vary),
             "vary": None if setting.varied is None else setting.varied.model_dump(mode="json"),
             "faults": None if self.faults is None else str(self.faults),
@@ -149,9 +179,14 @@ class OpenCampaign:
     settling: Settling | None
     """What becomes of a claim; None: nothing is claimed."""
     out: Path | None
+    learned: Learned | None = None
+    """What trials are drawn from that are learned."""
+    _counted: WalkTally | None = None
 
-    def trials(self, jobs: int | None, cluster: str | None = None) -> Generator[Trial, None, None]:
-        """Run what isn't there yet, until a claim is settled.
+    def run(self, jobs: int | None, cluster: str | None = None) -> Generator[int, None, None]:
+        """Run what isn't there yet, until a claim is settled; gives again and again how many more there are.
+
+        Walks that nobody keeps are counted thousands at once, but each can be had again.
 
         Args:
             jobs: processes side by side; None: 2, on the network alone 1.
@@ -163,19 +198,34 @@ class OpenCampaign:
         """
         if cluster is not None and jobs is not None:
             raise NotPossible("--cluster --jobs; allowed: one of them, a cluster has as many as it has")
-        jobs = jobs or (2 if self.setting.level == "run" else 1)
+        if self.setting.walks and self.out is None and self.settling is None and not self.setting.varied:
+            from handcart.evaluation.campaign_report.walk_tally import WalkTally
+
+            self._counted = WalkTally(walked_trials(self.setting), self.seeds)
+            yield from self._counted.count_all()
+            return
+        jobs = jobs or (1 if self.setting.walks else 2)
         if self.settling is not None and any(self.settling.hear(each) for each in self.log.trials()):
             return
         with closing(run_campaign(self.setting, self.seeds, jobs, self.log, cluster)) as running:
             for trial in running:
-                yield trial
+                yield 1
                 if self.settling is not None and self.settling.hear(trial):
                     return
 
-    def counted(self) -> Sequence[Trial]:
-        """The trials that count: of a claim, those that settled it."""
+    @property
+    def done(self) -> int:
+        """How many trials there are by now."""
+        return len(self.log) if self._counted is None else self._counted.count
+
+    def report(self) -> CampaignReport:
+        """Of the trials that count: of a claim, those that settled it."""
+        holds = None if self.settling is None else self.settling.verdict
+        if self._counted is not None:
+            walked = WalkedSequence(self._counted.trials, self.seeds[: self._counted.count])
+            return CampaignReport(walked, holds, self._counted)
         trials = self.log.trials()
-        return trials if self.settling is None else trials[: self.settling.count]
+        return CampaignReport(trials if self.settling is None else trials[: self.settling.count], holds)
 
     def write_page(self, report: CampaignReport, runs: bool = True) -> Path | None:
         """Write the campaign's page into its folder, if it has one.

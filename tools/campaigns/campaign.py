@@ -56,8 +56,15 @@ def campaign(
         Path | None, typer.Option(help="a file of faults that come in each simulated trial")
     ] = None,
     level: Annotated[
-        str, typer.Option(help="run, or network: no robot, outcomes are drawn by each action's `p`")
+        str,
+        typer.Option(
+            help="run; or without a robot network, outcomes drawn by each action's `p`, or fitted, as "
+            "recorded campaigns show them"
+        ),
     ] = "run",
+    learned_from: Annotated[
+        list[Path] | None, typer.Option(help="the folder of a recorded campaign, for --level fitted")
+    ] = None,
     report: Annotated[bool, typer.Option(help="whether report.html is written into the folder")] = True,
     as_json: Annotated[bool, typer.Option("--json", help="end with one JSON object on stdout")] = False,
     runs: Annotated[
@@ -65,7 +72,6 @@ def campaign(
     ] = None,
 ) -> None:
     """Run seeded trials of a task side by side, and count how they end."""
-    from handcart.evaluation.campaign_report.campaign_report import CampaignReport
     from handcart.files.models.settings import split_setting
     from handcart.tools.campaigns.asked_campaign import AskedCampaign
     from handcart.tools.terminal.campaign_words import CampaignWords
@@ -85,12 +91,13 @@ def campaign(
         vary,
         faults,
         level,
+        tuple(learned_from or ()),
         runs,
     )
     with asked.opened() as opened:
         interrupted = _run(opened, jobs, cluster)
-        found = CampaignReport(opened.counted())
-        told = CampaignWords(found, opened.arguments, interrupted, opened.settling)
+        found = opened.report()
+        told = CampaignWords(found, opened.arguments, interrupted, opened.settling, opened.learned)
         if junit is not None:
             _write_junit(junit, opened, found)
         if as_json:
@@ -111,17 +118,18 @@ def campaign(
 def _run(opened: OpenCampaign, jobs: int | None, cluster: str | None) -> bool:
     """Run what isn't there yet, with progress; whether it was interrupted."""
     from rich.console import Console
-    from rich.progress import track
+    from rich.progress import Progress
 
     there, count = len(opened.log), len(opened.seeds)
     if there:
         print(f"{there} of {count} trials are there already", file=sys.stderr)
     try:
-        with closing(opened.trials(jobs, cluster)) as running:
-            for _ in track(running, "trials", count - there, console=Console(stderr=True)):
-                pass
+        with Progress(console=Console(stderr=True)) as bar, closing(opened.run(jobs, cluster)) as running:
+            task = bar.add_task("trials", total=count - there)
+            for more in running:
+                bar.advance(task, more)
     except KeyboardInterrupt:
-        print(f"interrupted after {len(opened.log)} of {count} trials", file=sys.stderr)
+        print(f"interrupted after {opened.done} of {count} trials", file=sys.stderr)
         return True
     return False
 

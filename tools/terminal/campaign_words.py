@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from handcart.evaluation.campaign_report.campaign_report import CampaignReport, Spread
     from handcart.evaluation.campaign_report.claim import Settling
     from handcart.evaluation.campaigns.campaign_folder import CampaignFolder
+    from handcart.evaluation.learned.learned import Learned
 
 
 class CampaignWords:
@@ -25,10 +26,12 @@ class CampaignWords:
         arguments: Mapping[str, Any],
         interrupted: bool,
         settling: Settling | None = None,
+        learned: Learned | None = None,
     ) -> None:
-        """Of a report, the arguments that its campaign's folder keeps, and what became of a claim."""
+        """Of a report, the arguments that its campaign's folder keeps, what became of a claim, and what the
+        trials were drawn from."""
         self._report, self._arguments, self._interrupted = report, arguments, interrupted
-        self._settling = settling
+        self._settling, self._learned = settling, learned
 
     def lines(self) -> Iterator[str]:
         """For people."""
@@ -38,6 +41,8 @@ class CampaignWords:
         yield f"Success {report.successes} of {count}; by Wilson {100 * low:.1f} to {100 * high:.1f} % (95 %)"
         if self._settling is not None:
             yield self._settling.words()
+        if self._learned is not None:
+            yield from self._learned.words()
         yield from self._exact_lines()
         yield f"outcomes that the ground truth contradicts: {len(report.untrue)} of {count} trials"
         for outcome, times in report.outcomes.most_common():
@@ -119,6 +124,7 @@ class CampaignWords:
             "wilson": list(report.wilson),
             "exact": exact,
             "until": self._claim(),
+            "learned": None if self._learned is None else self._learned.facts(),
             "untrue": {str(trial.seed): list(trial.untrue) for trial in report.untrue},
             "outcomes": dict(report.outcomes),
             "metrics": {name: asdict(each) for name, each in report.spreads().items()},

@@ -1,0 +1,95 @@
+"""Whether what is learned from half of a campaign predicts the other half, with faults on.
+
+    python -m benchmarks.campaigns.fitted [FOLDER] [--trials 240] [--tasks return_book ...]
+
+Runs each task on the kinematic backend with `faults.yaml`, in folders of FOLDER that the same command goes on
+with; learns from the first half of the seeds, and tells for the second half the share of Successes with its
+95 % interval (Wilson), the mean time with its own (Student), and what was predicted of both. Then 10^6 walks
+by what all of them show, and as many through a network with probabilities, beside the exact value.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+from scipy.stats import t as student
+
+import handcart
+from benchmarks.campaigns.walk import walk
+from handcart.evaluation.campaign_report.exact_value import exact_goal
+from handcart.evaluation.campaign_report.intervals import wilson
+from handcart.evaluation.campaign_report.walk_tally import WalkTally
+from handcart.evaluation.campaigns.walked_trials import WalkedTrials, network_trials
+from handcart.evaluation.learned.learned_odds import LearnedOdds
+from handcart.evaluation.learned.prediction import predict
+from handcart.evaluation.learned.seen_actions import SeenActions
+from handcart.networks.task.task_file import load_task
+
+ROOT = Path(__file__).parents[2]
+TASKS = ("stack_blocks", "track_seam", "return_book", "deploy_straight")
+FAULTS = Path(__file__).with_name("faults.yaml")
+MANY = 1_000_000
+
+
+def main() -> None:
+    """Run, learn, compare."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
+    parser.add_argument("folder", nargs="?", type=Path)
+    parser.add_argument("--trials", type=int, default=240)
+    parser.add_argument("--tasks", nargs="+", choices=TASKS, default=TASKS)
+    chosen = parser.parse_args()
+    with tempfile.TemporaryDirectory() as made:
+        for name in chosen.tasks:
+            compare(name, (chosen.folder or Path(made)) / name, chosen.trials)
+        exact_and_many(Path(made))
+
+
+def compare(name: str, folder: Path, trials: int) -> None:
+    """One task."""
+    path = ROOT / "tasks" / name / "task.yaml"
+    report = handcart.campaign(path, trials=trials, faults=FAULTS, out=folder, report=False)
+    task = load_task(path)
+    seen = SeenActions.of(task, report.trials)
+    numbers = np.arange(len(seen.success))
+    first, second = seen.chosen(numbers[: len(numbers) // 2]), seen.chosen(numbers[len(numbers) // 2 :])
+    found, count = predict(task, first), len(second.success)
+    low, high = wilson(int(second.success.sum()), count)
+    mean = float(second.time_s.mean())
+    half = float(student.ppf(0.975, count - 1) * second.time_s.std(ddof=1) / math.sqrt(count))
+    inside = low <= found.success <= high, abs(found.time_s - mean) <= half
+    print(
+        f"{name:<16} P(goal) predicted {found.success:.3f}, in {count} others {second.success.mean():.3f} "
+        f"({low:.3f} to {high:.3f}); mean time {found.time_s:.1f} s, {mean:.1f} ({mean - half:.1f} to "
+        f"{mean + half:.1f}): {' and '.join('inside' if each else 'OUTSIDE' for each in inside)}",
+        flush=True,
+    )
+    told("walks as learned", WalkedTrials(task, LearnedOdds(task, seen)))
+
+
+def told(words: str, trials: WalkedTrials) -> float:
+    """Walk many times; gives the share of Successes."""
+    began, cpu = time.monotonic(), time.process_time()
+    tally = WalkTally(trials, range(MANY))
+    count = sum(tally.count_all())
+    share = tally.successes / count
+    took, used = time.monotonic() - began, time.process_time() - cpu
+    print(f"{'':<16} {count} {words}: {share:.5f}, {took:.1f} s, {used:.1f} of CPU", flush=True)
+    return share
+
+
+def exact_and_many(folder: Path) -> None:
+    """The network alone."""
+    path = walk(folder)
+    share, exact = told("walks through a network", network_trials(path, {})), exact_goal(path, {})
+    assert isinstance(exact, float)
+    sigma = math.sqrt(exact * (1.0 - exact) / MANY)
+    print(f"{'':<16} exact {exact:.5f}: {(share - exact) / sigma:+.1f} sigma off")
+
+
+if __name__ == "__main__":
+    main()

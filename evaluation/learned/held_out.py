@@ -1,0 +1,61 @@
+"""Whether learned odds predict trials that they haven't seen."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from scipy.special import erfc
+
+from handcart.networks.task.task_file import Task
+
+from .prediction import predict
+from .seen_actions import SeenActions
+
+SURE = 0.01
+"""Probability with which odds that are right are called wrong, at most."""
+
+
+class HeldOut(NamedTuple):
+    """One figure of one half of the trials, beside what the other half predicts."""
+
+    name: str
+    predicted: float
+    measured: float
+    p_value: float
+    """Of a difference as large, if both halves are of the same (normal, both errors added)."""
+
+
+class Trust(NamedTuple):
+    """How far odds may be trusted."""
+
+    tried: tuple[HeldOut, ...]
+
+    @property
+    def wrong(self) -> HeldOut | None:
+        """What is predicted wrong for sure; None where nothing is (Bonferroni over all that was tried)."""
+        worst = min(self.tried, key=lambda each: each.p_value)
+        return worst if worst.p_value * len(self.tried) < SURE else None
+
+
+def hold_out(task: Task, seen: SeenActions) -> Trust:
+    """Learn from each half of the trials, every other one, and predict the other half.
+
+    Args:
+        task: whose trials they are.
+        seen: at least four trials.
+    """
+    numbers = np.arange(len(seen.success))
+    halves = [seen.chosen(numbers[numbers % 2 == each]) for each in (0, 1)]
+    tried: list[HeldOut] = []
+    for learned, other in (halves, halves[::-1]):
+        found = predict(task, learned)
+        pairs = zip(("P(goal)", "mean time [s]"), (found.success, found.time_s), found.sigma, strict=True)
+        for (name, value, sigma), measured in zip(pairs, (other.success, other.time_s), strict=True):
+            spread = measured.std(ddof=1) / math.sqrt(len(measured))
+            apart = abs(float(measured.mean()) - value)
+            error = math.hypot(sigma, spread)
+            p = float(erfc(apart / error / math.sqrt(2.0))) if error > 0.0 else float(apart < 1e-9)
+            tried.append(HeldOut(name, value, float(measured.mean()), p))
+    return Trust(tuple(tried))

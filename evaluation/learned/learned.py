@@ -1,0 +1,125 @@
+"""What is learned from campaigns' folders, and how far it may be trusted."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from itertools import chain
+from pathlib import Path
+
+from handcart.evaluation.campaigns.action_ends import action_names
+from handcart.evaluation.campaigns.campaign_folder import TRIALS, CampaignFolder
+from handcart.evaluation.campaigns.walked_trials import WalkedTrials
+from handcart.files.errors import InputError
+from handcart.files.printable import printable
+from handcart.networks.task.task_file import Task, load_task
+
+from .held_out import Trust, hold_out
+from .learned_odds import LearnedOdds
+from .prediction import Prediction, predict
+from .seen_actions import SeenActions
+
+FEWEST = 20
+"""Trials from which anything is learned."""
+
+
+class NothingLearned(InputError):
+    """From these campaigns nothing can be told of the task."""
+
+
+@dataclass(frozen=True)
+class Learned:
+    """From campaigns' trials, for a task: the one that they ran, or one with other joints between actions."""
+
+    task: Task
+    folders: tuple[Path, ...]
+    seen: SeenActions
+
+    @classmethod
+    def read(cls, task: Task, folders: Sequence[Path]) -> Learned:
+        """Read the folders.
+
+        Raises:
+            NoCampaign, TrialLogError: one can't be read.
+            NothingLearned: too few trials, or none of the task's actions in them.
+        """
+        found = [CampaignFolder.read(folder) for folder in folders]
+        for each in found:
+            if (level := each.arguments["level"]) != "run":
+                wrong = f"{each.folder}: its trials are of --level {level}; allowed: those that were run"
+                raise NothingLearned(printable(wrong))
+        seen = SeenActions.of(task, chain.from_iterable(each.trials() for each in found))
+        names = ", ".join(map(str, folders))
+        if len(seen.success) < FEWEST:
+            count = len(seen.success)
+            raise NothingLearned(printable(f"{names}: {count} trials; needed: at least {FEWEST}"))
+        if not len(seen.entry):
+            raise NothingLearned(printable(f"{names}: none of {task.document.file}'s actions; needed: some"))
+        return cls(task, tuple(folders), seen)
+
+    def check(self) -> None:
+        """Raise `NothingLearned` where one half of the trials doesn't predict the other."""
+        wrong = self.trust.wrong
+        if wrong is not None:
+            raise NothingLearned(
+                f"what is learned from one half of the trials predicts {wrong.name} {wrong.predicted:.3g} "
+                f"for the other, in which it is {wrong.measured:.3g} (p = {wrong.p_value:.2g}); needed: "
+                "trials whose actions depend on no more than their own Fails and on whether the one before "
+                "failed"
+            )
+
+    @cached_property
+    def trust(self) -> Trust:
+        """How well each half of the trials predicts the other."""
+        return hold_out(self.task, self.seen)
+
+    @cached_property
+    def prediction(self) -> Prediction:
+        """What all of them together predict."""
+        return predict(self.task, self.seen)
+
+    @property
+    def unknown(self) -> list[str]:
+        """The task's actions that no trial has started."""
+        odds = LearnedOdds(self.task, self.seen, 1.0)
+        return [name for number, name in enumerate(action_names(self.task)) if odds.unknown(number)]
+
+    def words(self) -> Iterator[str]:
+        """For people."""
+        low, high = self.prediction.success_95
+        short, long = self.prediction.time_95_s
+        count = len(self.seen.success)
+        yield (
+            f"learned from {count} trials, which alone bound it to {100 * low:.1f} to {100 * high:.1f} % "
+            f"and a mean time of {short:.4g} to {long:.4g} s (95 %), however many are walked"
+        )
+        for each in self.trust.tried:
+            told = f"predicts {each.predicted:.3g}, there it is {each.measured:.3g} (p = {each.p_value:.2g})"
+            yield f"  one half of them for the other: {each.name}: {told}"
+        for name in self.unknown:
+            yield f"  never started in them, so a walk that comes to it ends: {name}"
+
+    def facts(self) -> dict[str, object]:
+        """For programs."""
+        return {
+            "trials": len(self.seen.success),
+            "success_95": self.prediction.success_95,
+            "mean_time_95_s": self.prediction.time_95_s,
+            "halves": [each._asdict() for each in self.trust.tried],
+            "never_started": self.unknown,
+        }
+
+
+def learned_trials(task: Path, settings: Mapping[str, str], folders: Sequence[Path]) -> WalkedTrials:
+    """Trials of a task's file as learned from campaigns, which are read once as long as they don't change."""
+    changed = tuple(each.stat().st_mtime_ns for each in (task, *(one / TRIALS for one in folders)))
+    return _read(task, tuple(settings.items()), tuple(folders), changed)
+
+
+@lru_cache(maxsize=4)
+def _read(
+    task: Path, settings: tuple[tuple[str, str], ...], folders: tuple[Path, ...], changed: tuple[int, ...]
+) -> WalkedTrials:
+    read = load_task(task, dict(settings))
+    return WalkedTrials(read, LearnedOdds(read, Learned.read(read, folders).seen))

@@ -1,0 +1,118 @@
+"""Odds that recorded trials show."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.evaluation.walks.odds import CONTEXTS, Codes, End, Floats, Numbers
+from handcart.networks.task.task_file import Task
+
+from .seen_actions import SeenActions
+
+KNOWN = len(End) - 1  # ends that can have been seen
+POOLINGS = (1.0, 3.0, 10.0, 30.0, 100.0, 1e9)
+_FOLDS = 5
+_ENOUGH = 20  # seconds seen in a context, that those of other contexts aren't asked
+_LEAST = 1e-4  # probability of what was never seen, where likelihoods are compared
+
+
+class LearnedOdds:
+    """How each action ended and how long it took, by context; what was seldom seen leans on all contexts.
+
+    The share of an end in a context is (its count + w times its share in all contexts) / (the context's count
+    + w), the mean of a Dirichlet posterior; seconds are drawn from those that were seen with that end.
+    """
+
+    def __init__(self, task: Task, seen: SeenActions, pooling: float | None = None) -> None:
+        """Of a task and what was seen of it.
+
+        Args:
+            task: its actions may be joined otherwise than when they were seen.
+            seen: at least one trial.
+            pooling: w; None: the one of `POOLINGS` with which the trials predict each other best.
+        """
+        self.pooling = best_pooling(task, seen) if pooling is None else pooling
+        self._entry = np.array([-1 if each is None else each for each in task.entries], dtype=np.int64)
+        shares = _shares(_counts(task, seen), self.pooling)
+        self._limits = np.cumsum(shares, axis=2)
+        self._known = shares.sum(axis=(1, 2)) > 0.0
+        self._drawers = _Drawers.of(len(task.file.actions), seen)
+        self.rest_s = float(seen.rest_s.mean())
+
+    def unknown(self, entry: int) -> bool:
+        """Whether an action of the task's file was never started."""
+        return not self._known[entry]
+
+    def ends(self, action: Numbers, context: Numbers, drawn: Floats) -> Codes:
+        """See `Odds`."""
+        entry = self._entry[action]
+        ends = (drawn[:, None] >= self._limits[entry, context, : KNOWN - 1]).sum(axis=1)
+        return np.where(self._known[entry], ends, End.UNKNOWN).astype(np.int8)
+
+    def seconds(self, action: Numbers, context: Numbers, ends: Codes, drawn: Floats) -> Floats:
+        """See `Odds`; an action nobody knows takes none."""
+        seconds = np.zeros(len(action))
+        known = ends != End.UNKNOWN
+        entry = self._entry[action[known]]
+        seconds[known] = self._drawers.draw(entry, context[known], ends[known], drawn[known])
+        return seconds
+
+
+class _Drawers(NamedTuple):
+    """Seconds as they were seen, by action, context and end."""
+
+    seconds: Floats
+    begin: NDArray[np.int64]
+    """(entries, contexts, ends) where each drawer begins."""
+    held: NDArray[np.int64]
+    """How many are in each."""
+
+    @classmethod
+    def of(cls, entries: int, seen: SeenActions) -> _Drawers:
+        shape = (entries, CONTEXTS, KNOWN)
+        own = np.ravel_multi_index((seen.entry, seen.context, seen.end), shape)
+        every = np.ravel_multi_index((seen.entry, seen.end), (entries, KNOWN))
+        own_count = np.bincount(own, minlength=int(np.prod(shape))).reshape(shape)
+        all_count = np.bincount(every, minlength=entries * KNOWN).reshape(entries, 1, KNOWN)
+        own_begin = (np.cumsum(own_count) - own_count.ravel()).reshape(shape)
+        all_begin = len(own) + (np.cumsum(all_count) - all_count.ravel()).reshape(all_count.shape)
+        order = (np.argsort(each, kind="stable") for each in (own, every))
+        enough = own_count >= _ENOUGH
+        return cls(
+            np.concatenate([seen.seconds[each] for each in order]),
+            np.where(enough, own_begin, all_begin),
+            np.where(enough, own_count, all_count),
+        )
+
+    def draw(self, entry: NDArray[np.int64], context: Numbers, ends: Codes, drawn: Floats) -> Floats:
+        at = entry, context, ends
+        return np.asarray(self.seconds[self.begin[at] + (drawn * self.held[at]).astype(np.int64)])
+
+
+def best_pooling(task: Task, seen: SeenActions) -> float:
+    """With which weight four fifths of the trials make the last fifth likeliest, each fifth once."""
+    scores = dict.fromkeys(POOLINGS, 0.0)
+    numbers = np.arange(len(seen.success))
+    for fold in range(_FOLDS):
+        learned = _counts(task, seen.chosen(numbers[numbers % _FOLDS != fold]))
+        other = _counts(task, seen.chosen(numbers[numbers % _FOLDS == fold]))
+        for pooling in POOLINGS:
+            scores[pooling] += float((other * np.log(np.maximum(_shares(learned, pooling), _LEAST))).sum())
+    return max(POOLINGS, key=lambda pooling: scores[pooling])
+
+
+def _counts(task: Task, seen: SeenActions) -> Floats:
+    """(entries, contexts, ends)."""
+    shape = (len(task.file.actions), CONTEXTS, KNOWN)
+    flat = np.ravel_multi_index((seen.entry, seen.context, seen.end), shape)
+    return np.bincount(flat, minlength=int(np.prod(shape))).reshape(shape).astype(np.float64)
+
+
+def _shares(counts: Floats, pooling: float) -> Floats:
+    """(entries, contexts, ends), adding up to 1; 0 for an action that was never started."""
+    every = counts.sum(axis=1, keepdims=True)
+    pooled = every / np.maximum(every.sum(axis=2, keepdims=True), 1.0)
+    return np.asarray((counts + pooling * pooled) / (counts.sum(axis=2, keepdims=True) + pooling))

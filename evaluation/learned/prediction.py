@@ -1,0 +1,65 @@
+"""What learned odds predict of a trial, and how sure that is."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from handcart.evaluation.walks.odds import Floats
+from handcart.evaluation.walks.walk_table import WalkTable
+from handcart.evaluation.walks.walker import Walker
+from handcart.networks.task.task_file import Task
+
+from .learned_odds import LearnedOdds
+from .seen_actions import SeenActions
+
+RESAMPLED = 100
+_WALKS = 4096  # for each of them
+_STREAM = 21
+
+
+class Prediction(NamedTuple):
+    """Of a trial's success and time."""
+
+    success: float
+    time_s: float
+    resampled: Floats
+    """(`RESAMPLED`, 2) the same with trials learned from that were drawn, with putting back, from those there
+    are: how much it depends on which were seen (the bootstrap of Efron, 1979)."""
+
+    @property
+    def sigma(self) -> tuple[float, float]:
+        """Standard errors of both, of learning and of walking together."""
+        success, time_s = self.resampled.std(axis=0, ddof=1).tolist()
+        return success, time_s
+
+    @property
+    def success_95(self) -> tuple[float, float]:
+        """95 % of the resampled."""
+        low, high = np.quantile(self.resampled[:, 0], [0.025, 0.975]).tolist()
+        return low, high
+
+    @property
+    def time_95_s(self) -> tuple[float, float]:
+        """The same of the mean time, in [s]."""
+        low, high = np.quantile(self.resampled[:, 1], [0.025, 0.975]).tolist()
+        return low, high
+
+
+def predict(task: Task, seen: SeenActions) -> Prediction:
+    """By walks, always the same ones."""
+    table, odds = WalkTable(task.network), LearnedOdds(task, seen)
+    success, time_s = _walked(table, odds, 4 * _WALKS, 0)
+    draws = np.random.default_rng([_STREAM, 0])
+    count = len(seen.success)
+    resampled = []
+    for number in range(RESAMPLED):
+        again = seen.chosen(np.sort(draws.integers(0, count, count)))
+        resampled.append(_walked(table, LearnedOdds(task, again, odds.pooling), _WALKS, 1 + number))
+    return Prediction(success, time_s, np.array(resampled))
+
+
+def _walked(table: WalkTable, odds: LearnedOdds, count: int, number: int) -> tuple[float, float]:
+    walked = Walker(table, odds).walk(np.random.default_rng([_STREAM, 1, number]), count)
+    return float(walked.success.mean()), float(walked.seconds.sum(axis=0).mean() + odds.rest_s)

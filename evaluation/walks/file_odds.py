@@ -1,0 +1,38 @@
+"""Odds that stand in a task's file."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from handcart.files.errors import FileError
+from handcart.networks.analysis.figures import missing_chances
+from handcart.networks.task.task_file import Task
+
+from .odds import Codes, End, Floats, Numbers
+
+
+class FileOdds:
+    """Each action's `p`, `p_give_up` and `cost_s`; attempts are independent, and no Fail is for good."""
+
+    rest_s = 0.0
+
+    def __init__(self, task: Task) -> None:
+        """Of a task; raises `FileError` where an action has no probability `p`."""
+        wrong = "no probability `p`; needed: one for each action, to draw how it ends"
+        if missing := missing_chances(task):
+            raise FileError(task.document.finding(("actions", number), wrong) for number in missing)
+        entries = [None if entry is None else task.file.actions[entry] for entry in task.entries]
+        self._success = np.array([1.0 if each is None else each.p or 0.0 for each in entries])
+        self._give_up = np.array([0.0 if each is None else each.p_give_up for each in entries])
+        self._cost = np.array([action.cost_s for action in task.network.actions])
+
+    def ends(self, action: Numbers, context: Numbers, drawn: Floats) -> Codes:
+        """See `Odds`."""
+        ends = np.full(len(action), End.FAIL, dtype=np.int8)
+        ends[drawn >= 1.0 - self._give_up[action]] = End.GIVE_UP
+        ends[drawn < self._success[action]] = End.SUCCESS
+        return ends
+
+    def seconds(self, action: Numbers, context: Numbers, ends: Codes, drawn: Floats) -> Floats:
+        """See `Odds`."""
+        return np.asarray(self._cost[action])
