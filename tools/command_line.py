@@ -22,6 +22,8 @@ COMMANDS = {
     "cancel": ("commands.operate", "cancel", "Bring a run's action back, then end it."),
     "permit": ("commands.operate", "permit", "Permit the action that a run asks for."),
     "refuse": ("commands.operate", "refuse", "Refuse it."),
+    "step": ("commands.operate", "step", "Let a run ask before every action."),
+    "break": ("commands.operate", "break_at", "Let it ask before those from a situation."),
     "draw": ("commands.draw_network", "draw", "Draw a task's action network."),
     "list": ("commands.list_names", "list_names", "List primitives, backends, robots or tasks."),
     "describe": ("commands.describe", "describe", "Tell what a primitive takes, needs and does."),

@@ -6,8 +6,9 @@ from pathlib import Path
 
 from handcart.files.errors import InputError
 from handcart.networks.journal.journal import Journal
+from handcart.networks.journal.journal_record import JournalContents
 from handcart.networks.journal.retracing import TORN
-from handcart.networks.journal.waiting import waiting
+from handcart.networks.journal.waiting import Record, waiting
 from handcart.networks.runs.run_folder import JOURNAL, read_run_journal
 
 
@@ -15,8 +16,13 @@ class NothingToAcknowledge(InputError):
     """That record doesn't wait for a person."""
 
 
-def acknowledge(folder: Path, record: int) -> str:
+def acknowledge(folder: Path, record: int, cause: str | None = None) -> str:
     """Note in a run's journal that a person has seen to what waits for one; gives why it waits (N13, U12).
+
+    Args:
+        folder: the run's.
+        record: number of the journal's record that waits.
+        cause: that record's checksum, as `cause_of` tells it, to show that it is the one that was read.
 
     Raises:
         NoRun: it is no run's folder.
@@ -29,9 +35,19 @@ def acknowledge(folder: Path, record: int) -> str:
     if record not in waits:
         allowed = ", ".join(map(str, waits)) or "none waits"
         raise NothingToAcknowledge(f"record {record} doesn't wait for a person; allowed: {allowed}")
-    whole = record < len(contents.records)
-    of = contents.records[record] if whole else {"kind": TORN, "h": contents.records[-1]["h"]}
+    of = cause_of(contents, record)
+    if cause is not None and cause != of["h"]:
+        raise NothingToAcknowledge(
+            f"record {record} isn't the one that was read; allowed: its cause's checksum"
+        )
     with Journal.go_on(folder / JOURNAL, contents, "always") as journal:
         fields = {"record": record, "of": of["kind"], "cause": of["h"], "reason": waits[record]}
         journal.append("ACK", contents.records[-1]["t"], fields)
     return waits[record]
+
+
+def cause_of(contents: JournalContents, record: int) -> Record:
+    """The `kind` and checksum `h` of a record that waits; of a damaged one, the checksum before it."""
+    if record < len(contents.records):
+        return contents.records[record]
+    return {"kind": TORN, "h": contents.records[-1]["h"]}

@@ -7,24 +7,17 @@ from types import TracebackType
 from typing import Any
 
 from handcart.backends.robot.robot import Robot
-from handcart.files.printable import clipped, printable
 from handcart.networks.coordination.coordinator import Coordinator
 from handcart.networks.coordination.run_life import RunState
 from handcart.networks.coordination.supervision import Request
 from handcart.networks.graph.network import Action
 from handcart.networks.run_observer import RunObserver
 
-from .control import Control, Message
+from .control import Control
+from .heard import Heard
+from .message import REQUESTS, Message, fault_of
 from .permits import Permits
 
-REQUESTS = {
-    "pause": Request.PAUSE,
-    "continue": Request.RESUME,
-    "stop": Request.STOP,
-    "cancel": Request.CANCEL,
-    "restore": Request.RESTORE,
-}
-WORDS = (*REQUESTS, "permit", "refuse", "status")
 _IDLE = (RunState.WAITING_FOR_PERMISSION, RunState.PAUSED_WHILE_ACTING, RunState.PAUSED_WHILE_RESTORING)
 
 
@@ -37,7 +30,8 @@ class Operation(RunObserver):
 
     def __init__(self, folder: Path, coordinator: Coordinator, permits: Permits, robot: Robot) -> None:
         self._coordinator, self._permits, self._robot = coordinator, permits, robot
-        self._control = Control(folder, self.answer, lambda: coordinator.request(Request.STOP))
+        self._heard = Heard()
+        self._control = Control(folder, self.answer, self._stop)
 
     def look(self) -> None:
         """Once a period: hear who has something to say."""
@@ -52,31 +46,53 @@ class Operation(RunObserver):
         self.look()
 
     def answer(self, message: Message) -> dict[str, Any]:
-        """Do what a message asks for, and tell how things stand."""
-        word, wrong = str(message.get("do")), _wrong(message)
-        if not wrong and word in ("permit", "refuse"):
-            wrong = self._permit(word == "permit", message.get("action"))
-        elif not wrong and word != "status" and not self._coordinator.request(REQUESTS[word]):
-            wrong = "too much is asked for at once; allowed: to wait until it is done, and to stop"
-        return {"ok": False, "error": wrong} if wrong else {"ok": True, **self.status()}
+        """Do what a message asks for, unless it was heard before, and tell how things stand."""
+        wrong = fault_of(message, self._coordinator.network.situations)
+        if wrong or self._heard.again(message):
+            return _refused(wrong) if wrong else {"ok": True, "again": True, **self.status()}
+        match str(message["do"]):
+            case "permit" | "refuse" as word:
+                wrong = self._permit(word == "permit", message)
+            case "step":
+                self._permits.step = message.get("on", True)
+            case "break":
+                self._permits.break_at(message["at"], message.get("on", True))
+            case "status":
+                pass
+            case word if not self._coordinator.request(REQUESTS[word]):
+                wrong = "too much is asked for at once; allowed: to wait until it is done, and to stop"
+        if wrong:
+            return _refused(wrong)
+        self._heard.note(message, self._robot.time)
+        return {"ok": True, **self.status()}
 
     def status(self) -> dict[str, Any]:
         """How things stand."""
         asks = self._permits.asks
+        question = None if asks is None else {**_words(asks), "ask": self._permits.asked}
         return {
             "state": self._coordinator.life.state.value,
             "situation": self._coordinator.situation,
             "actions": self._coordinator.running,
             "sim_time_s": round(self._robot.time, 3),
-            "asks": None if asks is None else _words(asks),
+            "asks": question,
+            "step": self._permits.step,
+            "breaks": sorted(self._permits.breaks),
+            "commands": self._heard.told(),
         }
 
-    def _permit(self, permitted: bool, number: object) -> str:
-        asks = self._permits.asks
+    def _stop(self) -> None:
+        self._coordinator.request(Request.STOP)
+        self._heard.note({"do": "stop"}, self._robot.time)
+
+    def _permit(self, permitted: bool, message: Message) -> str:
+        asks, number, ask = self._permits.asks, message.get("action"), message.get("ask")
         if asks is None:
             return "no action waits for permission"
         if number is not None and number != asks.index:
             return f"action {number} doesn't wait for permission; what waits is {asks.index}: {asks}"
+        if ask is not None and ask != self._permits.asked:
+            return f"question {ask} is over; what waits is question {self._permits.asked}: {asks}"
         self._permits.answer(permitted)
         return ""
 
@@ -89,28 +105,8 @@ class Operation(RunObserver):
         self._control.close()
 
 
-def _wrong(message: Message) -> str:
-    """What makes a message none, "what is wrong; what is allowed"; nothing where it is one.
-
-    A stop is one whatever else it says.
-    """
-    word = message.get("do")
-    if word == "stop":
-        return ""
-    if not isinstance(word, str) or word not in WORDS:
-        wrong = f"unknown word {_shown(word)}" if "do" in message else "the key 'do' is missing"
-        return f"{wrong}; allowed: {', '.join(WORDS)}"
-    known = {"do", "action"} if word in ("permit", "refuse") else {"do"}
-    if unknown := message.keys() - known:
-        return f"unknown key {_shown(min(unknown))}; allowed: {', '.join(sorted(known))}"
-    number = message.get("action")
-    if number is not None and (isinstance(number, bool) or not isinstance(number, int)):
-        return f"the action {_shown(number)} is no number; allowed: an action's number"
-    return ""
-
-
-def _shown(value: object) -> str:
-    return printable(clipped(repr(value)))
+def _refused(wrong: str) -> dict[str, Any]:
+    return {"ok": False, "error": wrong}
 
 
 def _words(action: Action) -> dict[str, Any]:

@@ -26,7 +26,12 @@ class Permits:
             step: whether the operator is asked before every action.
             breaks: situations before whose actions the operator is asked.
         """
-        self._mode, self._step, self._breaks = mode, step, frozenset(breaks)
+        self._mode = mode
+        self.step = step
+        """Whether the operator is asked before every action; may change while the run goes on."""
+        self._breaks = set(breaks)
+        self.asked = 0
+        """How many questions there were, the one that waits included: it is that one's number."""
         self._asks: Action | None = None
         self._answer: bool | None = None
         self.asking: Callable[[Action], None] = lambda _: None
@@ -39,6 +44,15 @@ class Permits:
         """The action that waits for an answer."""
         return self._asks
 
+    @property
+    def breaks(self) -> Collection[str]:
+        """Situations before whose actions the operator is asked."""
+        return self._breaks
+
+    def break_at(self, situation: str, on: bool) -> None:
+        """Set a break point, or take it away."""
+        (self._breaks.add if on else self._breaks.discard)(situation)
+
     def answer(self, permitted: bool) -> None:
         """The operator's word on the action that waits; without one it is lost."""
         if self._asks is not None:
@@ -47,9 +61,11 @@ class Permits:
     def __call__(self, action: Action) -> bool | None:
         """Yes, no, or None while nobody has answered."""
         if not self._is_asked(action):
+            self._asks, self._answer = None, None
             return not (action.permit and self._mode == "never")
         if self._asks is not action:
             self._asks, self._answer = action, None
+            self.asked += 1
             self.asking(action)
         if self._answer is None:
             return None
@@ -57,4 +73,4 @@ class Permits:
         return answer
 
     def _is_asked(self, action: Action) -> bool:
-        return self._step or action.source in self._breaks or (action.permit and self._mode == "ask")
+        return self.step or action.source in self._breaks or (action.permit and self._mode == "ask")

@@ -1,4 +1,4 @@
-"""`handcart pause`, `continue`, `stop`, `cancel`, `permit`, `refuse`, `status`: the operator in command."""
+"""The operator in command of a run: `handcart pause`, `continue`, `stop`, `permit` and so on."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import typer
 
 Run = Annotated[Path, typer.Argument(help="the run's folder")]
 Json = Annotated[bool, typer.Option("--json", help="one JSON object on stdout")]
+Off = Annotated[bool, typer.Option("--off", help="no more of it")]
 SOON = 10.0  # [s] in which a run that is told to stop ends
 
 
@@ -39,12 +40,27 @@ def cancel(run: Run, as_json: Json = False) -> None:
 
 def permit(run: Run, as_json: Json = False, action: int | None = None) -> None:
     """Permit the action that waits; with its number, only that one."""
-    _say("permit", run, as_json, action)
+    _say("permit", run, as_json, **_chosen(action))
 
 
 def refuse(run: Run, as_json: Json = False, action: int | None = None) -> None:
     """Refuse the action that waits: that counts as its Fail."""
-    _say("refuse", run, as_json, action)
+    _say("refuse", run, as_json, **_chosen(action))
+
+
+def step(run: Run, as_json: Json = False, off: Off = False) -> None:
+    """Ask before every action from now on, as after `handcart run --step`; `--off`: no more."""
+    _say("step", run, as_json, on=not off)
+
+
+def break_at(
+    run: Run,
+    situation: Annotated[str, typer.Argument(help="of the task")],
+    as_json: Json = False,
+    off: Off = False,
+) -> None:
+    """Ask before each action that starts from a situation; `--off`: no more."""
+    _say("break", run, as_json, at=situation, on=not off)
 
 
 def status(run: Run, as_json: Json = False) -> None:
@@ -52,12 +68,16 @@ def status(run: Run, as_json: Json = False) -> None:
     _say("status", run, as_json)
 
 
-def _say(word: str, run: Path, as_json: bool, action: int | None = None) -> None:
+def _chosen(action: int | None) -> dict[str, int]:
+    return {} if action is None else {"action": action}
+
+
+def _say(word: str, run: Path, as_json: bool, **more: object) -> None:
     import orjson
 
     from handcart.networks.operator.asking import ask
 
-    reply = ask(run, {"do": word} if action is None else {"do": word, "action": action})
+    reply = ask(run, {"do": word, **more})
     if as_json:
         print(orjson.dumps(reply).decode())
     elif reply["ok"]:

@@ -135,7 +135,7 @@ def test_every_message_that_is_none_is_answered_in_words(run: Any, lines: Callab
         ({}, "the key 'do' is missing"),
         ({"do": "permit", "action": True}, "the action True is no number"),
         ({"do": "permit", "action": 0.0}, "the action 0.0 is no number"),
-        ({"do": "permit", "acton": 3}, "unknown key 'acton'; allowed: action, do"),
+        ({"do": "permit", "acton": 3}, "unknown key 'acton'; allowed: action, ask, by, do, nonce"),
         ({"do": "x\x1b[2J"}, "unknown word 'x\\x1b[2J'"),
     ],
 )

@@ -1,0 +1,67 @@
+"""What may be asked of a run, as messages."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from typing import Any
+
+from handcart.files.printable import clipped, printable
+from handcart.networks.coordination.supervision import Request
+
+Message = Mapping[str, Any]
+
+REQUESTS = {
+    "pause": Request.PAUSE,
+    "continue": Request.RESUME,
+    "stop": Request.STOP,
+    "cancel": Request.CANCEL,
+    "restore": Request.RESTORE,
+}
+WORDS = (*REQUESTS, "permit", "refuse", "step", "break", "status")
+KEYS: Mapping[str, Collection[str]] = {
+    "permit": ("action", "ask"),
+    "refuse": ("action", "ask"),
+    "step": ("on",),
+    "break": ("at", "on"),
+}
+"""What a word may bring with it, beside `COMMON`."""
+COMMON = ("do", "by", "nonce")
+"""`by`: who says it; `nonce`: text that no other message has, so that one that comes twice is done once."""
+LONGEST_WORD = 80
+
+
+def fault_of(message: Message, situations: Collection[str]) -> str:
+    """What makes a message none, "what is wrong; what is allowed"; nothing where it is one.
+
+    A stop is one whatever else it says.
+    """
+    word = message.get("do")
+    if word == "stop":
+        return ""
+    if not isinstance(word, str) or word not in WORDS:
+        wrong = f"unknown word {shown(word)}" if "do" in message else "the key 'do' is missing"
+        return f"{wrong}; allowed: {', '.join(WORDS)}"
+    known = {*COMMON, *KEYS.get(word, ())}
+    if unknown := message.keys() - known:
+        return f"unknown key {shown(min(unknown))}; allowed: {', '.join(sorted(known))}"
+    for key in ("action", "ask"):
+        number = message.get(key)
+        if number is not None and (isinstance(number, bool) or not isinstance(number, int)):
+            return f"{_NAMED[key]} {shown(number)} is no number; allowed: {_NAMED[key]}'s number"
+    for key in ("by", "nonce"):
+        text = message.get(key, "")
+        if not isinstance(text, str) or len(text) > LONGEST_WORD:
+            return f"{key} is {shown(text)}; allowed: text of at most {LONGEST_WORD} letters"
+    if not isinstance(message.get("on", True), bool):
+        return f"on is {shown(message['on'])}; allowed: true, false"
+    if word == "break" and message.get("at") not in situations:
+        return f"at is {shown(message.get('at'))}; allowed: a situation of the task"
+    return ""
+
+
+_NAMED = {"action": "the action", "ask": "the question"}
+
+
+def shown(value: object) -> str:
+    """A value of somebody else's, ready to print."""
+    return printable(clipped(repr(value)))
