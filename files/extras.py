@@ -14,6 +14,7 @@ EXTRAS: dict[str, Sequence[str]] = {
     "cluster": ("distributed",),
     "export": ("arro3", "foxglove"),
     "view": ("viser", "yourdfpy"),
+    "console": ("aiohttp",),
 }
 """By the name of an extra in pyproject.toml: the modules that come with it."""
 

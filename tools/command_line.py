@@ -31,6 +31,7 @@ COMMANDS = {
     "explain": ("commands.explain", "explain", "Tell why a run went as it did, from its folder."),
     "report": ("past_runs.report", "report", "Write a run, or a campaign, as one page."),
     "export": ("past_runs.export", "export", "Write a run or a campaign for other programs."),
+    "console": ("console.console", "console", "See all runs in the browser, and command them."),
     "view": ("past_runs.view", "view", "Show a run in three dimensions, in the browser."),
     "runs": ("past_runs.runs", "runs", "List the runs of a folder."),
     "schema": ("commands.schema", "schema", "Print the JSON Schema of a kind of file."),

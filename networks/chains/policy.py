@@ -54,7 +54,12 @@ class Policy:
     """What follows a state stands before it. A state in the goal's situation is none of them."""
 
 
-def policy(network: ActionNetwork, for_good: bool = False, effort: Effort | None = None) -> Policy:
+def policy(
+    network: ActionNetwork,
+    for_good: bool = False,
+    effort: Effort | None = None,
+    start: State | None = None,
+) -> Policy:
     """All that can happen from the start.
 
     Fails of actions that can't come up again are forgotten: the paper's task then has some hundred states,
@@ -64,22 +69,24 @@ def policy(network: ActionNetwork, for_good: bool = False, effort: Effort | None
         network: the network.
         for_good: whether Fails are reckoned with that use up all attempts at once.
         effort: what it may take; None: `WORK`.
+        start: another moment to begin at than the network's start.
 
     Raises:
         TooLarge: there are more states than that allows.
     """
     steps: dict[State, Step] = {}
     try:
-        return _whole(network, for_good, effort or Effort(WORK), steps)
+        return _whole(network, start or State(network.start, ()), for_good, effort or Effort(WORK), steps)
     except TooMuch:
         raise TooLarge(network, len(steps)) from None
 
 
-def _whole(network: ActionNetwork, for_good: bool, effort: Effort, steps: dict[State, Step]) -> Policy:
+def _whole(
+    network: ActionNetwork, start: State, for_good: bool, effort: Effort, steps: dict[State, Step]
+) -> Policy:
     maker = StepMaker(network, for_good, effort)
-    start = State(network.start, ())
     made: dict[State, Step] = {}
-    ahead = [] if network.start == network.goal else [start]
+    ahead = [] if start.situation == network.goal else [start]
     while ahead:
         state = ahead[-1]
         if state not in made:

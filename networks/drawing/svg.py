@@ -23,7 +23,8 @@ def to_svg(picture: NetworkPicture, lit: Collection[Box] = (), window: str | Non
     seen = window or f"0 0 {picture.width:.0f} {picture.height:.0f}"
     head = (
         f'<svg xmlns="http://www.w3.org/2000/svg" {size} '
-        f'viewBox="{seen}" font-family="{FAMILY}" fill="#1d2733" style="background: #fff">'
+        f'viewBox="{seen}" font-family="{FAMILY}" fill="#1d2733">'
+        f'<rect class="paper" width="{picture.width:.0f}" height="{picture.height:.0f}" fill="#fff"/>'
     )
     parts = [
         *map(_frame, picture.frames),

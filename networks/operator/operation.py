@@ -7,6 +7,7 @@ from types import TracebackType
 from typing import Any
 
 from handcart.backends.robot.robot import Robot
+from handcart.files.printable import clipped
 from handcart.networks.coordination.coordinator import Coordinator
 from handcart.networks.coordination.run_life import RunState
 from handcart.networks.coordination.supervision import Request
@@ -110,4 +111,6 @@ def _refused(wrong: str) -> dict[str, Any]:
 
 
 def _words(action: Action) -> dict[str, Any]:
-    return {"index": action.index, "do": action.do, "from": action.source, "to": action.target}
+    given = {} if action.binding is None else action.binding.given()
+    words = {"index": action.index, "do": action.do, "from": action.source, "to": action.target}
+    return {**words, "with": {name: clipped(str(value)) for name, value in given.items()}}

@@ -1,0 +1,65 @@
+"""What a permission, or its refusal, means for the goal."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from handcart.networks.chains.chance import Chance
+from handcart.networks.chains.policy import State, policy
+from handcart.networks.chains.policy_chain import policy_chain
+from handcart.networks.task.task_file import Task
+
+from .figures import missing_chances
+
+
+class NoOutlook(Exception):
+    """Nothing can be reckoned, and why."""
+
+
+class Outlook(NamedTuple):
+    """Probability that the goal is reached, with nothing left undone."""
+
+    permitted: float
+    """If an action is permitted now, and all that comes later."""
+    succeeded: float
+    """Once it has succeeded."""
+    refused: float
+    """If it is refused, which counts as its Fail."""
+
+
+def outlook(task: Task, situation: str, fails: Mapping[int, int], action: int) -> Outlook:
+    """By the probabilities in a task's file, exactly.
+
+    Args:
+        task: whose run it is.
+        situation: in which it is.
+        fails: by the numbers of actions in the network how often they failed; as often as they have
+            attempts where a Fail was for good.
+        action: the number of the one that waits.
+
+    Raises:
+        NoOutlook: an action has no probability.
+        TooLarge: there are too many states.
+    """
+    if missing := missing_chances(task):
+        count = len(missing)
+        raise NoOutlook(
+            f"{count} action{'s have' if count > 1 else ' has'} no probability `p` in the task's file"
+        )
+    one = task.network.actions[action]
+    more = {**fails, action: fails.get(action, 0) + 1}
+    return Outlook(
+        _goal(task, situation, fails),
+        _goal(task, one.target, fails),
+        _goal(task, one.on_fail or situation, more),
+    )
+
+
+def _goal(task: Task, situation: str, fails: Mapping[int, int]) -> float:
+    if situation == task.network.goal:
+        return 1.0
+    known = [Chance(each.p or 0.0, each.p_give_up) for each in task.file.actions]
+    chances = [None if entry is None else known[entry] for entry in task.entries]
+    start = State(situation, tuple(sorted(fails.items())))
+    return policy_chain(policy(task.network, start=start), chances).ends.goal.p

@@ -1,0 +1,1 @@
+"""`handcart console`: the operator's page in the browser."""

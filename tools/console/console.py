@@ -1,0 +1,38 @@
+"""`handcart console`: the operator's page in the browser."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def console(
+    runs: Annotated[Path, typer.Argument(help="where the runs' folders are")] = Path("runs"),
+    port: Annotated[
+        int | None, typer.Option(min=0, max=65535, help="of the page; left out: 8090 or the next free one")
+    ] = None,
+    host: Annotated[
+        str | None,
+        typer.Option(help="another address to listen at than this machine alone: who has the token commands"),
+    ] = None,
+) -> None:
+    """See all runs in the browser and command them, until Ctrl-C; runs don't notice whether it goes on."""
+    from handcart.files.extras import lack
+    from handcart.files.printable import printable
+    from handcart.tools.terminal.asked_to_end import AskedToEnd
+
+    wrong = lack("the console", "console")
+    if wrong is not None:
+        from handcart.files.errors import InputError
+
+        raise InputError(wrong)
+    from .server import Server
+
+    over = AskedToEnd()
+    server = Server(runs, host, port)
+    print(printable(f"runs in {runs}: {server.address}"), flush=True)
+    print("the address holds the token: who has it commands; Ctrl-C ends the page, and no run", flush=True)
+    server.serve(lambda: bool(over))
+    raise typer.Exit(over.status)

@@ -1,0 +1,221 @@
+"""What the page asks for, and how it is answered."""
+
+from __future__ import annotations
+
+import asyncio
+import mimetypes
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import orjson
+from aiohttp import web
+
+from handcart.files.errors import HandcartError
+from handcart.files.printable import clipped, printable
+from handcart.networks.operator.acknowledging import acknowledge
+from handcart.networks.operator.asking import ask, tell_to_stop
+from handcart.networks.operator.message import LONGEST_WORD, WORDS
+from handcart.networks.runs.run_folder import read_file
+
+from .guard import TICKETS, said
+from .lease import Lease
+from .run_details import EVIDENCE, PAGES, PICTURES, RunDetails
+from .tickets import Tickets
+from .watcher import Watcher
+
+MOST_BODY = 16_384  # of a command, in [bytes]
+PATIENCE_S = 5.0  # [s] for a command's body
+BEAT_S = 2.0  # [s] after which who listens hears something, even if nothing is new
+MOST_FILE = 64 * 2**20
+TAB = "X-Console-Tab"
+"""Header with a word of its own of each open page."""
+SANDBOX = (
+    "sandbox allow-scripts; default-src 'none'; img-src data:; style-src 'unsafe-inline'; "
+    "script-src 'unsafe-inline'"
+)
+"""Of a run's own page: it reaches nothing, and nothing of the console's."""
+
+
+class Handlers:
+    """Answers one request each."""
+
+    def __init__(self, watcher: Watcher) -> None:
+        """About the runs that are watched."""
+        self._watcher, self._lease, self._tickets = watcher, Lease(), Tickets()
+
+    def routes(self) -> list[web.RouteDef]:
+        """For the application."""
+        return [
+            web.get("/api/events", self.events),
+            web.get("/api/runs/{run}", self.run),
+            web.get("/api/runs/{run}/files/{file:.+}", self.file),
+            web.get("/api/runs/{run}/after/{action}", self.after),
+            web.post("/api/runs/{run}/command", self.command),
+            web.post("/api/runs/{run}/stop", self.stop),
+            web.post("/api/runs/{run}/acknowledge", self.acknowledge),
+            web.post("/api/runs/{run}/ticket", self.ticket),
+            web.post("/api/lease", self.lease),
+            web.get(TICKETS + "{word}", self.page),
+        ]
+
+    async def events(self, request: web.Request) -> web.StreamResponse:
+        """All runs and who commands: a line of JSON now, and for each change."""
+        tab = request.headers.get(TAB, "")
+        answer = web.StreamResponse(headers={"Content-Type": "application/x-ndjson"})
+        await answer.prepare(request)
+        self._lease.connected(tab)
+        version = -1
+        try:
+            while True:
+                version = await self._watcher.newer(version, 0.0 if version < 0 else BEAT_S)
+                state = {"runs": self._watcher.told(), "lease": self._lease.told()}
+                await answer.write(orjson.dumps(state) + b"\n")
+        except (ConnectionResetError, asyncio.CancelledError):
+            return answer
+        finally:
+            self._lease.gone(tab)
+
+    async def run(self, request: web.Request) -> web.Response:
+        """One run, whole."""
+        name = request.match_info["run"]
+        folder = self._folder(request)
+        state: Mapping[str, Any] = next(each for each in self._watcher.told() if each["name"] == name)
+        details = await self._away(lambda: RunDetails(folder, state["alive"]).told(state.get("situation")))
+        return details if isinstance(details, web.Response) else _json(details)
+
+    async def after(self, request: web.Request) -> web.Response:
+        """What a permission means for the goal."""
+        folder, action = self._folder(request), request.match_info["action"]
+        state = next(each for each in self._watcher.told() if each["name"] == request.match_info["run"])
+        asks = state.get("asks")
+        if not asks or str(asks["index"]) != action:
+            return said(409, "that action doesn't wait")
+        found = await self._away(lambda: RunDetails(folder, True).after(state["situation"], asks["index"]))
+        return found if isinstance(found, web.Response) else _json(found)
+
+    async def file(self, request: web.Request) -> web.Response:
+        """A picture that the robot took."""
+        folder, name = self._folder(request), request.match_info["file"]
+        where, _, file = name.rpartition("/")
+        if where != EVIDENCE or not file.endswith(PICTURES):
+            return said(404, "there is no such picture")
+        content = await self._away(lambda: read_file(folder / EVIDENCE, file, MOST_FILE))
+        kind = mimetypes.guess_type(file)[0] or "application/octet-stream"
+        return content if isinstance(content, web.Response) else web.Response(body=content, content_type=kind)
+
+    async def command(self, request: web.Request) -> web.Response:
+        """Say something to a run, as who commands."""
+        folder, message = self._folder(request), await _body(request)
+        if not self._lease.holds(request.headers.get(TAB, "")):
+            return said(423, f"{self._lease.told()['name'] or 'nobody'} commands; take the command first")
+        if message.get("do") not in WORDS:
+            return said(400, f"unknown command {printable(clipped(repr(message.get('do'))))}")
+        many = message.pop("places", None)
+        named = {**message, "by": self._lease.told()["name"]}
+        if many is None:
+            reply = await self._away(lambda: ask(folder, named))
+        else:
+            reply = await self._away(lambda: _each(folder, named, many))
+        await self._watcher.look_now(request.match_info["run"])
+        if isinstance(reply, web.Response):
+            return reply
+        return _json(reply, 200 if reply["ok"] else 409)
+
+    async def stop(self, request: web.Request) -> web.Response:
+        """Stop a run: from everybody, at once, with nothing to wait for (rows U8, U9)."""
+        folder = self._folder(request)
+        try:
+            tell_to_stop(folder)
+        except HandcartError as error:
+            return said(409, str(error))
+        return _json({"ok": True})
+
+    async def acknowledge(self, request: web.Request) -> web.Response:
+        """A person's word on a GiveUp, with the record and the cause that was read (row U12)."""
+        folder, word = self._folder(request), await _body(request)
+        if not self._lease.holds(request.headers.get(TAB, "")):
+            return said(423, f"{self._lease.told()['name'] or 'nobody'} commands; take the command first")
+        record, cause = word.get("record"), word.get("cause")
+        if isinstance(record, bool) or not isinstance(record, int) or not isinstance(cause, str) or not cause:
+            return said(400, "record and cause are missing; needed: those that were shown")
+        reason = await self._away(lambda: acknowledge(folder, record, cause))
+        return reason if isinstance(reason, web.Response) else _json({"ok": True, "reason": reason})
+
+    async def lease(self, request: web.Request) -> web.Response:
+        """Take the command, or give it back."""
+        word, tab = await _body(request), request.headers.get(TAB, "")
+        name = word.get("name")
+        if not tab or len(tab) > LONGEST_WORD:
+            return said(400, f"the header {TAB} is missing, or too long")
+        if word.get("take") is not True:
+            self._lease.release(tab)
+        elif not isinstance(name, str) or not 0 < len(name.strip()) <= LONGEST_WORD:
+            return said(400, "name is missing; needed: yours, so that others see who commands")
+        else:
+            self._lease.take(tab, printable(name.strip()))
+        await self._watcher.tell_all()
+        return _json({"ok": True, "lease": self._lease.told()})
+
+    async def ticket(self, request: web.Request) -> web.Response:
+        """Opens one of a run's own pages once."""
+        folder, word = self._folder(request), await _body(request)
+        if word.get("page") not in PAGES:
+            return said(404, f"there is no such page; allowed: {', '.join(PAGES)}")
+        return _json({"ok": True, "url": TICKETS + self._tickets.give(folder, str(word["page"]))})
+
+    async def page(self, request: web.Request) -> web.Response:
+        """The page that a ticket opens."""
+        ticket = self._tickets.take(request.match_info["word"])
+        if ticket is None:
+            return said(403, "this address was good once, for half a minute; the console opens it anew")
+        content = await self._away(lambda: read_file(ticket.folder, ticket.name, MOST_FILE))
+        if isinstance(content, web.Response):
+            return content
+        headers = {"Content-Security-Policy": SANDBOX}
+        return web.Response(body=content, content_type="text/html", charset="utf-8", headers=headers)
+
+    def _folder(self, request: web.Request) -> Path:
+        folder = self._watcher.folder_of(request.match_info["run"])
+        if folder is None:
+            raise web.HTTPNotFound(reason="there is no such run")
+        return folder
+
+    async def _away(self, work: Any) -> Any:
+        """Do it beside the loop; what is wrong becomes an answer in words."""
+        try:
+            return await self._watcher.away(work)
+        except HandcartError as error:
+            return said(409, str(error))
+        except (OSError, LookupError, TypeError, ValueError) as error:
+            return said(409, f"the run's folder can't be read: {type(error).__name__}: {error}")
+
+
+def _each(folder: Path, message: dict[str, Any], places: object) -> dict[str, Any]:
+    """The same for each situation that one box of the drawing stands for."""
+    if not isinstance(places, list) or not places or not all(isinstance(each, str) for each in places):
+        return {"ok": False, "error": "places is no list of situations"}
+    reply: dict[str, Any] = {}
+    for number, place in enumerate(places):
+        nonce = f"{str(message.get('nonce', ''))[: LONGEST_WORD - 8]}.{number}"
+        reply = ask(folder, {**message, "at": place, "nonce": nonce})
+        if not reply["ok"]:
+            break
+    return reply
+
+
+async def _body(request: web.Request) -> dict[str, Any]:
+    try:
+        content = await asyncio.wait_for(request.read(), PATIENCE_S)
+        word = orjson.loads(content)
+    except TimeoutError:
+        raise web.HTTPRequestTimeout(reason="the command didn't come whole") from None
+    except orjson.JSONDecodeError:
+        word = None
+    if not isinstance(word, dict):
+        raise web.HTTPBadRequest(reason="this is no JSON object")
+    return word
+
+
+def _json(content: Any, status: int = 200) -> web.Response:
+    return web.Response(body=orjson.dumps(content), status=status, content_type="application/json")

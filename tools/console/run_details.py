@@ -1,0 +1,147 @@
+"""All that the page shows of one run, from its folder."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from handcart.files.errors import HandcartError
+from handcart.networks.analysis.outlook import NoOutlook, outlook
+from handcart.networks.chains.policy import TooLarge
+from handcart.networks.drawing.folded_network import Spot
+from handcart.networks.drawing.network_picture import draw_network
+from handcart.networks.drawing.svg import to_svg
+from handcart.networks.journal.past_run import PastRun, read_run
+from handcart.networks.journal.waiting import waiting
+from handcart.networks.operator.acknowledging import cause_of
+from handcart.networks.runs.run_folder import read_run_journal
+from handcart.networks.task.task_file import load_task
+
+EVIDENCE = "evidence"
+PICTURES = (".png", ".jpg", ".jpeg")
+PAGES = ("report.html",)
+MOST_ACTIONS = 500
+"""The last ones; a run of more is read in its report."""
+
+
+class RunDetails:
+    """Of a run that goes on, or is over."""
+
+    def __init__(self, folder: Path, alive: bool) -> None:
+        """Read its journal.
+
+        Raises:
+            NoRun, JournalError: it can't be read.
+        """
+        self._folder, self._alive, self._run = folder, alive, read_run(folder)
+
+    def told(self, situation: str | None) -> dict[str, Any]:
+        """For the page; `situation` as the run says itself, None where it doesn't go on."""
+        run = self._run
+        end = run.end
+        last = str(end["situation"]) if end else (run.actions[-1].source if run.actions else "")
+        return {
+            "task": run.header["task"],
+            "situation": situation or last,
+            "reason": str(end["reason"]) if end else "",
+            "actions": [_action(each) for each in run.actions[-MOST_ACTIONS:]],
+            "network": self._network(),
+            "waits": [] if self._alive else self._waits(),
+            "moved": self._moved(),
+            "pictures": self._pictures(),
+            "pages": [name for name in PAGES if (self._folder / name).is_file()],
+            "resume": f"handcart resume {self._folder}",
+        }
+
+    def after(self, situation: str, action: int) -> dict[str, Any]:
+        """P(goal) once the waiting action is permitted, has succeeded, or is refused; or why nobody knows."""
+        run = self._run
+        try:
+            task = load_task(Path(str(run.header["task_path"])), run.header.get("settings") or {})
+            if task.network.fingerprint() != run.header.get("network"):
+                return {"unknown": "the task's file has changed since the run began"}
+            return outlook(task, situation, _fails(run), action)._asdict()
+        except (NoOutlook, TooLarge, HandcartError) as error:
+            return {"unknown": str(error).splitlines()[0]}
+
+    def _network(self) -> dict[str, Any] | None:
+        kept = self._run.network
+        if kept is None:
+            return None
+        picture = draw_network(kept.network, [(each.index, each.outcome) for each in self._run.actions])
+        boxes = [
+            {
+                "x": box.x,
+                "y": box.y,
+                "width": box.width,
+                "height": box.height,
+                "name": box.is_of.name,
+                "situations": list(box.is_of.members),
+            }
+            for box in picture.boxes
+            if isinstance(box.is_of, Spot)
+        ]
+        return {"svg": to_svg(picture), "situations": boxes}
+
+    def _waits(self) -> list[dict[str, Any]]:
+        """What a person has to see to, each with the checksum that shows which cause was read (row U12)."""
+        contents = read_run_journal(self._folder)
+        return [
+            {
+                "record": record,
+                "reason": reason,
+                "cause": cause_of(contents, record)["h"],
+                "action": contents.records[record].get("n") if record < len(contents.records) else None,
+            }
+            for record, reason in waiting(contents).items()
+        ]
+
+    def _moved(self) -> list[dict[str, Any]]:
+        """Where the robot stood when somebody went on with the run, beside how it was left (row U13)."""
+        found: Sequence[Mapping[str, Any]] = self._run.records
+        return [
+            {
+                "record": each["q"],
+                "residuals": each.get("residuals") or {},
+                "unknown": each.get("unknown") or [],
+            }
+            for each in found
+            if each["kind"] == "RECON"
+        ]
+
+    def _pictures(self) -> list[dict[str, Any]]:
+        """The robot's, the newest last, each with the number of its action."""
+        folder = self._folder / EVIDENCE
+        if not folder.is_dir() or folder.is_symlink():
+            return []
+        names = [each.name for each in folder.iterdir() if each.suffix in PICTURES and not each.is_symlink()]
+        numbered = [(int(name[:3]) if name[:3].isdigit() else 0, name) for name in names]
+        return [{"action": number, "file": f"{EVIDENCE}/{name}"} for number, name in sorted(numbered)]
+
+
+def _action(action: Any) -> dict[str, Any]:
+    return {
+        "number": action.number,
+        "index": action.index,
+        "do": action.do,
+        "from": action.source,
+        "to": action.target,
+        "with": {key: str(value) for key, value in action.parameters.items()},
+        "start": action.start,
+        "end": action.end,
+        "outcome": action.outcome,
+        "reason": action.reason,
+    }
+
+
+def _fails(run: PastRun) -> dict[int, int]:
+    """How often each action failed, as its number of attempts where a Fail was for good."""
+    assert run.network is not None
+    fails: Counter[int] = Counter()
+    for each in run.actions:
+        if each.outcome == "Fail":
+            attempts = run.network.network.actions[each.index].attempts
+            fails[each.index] = attempts if each.result.get("permanent") else fails[each.index] + 1
+    return dict(fails)

@@ -1,0 +1,141 @@
+"""The console's server."""
+
+from __future__ import annotations
+
+import asyncio
+import socket
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from importlib.resources import files
+from pathlib import Path
+
+from aiohttp import web
+
+from handcart.files.errors import InputError
+
+from .connections import Connections
+from .guard import Guard, Handler
+from .handlers import MOST_BODY, Handlers
+from .watcher import Watcher
+
+LOOPBACK = ("127.0.0.1", "::1")
+PORT, TRIES = 8090, 100
+_LOOKS_S = 0.1  # between two looks whether it is over
+_PAGES = {"/": ("index.html", "text/html"), "/console.js": ("console.js", "text/javascript")}
+_PAGES["/console.css"] = ("console.css", "text/css")
+
+
+class NoConsole(InputError):
+    """It can't be served."""
+
+
+class Server:
+    """Serves until it is over; the runs don't notice whether it does."""
+
+    def __init__(self, runs: Path, host: str | None, port: int | None) -> None:
+        """Take the port.
+
+        Args:
+            runs: the folder of the runs.
+            host: another address than this machine's own two; who reaches it needs the token, too.
+            port: which; None: 8090, or the next one that is free; 0: any.
+
+        Raises:
+            NoConsole: address or port can't be had.
+        """
+        self._runs = runs
+        self._sockets = _sockets((host,) if host else LOOPBACK, port)
+        self.port = int(self._sockets[0].getsockname()[1])
+        names = [host] if host else ["127.0.0.1", "localhost", "::1"]
+        shown = [f"[{each}]" if ":" in each else each for each in names]
+        self._guard = Guard([f"{each}:{self.port}" for each in shown])
+        self.address = f"http://{shown[0]}:{self.port}/#token={self._guard.token}"
+        """With the token behind `#`, which no browser sends or logs."""
+
+    def serve(self, over: Callable[[], bool]) -> None:
+        """Until `over`."""
+        asyncio.run(self._serve(over))
+
+    async def _serve(self, over: Callable[[], bool]) -> None:
+        watcher, connections = Watcher(self._runs), Connections()
+        app = web.Application(middlewares=[connections.heard, self._guard.check], client_max_size=MOST_BODY)
+        app.add_routes(Handlers(watcher).routes())
+        app.add_routes([web.get(path, _page(*page)) for path, page in _PAGES.items()])
+        app.add_routes([web.get("/favicon.ico", _no_picture)])
+        runner = web.AppRunner(app, access_log=None, keepalive_timeout=15.0, shutdown_timeout=0.5)
+        await runner.setup()
+        assert runner.server is not None
+        connections.of = runner.server
+        loop = asyncio.get_running_loop()
+        listening = [await loop.create_server(connections, sock=each) for each in self._sockets]
+        watching = asyncio.create_task(watcher.watch())
+        try:
+            while not over():
+                await asyncio.sleep(_LOOKS_S)
+                if watching.done():
+                    watching.result()
+        finally:
+            watching.cancel()
+            with suppress(asyncio.CancelledError):
+                await watching
+            for each in listening:
+                each.close()
+            watcher.close()
+            await runner.cleanup()
+
+
+def _page(name: str, kind: str) -> Handler:
+    content = files(__package__).joinpath("page", name).read_bytes()
+
+    async def give(_: web.Request) -> web.Response:
+        return web.Response(body=content, content_type=kind, charset="utf-8")
+
+    return give
+
+
+async def _no_picture(_: web.Request) -> web.Response:
+    return web.Response(status=204)
+
+
+def _sockets(hosts: Sequence[str], port: int | None) -> list[socket.socket]:
+    """Listening at the same port of each address that this machine has."""
+    wrong = ""
+    for chosen in range(PORT, PORT + TRIES) if port is None else (port,):
+        opened: list[socket.socket] = []
+        try:
+            for host in hosts:
+                opened.append(_opened(host, opened[0].getsockname()[1] if opened else chosen))
+        except OSError as error:
+            if opened and hosts == LOOPBACK and not _has_ipv6():
+                return opened
+            for each in opened:
+                each.close()
+            wrong = error.strerror or str(error)
+            continue
+        return opened
+    asked = f"port {port}" if port is not None else f"any port from {PORT} to {PORT + TRIES - 1}"
+    raise NoConsole(f"{asked} of {hosts[0]} can't be had: {wrong}; allowed: a free one, or 0 for any")
+
+
+def _opened(host: str, port: int) -> socket.socket:
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    made = socket.socket(family)
+    try:
+        made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        if family == socket.AF_INET6:
+            made.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_V6ONLY, 1)
+        made.bind((host, port))
+        made.listen(128)
+    except OSError:
+        made.close()
+        raise
+    return made
+
+
+def _has_ipv6() -> bool:
+    try:
+        with socket.socket(socket.AF_INET6) as tried:
+            tried.bind((LOOPBACK[1], 0))
+    except OSError:
+        return False
+    return True

@@ -1,0 +1,40 @@
+"""Opening a file of a run in a window of its own, where no token can be sent along."""
+
+from __future__ import annotations
+
+import secrets
+import time
+from pathlib import Path
+from typing import NamedTuple
+
+VALID_S = 30.0
+MOST = 100
+
+
+class Ticket(NamedTuple):
+    """Opens one file, once."""
+
+    folder: Path
+    name: str
+    until: float
+
+
+class Tickets:
+    """Those that were given out and not used."""
+
+    def __init__(self) -> None:
+        """None yet."""
+        self._given: dict[str, Ticket] = {}
+
+    def give(self, folder: Path, name: str) -> str:
+        """One for a file in a folder."""
+        while len(self._given) >= MOST:
+            del self._given[next(iter(self._given))]
+        word = secrets.token_urlsafe(24)
+        self._given[word] = Ticket(folder, name, time.monotonic() + VALID_S)
+        return word
+
+    def take(self, word: str) -> Ticket | None:
+        """The ticket of that word, which is none from now on; None where it never was, or is too old."""
+        ticket = self._given.pop(word, None)
+        return ticket if ticket is not None and time.monotonic() < ticket.until else None

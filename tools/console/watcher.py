@@ -1,0 +1,127 @@
+"""What all runs of a folder are doing, looked at again and again."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from handcart.files.errors import HandcartError
+from handcart.networks.operator.asking import NotAnswering, ask
+from handcart.networks.operator.socket_path import CONTROL
+from handcart.networks.runs.run_names import ListedRun, list_runs
+
+LOOKS_S = 0.2
+"""[s] between two looks at runs that go on."""
+LISTS = 5
+"""Looks between two at which runs there are."""
+MOST = 200
+"""Runs that are shown, the newest."""
+PATIENCE_S = 1.0
+"""[s] for which a run may keep the watcher waiting."""
+
+
+class Watcher:
+    """Knows the runs and their states; whoever waits hears of each change."""
+
+    def __init__(self, runs: Path) -> None:
+        """Of a folder that may not be there yet."""
+        self.folder = runs
+        self._pool = ThreadPoolExecutor(8, thread_name_prefix="console")
+        self._listed: dict[str, ListedRun] = {}
+        self._live: dict[str, dict[str, Any]] = {}
+        self._over: dict[str, tuple[int, int]] = {}
+        self._version = 0
+        self._changed = asyncio.Condition()
+
+    async def watch(self) -> None:
+        """Look, until it is cancelled."""
+        count = 0
+        while True:
+            before = self.told()
+            if count % LISTS == 0:
+                self._listed = await self.away(self._list)
+            await asyncio.gather(*(self._look(name) for name in self._listed))
+            count += 1
+            if self.told() != before:
+                await self.tell_all()
+            await asyncio.sleep(LOOKS_S)
+
+    async def away(self, work: Any, *words: Any) -> Any:
+        """Do what takes its time beside the server's loop."""
+        return await asyncio.get_running_loop().run_in_executor(self._pool, work, *words)
+
+    async def tell_all(self) -> None:
+        """Wake who waits for something new."""
+        async with self._changed:
+            self._version += 1
+            self._changed.notify_all()
+
+    async def newer(self, version: int, patience: float) -> int:
+        """Wait until there is a newer version than that, or for `patience` [s]; gives today's."""
+        async with self._changed:
+            with suppress(TimeoutError):
+                await asyncio.wait_for(self._changed.wait_for(lambda: self._version > version), patience)
+            return self._version
+
+    def folder_of(self, name: str) -> Path | None:
+        """A run's folder by its name; None: there is no such run, whatever the name leads to (row U14)."""
+        listed = self._listed.get(name)
+        return None if listed is None else listed.folder
+
+    def alive(self, name: str) -> bool:
+        """Whether it goes on."""
+        return name in self._live
+
+    async def look_now(self, name: str) -> None:
+        """Ask a run anew, and tell everybody."""
+        await self._look(name)
+        await self.tell_all()
+
+    def told(self) -> list[dict[str, Any]]:
+        """All of them, the newest first."""
+        return [self._told(name, listed) for name, listed in self._listed.items()]
+
+    def close(self) -> None:
+        """Let go of what is still asked."""
+        self._pool.shutdown(wait=False, cancel_futures=True)
+
+    def _list(self) -> dict[str, ListedRun]:
+        return {each.folder.name: each for each in list_runs(self.folder)[:MOST]}
+
+    async def _look(self, name: str) -> None:
+        """Ask a run that may go on; one whose socket was left behind isn't asked again."""
+        folder = self._listed[name].folder
+        try:
+            status = (folder / CONTROL).stat()
+        except OSError:
+            self._live.pop(name, None)
+            return
+        mark = status.st_ino, status.st_mtime_ns
+        if self._over.get(name) == mark:
+            return
+        try:
+            self._live[name] = await self.away(ask, folder, {"do": "status"}, PATIENCE_S)
+        except NotAnswering as error:
+            self._live[name] = {"state": "doesn't answer", "error": str(error)}
+        except HandcartError:
+            self._over[name] = mark
+            self._live.pop(name, None)
+
+    def _told(self, name: str, listed: ListedRun) -> dict[str, Any]:
+        live: Mapping[str, Any] | None = self._live.get(name)
+        head = {
+            "name": name,
+            "task": listed.task,
+            "seed": listed.seed,
+            "backend": listed.backend,
+            "begun": listed.begun,
+            "alive": live is not None,
+        }
+        if live is None:
+            return {**head, "state": listed.outcome or "broken off"}
+        rest = {key: value for key, value in live.items() if key != "ok"}
+        return {**head, **rest}
