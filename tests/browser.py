@@ -15,9 +15,10 @@ if TYPE_CHECKING:
     from playwright.sync_api import ConsoleMessage, Page
 
 CHROMIUM = Path("/usr/bin/chromium")
-# No GPU is asked for; a container's root may not make name spaces.
+# No GPU is asked for; a container's root may not make name spaces, and has little shared memory.
 FLAGS = (
     "--no-sandbox",
+    "--disable-dev-shm-usage",
     "--use-gl=angle",
     "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader",

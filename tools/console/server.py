@@ -19,6 +19,7 @@ from .handlers import MOST_BODY, Handlers
 from .watcher import Watcher
 
 LOOPBACK = ("127.0.0.1", "::1")
+_EVERY = ("", "0.0.0.0", "::")
 PORT, TRIES = 8090, 100
 _LOOKS_S = 0.1  # between two looks whether it is over
 _PAGES = {"/": ("index.html", "text/html"), "/console.js": ("console.js", "text/javascript")}
@@ -41,8 +42,11 @@ class Server:
             port: which; None: 8090, or the next one that is free; 0: any.
 
         Raises:
-            NoConsole: address or port can't be had.
+            NoConsole: address or port can't be had, or the address is that of all.
         """
+        if host in _EVERY:
+            wrong = "pages of any name would reach it"
+            raise NoConsole(f"--host {host}: {wrong}; allowed: one address of this machine, or its name")
         self._runs = runs
         self._sockets = _sockets((host,) if host else LOOPBACK, port)
         self.port = int(self._sockets[0].getsockname()[1])
@@ -55,6 +59,11 @@ class Server:
     def serve(self, over: Callable[[], bool]) -> None:
         """Until `over`."""
         asyncio.run(self._serve(over))
+
+    def close(self) -> None:
+        """Let go of the port; a second call does nothing."""
+        for each in self._sockets:
+            each.close()
 
     async def _serve(self, over: Callable[[], bool]) -> None:
         watcher, connections = Watcher(self._runs), Connections()

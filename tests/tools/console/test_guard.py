@@ -1,0 +1,216 @@
+"""Who is let in to the console: rows U1 to U5, U11 and U14 of the faults."""
+
+from __future__ import annotations
+
+import logging
+import socket
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from time import monotonic, sleep
+
+import pytest
+
+from handcart.tools.console import connections
+from handcart.tools.console.guard import POLICY
+from handcart.tools.console.server import NoConsole, Server
+from tests.tools.conftest import Said
+from tests.tools.console.conftest import LIVE, OVER, LiveRun, Served
+
+
+def test_u1_it_listens_on_this_machine_alone(served: Served) -> None:
+    """By both its addresses; another one needs `--host`, and the token as well."""
+    assert served.ask("GET", "/").status == 200
+    for each in {info[4][0] for info in socket.getaddrinfo(socket.gethostname(), None, socket.AF_INET)}:
+        if str(each).startswith("127."):
+            continue
+        with pytest.raises(OSError), socket.create_connection((str(each), served.server.port), timeout=2):
+            pass
+
+
+def test_u1_another_address_needs_to_be_asked_for_and_the_token(runs: Path) -> None:
+    server = Server(runs, "127.0.0.2", 0)
+    assert server.address.startswith(f"http://127.0.0.2:{server.port}/#token=")
+    with pytest.raises(NoConsole, match="can't be had"):
+        Server(runs, "127.0.0.2", server.port)
+    server.close()
+    for every in ("0.0.0.0", "::", ""):
+        with pytest.raises(NoConsole, match="allowed: one address of this machine"):
+            Server(runs, every, 0)
+
+
+@pytest.mark.parametrize("method", ["GET", "POST"])
+def test_u2_a_foreign_origin_is_refused_before_any_upgrade(served: Served, method: str) -> None:
+    for origin in ("http://evil.example", "null", f"https://{served.host}", "http://127.0.0.1:1"):
+        asked = served.ask(method, "/api/lease", {} if method == "POST" else None, Origin=origin)
+        assert (asked.status, asked.json["error"]) == (403, "another site asks for this")
+        web_socket = {"Connection": "Upgrade", "Upgrade": "websocket", "Sec_WebSocket_Version": "13"}
+        assert served.ask("GET", "/api/events", Origin=origin, **web_socket).status == 403
+    assert served.ask("GET", "/api/events", Upgrade="websocket", Connection="Upgrade").status == 403
+
+
+@pytest.mark.parametrize(
+    "host", ["evil.example", "evil.example:{port}", "127.0.0.1:1", "", "127.0.0.1.evil:{port}"]
+)
+def test_u3_another_host_s_name_is_refused(served: Served, host: str) -> None:
+    """DNS rebinding: the page of another name that leads to this machine."""
+    for path in ("/", f"/api/runs/{OVER}"):
+        assert served.ask("GET", path, Host=host.format(port=served.server.port)).status == 421
+
+
+@pytest.mark.parametrize(
+    "kind", ["text/plain", "application/x-www-form-urlencoded", "multipart/form-data", None]
+)
+def test_u4_a_form_from_elsewhere_is_refused(served: Served, live: LiveRun, kind: str | None) -> None:
+    served.wait_for()
+    path = f"/api/runs/{LIVE}/stop"
+    assert served.ask("POST", path, b'{"do":"stop"}', Content_Type=kind).status == 403
+    assert served.ask("POST", path, {}, Sec_Fetch_Site="cross-site").status == 403
+    assert served.ask("POST", path, {}, Authorization=None).status == 401
+    assert live.stops == 0
+
+
+@pytest.mark.parametrize(
+    "token", [None, "", "Bearer", "Bearer ", "Bearer wrong", "Basic {token}", "Bearer {token}x"]
+)
+def test_u5_without_the_token_nothing_is_told(
+    served: Served, live: LiveRun, token: str | None, caplog: pytest.LogCaptureFixture
+) -> None:
+    served.wait_for()
+    caplog.set_level(logging.DEBUG)
+    given = token and token.format(token=served.token)
+    for path in (f"/api/runs/{OVER}", "/api/events", f"/api/runs/{LIVE}/files/evidence/x.png"):
+        assert served.ask("GET", path, Authorization=given).status == 401
+    assert served.ask("POST", f"/api/runs/{LIVE}/stop", {}, Authorization=given).status == 401
+    assert live.stops == 0
+    assert served.token not in caplog.text
+
+
+def test_u5_the_token_is_never_in_what_a_browser_sends_as_address(served: Served) -> None:
+    assert served.server.address.count("#token=") == 1
+    assert served.ask("GET", f"/?token={served.token}", Authorization=None).status == 200
+    assert served.ask("GET", f"/api/runs/{OVER}?token={served.token}", Authorization=None).status == 401
+
+
+@pytest.mark.parametrize(
+    "path", ["/", "/console.js", "/console.css", f"/api/runs/{OVER}", "/api/nothing", "/ticket/x"]
+)
+def test_every_answer_says_what_may_run_on_the_page(served: Served, path: str) -> None:
+    """U10: nothing but what the console itself serves."""
+    headers = served.ask("GET", path).headers
+    assert headers["Content-Security-Policy"] == POLICY
+    assert "unsafe" not in POLICY
+    assert headers["X-Content-Type-Options"] == "nosniff"
+    assert headers["Cache-Control"] == "no-store"
+
+
+PATHS = [
+    "..",
+    "%2e%2e",
+    "..%2f..%2fetc%2fpasswd",
+    "latest",
+    "walk-0%00",
+    "%2fetc",
+    "nothing",
+    "walk-0/../walk-0%2f..",
+]
+
+
+@pytest.mark.parametrize("name", PATHS)
+def test_u14_only_runs_that_are_listed_have_names(served: Served, name: str) -> None:
+    (served.runs / "latest").symlink_to("/etc")
+    for rest in ("", "/files/evidence/x.png"):
+        assert served.ask("GET", f"/api/runs/{name}{rest}").status in (400, 404)
+    assert served.ask("POST", f"/api/runs/{name}/ticket", {"page": "report.html"}).status in (400, 404)
+
+
+@pytest.mark.parametrize(
+    "file",
+    [
+        "journal.jsonl",
+        "evidence/../journal.jsonl",
+        "evidence/%2e%2e/journal.jsonl",
+        "evidence/..%2fjournal.jsonl",
+        "evidence/link.png",
+        "evidence/sub/x.png",
+        "/etc/passwd",
+        "evidence/passwd",
+    ],
+)
+def test_u14_only_pictures_are_files(served: Served, file: str, tmp_path: Path) -> None:
+    secret = tmp_path / "secret.png"
+    secret.write_bytes(b"secret")
+    (served.runs / OVER / "evidence" / "link.png").symlink_to(secret)
+    asked = served.ask("GET", f"/api/runs/{OVER}/files/{file}")
+    assert asked.status in (403, 404, 409)
+    assert b"secret" not in asked.body or b"link.png" in asked.body
+
+
+def test_u14_nothing_can_be_sent_there(served: Served) -> None:
+    before = sorted(path for path in served.runs.rglob("*"))
+    for method in ("PUT", "DELETE", "PATCH"):
+        assert served.ask(method, f"/api/runs/{OVER}", {}).status == 405
+    assert served.ask("POST", f"/api/runs/{OVER}", {"task": "x"}).status == 405
+    assert served.ask("POST", f"/api/runs/{OVER}/ticket", {"page": "../secret"}).status == 404
+    assert sorted(path for path in served.runs.rglob("*")) == before
+
+
+def test_a_page_is_opened_once_and_reaches_nothing(served: Served) -> None:
+    url = served.ask("POST", f"/api/runs/{OVER}/ticket", {"page": "report.html"}).json
+    if not url["ok"] or not (served.runs / OVER / "report.html").exists():
+        (served.runs / OVER / "report.html").write_text("<!doctype html><p>report</p>", encoding="utf-8")
+        url = served.ask("POST", f"/api/runs/{OVER}/ticket", {"page": "report.html"}).json
+    page = served.ask("GET", url["url"], Authorization=None)
+    assert page.status == 200
+    assert "sandbox" in page.headers["Content-Security-Policy"]
+    assert served.ask("GET", url["url"], Authorization=None).status == 403
+
+
+def test_u11_a_huge_command_is_refused(served: Served, live: LiveRun) -> None:
+    served.wait_for()
+    served.take()
+    assert served.command(do="pause", by="x" * 20_000).status == 413
+    assert served.ask("POST", f"/api/runs/{LIVE}/command", b"[" * 5000).status == 400
+    assert live.heard == []
+
+
+def test_u11_who_says_nothing_is_hung_up_on(served: Served, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Slow heads, too; and of very many connections the last ones."""
+    monkeypatch.setattr(connections, "SILENT_S", 0.3)
+    monkeypatch.setattr(connections, "MOST", 20)
+    slow = [socket.create_connection(("127.0.0.1", served.server.port), timeout=20) for _ in range(10)]
+    for each in slow:
+        each.sendall(b"GET / HTTP/1.1\r\nHost: ")
+    for each in slow:
+        with each, suppress(ConnectionResetError):
+            assert each.recv(100) == b""
+    monkeypatch.setattr(connections, "SILENT_S", 30.0)
+    many = [socket.create_connection(("127.0.0.1", served.server.port), timeout=20) for _ in range(60)]
+    for each in many:
+        each.setblocking(False)
+    end = monotonic() + 20.0
+    while sum(_closed(each) for each in many) < 40:
+        assert monotonic() < end
+        sleep(0.05)
+    for each in many:
+        each.close()
+    assert served.ask("GET", "/").status == 200
+
+
+def _closed(line: socket.socket) -> bool:
+    try:
+        return line.recv(1) == b""
+    except BlockingIOError:
+        return False
+    except OSError:
+        return True
+
+
+def test_what_cannot_be_is_told_in_words(handcart: Callable[..., Said], tmp_path: Path) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        said = handcart("console", tmp_path, "--port", taken.getsockname()[1])
+    assert (said.status, said.out) == (2, "")
+    assert "can't be had: Address already in use; allowed: a free one, or 0 for any" in said.err
+    said = handcart("console", tmp_path, "--host", "no.such.host.invalid")
+    assert said.status == 2
+    assert "can't be had" in said.err
