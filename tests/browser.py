@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from importlib.util import find_spec
 from pathlib import Path
@@ -12,13 +12,12 @@ from typing import TYPE_CHECKING
 import pytest
 
 if TYPE_CHECKING:
-    from playwright.sync_api import ConsoleMessage, Page
+    from playwright.sync_api import Browser, ConsoleMessage, Page, Playwright
 
 CHROMIUM = Path("/usr/bin/chromium")
-# No GPU is asked for; a container's root may not make name spaces, and has little shared memory.
+# No GPU is asked for; a container's root may not make name spaces.
 FLAGS = (
     "--no-sandbox",
-    "--disable-dev-shm-usage",
     "--use-gl=angle",
     "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader",
@@ -45,13 +44,23 @@ class Seen:
             self.errors.append(message.text)
 
 
+def _launched(playwright: Playwright) -> Browser:
+    """On a loaded machine it now and then dies while it starts; nothing has been tried with it then."""
+    from playwright.sync_api import Error
+
+    for _ in range(2):
+        with suppress(Error):
+            return playwright.chromium.launch(executable_path=str(CHROMIUM), args=list(FLAGS))
+    return playwright.chromium.launch(executable_path=str(CHROMIUM), args=list(FLAGS))
+
+
 @contextmanager
 def browsing(size: tuple[int, int]) -> Iterator[Seen]:
     """An empty page of that width and height in [px]."""
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=str(CHROMIUM), args=list(FLAGS))
+        browser = _launched(playwright)
         page = browser.new_page(viewport={"width": size[0], "height": size[1]})
         seen = Seen(page)
         page.on("console", seen.heard)

@@ -19,6 +19,7 @@ from handcart.networks.operator.message import LONGEST_WORD, WORDS
 from handcart.networks.runs.run_folder import read_file
 
 from .guard import TICKETS, said
+from .kept_details import KeptDetails
 from .lease import Lease
 from .run_details import EVIDENCE, PAGES, PICTURES, RunDetails
 from .tickets import Tickets
@@ -43,6 +44,7 @@ class Handlers:
     def __init__(self, watcher: Watcher) -> None:
         """About the runs that are watched."""
         self._watcher, self._lease, self._tickets = watcher, Lease(), Tickets()
+        self._details = KeptDetails()
 
     def routes(self) -> list[web.RouteDef]:
         """For the application."""
@@ -81,8 +83,10 @@ class Handlers:
         name = request.match_info["run"]
         folder = self._folder(request)
         state: Mapping[str, Any] = next(each for each in self._watcher.told() if each["name"] == name)
-        details = await self._away(lambda: RunDetails(folder, state["alive"]).told(state.get("situation")))
-        return details if isinstance(details, web.Response) else _json(details)
+        details = await self._details.of(folder, state["alive"], state.get("situation"), self._away)
+        if isinstance(details, web.Response):
+            return said(details.status, orjson.loads(details.text or "{}")["error"])
+        return web.Response(body=details, content_type="application/json")
 
     async def after(self, request: web.Request) -> web.Response:
         """What a permission means for the goal."""

@@ -30,7 +30,7 @@ class Watcher:
     def __init__(self, runs: Path) -> None:
         """Of a folder that may not be there yet."""
         self.folder = runs
-        self._pool = ThreadPoolExecutor(8, thread_name_prefix="console")
+        self._pool = ThreadPoolExecutor(4, thread_name_prefix="console")
         self._listed: dict[str, ListedRun] = {}
         self._live: dict[str, dict[str, Any]] = {}
         self._over: dict[str, tuple[int, int]] = {}

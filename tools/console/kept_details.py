@@ -1,0 +1,52 @@
+"""What was read of runs, kept as long as nothing new is in their folders: many pages ask for the same."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from pathlib import Path
+from typing import Any
+
+import orjson
+
+from .run_details import EVIDENCE, RunDetails
+
+MOST = 32
+Away = Callable[[Callable[[], Any]], Awaitable[Any]]
+
+
+class KeptDetails:
+    """The last runs that were asked for, ready to send."""
+
+    def __init__(self) -> None:
+        """None yet."""
+        self._kept: dict[Path, tuple[object, asyncio.Future[Any]]] = {}
+
+    async def of(self, folder: Path, alive: bool, situation: str | None, away: Away) -> Any:
+        """A run's details as JSON; read once, however many ask; or what `away` gives where they can't be.
+
+        Args:
+            folder: the run's.
+            alive: whether it goes on.
+            situation: as it says itself.
+            away: does what takes its time beside the loop.
+        """
+        mark = alive, situation, *map(_mark, (folder / "journal.jsonl", folder / EVIDENCE))
+        known = self._kept.get(folder)
+        if known is None or known[0] != mark:
+            reading = asyncio.ensure_future(
+                away(lambda: orjson.dumps(RunDetails(folder, alive).told(situation)))
+            )
+            self._kept.pop(folder, None)
+            self._kept[folder] = known = mark, reading
+            if len(self._kept) > MOST:
+                del self._kept[next(iter(self._kept))]
+        return await asyncio.shield(known[1])
+
+
+def _mark(path: Path) -> tuple[int, int]:
+    try:
+        status = path.stat()
+    except OSError:
+        return 0, 0
+    return status.st_mtime_ns, status.st_size
