@@ -113,4 +113,10 @@ def _refused(wrong: str) -> dict[str, Any]:
 def _words(action: Action) -> dict[str, Any]:
     given = {} if action.binding is None else action.binding.given()
     words = {"index": action.index, "do": action.do, "from": action.source, "to": action.target}
-    return {**words, "with": {name: clipped(str(value)) for name, value in given.items()}}
+    return {**words, "with": {name: _value(value) for name, value in given.items()}}
+
+
+def _value(value: Any) -> str:
+    """A parameter in words; of one that the world model gives, its name there."""
+    late = isinstance(value, dict) and value.keys() == {"model"}
+    return clipped(str(value["model"] if late else value))
