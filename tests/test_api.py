@@ -73,7 +73,7 @@ def test_a_campaign_takes_what_the_command_takes(tmp_path: Path) -> None:
     assert "0.2" in (out / "trials.jsonl").read_text(encoding="utf-8")
     with pytest.raises(InputError, match=r"until: p < 0\.8 there, nothing now"):
         handcart.campaign(task, trials=400, level="network", out=out, vary=vary)
-    with pytest.raises(InputError, match="allowed: run, network"):
+    with pytest.raises(InputError, match="allowed: run, fitted, network"):
         handcart.campaign(task, level="physics")  # type: ignore[arg-type]
 
 
