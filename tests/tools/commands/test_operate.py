@@ -78,7 +78,8 @@ def alive(tour: Path, tmp_path: Path) -> Iterator[Callable[..., Alive]]:
 def test_an_action_waits_for_the_operator_and_says_what_it_wants(alive: Callable[..., Alive]) -> None:
     run = alive()
     run.wait_for(lambda: run.state() == "waiting for permission")
-    assert run.say("status")["asks"] == {"index": 0, "do": "MOVE_TO", "from": "at_home", "to": "at_shelf"}
+    asked = {"index": 0, "do": "MOVE_TO", "with": {"place": "shelf_3"}, "from": "at_home", "to": "at_shelf"}
+    assert run.say("status")["asks"] == {**asked, "ask": 1}
     assert "START" not in run.kinds()
     assert run.say("permit", action=7)["error"].startswith("action 7 doesn't wait for permission")
     assert run.say("permit", action=0)["ok"]
