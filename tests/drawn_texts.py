@@ -1,12 +1,15 @@
-"""Texts of matplotlib figures as they are drawn: whether they overlap, or leave the paper."""
+"""Texts as they are drawn, in figures and in a browser: whether they overlap, or leave the paper."""
 
 from __future__ import annotations
 
 from itertools import combinations
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import matplotlib.text
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Page
 
 SLACK = 0.5  # [px] by which boxes may touch
 
@@ -56,3 +59,35 @@ def _is_drawn(text: Any) -> bool:
             of_axis = [*shown, axis.label, axis.offsetText]
             return bool(axes.axison and axis.get_visible() and any(text is each for each in of_axis))
     return True
+
+
+def faults_of_page(page: Page) -> list[str]:
+    """The same of all drawings that a browser shows, and of what is wider than the page."""
+    return list(page.evaluate(_FAULTS))
+
+
+# Boxes reach above and below the letters: by 2 px lines may overlap, and turned texts by 1 px of 10.
+_FAULTS = """() => {
+    const found = [];
+    for (const svg of document.querySelectorAll('svg')) {
+        if (svg.parentElement && svg.parentElement.closest('svg')) continue;
+        const paper = svg.getBoundingClientRect();
+        const texts = [...svg.querySelectorAll('text')]
+            .filter(text => text.textContent.trim())
+            .map(text => [text.textContent.trim(), text.getBoundingClientRect()])
+            .filter(([, box]) => box.width > 0);
+        texts.forEach(([words, box], at) => {
+            if (box.left < paper.left - 1 || box.right > paper.right + 1
+                || box.top < paper.top - 1 || box.bottom > paper.bottom + 1)
+                found.push(`${words} is clipped`);
+            for (const [others, other] of texts.slice(at + 1)) {
+                const wide = Math.min(box.right, other.right) - Math.max(box.left, other.left);
+                const high = Math.min(box.bottom, other.bottom) - Math.max(box.top, other.top);
+                if (wide > 1 && high > 2) found.push(`${words} lies over ${others}`);
+            }
+        });
+    }
+    const wide = document.documentElement.scrollWidth;
+    if (document.body && wide > window.innerWidth + 1) found.push(`the page is ${wide} px wide`);
+    return found;
+}"""

@@ -22,8 +22,8 @@ from unittest.mock import patch
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.evaluation.seam.placement_plots import draw_tracking_errors
 from handcart.evaluation.seam.seam_survey import SeamSurvey
+from handcart.evaluation.seam.tracking_plot import draw_tracking_errors
 from handcart.evaluation.truth.judge import Judge
 from handcart.networks.run_options import RunOptions
 from handcart.networks.runs.run import execute

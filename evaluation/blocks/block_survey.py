@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -181,6 +182,14 @@ class BlockSurvey(Survey):
         ]
         missing = goals - len(errors)
         return far + ([f"{missing} of {goals} blocks don't stand where they should"] if missing else [])
+
+    def draw(self, folder: Path) -> None:
+        """See `Survey`."""
+        errors = self.errors()
+        if errors:
+            from .stacking_plot import draw_stacking_errors
+
+            draw_stacking_errors(errors, folder / "stacked.svg", STACKED_MM, self._uncorrected)
 
     def _attitude(self) -> Attitude:
         return Attitude(self.scene.base.theta, (self.scene.lean[0], self.scene.lean[1]))

@@ -8,12 +8,10 @@ from typing import Any
 import numpy as np
 
 from handcart.evaluation.drawing.figure_file import save_figure
+from handcart.evaluation.drawing.palette import GREY, SERIES
 from handcart.robotics.geometry.pose2 import Pose2
 
 from .wall_planning import WallPlan
-
-COLOURS = ("#3b6fd4", "#c8382e", "#2e8b57", "#9a5fb4", "#d98e04", "#3aa0a8")
-FAINT = "#999999"
 
 
 def draw_wall(plan: WallPlan, radius: float, target: Path) -> None:
@@ -46,13 +44,13 @@ def _from_above(plan: WallPlan, radius: float, ax: Any) -> None:
     edges = (grid.origin_x, right, grid.origin_y, top)
     ax.imshow(shown, origin="lower", extent=edges, cmap="Greys", vmin=0, vmax=4)
     for table in plan.drawing.tables.values():
-        _outline(ax, table.floor, *table.size_m, FAINT)
+        _outline(ax, table.floor, *table.size_m, GREY)
     length, width_m, _ = plan.drawing.block
     for stops, places in (
         (plan.fetching, plan.drawing.supply),
         (plan.laying, [b.place for b in plan.blocks]),
     ):
-        for colour, stop in zip(COLOURS * len(stops), stops, strict=False):
+        for colour, stop in zip(SERIES * len(stops), stops, strict=False):
             for number in stop.numbers:
                 _outline(ax, places[number - 1].floor, length, width_m, colour)
             x, y, turn = stop.pose
@@ -72,7 +70,7 @@ def _from_front(plan: WallPlan, ax: Any) -> None:
     _, width, height = plan.drawing.block
     for number, block in enumerate(plan.blocks, start=1):
         along, up = block.place.floor.relative_to(row).y, block.place.height_m
-        colour = COLOURS[_stop_of(plan, number) % len(COLOURS)]
+        colour = SERIES[_stop_of(plan, number) % len(SERIES)]
         ax.add_patch(Rectangle((along - width / 2, up), width, height, facecolor="none", edgecolor=colour))
         ax.annotate(str(number), (along, up + height / 2), ha="center", va="center", fontsize=8)
     ax.autoscale_view()

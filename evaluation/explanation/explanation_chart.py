@@ -14,14 +14,15 @@ from numpy.typing import NDArray
 
 from handcart.evaluation.drawing.figure_file import save_figure
 from handcart.evaluation.drawing.legend import add_legend
+from handcart.evaluation.drawing.palette import BLUE, GREY, VERMILION
 from handcart.files.errors import HandcartError
 from handcart.networks.runs.flight_recorder import Readings, load_arrays, load_readings
 from handcart.robotics.geometry.pose2 import Pose2
 
 from .explanation import Explanation
-from .explanation_words import cause_words
+from .explanation_words import cause_words, measured_words
 
-COMMAND, READING, RESTORED, LIMIT, SENSED = "#999999", "#3b6fd4", "#fbe8cf", "#c8382e", "#d62828"
+COMMAND, READING, RESTORED, LIMIT, SENSED = "#999999", BLUE, "#fbe8cf", VERMILION, VERMILION
 JOINTS = "tab10"
 WIDE = 90  # characters of a line of words
 AROUND = 2.0  # [m] about the robot that is drawn
@@ -74,8 +75,9 @@ def _draw(explanation: Explanation, path: Path) -> None:
     figure = Figure(figsize=(12.0, max(5.5, 1.0 + 1.1 * len(panels))), layout="constrained")
     halves: Any = figure.subfigures(1, 2, width_ratios=[1.0, 1.1])
     left, right = halves
-    seen, words = left.subplots(2, 1, height_ratios=[3.0, 1.0])
+    seen, gauge, words = left.subplots(3, 1, height_ratios=[3.0, 0.2, 1.0])
     _draw_seen(seen, explanation, readings)
+    _draw_decided(gauge, decided)
     words.set_axis_off()
     words.text(0.0, 1.0, _chain(explanation), va="top", fontsize=8, wrap=True, transform=words.transAxes)
     if panels:
@@ -149,7 +151,7 @@ def _draw_plan(axis: Any, explanation: Explanation, readings: Readings) -> None:
         pose = Pose2(float(middle[0]), float(middle[1]), float(readings["heading_rad"][now]))
         _draw_robot(axis, readings, pose)
         if "ranges_m" in readings:
-            axis.plot(*_scan(readings, now, pose).T, ".", color="#777777", ms=2.0, label="scan")
+            axis.plot(*_scan(readings, now, pose).T, ".", color=GREY, ms=2.0, label="scan")
         axis.plot(readings["x_m"], readings["y_m"], color=READING, lw=1.0, label="driven")
     for name, style in (("planned", ":"), ("ahead", "--")):
         if name in points:
@@ -164,7 +166,7 @@ def _draw_plan(axis: Any, explanation: Explanation, readings: Readings) -> None:
     axis.set_xlabel("x [m] on the map")
     axis.set_ylabel("y [m]")
     axis.set_title("from above, when it decided", fontsize=8)
-    add_legend(axis, fontsize=7)
+    add_legend(axis, fontsize=7, loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)
 
 
 def _deciding(explanation: Explanation, readings: Readings) -> int:
@@ -187,6 +189,22 @@ def _scan(readings: Readings, row: int, pose: Pose2) -> NDArray[np.float64]:
     hit = np.isfinite(reach)
     points = reach[hit, None] * np.column_stack([np.cos(angle[hit]), np.sin(angle[hit])])
     return pose.compose(Pose2(*readings["base_T_sensor"])).apply(points)
+
+
+def _draw_decided(axis: Any, decided: dict[str, Any]) -> None:
+    """What was measured, against the limit that decided."""
+    value, limit = decided.get("value"), decided.get("limit")
+    if value is None or limit is None or not math.isfinite(value):
+        axis.set_axis_off()
+        return
+    axis.barh(0.0, value, height=0.6, color=READING)
+    axis.axvline(limit, color=LIMIT, lw=2.0)
+    axis.margins(x=0.1)
+    axis.set_yticks([])
+    axis.tick_params(labelsize=7)
+    axis.set_title(f"{measured_words(decided)} (the line)", fontsize=8, loc="left", fontweight="bold")
+    for side in ("top", "left", "right"):
+        axis.spines[side].set_visible(False)
 
 
 # Readings and commands over time
@@ -227,6 +245,12 @@ def _with_gaps(readings: Readings) -> Readings:
     return {**readings, **columns}
 
 
+def _key(axis: Any) -> None:
+    """In the title's line, where no curve is."""
+    above = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "borderaxespad": 0.0}
+    add_legend(axis, fontsize=6, ncols=12, frameon=False, handlelength=1.2, **above)
+
+
 def _speed(axis: Any, readings: Readings) -> None:
     times = readings["time_s"]
     travel = (readings["wheel_left_m"] + readings["wheel_right_m"]) / 2
@@ -254,7 +278,7 @@ def _nearest(axis: Any, readings: Readings) -> None:
     for line, style, label in ((least, "-", "nearest"), (front, "--", "nearest ahead")):
         shown = np.where(np.isfinite(line), line, np.nan)
         axis.plot(readings["time_s"], shown, style, color=READING, lw=1.0, label=label)
-    add_legend(axis, fontsize=6, loc="upper right")
+    _key(axis)
 
 
 def _explained(axis: Any, readings: Readings) -> None:
@@ -273,13 +297,13 @@ def _joints(axis: Any, readings: Readings) -> None:
     for number, joint in enumerate((scale * angles).T):
         colour, name = colours[number % len(colours)], f"{number + 1}{' [mm]' if slides[number] else ''}"
         axis.plot(readings["time_s"], joint, color=colour, lw=1.0, label=name)
-    add_legend(axis, fontsize=6, loc="upper right", ncols=6)
+    _key(axis)
 
 
 def _force(axis: Any, readings: Readings) -> None:
     for name, column in zip("xyz", readings["hand_force_n"].T, strict=True):
         axis.plot(readings["time_s"], column, lw=1.0, label=name)
-    add_legend(axis, fontsize=6, loc="upper right", ncols=3)
+    _key(axis)
 
 
 def _grip(axis: Any, readings: Readings) -> None:

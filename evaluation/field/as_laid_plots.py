@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from handcart.evaluation.drawing.figure_file import save_figure
 from handcart.evaluation.drawing.legend import add_legend
+from handcart.evaluation.drawing.palette import BLACK, BLUE, GREY, ORANGE, PURPLE, VERMILION
 
 from .as_laid_report import NAME, AsLaid
 from .laid_placement import Place, Placement
@@ -21,8 +22,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-FIX, ODOMETRY, ESTIMATE, TRUTH = "#e0c000", "#3b6fd4", "#d62828", "#111111"
-LAID, UNSEEN = "#c2408a", "#999999"
+FIX, ODOMETRY, ESTIMATE, TRUTH = ORANGE, BLUE, VERMILION, BLACK
+LAID, UNSEEN = PURPLE, GREY
 WIDE = 11.0  # [in]
 TALL = (1.9, 5.5)  # [in] of a panel with the course
 MOST = 1500  # points of a kind: more aren't seen, and make the file large
@@ -55,15 +56,27 @@ def draw_as_laid(folder: Path, survey: Laying, sensors: list[AsLaid]) -> Path:
     _errors(axes["errors"], survey)
     _ellipses(axes["ellipses"], survey, sensors)
     for name, each in axes.items():
-        if name in ("hand", "track") and tall <= TALL[0]:
-            each.set_ylabel("stretched")  # a straight course: else what is to be seen isn't
-        else:
-            each.set_aspect("equal", adjustable="datalim")
+        stretched = name in ("hand", "track") and tall <= TALL[0]  # a straight course: else nothing is seen
+        each.set_ylabel(
+            "y [m], stretched" if stretched else "y [m]" if name in ("hand", "track") else "y [mm]"
+        )
+        if not stretched:
+            each.set_aspect("equal", adjustable="datalim" if name in ("hand", "track") else "box")
         each.grid(alpha=0.3)
+    axes["hand"].sharex(axes["track"])
+    axes["hand"].set_xlabel("x [m]")
+    _same_scale(axes["errors"], axes["ellipses"])
     path = folder / f"{NAME}.svg"
     with matplotlib.rc_context({"svg.hashsalt": "handcart"}):
         save_figure(figure, path)
     return path
+
+
+def _same_scale(*axes: Axes) -> None:
+    """As wide and high as the widest needs, about zero."""
+    most = max(abs(end) for each in axes for end in (*each.get_xlim(), *each.get_ylim()))
+    for each in axes:
+        each.set(xlim=(-most, most), ylim=(-most, most))
 
 
 def _tall(survey: Laying) -> float:
@@ -118,7 +131,7 @@ def _errors(axes: Axes, survey: Laying) -> None:
     if len(errors) > 1:
         axes.plot(*(errors - errors.mean(axis=0)).T, "o", color=LAID, ms=5.0)
         x, y = errors.std(axis=0, ddof=1)
-        axes.set_xlabel(f"{len(errors)} seen; standard deviation {x:.0f} in x, {y:.0f} in y")
+        axes.set_xlabel(f"x [mm]; {len(errors)} seen, standard deviation {x:.0f} in x, {y:.0f} in y")
 
 
 def _ellipses(axes: Axes, survey: Laying, sensors: list[AsLaid]) -> None:
@@ -136,4 +149,4 @@ def _ellipses(axes: Axes, survey: Laying, sensors: list[AsLaid]) -> None:
     if known:
         axes.plot(*np.array([1e3 * (each.place - lies[each.name]) for each in known]).T, ".", color=LAID)
     axes.plot(0.0, 0.0, "+", color=TRUTH, ms=12.0, mew=1.5)
-    axes.set_xlabel(f"95 % ellipses: {held} of {len(known)} hold the true place; red: those that don't")
+    axes.set_xlabel(f"x [mm]; {held} of {len(known)} ellipses of 95 % hold the true place (grey)")

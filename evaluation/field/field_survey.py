@@ -21,6 +21,7 @@ from handcart.primitives.field.field_work import FieldWork
 from handcart.primitives.field.target import Laid
 from handcart.robotics.navigation.outdoors.placement_errors import aligned_spread, nees
 
+from .as_laid_report import AsLaid
 from .field_effects import EFFECTS
 from .laid_placement import Place, Placement
 from .total_station import Sight, TotalStation
@@ -64,6 +65,8 @@ class FieldSurvey(Survey):
         self._seen: dict[str, Place | None] = {}
         self.tracks: dict[str, list[Place]] = {name: [] for name in TRACKS}
         """Points (x, y) in [m], for plots."""
+        self._as_laid: list[AsLaid] = []
+        """Of a run that has ended."""
         self._next = 0.0
         self._held = ""
         simulated = run.folder is not None and run.scene is not None
@@ -164,15 +167,19 @@ class FieldSurvey(Survey):
         return result
 
     def report(self, prepared: Prepared, folder: Path) -> None:
-        """Write the as-laid report where sensors were laid; draw it where they were surveyed."""
+        """Write the as-laid report where sensors were laid."""
         if not prepared.model.of(FieldWork).laid:
             return
-        from .as_laid_plots import draw_as_laid
         from .as_laid_report import write_as_laid
 
-        sensors = write_as_laid(prepared, folder)
-        if self._scene is not None:
-            draw_as_laid(folder, self, sensors)
+        self._as_laid = write_as_laid(prepared, folder)
+
+    def draw(self, folder: Path) -> None:
+        """Draw that report where sensors were surveyed."""
+        if self._as_laid and self._scene is not None:
+            from .as_laid_plots import draw_as_laid
+
+            draw_as_laid(folder, self, self._as_laid)
 
     def _nearest(self, laid: Laid) -> str:
         """The block that lies nearest to where the robot believed to lay it."""

@@ -1,4 +1,4 @@
-"""Pictures of a path divided among base placements, and of how well it was tracked, after Shin (2005)."""
+"""Pictures of a path divided among base placements, after Shin (2005)."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.evaluation.drawing.figure_file import save_figure
+from handcart.evaluation.drawing.palette import SERIES
 from handcart.robotics.manipulation.arms.pitch_arm import PitchArm
 from handcart.robotics.manipulation.arms.planar_arm import PlanarArm
 from handcart.robotics.manipulation.placement.placement_division import Division
@@ -17,8 +18,6 @@ from handcart.robotics.manipulation.tracking.tool_path import ToolPath
 
 Floats = NDArray[np.float64]
 
-COLOURS = ("#3b6fd4", "#c8382e", "#2e8b57", "#9a5fb4", "#d98e04", "#3aa0a8")
-FAINT = "#999999"
 POSTURES = 7  # of the arm in a segment
 BODY = (0.9, 0.65)  # [m] length and width of the base that is drawn
 
@@ -81,27 +80,6 @@ def draw_divisions(
     _save(figure, target)
 
 
-def draw_tracking_errors(runs: Sequence[tuple[str, Floats, Floats]], target: Path) -> None:
-    """As figure 5: distance of the tool from its path over time, one panel for each of the runs.
-
-    Args:
-        runs: title, times (k,) in [s] and errors (k,) in [m] of each.
-    Raises:
-        OSError: the file can't be written.
-    """
-    figure, axes = _figure(len(runs), (7.0, 2.4 * len(runs)))
-    for ax, (title, times, errors) in zip(axes, runs, strict=True):
-        millimetres = 1e3 * errors
-        ax.plot(times, millimetres, color=COLOURS[0], linewidth=0.8)
-        ax.axhline(millimetres.max(), color=COLOURS[1], linewidth=0.8, linestyle="--")
-        rms = np.sqrt(np.mean(millimetres**2))
-        ax.set_title(f"{title}: at most {millimetres.max():.2f} mm, rms {rms:.2f} mm", fontsize=10)
-        ax.set_ylim(bottom=0.0)
-        ax.set_ylabel("error [mm]")
-    axes[-1].set_xlabel("time [s]")
-    _save(figure, target)
-
-
 def _figure(rows: int, size: tuple[float, float], ratios: Any = None) -> tuple[Any, list[Any]]:
     from matplotlib.figure import Figure
 
@@ -113,7 +91,7 @@ def _figure(rows: int, size: tuple[float, float], ratios: Any = None) -> tuple[A
 
 
 def _coloured(division: Division) -> list[tuple[str, Any]]:
-    return [(COLOURS[row % len(COLOURS)], segment) for row, segment in enumerate(division.segments)]
+    return [(SERIES[row % len(SERIES)], segment) for row, segment in enumerate(division.segments)]
 
 
 def _label(ax: Any, panel: DividedPath, path: ToolPath) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
@@ -136,6 +137,17 @@ class SeamSurvey(Survey):
         found = [f"{left:.3f} m of the seam were not tracked"] if left > 1e-6 else []
         off = max((float(distance.max()) for _, distance in self.errors()), default=0.0)
         return found + ([f"the tool was {1e3 * off:.1f} mm off the seam"] if off > MOST_OFF + SENSORS else [])
+
+    def draw(self, folder: Path) -> None:
+        """See `Survey`."""
+        from .tracking_plot import draw_tracking_errors
+
+        stretches = [
+            (f"part {number}, {each.part.length:.2f} m", times - times[0], off)
+            for number, (each, (times, off)) in enumerate(zip(self.stretches, self.errors(), strict=True), 1)
+        ]
+        if stretches:
+            draw_tracking_errors(stretches, folder / "tracked.svg", self.limits["tracking_error_mm_max"])
 
     def uses(self) -> list[LimitUse]:
         """What each stretch took of the joints' speeds and torques, the tool's force included."""

@@ -13,6 +13,16 @@ from numpy.typing import NDArray
 
 from handcart.evaluation.drawing.figure_file import save_figure
 from handcart.evaluation.drawing.legend import add_legend
+from handcart.evaluation.drawing.palette import (
+    BLACK,
+    BLUE,
+    GREEN,
+    ORANGE,
+    OUTCOMES,
+    SKY,
+    VERMILION,
+)
+from handcart.evaluation.drawing.place_arrows import draw_places
 from handcart.networks.journal.evidence_files import FOLDER
 from handcart.networks.journal.journal_record import read_journal
 from handcart.networks.runs.flight_recorder import SUFFIX
@@ -21,9 +31,8 @@ from handcart.primitives.knowledge.place import Place
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.routes.voronoi_graph import voronoi_graph
 
-COLOURS = {"Success": "#2a9d5c", "Fail": "#e0a100", "GiveUp": "#c8382e", "running": "#999999"}
-PLANNED, DRIVEN, RESTORED, SENSED, GRAPH = "#3b6fd4", "#111111", "#e07b00", "#d62828", "#b9c7dd"
-SCAN = "#2a9d5c"
+PLANNED, DRIVEN, RESTORED, SENSED, GRAPH = BLUE, BLACK, ORANGE, VERMILION, SKY
+SCAN = GREEN
 LETTERS = 125.0  # of the widest kind that fit on the time line
 BESIDE = 0.5  # of the known part of a map that is drawn too [m]
 
@@ -62,22 +71,31 @@ def draw_overview(
     import matplotlib
     from matplotlib.figure import Figure
 
-    track, stretches = load_track(run_dir / "telemetry.npz"), time_line(run_dir)
+    track, (title, stretches) = load_track(run_dir / "telemetry.npz"), _course(run_dir)
     picture = _last_picture(run_dir, shown)
     figure = Figure(figsize=(12.0, 7.2), layout="constrained")
     axes = figure.subplot_mosaic(
-        [["map", "picture"], ["time", "time"]] if picture is not None else [["map"], ["time"]],
-        height_ratios=[4.2, 1.0],
+        [["map", "picture"], ["key", "key"], ["time", "time"]]
+        if picture is not None
+        else [["map"], ["key"], ["time"]],
+        height_ratios=[4.2, 0.25, 1.0],
         width_ratios=[1.35, 1.0] if picture is not None else [1.0],
     )
-    _draw_map(axes["map"], grid, places, radius)
+    figure.suptitle(title, fontsize=11)
+    _draw_map(axes["map"], grid, radius)
     _draw_drive(axes["map"], run_dir, track)
+    _draw_robot(axes["map"], track, radius)
     _draw_time(axes["time"], stretches)
+    axes["key"].set_axis_off()
+    handles, labels = axes["map"].get_legend_handles_labels()
+    axes["key"].legend(handles, labels, loc="center", fontsize=8, ncols=8, frameon=False)
     if picture is not None:
         name, pixels = picture
         axes["picture"].imshow(pixels)
-        axes["picture"].set_title(f"what was seen: {name}", fontsize=9)
+        axes["picture"].set_title(f"what was seen: {' '.join(name.split('_'))}", fontsize=9)
         axes["picture"].set_axis_off()
+    figure.draw_without_rendering()  # where there is room for names is known then
+    _draw_places(axes["map"], places)
     path = run_dir / "overview.svg"
     with matplotlib.rc_context({"svg.hashsalt": "handcart", "svg.fonttype": "none"}):
         save_figure(figure, path)
@@ -87,8 +105,9 @@ def draw_overview(
     return path
 
 
-def time_line(run_dir: Path) -> list[Stretch]:
-    """The actions of a run, from its journal."""
+def _course(run_dir: Path) -> tuple[str, list[Stretch]]:
+    """How a run ended, in words, and its actions; from its journal."""
+    title = f"{run_dir.name}: no end is known"
     started: dict[int, tuple[str, float]] = {}
     ended: dict[int, tuple[str, float]] = {}
     last = 0.0
@@ -98,13 +117,15 @@ def time_line(run_dir: Path) -> list[Stretch]:
             started[record["n"]] = (record["action"]["do"], last)
         elif record["kind"] == "RESULT":
             ended[record["n"]] = (record["outcome"], last)
-    return [
-        Stretch(number, do, start, ended.get(number, ("", last))[1], ended.get(number, ("running", last))[0])
+        elif record["kind"] == "END":
+            title = f"{run_dir.name}: {record['outcome']} after {last:.1f} s"
+    return title, [
+        Stretch(number, do, start, ended.get(number, ("", last))[1], ended.get(number, ("", last))[0])
         for number, (do, start) in started.items()
     ]
 
 
-def _draw_map(axis: Any, grid: GridMap, places: Mapping[str, Place], radius: float) -> None:
+def _draw_map(axis: Any, grid: GridMap, radius: float) -> None:
     height, width = grid.occupied.shape
     x0, y0, cell = grid.origin_x, grid.origin_y, grid.resolution
     shade = np.where(grid.occupied, 60, np.where(grid.unknown, 215, 255)).astype(np.uint8)
@@ -116,12 +137,6 @@ def _draw_map(axis: Any, grid: GridMap, places: Mapping[str, Place], radius: flo
         graph = None
     for number, (_, _, line) in enumerate(graph.edges(data="points") if graph is not None else ()):
         axis.plot(line[:, 0], line[:, 1], color=GRAPH, lw=1.0, label=None if number else "Voronoi graph")
-    for name, place in places.items():
-        dx, dy = 0.25 * np.cos(place.pose.theta), 0.25 * np.sin(place.pose.theta)
-        axis.annotate(
-            "", (place.x_m + dx, place.y_m + dy), (place.x_m, place.y_m), arrowprops={"arrowstyle": "->"}
-        )
-        axis.annotate(name, (place.x_m, place.y_m), (4, 4), textcoords="offset points", fontsize=8)
     known = np.argwhere(~grid.unknown)
     if len(known):
         low, high = grid.to_point(known.min(axis=0)[None])[0], grid.to_point(known.max(axis=0)[None])[0]
@@ -130,6 +145,30 @@ def _draw_map(axis: Any, grid: GridMap, places: Mapping[str, Place], radius: flo
     axis.set_aspect("equal")
     axis.set_xlabel("x [m]")
     axis.set_ylabel("y [m]")
+
+
+def _draw_places(axis: Any, places: Mapping[str, Place]) -> None:
+    """Those that are in sight."""
+    (left, right), (low, high) = axis.get_xlim(), axis.get_ylim()
+    poses = {
+        name: (place.x_m, place.y_m, place.pose.theta)
+        for name, place in places.items()
+        if left <= place.x_m <= right and low <= place.y_m <= high
+    }
+    draw_places(axis, poses)
+
+
+def _draw_robot(axis: Any, track: Track, radius: float) -> None:
+    """Its footprint and its nose, where it began and where it ended."""
+    from matplotlib.patches import Circle
+
+    if not len(track.pose):
+        return
+    for row, style, label in ((0, ":", "robot at the start"), (-1, "-", "robot at the end")):
+        x, y, heading = track.pose[row]
+        axis.add_patch(Circle((x, y), radius, fill=False, color=DRIVEN, ls=style, lw=1.2, label=label))
+        nose = x + radius * np.cos(heading), y + radius * np.sin(heading)
+        axis.plot([x, nose[0]], [y, nose[1]], color=DRIVEN, ls=style, lw=1.2)
 
 
 def _draw_drive(axis: Any, run_dir: Path, track: Track) -> None:
@@ -146,20 +185,20 @@ def _draw_drive(axis: Any, run_dir: Path, track: Track) -> None:
         axis.plot(*np.vstack(scans).T, ".", color=SCAN, ms=1.5, label="scan on arrival", rasterized=True)
     if sensed:
         axis.plot(*np.vstack(sensed).T, ".", color=SENSED, ms=2.5, label="sensed, not on the map")
-    add_legend(axis, fontsize=7, loc="upper left", bbox_to_anchor=(0.0, -0.1), ncols=6, frameon=False)
 
 
 def _draw_time(axis: Any, stretches: list[Stretch]) -> None:
     span = max((each.end for each in stretches), default=0.0)
     for each in stretches:
         lasted = each.end - each.start
-        axis.barh(0, lasted, left=each.start, color=COLOURS[each.outcome], edgecolor="white")
+        axis.barh(0, lasted, left=each.start, color=OUTCOMES[each.outcome], edgecolor="white")
         label = _fitting(each, LETTERS * lasted / span if span else 0.0)
         middle = 0.5 * (each.start + each.end)
-        axis.text(middle, 0.0, label, ha="center", va="center", fontsize=7, color="black")
+        axis.text(middle, 0.0, label, ha="center", va="center", fontsize=7, color="white")
     axis.set_yticks([])
     axis.set_ylim(-0.5, 0.5)
-    axis.set_xlabel("time [s]; green: Success, yellow: Fail and restored, red: GiveUp")
+    axis.set_xlim(0.0, span or 1.0)
+    axis.set_xlabel("time [s]; blue: Success, orange: Fail and restored, black: GiveUp, grey: no end")
     for side in ("top", "left", "right"):
         axis.spines[side].set_visible(False)
 
@@ -180,7 +219,7 @@ def _draw_fail(run_dir: Path, stretch: Stretch, grid: GridMap) -> None:
 
     figure = Figure(figsize=(5.0, 5.0), layout="constrained")
     axis = figure.subplots()
-    _draw_map(axis, grid, {}, 1e3)
+    _draw_map(axis, grid, 1e3)
     axis.plot(*points["sensed"].T, ".", color=SENSED, label="sensed, not on the map")
     axis.plot(*points["ahead"].T, color=PLANNED, ls="--", label="the way ahead")
     x, y = points["in the way"][0]

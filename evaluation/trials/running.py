@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
@@ -74,11 +74,7 @@ def run_task(task: Path, runs: Path, options: RunOptions | None = None) -> tuple
             claim.begin(folder)
         chosen = replace(options, observers=(judge, *_recorders(options), *observers), interrupts=heard)
         ran = execute(prepared, folder, chosen)
-        _report(prepared, folder, judge, options.observers)
-        if options.draw:
-            _draw(prepared, folder, judge, options.observers)
-        if options.report:
-            _write_page(folder, options.observers)
+        _write_up(prepared, folder, judge, options)
     return ran.summary, ran.end.exit_status
 
 
@@ -111,33 +107,33 @@ def _prepared(task: Path, options: RunOptions) -> Prepared:
     return replace(prepared, backend=backend, robot=robot)
 
 
-def _report(prepared: Prepared, folder: Path, judge: Judge, observers: Sequence[RunObserver]) -> None:
-    """What the surveys write and draw; a disk that takes no more doesn't change how the run ended."""
-    try:
-        judge.surveys.report(prepared, folder)
-    except OSError as error:
-        _say(observers, f"{folder} can't be written: {error.strerror}; no report of the surveys is whole")
+def _write_up(prepared: Prepared, folder: Path, judge: Judge, options: RunOptions) -> None:
+    """Reports, pictures and the page of a run; one that can't be written doesn't change how it ended."""
 
+    def drawn() -> None:
+        from .overview import draw_overview
 
-def _draw(prepared: Prepared, folder: Path, judge: Judge, observers: Sequence[RunObserver]) -> None:
-    """Draw the overview; a disk that takes no more doesn't change how the run ended."""
-    from .overview import draw_overview
-
-    model, radius = prepared.model, prepared.robot.spec.footprint_radius_m
-    try:
+        model, radius = prepared.model, prepared.robot.spec.footprint_radius_m
         draw_overview(folder, model.map, model.places, radius, judge.surveys.shown)
-    except OSError as error:
-        _say(observers, f"{folder} can't be written: {error.strerror}; there is no overview.svg")
 
+    def page() -> None:
+        from handcart.evaluation.report.report import write_report
 
-def _write_page(folder: Path, observers: Sequence[RunObserver]) -> None:
-    """Write the run's page; whatever keeps it from being written doesn't change how the run ended."""
-    from handcart.evaluation.report.report import write_report
-
-    try:
         write_report(folder)
-    except (OSError, HandcartError) as error:
-        _say(observers, f"there is no report of {folder}: {error}")
+
+    steps: list[tuple[bool, str, Callable[[], object]]] = [
+        (True, "no report of the surveys is whole", lambda: judge.surveys.report(prepared, folder)),
+        (options.draw, "the surveys' pictures are missing", lambda: judge.surveys.draw(folder)),
+        (options.draw, "there is no overview.svg", drawn),
+        (options.report, "there is no report.html", page),
+    ]
+    for wanted, missing, write in steps:
+        try:
+            if wanted:
+                write()
+        except Exception as error:
+            reason = error.strerror if isinstance(error, OSError) else error
+            _say(options.observers, f"{folder} can't be written: {reason}; {missing}")
 
 
 def _say(observers: Sequence[RunObserver], words: str) -> None:
@@ -154,7 +150,7 @@ def resume_task(
         folder: the run's.
         confirm: the journal's last record, as a person has seen it; needed where a real robot moves.
         options: how it goes on; how it was begun stands in its journal, so nothing else of them counts than
-            `permits`, `interrupts`, `sync`, `report`, `playback` and `observers`.
+            `permits`, `interrupts`, `sync`, `draw`, `report`, `playback` and `observers`.
 
     Returns:
         The summary that also stands in the run's folder, and the exit status.
@@ -189,9 +185,7 @@ def resume_task(
         heard_by = (judge, *_recorders(options), *observers)
         chosen = replace(options, observers=heard_by, interrupts=heard, checkpoints=True)
         ran = execute(prepared, folder, chosen, past)
-        _report(prepared, folder, judge, observers)
-        if options.report:
-            _write_page(folder, observers)
+        _write_up(prepared, folder, judge, options)
     return ran.summary, ran.end.exit_status
 
 

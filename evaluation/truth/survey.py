@@ -139,7 +139,14 @@ class Survey(ABC):
         return []
 
     def report(self, prepared: Prepared, folder: Path) -> None:
-        """Write reports and pictures into the folder of a run that has ended.
+        """Write what others read on, into the folder of a run that has ended.
+
+        Raises:
+            OSError: the disk takes no more.
+        """
+
+    def draw(self, folder: Path) -> None:
+        """Draw pictures into the folder of a run that has ended; its page shows each `*.svg`.
 
         Raises:
             OSError: the disk takes no more.

@@ -165,10 +165,17 @@ class Surveys:
         return ["; ".join(faults) for faults in by_survey if faults]
 
     def report(self, prepared: Prepared, folder: Path) -> None:
-        """Write reports and pictures into the folder of a run that has ended; raises as `Survey.report`."""
+        """Write reports into the folder of a run that has ended; raises as `Survey.report`."""
+        self._write(lambda survey: survey.report(prepared, folder))
+
+    def draw(self, folder: Path) -> None:
+        """Draw pictures into it; raises as `Survey.draw`."""
+        self._write(lambda survey: survey.draw(folder))
+
+    def _write(self, write: Callable[[Survey], None]) -> None:
         for survey in self._every:
             try:
-                survey.report(prepared, folder)
+                write(survey)
             except OSError:
                 raise
             except Exception as error:

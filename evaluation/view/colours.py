@@ -7,8 +7,6 @@ from zlib import crc32
 
 Rgb = tuple[int, int, int]
 
-OUTCOMES = {"Success": "#009e73", "Fail": "#e69f00", "GiveUp": "#c8382e", "": "#8a929b"}
-"""By how an action ended; empty: it didn't, yet."""
 RAY: Rgb = (158, 214, 186)
 HIT: Rgb = (0, 128, 92)
 PLANNED: Rgb = (47, 99, 201)

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from html import escape
 from typing import TYPE_CHECKING
 
+from handcart.evaluation.drawing.palette import OUTCOMES
 from handcart.networks.graph.network import ActionNetwork
 from handcart.networks.journal.past_run import PastAction
 
-from . import colours
 from .frame import Frame
 from .network_window import NetworkWindow
 from .time_line import time_line
@@ -82,7 +82,7 @@ class Panel:
             way = f"{escape(action.source)} → {escape(action.target)}"
             doing = f"{action.number}. <b>{escape(action.do)}</b> {way}"
             if frame.moment.restoring:
-                doing += f' <b style="color:{colours.OUTCOMES["Fail"]}">restoring</b>'
+                doing += f' <b style="color:{OUTCOMES["Fail"]}">restoring</b>'
         return (
             f'<div style="{_HEAD}"><div style="font-weight:600">{escape(self._title)}</div>'
             f'<div style="color:#4a5868">{escape(self.ended)}</div>'

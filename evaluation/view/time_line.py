@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from html import escape
 
+from handcart.evaluation.drawing.palette import OUTCOMES
 from handcart.networks.journal.past_run import PastAction
-
-from . import colours
 
 WIDE, HIGH = 1000.0, 64.0
 LETTER = 15.0  # width of a letter of the numbers on it
@@ -27,8 +26,8 @@ def time_line(actions: Sequence[PastAction], start: float, end: float, now: floa
         runs = each.start <= now < each.end
         words.append(
             f'<rect x="{x:.1f}" y="8" width="{max(wide - 2.0, 1.0):.1f}" height="48" '
-            f'fill="{colours.OUTCOMES.get(each.outcome, colours.OUTCOMES[""])}" '
-            f'opacity="{1.0 if runs else 0.62}"/>'
+            f'fill="{OUTCOMES.get(each.outcome, OUTCOMES[""])}" '
+            f'opacity="{1.0 if runs else 0.8}"/>'
         )
         if each.broken_off is not None:
             back = (each.end - each.broken_off) / span * WIDE
@@ -37,9 +36,7 @@ def time_line(actions: Sequence[PastAction], start: float, end: float, now: floa
                 'fill="#7a3f00"/>'
             )
         if wide > LETTER * (len(str(each.number)) + 1):
-            words.append(
-                f'<text x="{x + wide / 2:.1f}" y="41" fill="#11181f">{escape(str(each.number))}</text>'
-            )
+            words.append(f'<text x="{x + wide / 2:.1f}" y="41" fill="#fff">{escape(str(each.number))}</text>')
     at = min(max((now - start) / span, 0.0), 1.0) * WIDE
     words.append(
         f'<rect x="{min(at, WIDE - 6.0):.1f}" y="0" width="6" height="{HIGH:.0f}" fill="#11181f"/></svg>'

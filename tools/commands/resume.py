@@ -47,6 +47,7 @@ def resume(
             confirm,
             RunOptions(
                 sync=sync,
+                draw=True,
                 report=True,
                 playback=True,
                 permits=permits,

@@ -12,8 +12,8 @@ from handcart.evaluation.seam.placement_plots import (
     DividedPath,
     draw_divisions,
     draw_planar_divisions,
-    draw_tracking_errors,
 )
+from handcart.evaluation.seam.tracking_plot import draw_tracking_errors
 from handcart.robotics.manipulation.arms.pitch_arm import PitchArm
 from handcart.robotics.manipulation.arms.planar_arm import PlanarArm
 from handcart.robotics.manipulation.placement.placement_division import Division, Segment

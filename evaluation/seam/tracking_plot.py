@@ -1,0 +1,59 @@
+"""How far a tool was off its path, as figure 5 of Shin (2005) shows it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.evaluation.drawing.figure_file import save_figure
+from handcart.evaluation.drawing.palette import BLACK, BLUE, GREY, VERMILION
+
+Floats = NDArray[np.float64]
+
+PAPER_MM = ((1.0, "Shin (2005), figure 5a, standing: below 1 mm"), (25.0, "figure 5b, moving: above 25 mm"))
+LOG_FROM = 10.0  # where the largest of the errors is that many times the smallest of the panels'
+
+
+def draw_tracking_errors(
+    runs: Sequence[tuple[str, Floats, Floats]], target: Path, limit_mm: float | None = None
+) -> None:
+    """Distance of the tool from its path over time, one panel for each of the runs, all of one scale.
+
+    Args:
+        runs: title, times (k,) in [s] and errors (k,) in [m] of each.
+        target: a file.
+        limit_mm: the most that it may be; None: it isn't drawn.
+
+    Raises:
+        OSError: the file can't be written.
+    """
+    import matplotlib
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(8.0, 1.0 + 2.2 * len(runs)), layout="constrained")
+    axes = figure.subplots(len(runs), 1, squeeze=False, sharey=True)[:, 0]
+    most = [1e3 * float(errors.max()) for _, _, errors in runs]
+    for axis, (title, times, errors), highest in zip(axes, runs, most, strict=True):
+        millimetres = 1e3 * errors
+        axis.plot(times, millimetres, color=BLUE, lw=0.8, label="the tool's distance from the seam")
+        if limit_mm is not None:
+            axis.axhline(limit_mm, color=VERMILION, lw=1.2, label=f"limit {limit_mm:.2f} mm")
+        for value, label in PAPER_MM:
+            if value < 3.0 * max(most):
+                axis.axhline(value, color=BLACK, lw=1.0, ls="--" if value < 2.0 else ":", label=label)
+        rms = np.sqrt(np.mean(millimetres**2))
+        axis.set_title(f"{title}: at most {highest:.2f} mm, rms {rms:.2f} mm", fontsize=10)
+        axis.set_ylabel("error [mm]")
+        axis.grid(alpha=0.3, color=GREY)
+    if max(most) > LOG_FROM * min(most):
+        axes[0].set_yscale("log")
+        axes[0].set_ylim(bottom=0.01)
+    else:
+        axes[0].set_ylim(bottom=0.0)
+    axes[-1].set_xlabel("time [s]")
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=8)
+    with matplotlib.rc_context({"svg.hashsalt": "handcart", "svg.fonttype": "none"}):
+        save_figure(figure, target, dpi=110)
