@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import platform
 import sys
 from importlib import import_module
-from typing import Any
+from typing import Annotated, Any
 
 import typer
 from typer.core import TyperGroup
@@ -105,12 +106,24 @@ app = typer.Typer(
     cls=LazyGroup,
     help=HELP,
     no_args_is_help=True,
-    add_completion=False,
+    add_completion=True,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )
 
 
+def _say_version(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import version
+
+        print(f"handcart {version('handcart')} on Python {platform.python_version()}")
+        raise typer.Exit
+
+
 @app.callback()
-def about() -> None:
-    """Take the subcommand; the group has no options of its own."""
+def about(
+    version: Annotated[
+        bool, typer.Option("--version", help="Say which it is.", callback=_say_version, is_eager=True)
+    ] = False,
+) -> None:
+    """Take the subcommand; the group's own options end by themselves."""

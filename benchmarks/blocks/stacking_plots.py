@@ -26,8 +26,8 @@ def plot_against_motion(experiment: Experiment, path: Path) -> None:
         yaw, lean, error = (experiment.errors[..., i].ravel() for i in (4, 5, which))
         dots = axis.scatter(yaw, error, c=lean, s=14, cmap="viridis")
         axis.axhline(0.0, color="0.7", linewidth=0.8)
-        axis.set(xlabel=r"turn of the base $\Delta\psi$ [mrad]", ylabel=label)
-        figure.colorbar(dots, ax=axis, label=r"lean $\Delta\phi$ [mrad]")
+        axis.set(xlabel="turn of the base Δψ [mrad]", ylabel=label)
+        figure.colorbar(dots, ax=axis, label="lean Δφ [mrad]")
     save_figure(figure, path)
 
 

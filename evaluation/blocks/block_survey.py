@@ -22,6 +22,7 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import inverse, transform
 
 from .block_effects import EFFECTS, STACK, STACKED_MM
+from .block_error import BlockError
 
 SCALE_MM = 0.5  # of the paper's readings
 FALLEN_MM = 30.0  # further away from its goal a block counts as not placed
@@ -34,36 +35,6 @@ class Attitude(NamedTuple):
 
     heading: float
     lean: tuple[float, float]
-
-
-class BlockError(NamedTuple):
-    """Of one block, in the frame of its goal (eq. 14: goal minus actual), in [mm]."""
-
-    number: int
-    x: float
-    y: float
-    z: float
-    turn_mrad: float
-    processed_x: float
-    """Without the effects of the base's turning and leaning since the fixation (eq. 12)."""
-    processed_y: float
-    read_x: float
-    """On the paper's scale of 0.5 mm."""
-    read_y: float
-    yaw_mrad: float
-    """By which the base had turned since the fixation, when the block was let go."""
-    lean_mrad: float
-    """The same about the base's x: the paper's pitch."""
-
-    @property
-    def size(self) -> float:
-        """Of x and y together."""
-        return math.hypot(self.x, self.y)
-
-    @property
-    def processed(self) -> float:
-        """The larger of the processed ones: the paper reads x and y each by itself."""
-        return max(abs(self.processed_x), abs(self.processed_y))
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from handcart.evaluation.drawing.figure_file import save_figure
 from handcart.evaluation.drawing.palette import BLACK, BLUE, GREY, ORANGE, VERMILION
 
 if TYPE_CHECKING:
-    from .block_survey import BlockError
+    from .block_error import BlockError
 
 PAPER_MM = 1.5  # within which all processed errors of figure 4 are
 
@@ -29,13 +29,14 @@ def draw_stacking_errors(
     Raises:
         OSError: it can't be written.
     """
-    import matplotlib
     from matplotlib.figure import Figure
     from matplotlib.patches import Circle
 
     figure = Figure(figsize=(10.0, 4.6), layout="constrained")
     axes = figure.subplot_mosaic([["x", "above"], ["y", "above"]], width_ratios=[1.3, 1.0])
     numbers = [each.number for each in errors]
+    reach = max(2.0 * PAPER_MM, *(1.2 * abs(value) for each in errors for value in (each.x, each.y)))
+    limit = f"limit {limit_mm:g} mm{', beyond the picture' if limit_mm > reach else ''}"
     for name in "xy":
         axis = axes[name]
         axis.plot(numbers, [getattr(each, name) for each in errors], "o", color=BLUE, label="where it stands")
@@ -43,23 +44,19 @@ def draw_stacking_errors(
             values = [getattr(each, f"processed_{name}") for each in errors]
             axis.plot(numbers, values, "s", mfc="none", color=ORANGE, label="processed (eq. 12)")
         for sign in (-1.0, 1.0):
-            axis.axhline(
-                sign * limit_mm, color=VERMILION, lw=1.2, label=f"limit {limit_mm:g} mm" if sign > 0 else None
-            )
+            axis.axhline(sign * limit_mm, color=VERMILION, lw=1.2, label=limit if sign > 0 else None)
             label = f"processed ones of the paper's figure 4: within {PAPER_MM} mm" if sign > 0 else None
             axis.axhline(sign * PAPER_MM, color=BLACK, lw=1.0, ls="--", label=label)
         axis.axhline(0.0, color=GREY, lw=0.6)
         axis.set_ylabel(f"error in {name} [mm]")
+        axis.set_ylim(-reach, reach)
         axis.set_xticks(numbers[:: 1 + len(numbers) // 20])
-    axes["x"].sharey(axes["y"])
     axes["y"].set_xlabel("number of the block")
     above = axes["above"]
     above.plot([each.x for each in errors], [each.y for each in errors], "o", color=BLUE)
     above.add_patch(Circle((0.0, 0.0), limit_mm, fill=False, color=VERMILION, lw=1.2))
     above.plot(0.0, 0.0, "+", color=BLACK, ms=10.0)
-    above.set(aspect="equal", xlabel="x [mm]", ylabel="y [mm]")
+    above.set(aspect="equal", xlim=(-reach, reach), ylim=(-reach, reach), xlabel="x [mm]", ylabel="y [mm]")
     above.set_title(f"from above: at most {max(each.size for each in errors):.2f} mm off", fontsize=10)
-    above.margins(0.1)
     figure.legend(*axes["x"].get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=8)
-    with matplotlib.rc_context({"svg.hashsalt": "handcart", "svg.fonttype": "none"}):
-        save_figure(figure, target)
+    save_figure(figure, target)

@@ -10,12 +10,15 @@ from handcart.files.whole_file import write_whole
 
 
 def save_figure(figure: Any, path: Path, **options: Any) -> None:
-    """Write a figure whole or not at all, as what the path's suffix says; equal figures give equal files.
+    """Write a figure whole or not at all, as its suffix says, else as SVG; equal figures give equal files.
 
     Raises:
         OSError: it can't be written.
     """
-    drawn, kind = BytesIO(), path.suffix.removeprefix(".")
+    import matplotlib
+
+    drawn, kind = BytesIO(), path.suffix.removeprefix(".") or "svg"
     metadata = {"Date": None} if kind == "svg" else {"CreationDate": None} if kind == "pdf" else None
-    figure.savefig(drawn, format=kind, metadata=metadata, **options)
+    with matplotlib.rc_context({"svg.hashsalt": "handcart", "svg.fonttype": "none"}):
+        figure.savefig(drawn, format=kind, metadata=metadata, **options)
     write_whole(path, drawn.getvalue())

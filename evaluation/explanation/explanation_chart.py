@@ -66,7 +66,6 @@ def draw_chart(explanation: Explanation, path: Path) -> None:
 
 
 def _draw(explanation: Explanation, path: Path) -> None:
-    import matplotlib
     from matplotlib.figure import Figure
 
     readings = _read(explanation.readings, load_readings) if explanation.readings else {}
@@ -84,10 +83,9 @@ def _draw(explanation: Explanation, path: Path) -> None:
         axes = right.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
         for axis, panel in zip(axes, panels, strict=True):
             _draw_panel(axis, panel, readings, explanation, decided)
-        axes[-1].set_xlabel("time [s]; grey: commanded, shaded: restoring, red: broken off")
+        axes[-1].set_xlabel("time [s]; grey: commanded, shaded: restoring, orange: broken off, or a limit")
     figure.suptitle(_title(explanation), fontsize=10)
-    with matplotlib.rc_context({"svg.hashsalt": "handcart", "svg.fonttype": "none"}):
-        save_figure(figure, path)
+    save_figure(figure, path)
 
 
 def _read(path: Path, read: Callable[[Path], Any]) -> Any:
@@ -152,7 +150,8 @@ def _draw_plan(axis: Any, explanation: Explanation, readings: Readings) -> None:
         _draw_robot(axis, readings, pose)
         if "ranges_m" in readings:
             axis.plot(*_scan(readings, now, pose).T, ".", color=GREY, ms=2.0, label="scan")
-        axis.plot(readings["x_m"], readings["y_m"], color=READING, lw=1.0, label="driven")
+        way = _with_gaps(readings)
+        axis.plot(way["x_m"], way["y_m"], color=READING, lw=1.0, label="driven")
     for name, style in (("planned", ":"), ("ahead", "--")):
         if name in points:
             axis.plot(*points[name].T, style, color=COMMAND, lw=1.2, label=name)
@@ -241,7 +240,7 @@ def _with_gaps(readings: Readings) -> Readings:
             and name not in ("angles_rad", "base_T_sensor", "joint_slides")
         ):
             columns[name] = np.insert(column.astype(np.float64), gaps, np.nan, axis=0)
-    columns["time_s"][np.isnan(columns["time_s"])] = times[gaps - 1]
+    columns["time_s"][np.isnan(columns["time_s"])] = times[gaps]
     return {**readings, **columns}
 
 

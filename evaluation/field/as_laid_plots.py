@@ -43,7 +43,6 @@ class Laying(Protocol):
 
 def draw_as_laid(folder: Path, survey: Laying, sensors: list[AsLaid]) -> Path:
     """Draw a run's localization, its trajectory and errors into its folder; gives the picture's path."""
-    import matplotlib
     from matplotlib.figure import Figure
 
     tall = _tall(survey)
@@ -67,8 +66,7 @@ def draw_as_laid(folder: Path, survey: Laying, sensors: list[AsLaid]) -> Path:
     axes["hand"].set_xlabel("x [m]")
     _same_scale(axes["errors"], axes["ellipses"])
     path = folder / f"{NAME}.svg"
-    with matplotlib.rc_context({"svg.hashsalt": "handcart"}):
-        save_figure(figure, path)
+    save_figure(figure, path)
     return path
 
 
@@ -94,19 +92,19 @@ def _thinned(points: Sequence[Place] | Sequence[Array]) -> Array:
 
 def _track(axes: Axes, survey: Laying) -> None:
     """Figure 3: fixes, odometry and what becomes of them."""
-    axes.set_title("where the robot was, and where it took itself to be [m]")
+    axes.set_title("where the robot was, and where it took itself to be", loc="left")
     if survey.tracks["fixes"]:
         axes.plot(*_thinned(survey.tracks["fixes"]), ".", color=FIX, ms=2.5, label="GPS", zorder=0)
     lines = (("odometry", ODOMETRY, 1.0), ("truth", TRUTH, 2.2), ("estimate", ESTIMATE, 0.9))
     for name, colour, wide in lines:
         if survey.tracks[name]:
             axes.plot(*_thinned(survey.tracks[name]), color=colour, lw=wide, label=name)
-    add_legend(axes, loc="upper right", fontsize="small", ncols=4)
+    _key(axes)
 
 
 def _hand(axes: Axes, survey: Laying) -> None:
     """Figures 7 and 8: the hand's trajectory by the total station, and what it let go."""
-    axes.set_title("hand and sensors by the total station [m]")
+    axes.set_title("hand and sensors by the total station", loc="left")
     sights = survey.station.sights if survey.station is not None else []
     if sights:
         places = _thinned([sight.place[:2] for sight in sights])
@@ -121,13 +119,18 @@ def _hand(axes: Axes, survey: Laying) -> None:
             *np.array(unseen).T, "o", mfc="none", color=UNSEEN, ms=5.0, label="out of its sight (truth)"
         )
     axes.plot(*np.array([each.target for each in every]).reshape(-1, 2).T, "+", color=TRUTH, label="target")
-    add_legend(axes, loc="upper right", fontsize="small", ncols=4)
+    _key(axes)
+
+
+def _key(axes: Axes) -> None:
+    """In the title's line, where no point is."""
+    add_legend(axes, loc="lower right", bbox_to_anchor=(1.0, 1.0), fontsize="small", ncols=4, frameon=False)
 
 
 def _errors(axes: Axes, survey: Laying) -> None:
     """Figures 9 and 10: errors about their mean."""
     errors = np.array([each.error_mm for each in survey.placements() if each.error_mm is not None])
-    axes.set_title("errors by the total station, about their mean [mm]")
+    axes.set_title("errors by the total station, about their mean")
     if len(errors) > 1:
         axes.plot(*(errors - errors.mean(axis=0)).T, "o", color=LAID, ms=5.0)
         x, y = errors.std(axis=0, ddof=1)
@@ -136,7 +139,7 @@ def _errors(axes: Axes, survey: Laying) -> None:
 
 def _ellipses(axes: Axes, survey: Laying, sensors: list[AsLaid]) -> None:
     """What the report says against where the sensors lie."""
-    axes.set_title("as-laid report about the true places [mm]")
+    axes.set_title("as-laid report about the true places")
     lies = {each.name: np.array(each.lies) for each in survey.placements()}
     known = [sensor for sensor in sensors if sensor.name in lies]
     held = 0

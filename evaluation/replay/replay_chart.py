@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from io import BytesIO
 from pathlib import Path
 
 import numpy as np
@@ -11,12 +10,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse
 
-from handcart.files.whole_file import write_whole
+from handcart.evaluation.drawing.figure_file import save_figure
+from handcart.evaluation.drawing.palette import BLACK, BLUE, GREEN, GREY, VERMILION
 
 from .replay import Replayed
 
-PARTICLES = "#009e73"
-TRACK, TRUTH, REFUSED, FIX = "#0072b2", "#000000", "#d55e00", "#999999"  # Okabe and Ito (2008)
+PARTICLES = GREEN
+TRACK, TRUTH, REFUSED, FIX = BLUE, BLACK, VERMILION, GREY
 WIDE = 9.0  # inches
 CLOUD = 1.0  # [m] on each side of a cloud's middle
 ELLIPSES = 25  # along the track
@@ -56,9 +56,7 @@ def draw_replay(replayed: Replayed, path: Path, title: str) -> None:
     for number in range(len(replayed.clouds)):
         _draw_cloud(axes[f"cloud {number}"], replayed, number)
     _draw_errors(below, replayed)
-    packed = BytesIO()
-    figure.savefig(packed, format=path.suffix.removeprefix(".") or "svg", dpi=120)
-    write_whole(path, packed.getvalue())
+    save_figure(figure, path, dpi=120)
 
 
 def _draw_fixes(axes: Axes, replayed: Replayed) -> None:

@@ -39,7 +39,6 @@ def draw_robot(path: Path, robot: RobotFile, reach: Reach | None) -> None:
         OSError: the file can't be written.
         ValueError: no picture ends like that.
     """
-    import matplotlib
     from matplotlib.figure import Figure
 
     columns, still = _columns(robot), _still(robot)
@@ -52,8 +51,7 @@ def draw_robot(path: Path, robot: RobotFile, reach: Reach | None) -> None:
         row[0].set_ylabel("z [m]" if up == 2 else "y [m], left up", fontsize=8)
     for each in axes[-1]:
         each.set_xlabel("x [m], ahead", fontsize=8)
-    with matplotlib.rc_context({"svg.hashsalt": "handcart", "svg.fonttype": "none"}):
-        save_figure(figure, path)
+    save_figure(figure, path)
 
 
 def _columns(robot: RobotFile) -> dict[str, Sequence[Shape]]:

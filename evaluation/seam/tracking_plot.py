@@ -30,7 +30,6 @@ def draw_tracking_errors(
     Raises:
         OSError: the file can't be written.
     """
-    import matplotlib
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(8.0, 1.0 + 2.2 * len(runs)), layout="constrained")
@@ -55,5 +54,4 @@ def draw_tracking_errors(
         axes[0].set_ylim(bottom=0.0)
     axes[-1].set_xlabel("time [s]")
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=8)
-    with matplotlib.rc_context({"svg.hashsalt": "handcart", "svg.fonttype": "none"}):
-        save_figure(figure, target, dpi=110)
+    save_figure(figure, target, dpi=110)

@@ -68,7 +68,6 @@ def draw_overview(
     Returns:
         The path of the picture.
     """
-    import matplotlib
     from matplotlib.figure import Figure
 
     track, (title, stretches) = load_track(run_dir / "telemetry.npz"), _course(run_dir)
@@ -97,8 +96,7 @@ def draw_overview(
     figure.draw_without_rendering()  # where there is room for names is known then
     _draw_places(axes["map"], places)
     path = run_dir / "overview.svg"
-    with matplotlib.rc_context({"svg.hashsalt": "handcart", "svg.fonttype": "none"}):
-        save_figure(figure, path)
+    save_figure(figure, path)
     for each in stretches:
         if each.outcome != "Success":
             _draw_fail(run_dir, each, grid)

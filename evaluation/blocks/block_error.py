@@ -1,0 +1,36 @@
+"""How far one block stands off its goal."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+
+class BlockError(NamedTuple):
+    """Of one block, in the frame of its goal (eq. 14: goal minus actual), in [mm]."""
+
+    number: int
+    x: float
+    y: float
+    z: float
+    turn_mrad: float
+    processed_x: float
+    """Without the effects of the base's turning and leaning since the fixation (eq. 12)."""
+    processed_y: float
+    read_x: float
+    """On the paper's scale of 0.5 mm."""
+    read_y: float
+    yaw_mrad: float
+    """By which the base had turned since the fixation, when the block was let go."""
+    lean_mrad: float
+    """The same about the base's x: the paper's pitch."""
+
+    @property
+    def size(self) -> float:
+        """Of x and y together."""
+        return math.hypot(self.x, self.y)
+
+    @property
+    def processed(self) -> float:
+        """The larger of the processed ones: the paper reads x and y each by itself."""
+        return max(abs(self.processed_x), abs(self.processed_y))
