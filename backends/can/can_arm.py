@@ -39,8 +39,14 @@ class CanArm(Arm):
         self._command = self._sent = np.zeros(len(joints))
 
     def begin(self) -> None:
-        """The drives are about to be enabled: what they hold is what was measured."""
-        self.holds(self.joints())
+        """The drives are about to be enabled: what they hold is what was measured.
+
+        A joint that rests at its limit is often read a hair beyond it: it is told to hold the limit, where
+        that is no further than it moves in a period.
+        """
+        measured = self.joints()
+        within = np.clip(measured, self._model.lower, self._model.upper)
+        self.holds(np.where(np.abs(within - measured) <= self._most, within, measured))
 
     def holds(self, joints: Vector) -> None:
         """What it was commanded last, (n,) in [rad]."""

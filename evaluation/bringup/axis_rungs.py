@@ -30,6 +30,8 @@ _STEP = math.radians(1.0)
 _SLIDE_STEP = 0.005  # [m]
 _DEEPER = 1e-4  # [m]
 _NEAR = math.radians(0.5)
+_SLIDE_NEAR = 0.002  # [m]
+_BEYOND = 0.2  # [rad] or [m] past its limit that a joint is asked to go
 
 
 class Move(NamedTuple):
@@ -147,7 +149,7 @@ class LimitsRung(Rung):
         begun = jogger.position(axis)
         units = site.robot.joint_units
         unit = units.unit(number)
-        for end, limit in zip(("lower", "upper"), jogger.limits(axis), strict=True):
+        for end, limit, sense in zip(("lower", "upper"), jogger.limits(axis), (-1.0, 1.0), strict=True):
             posture = np.array([each.position for each in backend.axes.joints])
             touches = free.touches_at(posture, number, limit)
             if touches is not None:
@@ -156,20 +158,30 @@ class LimitsRung(Rung):
             question = f"{axis}: is the way to its {end} limit, {units.words(number, limit, 0)}, free?"
             if not site.confirm(f"{axis.replace(' ', '_')}_{end}", question):
                 raise RungFailed(f"{axis}: not free; bring the arm elsewhere with `handcart jog`")
-            stands = _to_limit(site, jogger, axis, limit, partial(units.words, number))
+            stands = _to_limit(site, jogger, axis, Limit(limit, sense), partial(units.words, number))
             facts[f"{end}_{unit}"] = round(units.user_value(number, stands), 2)
             _held(site, jogger, axis, begun - jogger.position(axis), back=True)
         return facts
 
 
-def _to_limit(site: Site, jogger: Jogger, axis: str, limit: float, words: Callable[[float], str]) -> float:
+class Limit(NamedTuple):
+    """An end of a joint's range."""
+
+    at: float
+    """In [rad] or [m]."""
+    sense: float
+    """-1.0 at the lower end, 1.0 at the upper: where the way to it is nothing, that doesn't tell."""
+
+
+def _to_limit(site: Site, jogger: Jogger, axis: str, limit: Limit, words: Callable[[float], str]) -> float:
     """Jog a joint against its limit; where it stands then, in [rad] or [m]; `words` tells such a value."""
-    way = limit - jogger.position(axis)
+    left = abs(limit.at - jogger.position(axis))
     with site.operator.hold(f"{axis}: hold the space bar, to its limit") as held:
-        done = jogger.jog(axis, way + math.copysign(0.2, way), held)
+        done = jogger.jog(axis, limit.sense * (left + _BEYOND), held)
     at = jogger.position(axis)
-    if done.ended != "limit" or abs(at - limit) > _NEAR:
-        raise RungFailed(f"{axis} stands at {words(at)} ({done.ended}); its limit is {words(limit)}")
+    near = _SLIDE_NEAR if slides(jogger.robot, axis) else _NEAR
+    if done.ended != "limit" or abs(at - limit.at) > near:
+        raise RungFailed(f"{axis} stands at {words(at)} ({done.ended}); its limit is {words(limit.at)}")
     return at
 
 

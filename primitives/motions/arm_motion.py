@@ -64,7 +64,8 @@ def move_to_joints(
     path = yield from robot.compute(plan_motion, collision.arm, collision, here, joints)
     if path is None:
         hits = collision.contacts(joints) or collision.contacts(here)
-        raise Discrepancy(f"the arm finds no free way{_between(hits)}")
+        beyond = _beyond(robot, here)
+        raise Discrepancy(beyond or f"the arm finds no free way{_between(hits)}")
     yield from follow(robot, path)
 
 
@@ -108,6 +109,17 @@ def collision_model(robot: Robot, held: Shape | None, around: Sequence[Shape] = 
         width = FINELY * round(max(0.0, gripper.width() / 2.0) / FINELY)
         arm = arm.with_others({"left_finger": width, "right_finger": width})
     return CollisionModel(arm, around, held, margin=MARGIN, allowed=ALLOWED)
+
+
+def _beyond(robot: Robot, here: Vector) -> str:
+    """Which joints are beyond their limits, in words, where any is."""
+    arm, units = robot.arm_model, robot.spec.joint_units
+    return "; ".join(
+        f"{units.names[number]} is at {units.words(number, at)}; allowed: {units.words(number, lower)}"
+        f" to {units.words(number, upper)}"
+        for number, (at, lower, upper) in enumerate(zip(here, arm.lower, arm.upper, strict=True))
+        if not lower <= at <= upper
+    )
 
 
 def _between(hits: Sequence[tuple[str, str]]) -> str:
