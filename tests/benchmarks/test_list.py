@@ -1,0 +1,27 @@
+"""`python -m benchmarks` lists each benchmark with what it measures."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from benchmarks.__main__ import listed
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def test_each_is_listed_with_what_it_measures() -> None:
+    found = dict(listed())
+    modules = [
+        path for path in (ROOT / "benchmarks").rglob("*.py") if path.stem not in ("__init__", "__main__")
+    ]
+    commands = [path for path in modules if "argparse" in path.read_text(encoding="utf-8")]
+    assert commands
+    for path in commands:
+        assert ".".join(path.relative_to(ROOT).with_suffix("").parts) in found
+    assert all(about and "python" not in about and "\n" not in about for about in found.values())
+
+
+def test_a_word_chooses() -> None:
+    assert all("campaign" in f"{name} {about}".lower() for name, about in listed("Campaign"))
+    assert "benchmarks.campaigns.kills" in dict(listed("killed"))
+    assert list(listed("no such thing")) == []
