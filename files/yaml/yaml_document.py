@@ -96,7 +96,7 @@ def read_document(path: Path | str, *, max_bytes: int = MAX_BYTES, max_nodes: in
 
 @contextmanager
 def changed_numbers(changes: Changes) -> Iterator[None]:
-    """Whoever reads one of these files meanwhile finds these numbers in it: for who varies them, trial by trial."""
+    """Whoever reads one of these files meanwhile finds these numbers in it: they vary by trial."""
     token = _CHANGES.set(changes)
     try:
         yield

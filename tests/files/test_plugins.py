@@ -1,4 +1,4 @@
-"""Entry points of other packages: those of a group, and the standard library asked only where there are any."""
+"""Entry points of other packages: those of a group; the standard library is asked where there are any."""
 
 from __future__ import annotations
 
