@@ -83,7 +83,7 @@ class Operation(RunObserver):
             "asks": question,
             "step": self._permits.step,
             "breaks": sorted(self._permits.breaks),
-            "commands": self._heard.told(),
+            "commands": self._heard.latest(),
         }
 
     def _stop(self) -> None:
@@ -135,7 +135,7 @@ class _Heard:
         said = {"number": self._count, "do": message["do"], **more, "by": by}
         self._commands.append({**said, "sim_time_s": round(time, 3)})
 
-    def told(self) -> list[dict[str, Any]]:
+    def latest(self) -> list[dict[str, Any]]:
         """The last ones, the oldest first."""
         return list(self._commands)
 

@@ -30,11 +30,12 @@ def path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_those_of_the_group_come_by_their_names(path: Path) -> None:
-    package(path, "one", f"[{GROUP}]\nzinnia = one:Z\n\n[console_scripts]\nbasil = one:main\n")
+    package(path, "one", f"[{GROUP}]\nzinnia = one:Z\nmint = one:M\n\n[console_scripts]\nbasil = one:main\n")
     package(path, "two", f"[other.{GROUP}]\nmint = two:M\n")
     package(path, "three", f"[{GROUP}]\naster = three:A\n")
     assert [(each.name, each.value) for each in entry_points_of(GROUP)] == [
         ("aster", "three:A"),
+        ("mint", "one:M"),
         ("zinnia", "one:Z"),
     ]
 
