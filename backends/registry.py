@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import cache, partial
 from importlib import import_module
-from importlib.metadata import entry_points
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.files.errors import FileError, InputError
 from handcart.files.extras import extra_of
+from handcart.files.plugins import entry_points_of
 from handcart.files.suggest import suggest
 from handcart.robotics.geometry.pose2 import Pose2
 
@@ -57,7 +57,7 @@ class MissingLibrary(InputError):
 
 @cache
 def _all() -> dict[str, str]:
-    return TABLE | {each.name: each.value for each in entry_points(group="handcart.backends")}
+    return TABLE | {each.name: each.value for each in entry_points_of("handcart.backends")}
 
 
 def backend_names() -> list[str]:

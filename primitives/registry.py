@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from functools import cache
-from importlib.metadata import entry_points
 
+from handcart.files.plugins import entry_points_of
 from handcart.files.suggest import suggest
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.tasks.domain import domains, imported
@@ -24,7 +24,7 @@ def _all() -> dict[str, str]:
     found = dict(GENERAL)
     for domain in domains():
         found |= domain.primitives
-    return found | {each.name: each.value for each in entry_points(group="handcart.primitives")}
+    return found | {each.name: each.value for each in entry_points_of("handcart.primitives")}
 
 
 def primitive_names() -> list[str]:

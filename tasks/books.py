@@ -32,5 +32,5 @@ DOMAIN = Domain(
         )
     },
     robot_facts="handcart.evaluation.books.book_reach:book_facts",
-    rehearsals={_HERE / name / "task.yaml": {} for name in ("return_book", "return_books")},
+    rehearsals={_HERE / "return_book" / "task.yaml": {}, _HERE / "return_books" / "task.yaml": {}},
 )

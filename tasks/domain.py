@@ -6,13 +6,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from importlib import import_module
-from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from handcart.files.errors import InputError
+from handcart.files.plugins import entry_points_of
 from handcart.files.printable import printable
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
 
 OWN = ("books", "blocks", "field", "seam", "calibration")
 """Shipped domains, each declared in a module of its name in `handcart.tasks`."""
@@ -100,7 +103,7 @@ def domains() -> tuple[Domain, ...]:
         BrokenDomain: one of another package can't be imported, is none, or has another one's name.
     """
     found: dict[str, Domain] = {name: imported(f"handcart.tasks.{name}:DOMAIN") for name in OWN}
-    for point in sorted(entry_points(group="handcart.domains"), key=lambda each: each.name):
+    for point in entry_points_of("handcart.domains"):
         domain = _loaded(point)
         if domain.name in found:
             raise BrokenDomain(point, f"there is another domain of the name {domain.name!r}")

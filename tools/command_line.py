@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import platform
 import sys
 from importlib import import_module
 from typing import Annotated, Any
@@ -115,8 +114,9 @@ app = typer.Typer(
 def _say_version(wanted: bool) -> None:
     if wanted:
         from importlib.metadata import version
+        from platform import python_version
 
-        print(f"handcart {version('handcart')} on Python {platform.python_version()}")
+        print(f"handcart {version('handcart')} on Python {python_version()}")
         raise typer.Exit
 
 

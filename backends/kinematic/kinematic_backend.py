@@ -11,7 +11,7 @@ from handcart.backends.simulation.body.hand import Hand
 from handcart.backends.simulation.body.rough_ride import RoughRide
 from handcart.backends.simulation.body.suspension import lean_of
 from handcart.backends.simulation.sensors.field_imu import FieldImu
-from handcart.backends.simulation.sensors.scene_camera import SceneCamera
+from handcart.backends.simulation.sensors.simulated_camera import SceneCamera
 from handcart.backends.simulation.sensors.simulated_imu import SimulatedImu
 from handcart.backends.simulation.simulated_backend import Part, SimulatedBackend
 from handcart.backends.simulation.world.world_file import WorldFile

@@ -5,7 +5,7 @@ from __future__ import annotations
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.sensor_specs import CameraSpec
 from handcart.backends.physics.physics_backend import PhysicsBackend
-from handcart.backends.simulation.sensors.scene_camera import SceneCamera
+from handcart.backends.simulation.sensors.simulated_camera import SceneCamera
 from handcart.robotics.kinematics.arm_model import ArmModel
 
 from .mujoco_body import MujocoBody

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,13 +47,17 @@ class GuardedBase(Base):
                 frame.
         """
         self._base, self._pose, self._scan = base, pose, scan
-        self._guard = WayGuard(robot.footprint_radius_m + BESIDE, grid)
+        self._radius, self._grid = robot.footprint_radius_m + BESIDE, grid
         self._braking, self._period = robot.drive.acceleration_m_s2, robot.period_s
         self._is_car = robot.drive.kind == "ackermann"
         self._starts = True
         self._command = (0.0, 0.0)
         self._held: Held | None = None
         self._slowed_to = math.inf
+
+    @cached_property
+    def _guard(self) -> WayGuard:
+        return WayGuard(self._radius, self._grid)
 
     def drive(self, speed: float, turn_rate: float) -> None:
         """See `Base`; slower than that where the way isn't free."""

@@ -11,12 +11,13 @@ from handcart.backends.description.robot_loading import load_robot
 from handcart.networks.graph.network import Action
 from handcart.networks.task.task_file import Task
 from handcart.primitives.blocks.blocks import Blocks
-from handcart.primitives.blocks.building import Building, LevelPose
+from handcart.primitives.blocks.building import Building
 from handcart.primitives.blocks.fixate import Fixate
 from handcart.primitives.blocks.pick_up_block import PickUpBlock
 from handcart.primitives.blocks.stack import Stack
 from handcart.primitives.contract.discrepancy import Discrepancy
 from handcart.primitives.driving.move_to import MoveTo
+from handcart.primitives.knowledge.level_pose import LevelPose
 from handcart.robotics.manipulation.placement.stops import BESIDE
 
 from .stop_reach import StopReach

@@ -10,12 +10,13 @@ from numpy.typing import NDArray
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.robot.mounted_camera import known_camera
-from handcart.primitives.blocks.building import LevelPose
-from handcart.primitives.blocks.hand_down import BITE, VIEW, pointing_down
+from handcart.primitives.blocks.building_site import VIEW
 from handcart.primitives.blocks.pick_up_block import ABOVE, OPEN, SPEED
 from handcart.primitives.blocks.stack import UNEXPECTED
 from handcart.primitives.contract.discrepancy import Discrepancy
 from handcart.primitives.driving.standing_room import MARGIN
+from handcart.primitives.knowledge.level_pose import LevelPose
+from handcart.primitives.motions.from_above import BITE, pointing_down
 from handcart.primitives.motions.working_arm import working_arm
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import transform
@@ -96,7 +97,7 @@ class StopReach:
 
     def body(self, place: LevelPose, name: str) -> Box:
         """A block that stands there, on the map."""
-        return Box(place.floor.lift(place.height_m + self._block[2] / 2), self._block, name)
+        return place.body(self._block, name)
 
     def _sight(self, mark: LevelPose, heading: float) -> ToolPath:
         """Over a landmark, turned as the base is."""

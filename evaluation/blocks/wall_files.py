@@ -11,7 +11,8 @@ import numpy as np
 
 from handcart.evaluation.drawing.picture_file import write_png
 from handcart.files.whole_file import write_whole
-from handcart.primitives.blocks.building import LevelPose, Table
+from handcart.primitives.blocks.building import Table
+from handcart.primitives.knowledge.level_pose import LevelPose
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
 

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from handcart.backends.description.robot_file import RobotFile
 from handcart.files.errors import FileError
 from handcart.files.models.loading import Loaded
-from handcart.primitives.blocks.building import LevelPose
 from handcart.primitives.blocks.drawing import Drawing, DrawnBlock
 from handcart.primitives.blocks.laying_order import laying_orders, wall_findings
 from handcart.primitives.driving.standing_room import StandingRoom
+from handcart.primitives.knowledge.level_pose import LevelPose
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.kinematics.shapes import Box
 from handcart.robotics.manipulation.placement.stops import Stop

@@ -6,8 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from scipy.stats import binomtest
-
 from handcart.evaluation.campaigns.action_ends import action_names
 from handcart.files.errors import InputError
 from handcart.networks.analysis.figures import figures, missing_chances
@@ -60,4 +58,6 @@ def file_chances(task: Path, settings: Mapping[str, str]) -> dict[str, float]:
 
 def beside(goal: float, successes: int, count: int) -> ExactValue:
     """The exact value beside a measured share."""
+    from scipy.stats import binomtest  # takes a second to import
+
     return ExactValue(goal, float(binomtest(successes, count, min(1.0, max(0.0, goal))).pvalue))

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections import Counter
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from handcart.networks.coordination.events import Ended, Event
 from handcart.networks.graph.network import Action
 from handcart.networks.run_observer import RunObserver
-from handcart.networks.task.preparing import Prepared
 from handcart.networks.task.task_file import Task
 from handcart.primitives.contract.outcome import Fail, Success
 
 from .trial import ActionEnd
+
+if TYPE_CHECKING:
+    from handcart.networks.task.preparing import Prepared
 
 
 class ActionEnds(RunObserver):

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from handcart.files.yaml.changed_numbers import changed_numbers
+from handcart.files.yaml.yaml_document import changed_numbers
 from handcart.networks.coordination.interrupts import Interrupts
 from handcart.networks.run_options import RunOptions
 from handcart.networks.task.task_file import load_task

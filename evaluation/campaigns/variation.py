@@ -18,8 +18,7 @@ from handcart.files.errors import FileError
 from handcart.files.models.loading import load
 from handcart.files.models.model import FileModel
 from handcart.files.suggest import suggest
-from handcart.files.yaml.changed_numbers import Changes
-from handcart.files.yaml.yaml_document import Document, read_document
+from handcart.files.yaml.yaml_document import Changes, Document, read_document
 from handcart.files.yaml.yaml_node import KeyPath, Node
 from handcart.networks.task.task_file import Task
 

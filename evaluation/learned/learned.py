@@ -95,8 +95,8 @@ class Learned:
             f"and a mean time of {short:.4g} to {long:.4g} s (95 %), however many are walked"
         )
         for each in self.trust.tried:
-            told = f"predicts {each.predicted:.3g}, there it is {each.measured:.3g} (p = {each.p_value:.2g})"
-            yield f"  one half of them for the other: {each.name}: {told}"
+            words = f"predicts {each.predicted:.3g}, there it is {each.measured:.3g} (p = {each.p_value:.2g})"
+            yield f"  one half of them for the other: {each.name}: {words}"
         for name in self.unknown:
             yield f"  never started in them, so a walk that comes to it ends: {name}"
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple, Self
 
 import numpy as np
@@ -79,10 +79,12 @@ class Part(NamedTuple):
         if missing := [name for name in cls._fields if name not in arrays]:
             raise ValueError(f"it has no {', '.join(missing)}")
         part = cls(**{name: arrays[name] for name in cls._fields})
-        for name, (kinds, lengths) in _FORMS.items():
-            array = arrays[name]
-            if array.dtype.kind not in kinds or array.shape[:1] != (lengths(part),):
-                raise ValueError(f"its {name} is no such array: {array.dtype} {array.shape}")
+        for names, leader in zip(_GROUPS, _LEADERS, strict=True):
+            length = len(arrays[leader])
+            for name in names:
+                array = arrays[name]
+                if array.dtype.kind not in _KINDS.get(name, "f") or array.shape[:1] != (length,):
+                    raise ValueError(f"its {name} is no such array: {array.dtype} {array.shape}")
         for name, size in _WIDTHS.items():
             if len(arrays[name]) and arrays[name].shape[1:] != size:
                 raise ValueError(f"its {name} is of the shape {arrays[name].shape}; needed: (n, {size})")
@@ -122,17 +124,6 @@ _GROUPS: Sequence[Sequence[str]] = (
 )
 _LEADERS = ("time", "scan_time", "cloud_time", "picture_time", "moved_time")
 _KINDS = {"action": "i", "restoring": "b", "scan_mm": "uf", "picture_end": "i", "moved_name": "i"}
-
-
-def _length_of(leader: str) -> Callable[[Part], int]:
-    return lambda part: len(getattr(part, leader))
-
-
-_FORMS = {
-    name: (_KINDS.get(name, "f"), _length_of(leader))
-    for names, leader in zip(_GROUPS, _LEADERS, strict=True)
-    for name in names
-}
 _WIDTHS = {"pose": (3,), "truth": (7,), "covariance": (3, 3), "moved_pose": (7,)}
 
 

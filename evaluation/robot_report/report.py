@@ -132,7 +132,7 @@ def report_of(robot: RobotFile, tried: bool = True) -> RobotReport:
     arm = robot.arm_model() if tried and robot.arm is not None else None
     contact = None if arm is None else self_contact(arm)
     reach = None if contact is None or arm is None else _reach(robot, arm, contact)
-    of_domains = _told_by_domains(robot, reach)
+    of_domains = _domain_facts(robot, reach)
     return RobotReport(
         contents,
         () if robot.arm is None else robot.arm.joints,
@@ -156,7 +156,7 @@ def _reach(robot: RobotFile, arm: ArmModel, contact: SelfContact) -> Reach | Non
     return reach_of(robot, allowed)
 
 
-def _told_by_domains(robot: RobotFile, reach: Reach | None) -> dict[str, DomainFacts]:
+def _domain_facts(robot: RobotFile, reach: Reach | None) -> dict[str, DomainFacts]:
     return {
         domain.name: imported(domain.robot_facts)(robot, reach) for domain in domains() if domain.robot_facts
     }

@@ -6,7 +6,9 @@ duplicate keys, and without words that readers disagree on (files/yaml/scalars.p
 
 import hashlib
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -18,7 +20,6 @@ from ruamel.yaml.error import YAMLError
 
 from handcart.files.errors import FileError, Finding
 from handcart.files.regular_file import decode_text, read_regular_file
-from handcart.files.yaml.changed_numbers import with_changes
 from handcart.files.yaml.yaml_builder import TreeBuilder
 from handcart.files.yaml.yaml_node import KeyPath, Node
 from handcart.files.yaml.yaml_syntax import syntax_error
@@ -27,6 +28,11 @@ MAX_BYTES = 1 << 20
 MAX_NODES = 50_000
 # libyaml follows YAML 1.1: other line breaks, tabs where 1.2 has none, other words behind these signs.
 _READ_DIFFERENTLY = re.compile("[\t\r\x85\u2028\u2029\ufeff&*!%?]")
+
+Changes = Mapping[Path, Mapping[KeyPath, float]]
+"""By a file's absolute path: numbers by where they stand."""
+_NONE: Changes = {}
+_CHANGES: ContextVar[Changes] = ContextVar("changes", default=_NONE)
 
 
 @dataclass(frozen=True)
@@ -85,7 +91,29 @@ class Document:
 def read_document(path: Path | str, *, max_bytes: int = MAX_BYTES, max_nodes: int = MAX_NODES) -> Document:
     """Read the YAML file `path`; raises `FileError` with all that is wrong with it as YAML."""
     document = parse_document(read_regular_file(path, max_bytes), str(path), max_nodes=max_nodes)
-    return replace(document, root=with_changes(Path(path), document.root))
+    return replace(document, root=_with_changes(Path(path), document.root))
+
+
+@contextmanager
+def changed_numbers(changes: Changes) -> Iterator[None]:
+    """Whoever reads one of these files meanwhile finds these numbers in it: they vary by trial."""
+    token = _CHANGES.set(changes)
+    try:
+        yield
+    finally:
+        _CHANGES.reset(token)
+
+
+def _with_changes(path: Path, root: Node) -> Node:
+    """The tree of a file with the numbers that stand for its own; raises KeyError where one isn't there."""
+    if not (changes := _CHANGES.get()):
+        return root
+    for key, value in changes.get(path.resolve(), {}).items():
+        old, there = root.deepest(key)
+        if not there:
+            raise KeyError(key)
+        root = root.replaced(key, replace(old, content=value))
+    return root
 
 
 def parse_document(content: bytes, file: str, *, max_nodes: int = MAX_NODES) -> Document:

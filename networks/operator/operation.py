@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections import deque
 from pathlib import Path
 from types import TracebackType
 from typing import Any
 
 from handcart.backends.robot.robot import Robot
-from handcart.files.printable import clipped
+from handcart.files.printable import clipped, printable
 from handcart.networks.coordination.coordinator import Coordinator
 from handcart.networks.coordination.run_life import RunState
 from handcart.networks.coordination.supervision import Request
@@ -15,11 +16,14 @@ from handcart.networks.graph.network import Action
 from handcart.networks.run_observer import RunObserver
 
 from .control import Control
-from .heard import Heard
-from .message import REQUESTS, Message, fault_of
+from .message import KEYS, REQUESTS, Message, fault_of
 from .permits import Permits
 
 _IDLE = (RunState.WAITING_FOR_PERMISSION, RunState.PAUSED_WHILE_ACTING, RunState.PAUSED_WHILE_RESTORING)
+SHOWN = 20
+"""Of the last commands, how many are told."""
+_KEPT = 1000  # nonces
+NOBODY = "the terminal"
 
 
 class Operation(RunObserver):
@@ -31,7 +35,7 @@ class Operation(RunObserver):
 
     def __init__(self, folder: Path, coordinator: Coordinator, permits: Permits, robot: Robot) -> None:
         self._coordinator, self._permits, self._robot = coordinator, permits, robot
-        self._heard = Heard()
+        self._heard = _Heard()
         self._control = Control(folder, self.answer, self._stop)
 
     def look(self) -> None:
@@ -79,7 +83,7 @@ class Operation(RunObserver):
             "asks": question,
             "step": self._permits.step,
             "breaks": sorted(self._permits.breaks),
-            "commands": self._heard.told(),
+            "commands": self._heard.latest(),
         }
 
     def _stop(self) -> None:
@@ -104,6 +108,36 @@ class Operation(RunObserver):
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self._control.close()
+
+
+class _Heard:
+    """The last commands: what, by whom, when."""
+
+    def __init__(self) -> None:
+        """Nothing was said yet."""
+        self._commands: deque[dict[str, Any]] = deque(maxlen=SHOWN)
+        self._nonces: deque[str] = deque(maxlen=_KEPT)
+        self._count = 0
+
+    def again(self, message: Message) -> bool:
+        """Whether the same message was heard before, by its nonce (row U7)."""
+        return message.get("nonce") in self._nonces
+
+    def note(self, message: Message, time: float) -> None:
+        """Keep a command that was done at a time, in [s] of the robot's."""
+        if "nonce" in message:
+            self._nonces.append(message["nonce"])
+        if message["do"] == "status":
+            return
+        self._count += 1
+        more = {key: message[key] for key in KEYS.get(message["do"], ()) if key in message}
+        by = printable(clipped(str(message.get("by") or NOBODY)))
+        said = {"number": self._count, "do": message["do"], **more, "by": by}
+        self._commands.append({**said, "sim_time_s": round(time, 3)})
+
+    def latest(self) -> list[dict[str, Any]]:
+        """The last ones, the oldest first."""
+        return list(self._commands)
 
 
 def _refused(wrong: str) -> dict[str, Any]:

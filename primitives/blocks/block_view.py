@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.evidence import Evidence
 from handcart.primitives.motions.arm_motion import move_to_pose
+from handcart.primitives.motions.from_above import on_level, pointing_down
 from handcart.primitives.restoring.snapshot import settle
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, apply, inverse
@@ -19,7 +20,7 @@ from handcart.robotics.perception.blocks.block_finder import find_block
 from handcart.robotics.perception.cameras.overlay import draw_overlay
 
 from .building import Building
-from .hand_down import VIEW, on_level, pointing_down
+from .building_site import VIEW
 
 WITHIN = 0.015  # [m] about where it should stand
 LOOKS = 2  # pictures

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar, NamedTuple, Self
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.files.models.loading import load
 from handcart.primitives.blocks.building import Building
-from handcart.primitives.knowledge.section import NamedFiles, Section
+from handcart.primitives.knowledge.section import Section
 from handcart.robotics.geometry.pose2 import Pose2
 
 
@@ -56,6 +55,7 @@ class Placed(NamedTuple):
 class Blocks(Section):
     """Of a robot that stacks them."""
 
+    FILES: ClassVar = {"building": Building}
     LEARNED: ClassVar = ("fixed", "placed", "taken")
 
     building: Building | None = None
@@ -66,11 +66,6 @@ class Blocks(Section):
     """The blocks that stand where they go."""
     taken: tuple[int, ...] = ()
     """The blocks that don't wait any more."""
-
-    @classmethod
-    def load(cls, files: NamedFiles) -> Self:
-        """See `Section`."""
-        return cls(files.read("building", lambda path: load(path, Building)))
 
     def names(self) -> Mapping[str, Collection[object]]:
         """See `Section`."""

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from typing import Annotated, Literal
 
 from pydantic import Field
 
 from handcart.backends.description.board_layout import BoardLayout
 from handcart.files.models.model import FileModel
+from handcart.primitives.knowledge.level_pose import LevelPose
 from handcart.primitives.knowledge.place_name import Names
-from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.geometry.transform import Transform, transform
+from handcart.robotics.geometry.transform import transform
 from handcart.robotics.kinematics.shapes import Box
 
 Positive = Annotated[float, Field(gt=0.0)]
@@ -19,26 +18,6 @@ LandmarkName = Annotated[str, Field(min_length=1), Names("landmarks")]
 """The name of a landmark of the building plan."""
 BlockNumber = Annotated[int, Field(ge=1), Names("blocks")]
 """The number of a block of the building plan, from 1."""
-
-
-class LevelPose(FileModel):
-    """A pose on something level: on the map, or on the robot's own table."""
-
-    x_m: float
-    y_m: float
-    height_m: Annotated[float, Field(ge=0.0, le=3.0)]
-    """Of the surface."""
-    heading_deg: float = 0.0
-
-    @property
-    def floor(self) -> Pose2:
-        """The same without its height."""
-        return Pose2(self.x_m, self.y_m, math.radians(self.heading_deg))
-
-    @property
-    def pose(self) -> Transform:
-        """(4, 4)."""
-        return self.floor.lift(self.height_m)
 
 
 class LandmarkPlan(LevelPose):

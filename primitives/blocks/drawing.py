@@ -8,9 +8,10 @@ from typing import Annotated, Literal, NamedTuple
 from pydantic import Field
 
 from handcart.files.models.model import FileModel
+from handcart.primitives.knowledge.level_pose import LevelPose
 from handcart.robotics.geometry.pose2 import Pose2
 
-from .building import BlockPlace, LevelPose, Positive, Table
+from .building import BlockPlace, Positive, Table
 
 
 class Start(FileModel):

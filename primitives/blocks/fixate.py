@@ -20,8 +20,8 @@ from handcart.primitives.knowledge.world_model import ModelView
 
 from .base_turn import turn_by_gyros
 from .building import LandmarkPlan
+from .building_site import building, surroundings
 from .fixating import Rule, fixate, fixed_by, planned_view, sought
-from .hand_down import building, surroundings
 
 MOST_TURNED = 0.002  # [rad] that the base may turn once it was found
 

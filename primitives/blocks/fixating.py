@@ -15,6 +15,7 @@ from handcart.primitives.contract.action_primitive import Periods
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured
 from handcart.primitives.contract.evidence import Evidence
 from handcart.primitives.motions.arm_motion import move_straight, move_to_pose
+from handcart.primitives.motions.from_above import pointing_down
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, inverse, transform
 from handcart.robotics.kinematics.shapes import Box
@@ -28,7 +29,7 @@ from handcart.robotics.manipulation.suspension.fixation import (
 from handcart.robotics.perception.landmarks.constellation import Belief, Kind, Mark
 
 from .building import LandmarkPlan
-from .hand_down import VIEW, pointing_down
+from .building_site import VIEW
 from .landmark_views import LandmarkViews, Sought, offsets
 
 Rule = Literal["residual", "paper"]

@@ -19,7 +19,8 @@ from handcart.primitives.contract.discrepancy import Discrepancy, Measured, Need
 from handcart.primitives.contract.meant_contact import MeantContact
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
 from handcart.primitives.motions.arm_motion import move_straight, move_to_joints, move_to_pose
-from handcart.primitives.motions.grip import close, open_to
+from handcart.primitives.motions.from_above import gripped, gripping, on_level
+from handcart.primitives.motions.grip import close, holds, open_to, width_off
 from handcart.primitives.motions.pushing import push
 from handcart.primitives.restoring.retrace import retrace
 from handcart.primitives.restoring.snapshot import Snapshot
@@ -28,7 +29,7 @@ from handcart.robotics.geometry.transform import Transform, inverse
 
 from .block_view import see_block
 from .building import Building
-from .hand_down import building, gripping, held_block, on_level, standing, surroundings
+from .building_site import building, standing, surroundings
 from .supports import TRAY, held_on
 
 ABOVE = 0.06  # [m] over the grip, where the hand waits before it goes straight down and after it came up
@@ -65,7 +66,7 @@ class PickUpBlock(ActionPrimitive):
         stands = self._stands(robot, model, plan)
         if self.look:
             stands = yield from self._seen(robot, model, plan, stands)
-        base_T_grip = gripping(robot, plan, stands)
+        base_T_grip = gripping(robot, plan.block, stands)
         above = base_T_grip.copy()
         above[2, 3] += ABOVE
         yield from move_to_pose(robot, above, around=surroundings(robot, model))
@@ -80,7 +81,7 @@ class PickUpBlock(ActionPrimitive):
         if not _grips(robot, plan):
             raise Discrepancy("the fingers don't hold a block", measured=_opening(robot, plan))
         self._held = True
-        yield from move_straight(robot, above, held_block(robot, plan))
+        yield from move_straight(robot, above, gripped(robot, plan.block))
         if self.at == "supply":
             model.of(Blocks).taken = (*model.of(Blocks).taken, self.number)
         self.found(width_mm=round(1e3 * robot.gripper.width(), 2))
@@ -146,10 +147,8 @@ class PickUpBlock(ActionPrimitive):
 
 
 def _grips(robot: Robot, plan: Building) -> bool:
-    off = abs(robot.gripper.width() - plan.block[0])
-    return robot.gripper.closed_on_something() and off < THICKNESS_ERROR
+    return holds(robot, plan.block[0], THICKNESS_ERROR)
 
 
 def _opening(robot: Robot, plan: Building) -> Measured:
-    off = 1e3 * abs(robot.gripper.width() - plan.block[0])
-    return Measured("Gripper", "opening off the block's length", off, 1e3 * THICKNESS_ERROR, "mm")
+    return width_off(robot, plan.block[0], THICKNESS_ERROR, "the block's length")

@@ -17,8 +17,10 @@ from handcart.primitives.blocks.building import BlockNumber, name_of_block
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured
 from handcart.primitives.contract.meant_contact import MeantContact
+from handcart.primitives.knowledge.level_pose import LevelPose
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
 from handcart.primitives.motions.arm_motion import move_straight, move_to_pose, move_to_posture
+from handcart.primitives.motions.from_above import gripped, gripping, on_level, pointing_down
 from handcart.primitives.motions.grip import open_to
 from handcart.primitives.motions.pushing import push, relax
 from handcart.primitives.restoring.snapshot import settle
@@ -30,19 +32,10 @@ from handcart.robotics.manipulation.suspension.suspension_model import Suspensio
 
 from .base_turn import fused, turn_by_gyros, turn_by_model
 from .block_view import see_block
-from .building import Building, LandmarkPlan, LevelPose
+from .building import Building, LandmarkPlan
+from .building_site import VIEW, building, standing, surroundings
 from .fixate import landmark_of
 from .fixating import Rule, fixate, fixed_by, planned_view, sought
-from .hand_down import (
-    VIEW,
-    building,
-    gripping,
-    held_block,
-    on_level,
-    pointing_down,
-    standing,
-    surroundings,
-)
 from .pick_up_block import ABOVE, OPEN
 from .supports import TRAY, held_on
 
@@ -96,7 +89,7 @@ class Stack(ActionPrimitive):
             raise Discrepancy("the hand holds no block", permanent=True)
         if self.method in FEEL and robot.spec.imu is None:
             raise Discrepancy(f"the method {self.method} needs inertial sensors", permanent=True)
-        held = held_block(robot, plan)
+        held = gripped(robot, plan.block)
         goal = self._goal(plan)
         around = surroundings(robot, model)
         if self.onto == "goal" and self.method in FIX_AGAIN:
@@ -105,7 +98,7 @@ class Stack(ActionPrimitive):
         yield from move_straight(robot, _raised(grip, ABOVE), held)
         if self.onto == "goal" and self.method in FEEL:
             yield from settle(robot)
-            grip = gripping(robot, plan, self._corrected(robot, model, plan, goal))
+            grip = gripping(robot, plan.block, self._corrected(robot, model, plan, goal))
         yield from self._lower(robot, grip)
         yield from self.intend("the fingers let the block go")
         yield from open_to(robot, plan.block[0] + OPEN)
@@ -138,11 +131,11 @@ class Stack(ActionPrimitive):
     ) -> Generator[None, None, Transform]:
         """Bring the block over its goal; gives base_T_hand (4, 4) where it will touch down."""
         blocks = model.of(Blocks)
-        held = held_block(robot, plan)
+        held = gripped(robot, plan.block)
         if self.onto == "goal" and self.method == "servo":
             return (yield from self._servo(robot, model, plan))
-        swing = _is_swing(robot, gripping(robot, plan, self._corrected(robot, model, plan, goal)))
-        grip = gripping(robot, plan, self._corrected(robot, model, plan, goal, swing))
+        swing = _is_swing(robot, gripping(robot, plan.block, self._corrected(robot, model, plan, goal)))
+        grip = gripping(robot, plan.block, self._corrected(robot, model, plan, goal, swing))
         yield from move_to_pose(robot, _raised(grip, ABOVE), held, around)
         if self.onto == "goal" and blocks.fixed is not None:
             blocks.fixed = blocks.fixed._replace(swings=blocks.fixed.swings + swing)
@@ -189,10 +182,10 @@ class Stack(ActionPrimitive):
         mark = landmark_of(model, goal.landmark)
         planned = model.places[self._place(model, mark)].pose
         planned_T_block = split_goal(goal.pose, planned.lift())
-        hover = gripping(robot, plan, planned_T_block)
+        hover = gripping(robot, plan.block, planned_T_block)
         hover[2, 3] = self._view_height(robot, mark.height_m)
         error = yield from self._fix(robot, model, goal.landmark, hover)
-        return gripping(robot, plan, placing_posture(error, planned_T_block))
+        return gripping(robot, plan.block, placing_posture(error, planned_T_block))
 
     def _place(self, model: ModelView, mark: LandmarkPlan) -> str:
         """Where the base should stand."""
@@ -212,7 +205,7 @@ class Stack(ActionPrimitive):
         place = self._place(model, mark)
         planned = model.places[place].pose
         view = planned_view(robot, mark, planned, hand)
-        held, around = held_block(robot, plan), surroundings(robot, model)
+        held, around = gripped(robot, plan.block), surroundings(robot, model)
         before = blocks.fixed
         known = None if before is None else before.pose.relative_to(planned)
         swing = _is_swing(robot, view.base_T_hand)

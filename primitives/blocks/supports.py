@@ -6,9 +6,10 @@ from collections.abc import Sequence
 
 from handcart.primitives.blocks.building import name_of_block
 from handcart.primitives.contract.meant_contact import MeantContact
+from handcart.primitives.knowledge.level_pose import LevelPose
 from handcart.robotics.geometry.pose2 import Pose2
 
-from .building import Building, LevelPose
+from .building import Building
 
 LEVEL = 0.005  # [m] that a support's top may be off the foot of what it carries
 TRAY = "tray"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import Periods
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured
+from handcart.primitives.motions import grip
 from handcart.primitives.motions.grip import close, hand_to_tips, width_read
 
 from .catalogue import Book
@@ -22,8 +23,7 @@ def hand_to_spine(robot: Robot) -> float:
 
 def holds(robot: Robot, book: Book) -> bool:
     """Whether the fingers press on something as thick as that book."""
-    off = abs(robot.gripper.width() - book.thickness_mm / 1e3)
-    return robot.gripper.closed_on_something() and off < THICKNESS_ERROR
+    return grip.holds(robot, book.thickness_mm / 1e3, THICKNESS_ERROR)
 
 
 def opening(robot: Robot, book: Book | None) -> Measured:

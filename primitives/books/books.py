@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar, NamedTuple, Self
+from typing import Any, ClassVar, NamedTuple
 
-from handcart.files.models.loading import load
 from handcart.primitives.books.catalogue import Book, Catalogue
-from handcart.primitives.knowledge.section import NamedFiles, Section
+from handcart.primitives.knowledge.section import Section
 from handcart.robotics.geometry.pose2 import Pose2
 
 NO_BOOKS = Catalogue(format="handcart-catalogue/1", books=())
@@ -41,6 +40,7 @@ class Slot(NamedTuple):
 class Books(Section):
     """Of a robot that returns them to their shelves."""
 
+    FILES: ClassVar = {"catalogue": Catalogue}
     LEARNED: ClassVar = ("book", "book_pose", "slot")
     ELEMENT: ClassVar = LEARNED
 
@@ -50,11 +50,6 @@ class Books(Section):
     book_pose: Pose2 | None = None
     """base_T_book while it stands on the tray: middle of its spine, x along its depth."""
     slot: Slot | None = None
-
-    @classmethod
-    def load(cls, files: NamedFiles) -> Self:
-        """See `Section`."""
-        return cls(files.read("catalogue", lambda path: load(path, Catalogue)) or NO_BOOKS)
 
     def noted(self) -> dict[str, Any]:
         """See `Section`."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-import matplotlib
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
@@ -21,6 +20,8 @@ PAPER, INK = 244, 22
 
 def label_templates(numbers: Iterable[CallNumber]) -> dict[CallNumber, NDArray[np.uint8]]:
     """Each label upright, its text running left to right, at `PX_PER_M` pixels a metre."""
+    import matplotlib  # for its fonts alone; takes as long to import as the rest of a task's check
+
     path = Path(matplotlib.get_data_path()) / "fonts" / "ttf" / FACE
     cap = CAP_HEIGHT * PX_PER_M
     top, bottom = (ImageFont.truetype(str(path), 200).getbbox("H", anchor="ls")[i] for i in (1, 3))

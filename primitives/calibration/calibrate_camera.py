@@ -14,7 +14,7 @@ from handcart.backends.robot.mounted_camera import stated_camera
 from handcart.backends.robot.robot import Robot
 from handcart.files.suggest import suggest
 from handcart.primitives.blocks.building import BoardPlan
-from handcart.primitives.blocks.hand_down import building, standing, surroundings
+from handcart.primitives.blocks.building_site import building, standing, surroundings
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.contract.calibrated import Calibrated, as_facts
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured

@@ -14,13 +14,14 @@ from handcart.backends.capabilities.camera import Camera
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.blocks.building import LandmarkName, LandmarkPlan
+from handcart.primitives.blocks.building_site import building, standing, surroundings
 from handcart.primitives.blocks.fixate import landmark_of
-from handcart.primitives.blocks.hand_down import building, held_block, standing, surroundings
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.contract.calibrated import Calibrated, as_facts
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.motions.arm_motion import move_straight, move_to_pose
+from handcart.primitives.motions.from_above import gripped
 from handcart.robotics.geometry.transform import Transform, apply, inverse
 from handcart.robotics.kinematics.shapes import Box
 from handcart.robotics.manipulation.suspension.suspension_identification import (
@@ -97,7 +98,7 @@ class CalibrateSuspension(ActionPrimitive):
     def _scene(self, robot: Robot, model: ModelView) -> Surroundings:
         marks = [landmark_of(model, name) for name in self.landmarks]
         base_T_map = inverse(standing(robot, model).lift())
-        held = held_block(robot, building(model))
+        held = gripped(robot, building(model).block)
         return Surroundings(
             marks, [base_T_map @ mark.pose for mark in marks], held, surroundings(robot, model)
         )

@@ -10,10 +10,10 @@ import numpy as np
 
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.blocks.building import LandmarkPlan
-from handcart.primitives.blocks.hand_down import on_level, pointing_down
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured
 from handcart.primitives.contract.evidence import Evidence
 from handcart.primitives.motions.arm_motion import move_straight
+from handcart.primitives.motions.from_above import on_level, pointing_down
 from handcart.primitives.restoring.snapshot import settle
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, inverse

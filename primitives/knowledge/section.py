@@ -5,7 +5,7 @@ from __future__ import annotations
 import typing
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, ClassVar, Protocol, Self, TypeVar
@@ -17,6 +17,8 @@ from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.robot.robot import Robot
 from handcart.files.errors import FileError, Finding
 from handcart.files.findings import Findings
+from handcart.files.models.loading import load
+from handcart.files.models.model import FileModel
 from handcart.files.yaml.yaml_document import Document
 from handcart.primitives.contract.meant_contact import MeantContact
 from handcart.robotics.geometry.pose2 import Pose2
@@ -77,6 +79,8 @@ class Section:
     for robots that know nothing of the domain.
     """
 
+    FILES: ClassVar[Mapping[str, type[FileModel]]] = {}
+    """Models of files by their keys under `knowledge:`; the entry of that name gets what is in the file."""
     LEARNED: ClassVar[tuple[str, ...]] = ()
     """Entries that a run finds out: a checkpoint keeps them, by their annotated types."""
     ELEMENT: ClassVar[tuple[str, ...]] = ()
@@ -85,7 +89,8 @@ class Section:
     @classmethod
     def load(cls, files: NamedFiles) -> Self:
         """Read the files that a task names; what is wrong is added to `files.findings`."""
-        return cls()
+        read = {key: files.read(key, partial(load, model=model)) for key, model in cls.FILES.items()}
+        return cls(**{key: found for key, found in read.items() if found is not None})
 
     def names(self) -> Mapping[str, Collection[object]]:
         """What can be named: parameters marked with `Names(KIND)` are held against it, and `{all: KIND}` in a
@@ -113,8 +118,8 @@ class Section:
         return ()
 
     def noted(self) -> dict[str, Any]:
-        """What is known now, ready for JSON: the journal has what has changed."""
-        return {}
+        """What is known now, ready for JSON: the journal has what has changed. As it is, what was learned."""
+        return {name: getattr(self, name) for name in self.LEARNED}
 
     @classmethod
     def entries(cls) -> tuple[str, ...]:

@@ -45,3 +45,14 @@ def width_read(robot: Robot) -> Measured:
     return Measured(
         "Gripper", "the fingers press on nothing; opening", 1e3 * robot.gripper.width(), unit="mm"
     )
+
+
+def holds(robot: Robot, width: float, most: float) -> bool:
+    """Whether the fingers press on something as wide as that, off by less than `most`, both in [m]."""
+    return robot.gripper.closed_on_something() and abs(robot.gripper.width() - width) < most
+
+
+def width_off(robot: Robot, width: float, most: float, what: str) -> Measured:
+    """How far the opening is off a width, for a Discrepancy; `what` says whose width that is."""
+    off = 1e3 * abs(robot.gripper.width() - width)
+    return Measured("Gripper", f"opening off {what}", off, 1e3 * most, "mm")

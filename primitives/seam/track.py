@@ -214,7 +214,7 @@ def _around(robot: Robot, model: ModelView) -> tuple[Box, ...]:
         return ()
     base_T_map = robot.pose.inverse().lift()
     boxes = (each.box for each in work.work_piece.boxes)
-    return tuple(Box(base_T_map @ box.pose, box.size, box.name) for box in boxes)
+    return tuple(box.seen_from(base_T_map) for box in boxes)
 
 
 def _words(part: SeamPart, error: Untrackable) -> str:

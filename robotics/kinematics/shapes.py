@@ -18,6 +18,10 @@ class Box:
     size: tuple[float, float, float]
     name: str = "box"
 
+    def seen_from(self, a_T_b: Transform) -> Box:
+        """The same box of the frame b, posed in a."""
+        return Box(a_T_b @ self.pose, self.size, self.name)
+
 
 @dataclass(frozen=True, eq=False)
 class Cylinder:

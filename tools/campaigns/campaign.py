@@ -97,15 +97,15 @@ def campaign(
     with asked.opened() as opened:
         interrupted = _run(opened, jobs, cluster)
         found = opened.report()
-        told = CampaignWords(found, opened.arguments, interrupted, opened.settling, opened.learned)
+        summary = CampaignWords(found, opened.arguments, interrupted, opened.settling, opened.learned)
         if junit is not None:
             _write_junit(junit, opened, found)
         if as_json:
             import orjson
 
-            print(orjson.dumps(told.facts()).decode())
+            print(orjson.dumps(summary.facts()).decode())
         elif found.trials:
-            print("\n".join(told.lines()))
+            print("\n".join(summary.lines()))
         if report:
             _write_page(opened, found, not interrupted)
         if interrupted:

@@ -27,8 +27,8 @@ def merge(
     with ExitStack() as stack:
         folder = out or Path(stack.enter_context(tempfile.TemporaryDirectory())) / "whole"
         whole = merged(parts, folder)
-        report, told = report_of(whole)
-        print(orjson.dumps(told.facts()).decode() if as_json else "\n".join(told.lines()))
+        report, words = report_of(whole)
+        print(orjson.dumps(words.facts()).decode() if as_json else "\n".join(words.lines()))
         if out is not None:
             page = CampaignPage(whole, report, None)
             page.write_runs()

@@ -98,7 +98,7 @@ def _lines(report: RobotReport, every: bool) -> list[str]:
     if report.contact is not None:
         parts.append(report.contact.words)
     if report.reach is not None:
-        parts += [_reach_words(report.reach), *_told_by_domains(report), ""]
+        parts += [_reach_words(report.reach), *_domain_tables(report), ""]
     if report.camera is not None:
         camera = report.camera
         parts.append(
@@ -166,6 +166,6 @@ def _reach_words(reach: Reach) -> str:
     return f"reach: the hand gets {away}, {low:.2f} to {high:.2f} m up"
 
 
-def _told_by_domains(report: RobotReport) -> list[Any]:
+def _domain_tables(report: RobotReport) -> list[Any]:
     tables = [table for facts in report.domains.values() for table in facts.tables]
     return [part for each in tables for part in (each.heading, table_of(*each.columns, rows=each.rows))]

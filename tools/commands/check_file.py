@@ -205,7 +205,7 @@ def _task_facts(file: Path, settings: dict[str, str], quick: bool) -> dict[str, 
     with share_shown(f"{file}: how runs end") as watch:
         facts = task_facts(checked.task, watch)
     if not quick:
-        facts |= _told_by_domains(checked.task)
+        facts |= _domain_facts(checked.task)
     robot = checked.task.robot
     postures = map(str, posture_findings(robot, load_robot(robot)))
     lines = [*(each.words() for each in checked.places), *facts.get("lines", ())]
@@ -214,7 +214,7 @@ def _task_facts(file: Path, settings: dict[str, str], quick: bool) -> dict[str, 
     return {**facts, **places, "errors": list(checked.errors)}
 
 
-def _told_by_domains(task: Task) -> dict[str, Any]:
+def _domain_facts(task: Task) -> dict[str, Any]:
     """What the domains tell of it whose files it names."""
     from handcart.tasks.domain import domains, imported
 

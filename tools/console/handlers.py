@@ -71,7 +71,7 @@ class Handlers:
         try:
             while True:
                 version = await self._watcher.newer(version, 0.0 if version < 0 else BEAT_S)
-                state = {"runs": self._watcher.told(), "lease": self._lease.told()}
+                state = {"runs": self._watcher.states(), "lease": self._lease.holder()}
                 await answer.write(orjson.dumps(state) + b"\n")
         except (ConnectionResetError, asyncio.CancelledError):
             return answer
@@ -82,7 +82,7 @@ class Handlers:
         """One run, whole."""
         name = request.match_info["run"]
         folder = self._folder(request)
-        state: Mapping[str, Any] = next(each for each in self._watcher.told() if each["name"] == name)
+        state: Mapping[str, Any] = next(each for each in self._watcher.states() if each["name"] == name)
         details = await self._details.of(folder, state["alive"], state.get("situation"), self._away)
         if isinstance(details, web.Response):
             return said(details.status, orjson.loads(details.text or "{}")["error"])
@@ -91,7 +91,7 @@ class Handlers:
     async def after(self, request: web.Request) -> web.Response:
         """What a permission means for the goal."""
         folder, action = self._folder(request), request.match_info["action"]
-        state = next(each for each in self._watcher.told() if each["name"] == request.match_info["run"])
+        state = next(each for each in self._watcher.states() if each["name"] == request.match_info["run"])
         asks = state.get("asks")
         if not asks or str(asks["index"]) != action:
             return said(409, "that action doesn't wait")
@@ -112,11 +112,11 @@ class Handlers:
         """Say something to a run, as who commands."""
         folder, message = self._folder(request), await _body(request)
         if not self._lease.holds(request.headers.get(TAB, "")):
-            return said(423, f"{self._lease.told()['name'] or 'nobody'} commands; take the command first")
+            return said(423, f"{self._lease.holder()['name'] or 'nobody'} commands; take the command first")
         if message.get("do") not in WORDS:
             return said(400, f"unknown command {printable(clipped(repr(message.get('do'))))}")
         many = message.pop("places", None)
-        named = {**message, "by": self._lease.told()["name"]}
+        named = {**message, "by": self._lease.holder()["name"]}
         if many is None:
             reply = await self._away(lambda: ask(folder, named))
         else:
@@ -139,7 +139,7 @@ class Handlers:
         """A person's word on a GiveUp, with the record and the cause that was read (row U12)."""
         folder, word = self._folder(request), await _body(request)
         if not self._lease.holds(request.headers.get(TAB, "")):
-            return said(423, f"{self._lease.told()['name'] or 'nobody'} commands; take the command first")
+            return said(423, f"{self._lease.holder()['name'] or 'nobody'} commands; take the command first")
         record, cause = word.get("record"), word.get("cause")
         if isinstance(record, bool) or not isinstance(record, int) or not isinstance(cause, str) or not cause:
             return said(400, "record and cause are missing; needed: those that were shown")
@@ -159,7 +159,7 @@ class Handlers:
         else:
             self._lease.take(tab, printable(name.strip()))
         await self._watcher.tell_all()
-        return _json({"ok": True, "lease": self._lease.told()})
+        return _json({"ok": True, "lease": self._lease.holder()})
 
     async def ticket(self, request: web.Request) -> web.Response:
         """Opens one of a run's own pages once."""

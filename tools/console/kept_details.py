@@ -35,7 +35,7 @@ class KeptDetails:
         known = self._kept.get(folder)
         if known is None or known[0] != mark:
             reading = asyncio.ensure_future(
-                away(lambda: orjson.dumps(RunDetails(folder, alive).told(situation)))
+                away(lambda: orjson.dumps(RunDetails(folder, alive).summary(situation)))
             )
             self._kept.pop(folder, None)
             self._kept[folder] = known = mark, reading

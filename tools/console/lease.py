@@ -45,7 +45,7 @@ class Lease:
         elif self._holder == tab:
             self._since_gone = self._clock()
 
-    def told(self) -> dict[str, Any]:
+    def holder(self) -> dict[str, Any]:
         """Who has it, for all."""
         return {"tab": self._current(), "name": self._name}
 

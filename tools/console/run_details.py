@@ -37,7 +37,7 @@ class RunDetails:
         """
         self._folder, self._alive, self._run = folder, alive, read_run(folder)
 
-    def told(self, situation: str | None) -> dict[str, Any]:
+    def summary(self, situation: str | None) -> dict[str, Any]:
         """For the page; `situation` as the run says itself, None where it doesn't go on."""
         run = self._run
         end = run.end

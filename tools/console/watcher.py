@@ -41,12 +41,12 @@ class Watcher:
         """Look, until it is cancelled."""
         count = 0
         while True:
-            before = self.told()
+            before = self.states()
             if count % LISTS == 0:
                 self._listed = await self.away(self._list)
             await asyncio.gather(*(self._look(name) for name in self._listed))
             count += 1
-            if self.told() != before:
+            if self.states() != before:
                 await self.tell_all()
             await asyncio.sleep(LOOKS_S)
 
@@ -81,9 +81,9 @@ class Watcher:
         await self._look(name)
         await self.tell_all()
 
-    def told(self) -> list[dict[str, Any]]:
+    def states(self) -> list[dict[str, Any]]:
         """All of them, the newest first."""
-        return [self._told(name, listed) for name, listed in self._listed.items()]
+        return [self._state(name, listed) for name, listed in self._listed.items()]
 
     def close(self) -> None:
         """Let go of what is still asked."""
@@ -111,7 +111,7 @@ class Watcher:
             self._over[name] = mark
             self._live.pop(name, None)
 
-    def _told(self, name: str, listed: ListedRun) -> dict[str, Any]:
+    def _state(self, name: str, listed: ListedRun) -> dict[str, Any]:
         live: Mapping[str, Any] | None = self._live.get(name)
         head = {
             "name": name,

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from functools import cached_property
 from importlib.util import find_spec
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-import onnxruntime
 from numpy.typing import NDArray
 
 from handcart.robotics.perception.books.call_number import CallNumber
@@ -16,8 +16,12 @@ from handcart.robotics.perception.books.call_number_decoder import CallNumberDec
 from handcart.robotics.perception.books.label_reader import LabelReader, Reading
 from handcart.robotics.perception.cameras.camera_model import GreyImage
 
-if find_spec("rapidocr") is None:  # told when this is imported, not when the first label is to be read
-    raise ModuleNotFoundError("No module named 'rapidocr'", name="rapidocr")
+if TYPE_CHECKING:
+    import onnxruntime
+
+for _library in ("onnxruntime", "rapidocr"):  # told when this is imported, not when the first label is read
+    if find_spec(_library) is None:
+        raise ModuleNotFoundError(f"No module named {_library!r}", name=_library)
 
 _STEP_PX = 8  # the recogniser gives one column of probabilities for this many of its input
 
@@ -44,6 +48,8 @@ class OcrLabelReader(LabelReader):
 
     @cached_property
     def _session(self) -> onnxruntime.InferenceSession:
+        import onnxruntime
+
         options = onnxruntime.SessionOptions()
         options.intra_op_num_threads = self._threads
         options.inter_op_num_threads = 1

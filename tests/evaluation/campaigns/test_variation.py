@@ -12,7 +12,7 @@ from benchmarks.campaigns.walk import walk
 from handcart.evaluation.campaigns.campaign_folder import CampaignFolder
 from handcart.evaluation.campaigns.variation import Variation, load_variation
 from handcart.files.errors import FileError
-from handcart.files.yaml.changed_numbers import changed_numbers
+from handcart.files.yaml.yaml_document import changed_numbers
 from handcart.networks.task.task_file import load_task
 from tests.tools.conftest import TOUR, Said
 from tests.tools.conftest import handcart as handcart

@@ -22,21 +22,9 @@ from handcart.primitives.contract.outcome import Outcome, Success, fail_if_resto
 from handcart.primitives.driving.move_to import MoveTo
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.perception.books.call_number import parse
+from tests.tools.conftest import LIBRARY, TOUR
 
-LIBRARY = Path(__file__).resolve().parents[3] / "tasks" / "return_book"
 DRIVE_MAP = LIBRARY.parent / "drive_map" / "task.yaml"
-TOUR = """\
-format: handcart-task/1
-title: Drive to a shelf
-robot: librarian
-world: world.yaml
-knowledge: {map: map.yaml, places: places.yaml, catalogue: catalogue.yaml, start: home}
-start: at_home
-goal: at_shelf
-situations: {at_home: {base: home}, at_shelf: {base: shelf}}
-actions:
-  - {do: MOVE_TO, from: at_home, to: at_shelf, cost_s: 30, with: {place: shelf_3}}
-"""
 
 
 def test_a_fail_that_did_not_restore_is_found(build_rig: Callable[..., Any]) -> None:

@@ -10,7 +10,7 @@ PLANTS = Domain(
     "plants",
     knowledge=Knowledge(
         "potted_plants.knowledge:Plants",
-        {"plants": "Plants: where their pots stand, how much water each needs, where the can is."},
+        {"garden": "Plants: where their pots stand, how much water each needs, where the can is."},
     ),
     props="potted_plants.props:Pots",
     primitives={"WATER": "potted_plants.water:Water"},

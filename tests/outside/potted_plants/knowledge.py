@@ -4,23 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
-from typing import Annotated, Any, ClassVar, Literal, Self
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
-from handcart.files.models.loading import load
 from handcart.files.models.model import FileModel
-from handcart.primitives.knowledge.section import NamedFiles, Section
+from handcart.primitives.knowledge.level_pose import LevelPose
+from handcart.primitives.knowledge.section import Section
 
 Positive = Annotated[float, Field(gt=0.0)]
 
 
-class Can(FileModel):
+class Can(LevelPose):
     """The can on the robot's own table, in the base frame: the middle of its foot."""
 
-    x_m: float
-    y_m: float
-    height_m: float
     size_m: tuple[Positive, Positive, Positive] = (0.04, 0.04, 0.06)
 
 
@@ -43,17 +40,11 @@ class PlantsFile(FileModel):
 class Plants(Section):
     """Of a robot that waters them."""
 
+    FILES: ClassVar = {"garden": PlantsFile}
     LEARNED: ClassVar = ("watered",)
 
     garden: PlantsFile | None = None
     watered: Mapping[str, float] = field(default_factory=dict)  # [ml], by the scale in the hand
 
-    @classmethod
-    def load(cls, files: NamedFiles) -> Self:
-        return cls(files.read("plants", lambda path: load(path, PlantsFile)))
-
     def names(self) -> Mapping[str, Collection[object]]:
         return {"plants": list(self.garden.plants)} if self.garden else {}
-
-    def noted(self) -> dict[str, Any]:
-        return {"watered": dict(self.watered)}

@@ -17,20 +17,19 @@ from handcart.primitives.contract.meant_contact import MeantContact
 from handcart.primitives.knowledge.place_name import Names
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
 from handcart.primitives.motions.arm_motion import move_straight, move_to_pose
-from handcart.primitives.motions.grip import close, hand_to_tips, open_to
+from handcart.primitives.motions.from_above import gripped, gripping, pointing_down
+from handcart.primitives.motions.grip import close, holds, open_to, width_off
+from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, transform
 from handcart.robotics.kinematics.shapes import Box
-from handcart.robotics.manipulation.motions.collision_model import HELD
 
 from .knowledge import Plant, Plants, PlantsFile
 
-BITE = 0.025  # [m] of the can's height between the pads
 LIFT, OVER = transform((0.0, 0.0, 0.1)), 0.08  # above its place; of the rim above the pot in [m]
 TILTS = (0.0, 25.0, 40.0, 70.0)  # [deg], about the axis of the fingers
 SCALE, STEADY, GRAVITY, TRIES = 30, 25.0, 9.81, 12  # readings for half a weighing; [g]; [m/s²]; pourings
 CAREFUL, ENOUGH, EMPTY = 150.0, 10.0, 30.0  # [ml/s] taken for the flow; [ml] missing; [g] left
-DOWN = transform(rpy=(0.0, math.pi / 2, 0.0)) @ transform(rpy=(-math.pi / 2, 0.0, 0.0))
-ACROSS = transform(rpy=(0.0, 0.0, math.pi / 2)) @ DOWN
+ACROSS = pointing_down(Pose2(0.0, 0.0, math.pi / 2), 0.0)
 
 
 class Water(ActionPrimitive):
@@ -51,10 +50,9 @@ class Water(ActionPrimitive):
         yield from move_straight(robot, grip)
         yield from self.intend("the fingers close on the can")
         yield from close(robot)
-        off = 1e3 * abs(robot.gripper.width() - garden.can.size_m[0])
-        if off > 5.0:
-            read = Measured("Gripper", "opening off the can's width", off, 5.0, "mm")
-            raise Discrepancy("the fingers don't hold the can", measured=read)
+        wide = garden.can.size_m[0], 0.005
+        if not holds(robot, *wide):
+            raise Discrepancy("no can in the hand", measured=width_off(robot, *wide, "the can's width"))
         yield from move_straight(robot, LIFT @ grip, held)
         yield from self._pour(robot, model, garden.plants[self.plant], held)
         yield from _put_back(robot, garden)
@@ -97,10 +95,8 @@ class Water(ActionPrimitive):
 
 def _grip(robot: Robot, garden: PlantsFile) -> tuple[Transform, Box]:
     """base_T_hand (4, 4) about the can in its place, and the can in the hand's frame."""
-    can, tips = garden.can, hand_to_tips(robot)
-    length, width, height = can.size_m
-    grip = transform((can.x_m, can.y_m, can.height_m + height - BITE + tips)) @ DOWN
-    return grip, Box(transform((tips - BITE + height / 2, 0.0, 0.0)), (height, length, width), HELD)
+    size = garden.can.size_m
+    return gripping(robot, size, garden.can.pose), gripped(robot, size)
 
 
 def _over(robot: Robot, plant: Plant, can: Box) -> list[Transform]:
@@ -114,12 +110,8 @@ def _over(robot: Robot, plant: Plant, can: Box) -> list[Transform]:
 
 def _pots(robot: Robot, garden: PlantsFile) -> tuple[Box, ...]:
     """What the arm goes around, in the base frame."""
-
-    def box(plant: Plant) -> Box:
-        middle = transform((plant.x_m, plant.y_m, plant.height_m + plant.size_m[2] / 2))
-        return Box(robot.pose.inverse().lift() @ middle, plant.size_m, "a pot")
-
-    return tuple(map(box, garden.plants.values()))
+    base_T_map, pots = robot.pose.inverse().lift(), garden.plants.values()
+    return tuple(pot.body(pot.size_m, "a pot").seen_from(base_T_map) for pot in pots)
 
 
 def _put_back(robot: Robot, garden: PlantsFile) -> Periods:

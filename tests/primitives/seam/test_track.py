@@ -4,51 +4,33 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from handcart.backends.description.robot_loading import ROBOTS
-from handcart.evaluation.trials.rig import Rig, RigFiles, build_rig
+from handcart.evaluation.trials.rig import Rig
 from handcart.primitives.contract.outcome import Fail, Success
 from handcart.primitives.seam.divide import Divide
 from handcart.primitives.seam.seam import Seam
-from handcart.primitives.seam.seam_file import load_seam
 from handcart.primitives.seam.seam_work import SeamPart, SeamWork
 from handcart.primitives.seam.track import Track
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.manipulation.placement.placement_division import Segment
 from handcart.robotics.manipulation.placement.placer import Placements
 
-TASK = Path(__file__).parents[3] / "tasks" / "track_seam"
 HERE = Pose2(2.0257, 3.0387, math.radians(-25.62))
 """Whence the seam's begin can be tracked."""
 LAST = 12
 
 
 @pytest.fixture
-def make_stage(tmp_path: Path) -> Callable[..., Rig]:
+def make_stage(rig_at: Callable[..., Rig]) -> Callable[..., Rig]:
     """A robot that stands where it tracks the first points of the shipped seam."""
 
     def made(old: str = "", new: str = "") -> Rig:
-        place = f"x_m: {HERE.x}, y_m: {HERE.y}, heading_deg: {math.degrees(HERE.theta)}"
-        for name, before, after in (
-            ("world.yaml", "start: {x_m: 1.2, y_m: 1.2, heading_deg: 0.0}", f"start: {{{place}}}"),
-            ("places.yaml", "  home: {", f"  here: {{{place}}}\n  home: {{"),
-        ):
-            text = (TASK / name).read_text(encoding="utf-8")
-            assert text.count(before) == 1
-            (tmp_path / name).write_text(text.replace(before, after), encoding="utf-8")
-        robot = (ROBOTS / "atrv" / "robot.yaml").read_text(encoding="utf-8")
-        assert old in robot
-        (tmp_path / "robot.yaml").write_text(robot.replace(old, new), encoding="utf-8")
-        (tmp_path / "atrv.urdf").write_bytes((ROBOTS / "atrv" / "atrv.urdf").read_bytes())
-        files = RigFiles(tmp_path / "world.yaml", TASK / "map.yaml", tmp_path / "places.yaml", {}, "here")
-        rig = build_rig(files, robot=str(tmp_path / "robot.yaml"))
-        rig.model.of(Seam).seam = load_seam(TASK / "seam.csv").part(0, LAST)
+        rig = rig_at(HERE, LAST, old=old, new=new)
         rig.model.of(Seam).seam_work = SeamWork(0, SeamPart("place_1", HERE, 0, LAST, 0.1), (), 1)
         return rig
 

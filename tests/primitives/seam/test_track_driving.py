@@ -4,51 +4,31 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from handcart.backends.description.robot_loading import ROBOTS
 from handcart.backends.simulation.scene import Scene
 from handcart.evaluation.seam.seam_survey import distances
-from handcart.evaluation.trials.rig import Rig, RigFiles, build_rig
+from handcart.evaluation.trials.rig import Rig
 from handcart.primitives.contract.outcome import Fail, Success
 from handcart.primitives.seam.divide import Divide
 from handcart.primitives.seam.seam import Seam
-from handcart.primitives.seam.seam_file import load_seam
 from handcart.primitives.seam.track import Track
 from handcart.robotics.geometry.pose2 import Pose2
 
-TASK = Path(__file__).parents[3] / "tasks" / "track_seam"
 HERE = Pose2(2.012, 2.99, math.radians(0.4))
 """About where the way beside the seam begins."""
 LAST = 150
 
 
 @pytest.fixture
-def make_rig(tmp_path: Path) -> Callable[..., Rig]:
+def make_rig(rig_at: Callable[..., Rig]) -> Callable[..., Rig]:
     """Before the first metre and a half of the shipped seam, divided; `world` is added to the world."""
 
     def made(world: str = "", old: str = "", new: str = "") -> Rig:
-        place = f"x_m: {HERE.x}, y_m: {HERE.y}, heading_deg: {math.degrees(HERE.theta)}"
-        for name, before, after in (
-            ("world.yaml", "start: {x_m: 1.2, y_m: 1.2, heading_deg: 0.0}", f"start: {{{place}}}"),
-            ("places.yaml", "  home: {", f"  here: {{{place}}}\n  home: {{"),
-        ):
-            text = (TASK / name).read_text(encoding="utf-8")
-            assert text.count(before) == 1
-            (tmp_path / name).write_text(text.replace(before, after), encoding="utf-8")
-        with (tmp_path / "world.yaml").open("a", encoding="utf-8") as file:
-            file.write(world)
-        robot = (ROBOTS / "atrv" / "robot.yaml").read_text(encoding="utf-8")
-        assert old in robot
-        (tmp_path / "robot.yaml").write_text(robot.replace(old, new), encoding="utf-8")
-        (tmp_path / "atrv.urdf").write_bytes((ROBOTS / "atrv" / "atrv.urdf").read_bytes())
-        files = RigFiles(tmp_path / "world.yaml", TASK / "map.yaml", tmp_path / "places.yaml", {}, "here")
-        rig = build_rig(files, robot=str(tmp_path / "robot.yaml"))
-        rig.model.of(Seam).seam = load_seam(TASK / "seam.csv").part(0, LAST)
+        rig = rig_at(HERE, LAST, world, old, new)
         assert isinstance(rig.do(Divide(placements=1, base="drives")), Success)
         return rig
 

@@ -92,7 +92,7 @@ def test_the_command_is_free_some_time_after_its_page_is_gone() -> None:
     lease.gone("a")
     clock.now += GONE_S + 0.1
     assert not lease.holds("a")
-    assert lease.told() == {"tab": "", "name": ""}
+    assert lease.holder() == {"tab": "", "name": ""}
     lease.take("b", "Bob")
     lease.release("a")
     assert lease.holds("b")

@@ -54,7 +54,7 @@ def test_margin(arm: ArmModel) -> None:
 def test_obstacles_may_be_given_in_the_world(arm: ArmModel) -> None:
     world_T_base = transform((2.0, -1.0, 0.0), (0.0, 0.0, 2.0))
     wall = _ahead_of_fingers(arm, -0.01)
-    in_world = Box(world_T_base @ wall.pose, wall.size, wall.name)
+    in_world = wall.seen_from(world_T_base)
     assert CollisionModel(arm, [in_world], world_T_base=world_T_base).in_collision(STRETCHED)
     assert not CollisionModel(arm, [in_world]).in_collision(STRETCHED)
 

@@ -1,3 +1,5 @@
+"""The librarian's arm."""
+
 from __future__ import annotations
 
 from pathlib import Path
@@ -6,7 +8,7 @@ import pytest
 
 from handcart.robotics.kinematics.arm_model import ArmModel
 
-ROBOT = Path(__file__).resolve().parents[3] / "backends" / "robots" / "librarian" / "librarian.urdf"
+ROBOT = Path(__file__).resolve().parents[2] / "backends" / "robots" / "librarian" / "librarian.urdf"
 
 
 @pytest.fixture(scope="session")

@@ -1,0 +1,43 @@
+"""Where the robot builds: the plan, what stands around, and where the base stands."""
+
+from __future__ import annotations
+
+from handcart.backends.robot.robot import Robot
+from handcart.primitives.blocks.blocks import Blocks
+from handcart.primitives.contract.discrepancy import Discrepancy
+from handcart.primitives.knowledge.world_model import ModelView
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.kinematics.shapes import Box
+
+from .building import Building, name_of_block
+
+VIEW = 0.30  # [m] from the camera down to what it looks at
+
+
+def surroundings(robot: Robot, model: ModelView) -> tuple[Box, ...]:
+    """The tables, the blocks that wait and those that were put where they go, posed in the base frame."""
+    plan = building(model)
+    base_T_map = standing(robot, model).inverse().lift()
+    boxes = [table.box for table in plan.tables.values()]
+    size, blocks = plan.block, model.of(Blocks)
+    for each in blocks.placed:
+        middle = each.pose.lift(each.height + size[2] / 2)
+        boxes.append(Box(middle, size, name_of_block(each.number)))
+    waiting = (each for each in enumerate(plan.supply, start=1) if each[0] not in blocks.taken)
+    boxes += [place.body(size, name_of_block(number)) for number, place in waiting]
+    return tuple(box.seen_from(base_T_map) for box in boxes)
+
+
+def standing(robot: Robot, model: ModelView) -> Pose2:
+    """map_T_base: by the landmark where one was seen from here, else as estimated."""
+    fixed = model.of(Blocks).fixed
+    here = fixed is not None and fixed.travel == tuple(robot.base.wheel_travel())
+    return fixed.pose if fixed is not None and here else robot.pose
+
+
+def building(model: ModelView) -> Building:
+    """The building plan; raises `Discrepancy` where the robot has none."""
+    blocks = model.of(Blocks)
+    if blocks.building is None:
+        raise Discrepancy("the task has no building plan", permanent=True)
+    return blocks.building

@@ -1,0 +1,37 @@
+"""Places on something level, as files state them."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated
+
+from pydantic import Field
+
+from handcart.files.models.model import FileModel
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.kinematics.shapes import Box
+
+
+class LevelPose(FileModel):
+    """A pose on something level: on the map, or on the robot's own table."""
+
+    x_m: float
+    y_m: float
+    height_m: Annotated[float, Field(ge=0.0, le=3.0)]
+    """Of the surface."""
+    heading_deg: float = 0.0
+
+    @property
+    def floor(self) -> Pose2:
+        """The same without its height."""
+        return Pose2(self.x_m, self.y_m, math.radians(self.heading_deg))
+
+    @property
+    def pose(self) -> Transform:
+        """(4, 4)."""
+        return self.floor.lift(self.height_m)
+
+    def body(self, size: tuple[float, float, float], name: str) -> Box:
+        """A box that stands there, `size` along its x, y and z in [m]."""
+        return Box(self.floor.lift(self.height_m + size[2] / 2), size, name)

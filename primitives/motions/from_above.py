@@ -1,0 +1,44 @@
+"""The hand that points straight down: over what it looks at, and about what stands upright."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from handcart.backends.robot.robot import Robot
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform, transform
+from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.manipulation.motions.collision_model import HELD
+
+from .grip import hand_to_tips
+
+BITE = 0.025  # [m] of a thing's height that the pads cover
+_LEFT = transform(rpy=(-math.pi / 2, 0.0, 0.0))
+
+Size = tuple[float, float, float]
+"""Of a thing: length, width, height along its x, y and z, in [m]. Fingers close along its length."""
+
+
+def pointing_down(place: Pose2, height: float) -> Transform:
+    """base_T_hand (4, 4): the hand's x down, its y (along which the fingers close) against the place's x."""
+    return np.asarray(place.lift(height) @ transform(rpy=(0.0, math.pi / 2, 0.0)) @ _LEFT)
+
+
+def on_level(pose: Transform) -> Pose2:
+    """x, y and heading of a pose (4, 4)."""
+    return Pose2(float(pose[0, 3]), float(pose[1, 3]), math.atan2(pose[1, 0], pose[0, 0]))
+
+
+def gripping(robot: Robot, size: Size, base_T_thing: Transform) -> Transform:
+    """base_T_hand (4, 4) about a thing, whose origin is the middle of its foot: the pads cover its top."""
+    height = float(base_T_thing[2, 3]) + size[2] - BITE + hand_to_tips(robot)
+    return pointing_down(on_level(base_T_thing), height)
+
+
+def gripped(robot: Robot, size: Size) -> Box:
+    """A thing as `gripping` has it in the hand, posed in the hand frame."""
+    length, width, height = size
+    middle = transform((hand_to_tips(robot) - BITE + height / 2, 0.0, 0.0))
+    return Box(middle, (height, length, width), HELD)
