@@ -10,7 +10,8 @@ from handcart.evaluation.drawing.figure_file import save_figure
 
 from .stacking_experiment import Experiment
 
-LABELS = ("$E_x$ [mm]", "$E_y$ [mm]", "processed $E_x$ [mm]", "processed $E_y$ [mm]")
+# In plain words: mathematical letters are put down one by one, and browsers lay them over each other.
+LABELS = ("error in x [mm]", "error in y [mm]", "processed error in x [mm]", "processed error in y [mm]")
 
 
 def plot_against_motion(experiment: Experiment, path: Path) -> None:
@@ -18,16 +19,18 @@ def plot_against_motion(experiment: Experiment, path: Path) -> None:
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(9.0, 7.0), layout="constrained")
-    axes = figure.subplots(2, 2)
+    axes = figure.subplots(2, 2, sharex=True, sharey=True)
     for column, (axis, label) in enumerate(
         zip(axes.T.ravel(), (LABELS[0], LABELS[2], LABELS[1], LABELS[3]), strict=True)
     ):
         which = (0, 2, 1, 3)[column]
         yaw, lean, error = (experiment.errors[..., i].ravel() for i in (4, 5, which))
-        dots = axis.scatter(yaw, error, c=lean, s=14, cmap="viridis")
+        dots = axis.scatter(yaw, error, c=lean, s=14, cmap="cividis")
         axis.axhline(0.0, color="0.7", linewidth=0.8)
-        axis.set(xlabel="turn of the base Δψ [mrad]", ylabel=label)
-        figure.colorbar(dots, ax=axis, label="lean Δφ [mrad]")
+        axis.set_ylabel(label)
+        if axis in axes[1]:
+            axis.set_xlabel("turn of the base Δψ [mrad]")
+    figure.colorbar(dots, ax=axes, label="lean of the base Δφ [mrad]")
     save_figure(figure, path)
 
 

@@ -63,6 +63,8 @@ class Explanation:
     """Points on the map that decided, as .npz; or those that an earlier action left, which this one used."""
     readings: Path | None
     """The last seconds of readings and commands."""
+    drawing: Path | None = None
+    """What stood in the way, drawn on the map at the end of the run, as SVG."""
     frames: Path | None = None
     """The CAN frames around it, as a candump log; or another recorder's log."""
     frames_at: float | None = None
@@ -105,7 +107,7 @@ def _explained(run: PastRun, number: int | None) -> Explanation:
     action = run.last_fail if number is None else _numbered(run, number)
     if action is None:
         readings, frames = _kept(run, f"{END}{SUFFIX}"), _kept(run, f"{END}{FRAMES}")
-        return Explanation(run, None, None, (), (), None, None, readings, frames)
+        return Explanation(run, None, None, (), (), None, None, readings, None, frames)
     relied_on = tuple(_relied_on(run, action))
     points = [_kept(run, f"{_stem(each)}.npz") for each in (action, *(who for _, who in relied_on[::-1]))]
     return Explanation(
@@ -117,6 +119,7 @@ def _explained(run: PastRun, number: int | None) -> Explanation:
         _picture(run, action),
         next((path for path in points if path is not None), None),
         _kept(run, f"{_stem(action)}{SUFFIX}") or _at_the_end(run, action, SUFFIX),
+        _kept(run, f"{_stem(action)}.svg"),
         _kept(run, f"{_stem(action)}{FRAMES}") or _at_the_end(run, action, FRAMES),
     )
 

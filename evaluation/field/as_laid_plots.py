@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from handcart.evaluation.drawing.figure_file import save_figure
 from handcart.evaluation.drawing.legend import add_legend
-from handcart.evaluation.drawing.palette import BLACK, BLUE, GREY, ORANGE, PURPLE, VERMILION
+from handcart.evaluation.drawing.palette import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION
 
 from .as_laid_report import NAME, AsLaid
 from .laid_placement import Place, Placement
@@ -22,12 +22,15 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-FIX, ODOMETRY, ESTIMATE, TRUTH = ORANGE, BLUE, VERMILION, BLACK
+FIX, CLOUD, ODOMETRY, ESTIMATE, TRUTH = ORANGE, GREEN, BLUE, VERMILION, BLACK
 LAID, UNSEEN = PURPLE, GREY
 WIDE = 11.0  # [in]
 TALL = (1.9, 5.5)  # [in] of a panel with the course
 MOST = 1500  # points of a kind: more aren't seen, and make the file large
 INSIDE = 5.991  # squared distance in sigmas that 95 % keep, of two degrees of freedom
+
+PAPER_MM = (("figure 9, straight", 58.0, 148.0, "--"), ("figure 10, zigzag", 283.0, 123.0, ":"))
+"""Standard deviations in x and y of Ohki et al. (2012), section VI, and how they are drawn."""
 
 
 class Laying(Protocol):
@@ -91,10 +94,13 @@ def _thinned(points: Sequence[Place] | Sequence[Array]) -> Array:
 
 
 def _track(axes: Axes, survey: Laying) -> None:
-    """Figure 3: fixes, odometry and what becomes of them."""
+    """Figure 3: fixes, particles, odometry and what becomes of them."""
     axes.set_title("where the robot was, and where it took itself to be", loc="left")
     if survey.tracks["fixes"]:
         axes.plot(*_thinned(survey.tracks["fixes"]), ".", color=FIX, ms=2.5, label="GPS", zorder=0)
+    if survey.tracks["particles"]:
+        label = "particles, each 10 m"
+        axes.plot(*_thinned(survey.tracks["particles"]), ".", color=CLOUD, ms=2.0, label=label, zorder=1)
     lines = (("odometry", ODOMETRY, 1.0), ("truth", TRUTH, 2.2), ("estimate", ESTIMATE, 0.9))
     for name, colour, wide in lines:
         if survey.tracks[name]:
@@ -128,11 +134,16 @@ def _key(axes: Axes) -> None:
 
 
 def _errors(axes: Axes, survey: Laying) -> None:
-    """Figures 9 and 10: errors about their mean."""
+    """Figures 9 and 10: errors about their mean, beside how widely the paper's were spread."""
     errors = np.array([each.error_mm for each in survey.placements() if each.error_mm is not None])
     axes.set_title("errors by the total station, about their mean")
     if len(errors) > 1:
         axes.plot(*(errors - errors.mean(axis=0)).T, "o", color=LAID, ms=5.0)
+        turn = np.linspace(0.0, 2.0 * np.pi, 100)
+        for label, along, across, style in PAPER_MM:
+            axes.plot(along * np.cos(turn), across * np.sin(turn), style, color=TRUTH, lw=1.0, label=label)
+        above = {"loc": "upper left", "title": "standard deviation of the paper's", "title_fontsize": "small"}
+        add_legend(axes, fontsize="small", **above)
         x, y = errors.std(axis=0, ddof=1)
         axes.set_xlabel(f"x [mm]; {len(errors)} seen, standard deviation {x:.0f} in x, {y:.0f} in y")
 

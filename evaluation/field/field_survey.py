@@ -29,7 +29,9 @@ from .total_station import Sight, TotalStation
 LOOKS_BACK = 1.0  # [s] before a sensor is let go, in which the hand stands over it
 EVERY = 0.5  # [s] between points of the tracks that are drawn
 NOTES = "survey.jsonl"
-TRACKS = ("fixes", "odometry", "estimate", "truth")
+TRACKS = ("fixes", "particles", "odometry", "estimate", "truth")
+CLOUD_EVERY = 10.0  # [m] of the way between two clouds of particles that are drawn
+CLOUD = 64  # of their particles
 NOTED = 5.0  # [s] at most between two notes
 Array = NDArray[np.float64]
 
@@ -68,6 +70,8 @@ class FieldSurvey(Survey):
         self._as_laid: list[AsLaid] = []
         """Of a run that has ended."""
         self._next = 0.0
+        self._cloud_at: Place | None = None
+        """Where the robot was at the last cloud of particles."""
         self._held = ""
         simulated = run.folder is not None and run.scene is not None
         self._notes = SurveyNotes(run.folder, NOTES) if run.folder is not None and simulated else None
@@ -220,6 +224,15 @@ class FieldSurvey(Survey):
             }
             for name, pose in poses.items():
                 self.tracks[name].append((pose.x, pose.y))
+            self._follow_particles(robot)
+
+    def _follow_particles(self, robot: Robot) -> None:
+        """How their cloud draws together, as figure 3 of the paper shows it."""
+        here, cloud = (self._scene.base.x, self._scene.base.y), robot.localization.particles
+        if cloud is None or (self._cloud_at is not None and math.dist(here, self._cloud_at) < CLOUD_EVERY):
+            return
+        self._cloud_at = here
+        self.tracks["particles"] += [(x, y) for x, y, _ in cloud[:: 1 + len(cloud) // CLOUD].tolist()]
 
 
 def _row(each: Placement) -> dict[str, Any]:

@@ -13,7 +13,7 @@ import numpy as np
 import orjson
 
 from handcart.evaluation.explanation.explanation import Explanation, explain, relying_on_the_journal
-from handcart.evaluation.explanation.explanation_words import cause_words, choice_words
+from handcart.evaluation.explanation.explanation_words import cause_words, choice_words, measured_words
 from handcart.files.whole_file import write_whole
 from handcart.networks.drawing.network_picture import draw_network
 from handcart.networks.drawing.svg import to_svg
@@ -26,6 +26,7 @@ MOST = 16 * 2**20  # of a picture or the summary, in [bytes]
 WIDEST = 640  # of a picture of an action, in [px]
 QUALITY = 80  # of its JPEG
 PICTURES = 60  # actions with a picture; further ones go without
+BEYOND = 1.15  # by which a gauge is longer than what it shows
 
 
 def write_report(folder: Path, path: Path | None = None) -> Path:
@@ -65,6 +66,7 @@ def _page(run: PastRun) -> str:
         ended=end["outcome"] if end else "no end",
         network=network,
         actions=list(_actions(run)),
+        command=_again(run),
         span=max((each.end for each in run.actions), default=0.0) or 1.0,
         pictures=list(_pictures(run.folder)),
         figures=list(_figures(run.folder)),
@@ -83,21 +85,42 @@ def _sentence(run: PastRun) -> str:
     return f"{task}: {end['outcome']} in situation {end['situation']} {when}{reason}."
 
 
+def _again(run: PastRun) -> str:
+    """The command that runs it again, as far as the journal tells."""
+    header = run.header
+    backend = "" if header["backend"] == "kinematic" else f" --backend {header['backend']}"
+    return f"handcart run {header['task_path']}{backend} --seed {header['seed']}"
+
+
 def _actions(run: PastRun) -> Iterator[dict[str, Any]]:
     left = PICTURES
     for action in run.actions:
         explanation = explain(run, action.number)
         picture = _small(explanation.picture) if explanation.picture and left else ""
-        left -= bool(picture)
+        drawing = _drawing(explanation.drawing) if explanation.drawing and left else ""
+        left -= bool(picture or drawing)
         yield {
             "it": action,
             "why": choice_words(explanation.choice) if explanation.choice else [],
             "causes": [line for cause in explanation.causes for line in cause_words(action, cause)],
+            "gauges": [gauge for cause in explanation.causes if (gauge := _gauge(cause.get("measured")))],
             "noted": action.result.get("evidence", {}),
             "residuals": list(_residuals(explanation)),
             "picture": picture,
+            "drawing": drawing,
             "shows": explanation.picture.stem if explanation.picture else "",
         }
+
+
+def _gauge(measured: Mapping[str, Any] | None) -> dict[str, Any] | None:
+    """What decided, beside its limit; both as shares of the gauge. None: there is nothing to draw."""
+    value, limit = (measured or {}).get("value"), (measured or {}).get("limit")
+    if not measured or value is None or limit is None or min(value, limit) < 0.0:
+        return None
+    longest = BEYOND * max(value, limit)
+    if not 0.0 < longest < math.inf:
+        return None
+    return {"words": measured_words(measured), "value": value / longest, "limit": limit / longest}
 
 
 def _residuals(explanation: Explanation) -> Iterator[dict[str, Any]]:
@@ -120,14 +143,17 @@ def _small(path: Path) -> str:
     return _address("image/jpeg", jpeg.tobytes())
 
 
+def _drawing(path: Path) -> str:
+    """A drawing as a data address: as an image it can run no script and fetch nothing."""
+    return _address("image/svg+xml", read_file(path.parent, path.name, MOST) or b"")
+
+
 def _pictures(folder: Path) -> Iterator[tuple[str, str]]:
     """The map with the paths, then what the surveys drew: each as its title and a data address."""
     names = sorted(path.name for path in folder.glob("*.svg") if not path.name.startswith("explained"))
     for name in sorted(names, key=lambda each: each != OVERVIEW):
-        content = read_file(folder, name, MOST)
         title = "Map, what was seen and time" if name == OVERVIEW else Path(name).stem.replace("_", " ")
-        # As an image a drawing can run no script and fetch nothing.
-        yield title, _address("image/svg+xml", content or b"")
+        yield title, _drawing(folder / name)
 
 
 def _address(kind: str, content: bytes) -> str:

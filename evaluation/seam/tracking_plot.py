@@ -41,8 +41,11 @@ def draw_tracking_errors(
         if limit_mm is not None:
             axis.axhline(limit_mm, color=VERMILION, lw=1.2, label=f"limit {limit_mm:.2f} mm")
         for value, label in PAPER_MM:
+            style = {"color": BLACK, "lw": 1.0, "ls": "--" if value < 2.0 else ":"}
             if value < 3.0 * max(most):
-                axis.axhline(value, color=BLACK, lw=1.0, ls="--" if value < 2.0 else ":", label=label)
+                axis.axhline(value, label=label, **style)
+            else:
+                axis.plot([], [], label=f"{label}, beyond the picture", **style)
         rms = np.sqrt(np.mean(millimetres**2))
         axis.set_title(f"{title}: at most {highest:.2f} mm, rms {rms:.2f} mm", fontsize=10)
         axis.set_ylabel("error [mm]")

@@ -35,6 +35,12 @@ PLANNED, DRIVEN, RESTORED, SENSED, GRAPH = BLUE, BLACK, ORANGE, VERMILION, SKY
 SCAN = GREEN
 LETTERS = 125.0  # of the widest kind that fit on the time line
 BESIDE = 0.5  # of the known part of a map that is drawn too [m]
+FLATTEST = 0.08  # height of a map that is drawn, by its width: of a straight course what is beside it, too
+WIDE = 12.0  # of a picture [in]
+BELOW = 1.6  # of key and time line [in]
+TALL = (1.5, 5.6)  # of a map [in]
+TALL_BESIDE = 3.5  # at least, beside a picture
+MAPS_SHARE = 0.57  # of the width, beside a picture
 
 
 @dataclass(frozen=True)
@@ -72,16 +78,20 @@ def draw_overview(
 
     track, (title, stretches) = load_track(run_dir / "telemetry.npz"), _course(run_dir)
     picture = _last_picture(run_dir, shown)
-    figure = Figure(figsize=(12.0, 7.2), layout="constrained")
+    window = _window(grid, track, radius)
+    tall = _tall(window, picture is not None)
+    figure = Figure(figsize=(WIDE, tall + BELOW), layout="constrained")
     axes = figure.subplot_mosaic(
         [["map", "picture"], ["key", "key"], ["time", "time"]]
         if picture is not None
         else [["map"], ["key"], ["time"]],
-        height_ratios=[4.2, 0.25, 1.0],
+        height_ratios=[tall, 0.2 * BELOW, 0.8 * BELOW],
         width_ratios=[1.35, 1.0] if picture is not None else [1.0],
     )
     figure.suptitle(title, fontsize=11)
     _draw_map(axes["map"], grid, radius)
+    axes["map"].set_xlim(*window[0])
+    axes["map"].set_ylim(*window[1])
     _draw_drive(axes["map"], run_dir, track)
     _draw_robot(axes["map"], track, radius)
     _draw_time(axes["time"], stretches)
@@ -99,7 +109,7 @@ def draw_overview(
     save_figure(figure, path)
     for each in stretches:
         if each.outcome != "Success":
-            _draw_fail(run_dir, each, grid)
+            _draw_fail(run_dir, each, grid, track, radius)
     return path
 
 
@@ -135,14 +145,31 @@ def _draw_map(axis: Any, grid: GridMap, radius: float) -> None:
         graph = None
     for number, (_, _, line) in enumerate(graph.edges(data="points") if graph is not None else ()):
         axis.plot(line[:, 0], line[:, 1], color=GRAPH, lw=1.0, label=None if number else "Voronoi graph")
-    known = np.argwhere(~grid.unknown)
-    if len(known):
-        low, high = grid.to_point(known.min(axis=0)[None])[0], grid.to_point(known.max(axis=0)[None])[0]
-        axis.set_xlim(max(low[0] - BESIDE, extent[0]), min(high[0] + BESIDE, extent[1]))
-        axis.set_ylim(max(low[1] - BESIDE, extent[2]), min(high[1] + BESIDE, extent[3]))
     axis.set_aspect("equal")
     axis.set_xlabel("x [m]")
     axis.set_ylabel("y [m]")
+
+
+def _window(grid: GridMap, track: Track, radius: float) -> NDArray[np.float64]:
+    """Least and most x, then y, of what is drawn, in [m]: what is known of the map, else where it drove."""
+    known = np.argwhere(~grid.unknown)
+    if len(known):
+        size = grid.resolution * np.array(grid.occupied.shape[::-1])
+        start = np.array([grid.origin_x, grid.origin_y])
+        low = np.maximum(start, grid.to_point(known.min(axis=0)[None])[0] - BESIDE)
+        high = np.minimum(start + size, grid.to_point(known.max(axis=0)[None])[0] + BESIDE)
+    else:
+        ways = track.pose[:, :2] if len(track.pose) else np.zeros((1, 2))
+        low, high = ways.min(axis=0) - radius - BESIDE, ways.max(axis=0) + radius + BESIDE
+    more = np.array([0.0, max(0.0, FLATTEST * (high[0] - low[0]) - (high[1] - low[1])) / 2])
+    return np.column_stack([low - more, high + more])
+
+
+def _tall(window: NDArray[np.float64], beside: bool) -> float:
+    """Of the map in [in], as high as its shape needs; `beside`: a picture stands there."""
+    across, along = window[:, 1] - window[:, 0]
+    needed = WIDE * (MAPS_SHARE if beside else 1.0) * along / across
+    return float(np.clip(needed, TALL_BESIDE if beside else TALL[0], TALL[1]))
 
 
 def _draw_places(axis: Any, places: Mapping[str, Place]) -> None:
@@ -158,15 +185,30 @@ def _draw_places(axis: Any, places: Mapping[str, Place]) -> None:
 
 def _draw_robot(axis: Any, track: Track, radius: float) -> None:
     """Its footprint and its nose, where it began and where it ended."""
+    if len(track.pose):
+        _draw_footprint(axis, track.pose[0], radius, ":", "robot at the start")
+        _draw_footprint(axis, track.pose[-1], radius, "-", "robot at the end")
+
+
+def _draw_footprint(
+    axis: Any, pose: NDArray[np.float64] | None, radius: float, style: str, label: str
+) -> None:
     from matplotlib.patches import Circle
 
-    if not len(track.pose):
+    if pose is None:
         return
-    for row, style, label in ((0, ":", "robot at the start"), (-1, "-", "robot at the end")):
-        x, y, heading = track.pose[row]
-        axis.add_patch(Circle((x, y), radius, fill=False, color=DRIVEN, ls=style, lw=1.2, label=label))
-        nose = x + radius * np.cos(heading), y + radius * np.sin(heading)
-        axis.plot([x, nose[0]], [y, nose[1]], color=DRIVEN, ls=style, lw=1.2)
+    x, y, heading = pose
+    axis.add_patch(Circle((x, y), radius, fill=False, color=DRIVEN, ls=style, lw=1.2, label=label))
+    nose = x + radius * np.cos(heading), y + radius * np.sin(heading)
+    axis.plot([x, nose[0]], [y, nose[1]], color=DRIVEN, ls=style, lw=1.2)
+
+
+def _pose_at_the_end(track: Track, stretch: Stretch) -> NDArray[np.float64] | None:
+    """Where the robot was when an action's own motion ended, before it restored; None: it wasn't recorded."""
+    rows = np.flatnonzero(track.action == stretch.number)
+    restored = np.flatnonzero(track.restoring[rows])
+    own = rows[: restored[0]] if len(restored) else rows
+    return track.pose[own[-1]] if len(own) else None
 
 
 def _draw_drive(axis: Any, run_dir: Path, track: Track) -> None:
@@ -207,8 +249,8 @@ def _fitting(each: Stretch, letters: float) -> str:
     return next((label for label in labels if len(label) + 1 <= letters), "")
 
 
-def _draw_fail(run_dir: Path, stretch: Stretch, grid: GridMap) -> None:
-    """The scan that decided a Fail of driving, close to what stood in the way."""
+def _draw_fail(run_dir: Path, stretch: Stretch, grid: GridMap, track: Track, radius: float) -> None:
+    """The scan that decided a Fail of driving, close to what stood in the way, and the robot then."""
     name = f"{stretch.number:03d}_{stretch.do}_{stretch.outcome}"
     points = _points(run_dir).get(name, {})
     if "in the way" not in points:
@@ -221,6 +263,7 @@ def _draw_fail(run_dir: Path, stretch: Stretch, grid: GridMap) -> None:
     axis.plot(*points["sensed"].T, ".", color=SENSED, label="sensed, not on the map")
     axis.plot(*points["ahead"].T, color=PLANNED, ls="--", label="the way ahead")
     x, y = points["in the way"][0]
+    _draw_footprint(axis, _pose_at_the_end(track, stretch), radius, "-", "robot when it decided")
     axis.plot(x, y, "x", color="black", ms=12, mew=2, label="in the way")
     axis.set_xlim(x - 2.0, x + 2.0)
     axis.set_ylim(y - 2.0, y + 2.0)

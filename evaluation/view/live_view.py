@@ -23,6 +23,8 @@ from handcart.primitives.contract.action_primitive import ActionPrimitive
 from .frame import Frame
 from .live_frames import LiveFrames
 from .page import Page
+from .server import address
+from .view_address import forget_address, note_address
 
 if TYPE_CHECKING:
     import viser
@@ -44,6 +46,7 @@ class LiveView(RunObserver):
         """Onto the page of that server."""
         self._server = server
         self._page: Page | None = None
+        self._folder: Path | None = None
         self._frames: LiveFrames | None = None
         self._wanted, self._taken, self._over = threading.Event(), threading.Event(), threading.Event()
         self._frame: Frame | None = None
@@ -73,6 +76,8 @@ class LiveView(RunObserver):
         self._page.add_layers()
         self._since = (clock.monotonic(), prepared.robot.time)
         self._take()
+        note_address(run_dir, address(self._server))
+        self._folder = run_dir
         self._drawing = threading.Thread(target=self._draw, daemon=True)
         self._drawing.start()
 
@@ -112,6 +117,8 @@ class LiveView(RunObserver):
 
     def end(self) -> None:
         """See `RunObserver`; the page is left as it was last."""
+        if self._folder is not None:
+            forget_address(self._folder)
         if self._drawing is not None:
             self._take()
             self._over.set()

@@ -27,11 +27,10 @@ class Connections:
         assert self.of is not None
         protocol: asyncio.BaseProtocol = self.of()
         loop = asyncio.get_running_loop()
-        if len(self.of.connections) >= MOST:
-            loop.call_soon(_close, protocol)
-        else:
-            self._new.add(protocol)
-            loop.call_later(SILENT_S, self._look, protocol)
+        self._new.add(protocol)
+        loop.call_later(SILENT_S, self._look, protocol)
+        # It is connected in the loop's next round: before that it can neither be counted nor closed.
+        loop.call_soon(loop.call_soon, self._count, protocol)
         return protocol
 
     @web.middleware
@@ -39,6 +38,11 @@ class Connections:
         """Note that a connection has sent a request."""
         self._new.discard(request.protocol)
         return await handler(request)
+
+    def _count(self, protocol: asyncio.BaseProtocol) -> None:
+        assert self.of is not None
+        if len(self.of.connections) > MOST:
+            _close(protocol)
 
     def _look(self, protocol: asyncio.BaseProtocol) -> None:
         if protocol in self._new:

@@ -47,6 +47,10 @@ class Guard:
             answer = await handler(request)
         except web.HTTPException as error:
             answer = said(error.status, error.reason)
+        except web.RequestPayloadError:
+            answer = said(400, "what was sent isn't packed as it says")
+        except Exception as error:  # the page tells it to who asked
+            answer = said(500, f"a fault in handcart: {type(error).__name__}: {error}")
         if not answer.prepared:
             for name, value in HEADERS.items():
                 answer.headers.setdefault(name, value)
@@ -74,7 +78,11 @@ class Guard:
 
     def _known(self, authorization: str) -> bool:
         kind, _, token = authorization.partition(" ")
-        return kind == "Bearer" and hmac.compare_digest(token.encode(), self.token.encode())
+        return kind == "Bearer" and hmac.compare_digest(
+            # Bytes that are no text come as they are.
+            token.encode(errors="surrogateescape"),
+            self.token.encode(),
+        )
 
 
 def said(status: int, words: str) -> web.Response:

@@ -63,7 +63,7 @@ class Handlers:
 
     async def events(self, request: web.Request) -> web.StreamResponse:
         """All runs and who commands: a line of JSON now, and for each change."""
-        tab = request.headers.get(TAB, "")
+        tab = _tab(request)
         answer = web.StreamResponse(headers={"Content-Type": "application/x-ndjson"})
         await answer.prepare(request)
         self._lease.connected(tab)
@@ -111,7 +111,7 @@ class Handlers:
     async def command(self, request: web.Request) -> web.Response:
         """Say something to a run, as who commands."""
         folder, message = self._folder(request), await _body(request)
-        if not self._lease.holds(request.headers.get(TAB, "")):
+        if not self._lease.holds(_tab(request)):
             return said(423, f"{self._lease.holder()['name'] or 'nobody'} commands; take the command first")
         if message.get("do") not in WORDS:
             return said(400, f"unknown command {printable(clipped(repr(message.get('do'))))}")
@@ -138,7 +138,7 @@ class Handlers:
     async def acknowledge(self, request: web.Request) -> web.Response:
         """A person's word on a GiveUp, with the record and the cause that was read (row U12)."""
         folder, word = self._folder(request), await _body(request)
-        if not self._lease.holds(request.headers.get(TAB, "")):
+        if not self._lease.holds(_tab(request)):
             return said(423, f"{self._lease.holder()['name'] or 'nobody'} commands; take the command first")
         record, cause = word.get("record"), word.get("cause")
         if isinstance(record, bool) or not isinstance(record, int) or not isinstance(cause, str) or not cause:
@@ -148,10 +148,10 @@ class Handlers:
 
     async def lease(self, request: web.Request) -> web.Response:
         """Take the command, or give it back."""
-        word, tab = await _body(request), request.headers.get(TAB, "")
+        word, tab = await _body(request), _tab(request)
         name = word.get("name")
-        if not tab or len(tab) > LONGEST_WORD:
-            return said(400, f"the header {TAB} is missing, or too long")
+        if not tab:
+            return said(400, f"the header {TAB} is missing")
         if word.get("take") is not True:
             self._lease.release(tab)
         elif not isinstance(name, str) or not 0 < len(name.strip()) <= LONGEST_WORD:
@@ -206,6 +206,14 @@ def _each(folder: Path, message: dict[str, Any], places: object) -> dict[str, An
         if not reply["ok"]:
             break
     return reply
+
+
+def _tab(request: web.Request) -> str:
+    """The word of the page that asks; empty where it says none."""
+    tab = request.headers.get(TAB, "")
+    if len(tab) > LONGEST_WORD or not (tab.isascii() and tab.isprintable()):
+        raise web.HTTPBadRequest(reason=f"the header {TAB} is too long, or no plain text")
+    return tab
 
 
 async def _body(request: web.Request) -> dict[str, Any]:

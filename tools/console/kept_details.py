@@ -9,7 +9,9 @@ from typing import Any
 
 import orjson
 
-from .run_details import EVIDENCE, RunDetails
+from handcart.evaluation.view.view_address import NAME as ADDRESS
+
+from .run_details import EVIDENCE, PAGES, RunDetails
 
 MOST = 32
 Away = Callable[[Callable[[], Any]], Awaitable[Any]]
@@ -31,7 +33,8 @@ class KeptDetails:
             situation: as it says itself.
             away: does what takes its time beside the loop.
         """
-        mark = alive, situation, *map(_mark, (folder / "journal.jsonl", folder / EVIDENCE))
+        written = ("journal.jsonl", EVIDENCE, ADDRESS, *PAGES)
+        mark = alive, situation, *(_mark(folder / name) for name in written)
         known = self._kept.get(folder)
         if known is None or known[0] != mark:
             reading = asyncio.ensure_future(

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import shlex
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from handcart.evaluation.view.view_address import view_address
 from handcart.files.errors import HandcartError
 from handcart.networks.analysis.outlook import NoOutlook, outlook
 from handcart.networks.chains.policy import TooLarge
@@ -52,7 +54,9 @@ class RunDetails:
             "moved": self._moved(),
             "pictures": self._pictures(),
             "pages": [name for name in PAGES if (self._folder / name).is_file()],
-            "resume": f"handcart resume {self._folder}",
+            "view": view_address(self._folder) if self._alive else None,
+            "view_command": f"handcart view {shlex.quote(str(self._folder))}",
+            "resume": f"handcart resume {shlex.quote(str(self._folder))}",
         }
 
     def after(self, situation: str, action: int) -> dict[str, Any]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 import socket
 from collections.abc import Callable, Sequence
 from contextlib import suppress
@@ -21,6 +22,8 @@ from .watcher import Watcher
 LOOPBACK = ("127.0.0.1", "::1")
 _EVERY = ("", "0.0.0.0", "::")
 PORT, TRIES = 8090, 100
+KEPT_S = 15.0
+"""[s] for which a connection is kept that asks nothing more."""
 _LOOKS_S = 0.1  # between two looks whether it is over
 _PAGES = {"/": ("index.html", "text/html"), "/console.js": ("console.js", "text/javascript")}
 _PAGES["/console.css"] = ("console.css", "text/css")
@@ -71,7 +74,9 @@ class Server:
         app.add_routes(Handlers(watcher).routes())
         app.add_routes([web.get(path, _page(*page)) for path, page in _PAGES.items()])
         app.add_routes([web.get("/favicon.ico", _no_picture)])
-        runner = web.AppRunner(app, access_log=None, keepalive_timeout=15.0, shutdown_timeout=0.5)
+        runner = web.AppRunner(
+            app, access_log=None, logger=_unheard(), keepalive_timeout=KEPT_S, shutdown_timeout=0.5
+        )
         await runner.setup()
         assert runner.server is not None
         connections.of = runner.server
@@ -91,6 +96,14 @@ class Server:
                 each.close()
             watcher.close()
             await runner.cleanup()
+
+
+def _unheard() -> logging.Logger:
+    """Takes what aiohttp says of requests that are none: whoever sends them would fill the terminal."""
+    logger = logging.getLogger(__name__)
+    logger.addHandler(logging.NullHandler())
+    logger.propagate = False
+    return logger
 
 
 def _page(name: str, kind: str) -> Handler:

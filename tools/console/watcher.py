@@ -14,6 +14,8 @@ from handcart.networks.operator.asking import NotAnswering, ask
 from handcart.networks.operator.socket_path import CONTROL
 from handcart.networks.runs.run_names import ListedRun, list_runs
 
+from .run_details import PAGES
+
 LOOKS_S = 0.2
 """[s] between two looks at runs that go on."""
 LISTS = 5
@@ -122,6 +124,7 @@ class Watcher:
             "alive": live is not None,
         }
         if live is None:
-            return {**head, "state": listed.outcome or "broken off"}
+            pages = [page for page in PAGES if (listed.folder / page).is_file()]  # written after the end
+            return {**head, "state": listed.outcome or "broken off", "pages": pages}
         rest = {key: value for key, value in live.items() if key != "ok"}
         return {**head, **rest}

@@ -11,6 +11,7 @@ from handcart.backends.robot.robot import Robot
 from handcart.evaluation.trials.running import run_task
 from handcart.evaluation.view.live_view import LiveView
 from handcart.evaluation.view.server import open_server
+from handcart.evaluation.view.view_address import view_address
 from handcart.networks.run_observer import RunObserver
 from handcart.networks.run_options import RunOptions
 
@@ -30,6 +31,8 @@ class Hurry(RunObserver):
         self.view, self.drawn = view, 0
 
     def period(self, robot: Robot) -> None:
+        assert self.view._folder is not None
+        assert (view_address(self.view._folder) or "").startswith("http://127.0.0.1:")
         self.view._factor = None
         if self.view._wanted.is_set():
             self.drawn += 1
@@ -43,6 +46,7 @@ def test_a_run_that_is_recorded_and_watched_is_the_same_to_the_bit(toured: Path,
         watched, _ = run_task(
             TOUR, tmp_path, RunOptions(settings=SETTINGS, playback=True, observers=(hurry, view))
         )
+    assert view_address(Path(watched["run_dir"])) is None
     alone = records(Path(bare["run_dir"]))
     assert alone == records(toured)
     assert alone == records(Path(watched["run_dir"]))

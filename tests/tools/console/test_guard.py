@@ -11,7 +11,7 @@ from time import monotonic, sleep
 
 import pytest
 
-from handcart.tools.console import connections
+from handcart.tools.console import connections, server
 from handcart.tools.console.guard import POLICY
 from handcart.tools.console.server import NoConsole, Server
 from tests.tools.conftest import Said
@@ -29,11 +29,11 @@ def test_u1_it_listens_on_this_machine_alone(served: Served) -> None:
 
 
 def test_u1_another_address_needs_to_be_asked_for_and_the_token(runs: Path) -> None:
-    server = Server(runs, "127.0.0.2", 0)
-    assert server.address.startswith(f"http://127.0.0.2:{server.port}/#token=")
+    other = Server(runs, "127.0.0.2", 0)
+    assert other.address.startswith(f"http://127.0.0.2:{other.port}/#token=")
     with pytest.raises(NoConsole, match="can't be had"):
-        Server(runs, "127.0.0.2", server.port)
-    server.close()
+        Server(runs, "127.0.0.2", other.port)
+    other.close()
     for every in ("0.0.0.0", "::", ""):
         with pytest.raises(NoConsole, match="allowed: one address of this machine"):
             Server(runs, every, 0)
@@ -172,6 +172,86 @@ def test_u11_a_huge_command_is_refused(served: Served, live: LiveRun) -> None:
     assert served.command(do="pause", by="x" * 20_000).status == 413
     assert served.ask("POST", f"/api/runs/{LIVE}/command", b"[" * 5000).status == 400
     assert live.heard == []
+
+
+@pytest.mark.parametrize("given", ["Authorization", "X-Console-Tab", "Origin", "Host"])
+def test_u11_bytes_that_are_no_text_are_refused(served: Served, given: str) -> None:
+    """One of them, as a tab's word, would else be told to all pages, and none of them could read it."""
+    head = {
+        "Host": served.host.encode(),
+        "Authorization": f"Bearer {served.token}".encode(),
+        "X-Console-Tab": b"tab-1",
+    }
+    head[given] = {"Authorization": b"Bearer "}.get(given, b"") + b"\xff\xfe"
+    body = b'{"take":true,"name":"Eve"}'
+    lines = [b"POST /api/lease HTTP/1.1", b"Content-Type: application/json", b"Connection: close"]
+    lines += [name.encode() + b": " + value for name, value in head.items()]
+    lines.append(f"Content-Length: {len(body)}".encode())
+    answer = said_by(served, b"\r\n".join(lines) + b"\r\n\r\n" + body)
+    assert answer.split()[1] in (b"400", b"401", b"403", b"421")
+    assert served.ask("POST", "/api/lease", {"take": True, "name": "Ada"}).json["lease"]["name"] == "Ada"
+
+
+NONSENSE = {
+    "no request": b"\x16\x03\x01\x02\x00 garbage \x00\xff\r\n\r\n",
+    "two hosts": b"GET / HTTP/1.1\r\nHost: {host}\r\nHost: evil.example\r\n\r\n",
+    "two lengths": b"POST /api/lease HTTP/1.1\r\nHost: {host}\r\nContent-Length: 4\r\n"
+    b"Transfer-Encoding: chunked\r\n\r\n0\r\n\r\n",
+    "another protocol": b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n",
+    "endless name": b"GET /" + b"a" * 20_000 + b" HTTP/1.1\r\nHost: {host}\r\n\r\n",
+    "not packed so": b"POST /api/lease HTTP/1.1\r\nHost: {host}\r\nAuthorization: Bearer {token}\r\n"
+    b"Content-Type: application/json\r\nContent-Encoding: deflate\r\nContent-Length: 7\r\n"
+    b"Connection: close\r\n\r\ngarbage",
+}
+
+
+@pytest.mark.parametrize("sent", NONSENSE.values(), ids=NONSENSE)
+def test_u11_nonsense_is_refused_and_prints_nothing(
+    served: Served, sent: bytes, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """What strangers send would else fill the operator's terminal with tracebacks."""
+    named = sent.replace(b"{host}", served.host.encode()).replace(b"{token}", served.token.encode())
+    assert said_by(served, named).split()[1] == b"400"
+    assert served.ask("GET", "/").status == 200
+    printed = capfd.readouterr()
+    assert printed.out + printed.err == ""
+
+
+def said_by(served: Served, sent: bytes) -> bytes:
+    """All that comes back until the line is closed."""
+    answer = b""
+    with socket.create_connection(("127.0.0.1", served.server.port), timeout=20) as line:
+        line.sendall(sent)
+        while got := line.recv(65_536):
+            answer += got
+    return answer
+
+
+@pytest.fixture
+def few(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A console that lets in 20, and waits for them."""
+    monkeypatch.setattr(connections, "MOST", 20)
+    monkeypatch.setattr(connections, "SILENT_S", 300.0)
+    monkeypatch.setattr(server, "KEPT_S", 300.0)
+
+
+@pytest.mark.usefixtures("few")
+def test_u11_of_a_crowd_that_comes_at_once_few_are_let_in(served: Served) -> None:
+    """They are counted when they are connected, not when they knock."""
+    many = []
+    for _ in range(100):
+        line = socket.create_connection(("127.0.0.1", served.server.port), timeout=20)
+        with suppress(OSError):
+            line.sendall(b"GET / HTTP/1.1\r\nHost: ")
+        line.setblocking(False)
+        many.append(line)
+    end = monotonic() + 20.0
+    while sum(_closed(each) for each in many) < 80:
+        assert monotonic() < end
+        sleep(0.05)
+    for each in many:
+        each.close()
+    assert served.ask("GET", "/").status == 200
 
 
 def test_u11_who_says_nothing_is_hung_up_on(served: Served, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -145,6 +145,19 @@ def test_all_can_be_reached_with_the_keyboard(seen: Seen, served: Served, live: 
     assert {"STOP", "Pause", "Continue", "Single steps", "Cancel", "Permit", "Refuse"} <= reached
 
 
+def test_the_live_view_of_a_run_that_has_one_is_led_to(served: Served, live: LiveRun) -> None:
+    """And to no other page, whatever stands in the run's folder."""
+    address = live.folder / "view_address"
+    with browsing(DESK) as seen:
+        choose(seen.page, served, OVER)
+        seen.page.get_by_text(f"handcart view {served.runs / OVER}").wait_for(timeout=20_000)
+    for wrong in ("http://evil.example", "javascript:alert(1)", "http://127.0.0.1:80.evil.example"):
+        address.write_text(wrong, encoding="utf-8")
+        assert served.ask("GET", f"/api/runs/{LIVE}").json["view"] is None
+    address.write_text("http://127.0.0.1:8123", encoding="utf-8")
+    assert served.ask("GET", f"/api/runs/{LIVE}").json["view"] == "http://127.0.0.1:8123"
+
+
 @pytest.mark.parametrize("run", [LIVE, OVER])
 def test_axe_finds_nothing(seen: Seen, served: Served, live: LiveRun, run: str) -> None:
     from axe_playwright_python.sync_playwright import Axe  # type: ignore[import-untyped]

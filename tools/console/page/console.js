@@ -173,7 +173,7 @@ function drawRun() {
   drawCommands(run.commands || []);
   drawPlace(run);
   enable();
-  const version = JSON.stringify([run.name, run.alive, run.state, run.situation, run.actions, run.asks && run.asks.ask]);
+  const version = JSON.stringify([run.name, run.alive, run.state, run.situation, run.actions, run.asks && run.asks.ask, run.pages]);
   if (version !== shown) {
     shown = version;
     fetchDetails(run);
@@ -194,6 +194,7 @@ async function fetchDetails(run) {
   drawActions(found.actions);
   drawWaits(run, found);
   drawPictures(run, found.pictures);
+  drawView(found);
   drawPages(run, found.pages);
   drawRun();
 }
@@ -310,6 +311,18 @@ async function picture(image, name, each, words) {
   if (image.src) URL.revokeObjectURL(image.src);
   image.alt = words;
   image.src = URL.createObjectURL(await answer.blob());
+}
+
+function drawView(found) {
+  const said = element("p");
+  if (found.view) {
+    said.append(element("a", "Live view in three dimensions", { href: found.view, target: "_blank", rel: "noopener" }));
+  } else if (current().alive) {
+    said.textContent = "A run that is begun with --view can be watched in three dimensions while it goes on.";
+  } else {
+    said.append("In three dimensions: ", element("code", found.view_command));
+  }
+  find("view").replaceChildren(said);
 }
 
 function drawPages(run, pages) {

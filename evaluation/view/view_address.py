@@ -1,0 +1,34 @@
+"""Where the page of a run that goes on is served, noted in the run's folder for the operator's page."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from handcart.files.errors import HandcartError
+from handcart.files.whole_file import write_whole
+from handcart.networks.runs.run_folder import read_file
+
+NAME = "view_address"
+MOST = 100  # [bytes]
+_OURS = re.compile(r"http://127\.0\.0\.1:\d{1,5}")
+
+
+def note_address(folder: Path, address: str) -> None:
+    """Write it down; raises `OSError` where the disk takes no more."""
+    write_whole(folder / NAME, address.encode())
+
+
+def forget_address(folder: Path) -> None:
+    """The page is served no longer."""
+    (folder / NAME).unlink(missing_ok=True)
+
+
+def view_address(folder: Path) -> str | None:
+    """The address; None: there is none, or it is no page of this machine."""
+    try:
+        content = read_file(folder, NAME, MOST, missing=True)
+    except HandcartError:
+        return None
+    words = (content or b"").decode("ascii", errors="replace")
+    return words if _OURS.fullmatch(words) else None
