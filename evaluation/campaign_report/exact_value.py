@@ -33,6 +33,11 @@ class ExactValue:
 
 def exact_goal(task: Path, settings: Mapping[str, str]) -> float | str:
     """P(goal) of a task by its file's probabilities, or why there is none."""
+    return exact_end(task, settings, "Success")
+
+
+def exact_end(task: Path, settings: Mapping[str, str], outcome: str) -> float | str:
+    """How likely a run ends with Success, Fail or GiveUp by its file's probabilities, or why nobody knows."""
     try:
         read = load_task(task, settings)
     except InputError:
@@ -41,9 +46,11 @@ def exact_goal(task: Path, settings: Mapping[str, str]) -> float | str:
         count = len(missing)
         return f"{count} action{'s have' if count > 1 else ' has'} no probability `p` in the task's file"
     try:
-        return figures(read).forecast.goal
+        found = figures(read).forecast
     except TooLarge as error:
         return str(error)
+    ends = {"Success": found.goal, "Fail": found.no_way + found.left_undone, "GiveUp": found.give_up}
+    return ends[outcome]
 
 
 def file_chances(task: Path, settings: Mapping[str, str]) -> dict[str, float]:

@@ -29,7 +29,7 @@ def merge(
         whole = merged(parts, folder)
         report, told = report_of(whole)
         print(orjson.dumps(told.facts()).decode() if as_json else "\n".join(told.lines()))
-        if out is not None:
+        if out is not None and not whole.arguments.get("rare"):
             page = CampaignPage(whole, report, None)
             page.write_runs()
             print(printable(f"written: {page.write()}"), file=sys.stderr)
