@@ -62,8 +62,7 @@ class RareEstimate:
     def of(cls, trials: Iterable[Trial]) -> RareEstimate:
         """By the trials of a campaign that asks for a rare event; of none at all it is 0."""
         populations = [
-            Population(tuple(Level(*each) for each in trial.summary["metrics"]["levels"]))
-            for trial in trials
+            Population(tuple(Level(*each) for each in trial.summary["metrics"]["levels"])) for trial in trials
         ]
         found = np.array([each.probability for each in populations] or [0.0])
         count, mean = len(found), float(found.mean())

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Literal, cast, get_args
 
 from handcart.files.errors import InputError
 from handcart.files.suggest import suggest
 from handcart.networks.coordination.run_end import RunOutcome
 
 Importance = Literal["fails", "attempts"]
-"""What is counted, to tell how near a run has come: all Fails by now; or the attempts that were used up of the
-action of which most were."""
+"""What is counted, to tell how near a run has come: all Fails by now; or the attempts that were used up of
+the action of which most were."""
 OUTCOMES: tuple[RunOutcome, ...] = ("Success", "Fail", "GiveUp")
 MOST_RUNS = 1_000_000
 
@@ -41,6 +41,4 @@ class RareEvent:
                 raise NoRareEvent(f"{option} {given}: no such one{suggest(given, known)}")
         if not 2 <= runs <= MOST_RUNS:
             raise NoRareEvent(f"--population {runs}; allowed: 2 to {MOST_RUNS} runs")
-        found = {each: each for each in OUTCOMES}
-        named: dict[str, Importance] = {"fails": "fails", "attempts": "attempts"}
-        return cls(found[outcome], named[importance], runs)
+        return cls(cast(RunOutcome, outcome), cast(Importance, importance), runs)

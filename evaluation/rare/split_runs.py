@@ -14,7 +14,6 @@ import orjson
 from handcart.backends.simulation.split_seed import SplitSeed
 from handcart.evaluation.trials.running import resume_task, run_task
 from handcart.files.errors import HandcartError
-from handcart.networks.coordination.interrupts import Interrupts
 from handcart.networks.run_options import RunOptions
 
 from .level_stop import LevelStop, importance_of
@@ -26,7 +25,7 @@ SHOWN = 10
 
 
 class BrokenRun(HandcartError):
-    """A run ended with a fault of handcart's own, or was stopped by itself: its population can't be counted."""
+    """A run ended with a fault of handcart's own, or was stopped by itself: its population doesn't count."""
 
 
 class Stopped(NamedTuple):

@@ -69,17 +69,18 @@ class WalkedRuns:
         """How near they have come by this action."""
         failed, for_good = made.ends == End.FAIL, made.ends == End.FOR_GOOD
         if self._event.importance == "fails":
-            return importance + (failed | for_good)
+            return np.asarray(importance + (failed | for_good), dtype=np.int32)
         used = np.select([failed, for_good], [made.fails + 1, self._attempts[made.action]], 0)
-        return np.maximum(importance, used.astype(np.int32))
+        return np.asarray(np.maximum(importance, used), dtype=np.int32)
 
     def _hits(self) -> Flags:
         """Which of them have ended as is asked for."""
-        done = self._at == GOAL
+        left_undone = (self._at == GOAL) & self._skipped
         match self._event.outcome:
             case "GiveUp":
-                return self._at == PERSON
+                found = self._at == PERSON
             case "Success":
-                return done & ~self._skipped
+                found = (self._at == GOAL) & ~left_undone
             case _:
-                return (self._at == NO_WAY) | (done & self._skipped)
+                found = (self._at == NO_WAY) | left_undone
+        return np.asarray(found)

@@ -76,7 +76,7 @@ def campaign(
     ] = None,
     importance: Annotated[
         str | None,
-        typer.Option(help="with --rare, what says nearer: fails (of the run, the default) or attempts (used up)"),
+        typer.Option(help="with --rare, what says nearer: fails of the run (the default), or attempts"),
     ] = None,
     population: Annotated[
         int | None, typer.Option(help="with --rare, runs of a population at each level, otherwise 100")
@@ -133,9 +133,7 @@ def campaign(
         sys.exit(0 if opened.settling is None or opened.settling.verdict else 3)
 
 
-def _words(
-    opened: OpenCampaign, found: CampaignReport, interrupted: bool
-) -> CampaignWords | RareWords:
+def _words(opened: OpenCampaign, found: CampaignReport, interrupted: bool) -> CampaignWords | RareWords:
     if opened.setting.rare is None:
         from handcart.tools.terminal.campaign_words import CampaignWords
 

@@ -38,10 +38,8 @@ class RareWords:
         found, count = self._found, len(self._trials)
         yield f"{self._event['outcome']}: {found.probability:.3g} of all runs, {_between(found)}"
         if found.unseen:
-            yield (
-                f"  not in that: what comes straight from a level that shows none; at most {found.unseen:.2g} "
-                "(95 %)"
-            )
+            most = f"at most {found.unseen:.2g} (95 %)"
+            yield f"  not in that: what comes straight from a level at which none was seen, {most}"
         if not isinstance(self._exact, str):
             verdict = "they agree" if found.agrees(self._exact) else "they differ"
             yield f"handcart check reckons {self._exact:.3g}: {verdict}"
