@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from scipy.stats import binomtest
+import numpy as np
+from scipy.special import gammaln, xlog1py, xlogy
 
 from handcart.evaluation.campaigns.action_ends import action_names
 from handcart.files.errors import InputError
@@ -67,4 +68,12 @@ def file_chances(task: Path, settings: Mapping[str, str]) -> dict[str, float]:
 
 def beside(goal: float, successes: int, count: int) -> ExactValue:
     """The exact value beside a measured share."""
-    return ExactValue(goal, float(binomtest(successes, count, min(1.0, max(0.0, goal))).pvalue))
+    return ExactValue(goal, _binomial_test(successes, count, min(1.0, max(0.0, goal))))
+
+
+def _binomial_test(successes: int, count: int, p: float) -> float:
+    """The p-value of the exact test of both sides: how likely counts are that are as unlikely as this."""
+    numbers = np.arange(count + 1.0)
+    ways = gammaln(count + 1.0) - gammaln(numbers + 1.0) - gammaln(count - numbers + 1.0)
+    likely = np.exp(ways + xlogy(numbers, p) + xlog1py(count - numbers, -p))
+    return min(1.0, float(likely[likely <= likely[successes] * (1.0 + 1e-7)].sum()))

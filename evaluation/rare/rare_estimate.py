@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from handcart.evaluation.campaigns.trial import Trial
 
@@ -108,7 +108,7 @@ def interval(mean: float, sigma: float, count: int) -> tuple[float, float] | Non
     """
     if count < 2 or mean <= 0.0:
         return None
-    factor = math.exp(float(student.ppf(1.0 - ERROR / 2.0, count - 1)) * sigma / mean)
+    factor = math.exp(float(stdtrit(count - 1, 1.0 - ERROR / 2.0)) * sigma / mean)
     return mean / factor, mean * factor
 
 
