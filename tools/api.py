@@ -190,6 +190,9 @@ def campaign(
     faults: Path | str | None = None,
     level: Literal["run", "fitted", "network"] = "run",
     learned_from: Sequence[Path | str] = (),
+    rare: Literal["Success", "Fail", "GiveUp"] | None = None,
+    importance: Literal["fails", "attempts"] | None = None,
+    population: int | None = None,
     report: bool = True,
     runs: Path | str | None = None,
 ) -> CampaignReport:
@@ -211,6 +214,8 @@ def campaign(
         level: `network`: no robot moves, outcomes are drawn by each action's `p`; `fitted`: as they were seen
             in other campaigns.
         learned_from: folders of those.
+        rare, importance, population: each trial is a population of runs, which `RareEstimate.of` in
+            `handcart.evaluation.rare.rare_estimate` makes a probability of.
         report: whether `report.html` is written into the folder.
         runs: where the runs' folders are made; None: in `runs`, in the campaign's folder where it has one.
 
@@ -238,6 +243,9 @@ def campaign(
         level,
         tuple(map(Path, learned_from)),
         _path(runs),
+        rare,
+        importance,
+        population,
     )
     with asked.opened() as opened:
         for _ in opened.run(jobs, cluster):

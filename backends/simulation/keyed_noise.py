@@ -9,25 +9,33 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .split_seed import SplitSeed
+
 
 def keyed(seed: int, purpose: str, period: int = 0) -> np.random.Generator:
     """The generator of one purpose (a sensor, an error) in one period of the run with `seed`.
 
     Philox is counter based (Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", 2011): the period
     is the high word of its counter, so streams of different periods don't overlap. A further reading
-    thereby changes nothing that is drawn elsewhere.
+    thereby changes nothing that is drawn elsewhere. Branches of a `SplitSeed` are told apart by the word
+    below.
     """
     key = np.array([seed % 2**64, zlib.crc32(purpose.encode())], dtype=np.uint64)
-    counter = np.array([0, 0, 0, period], dtype=np.uint64)
+    counter = np.array([0, 0, _branch(seed, purpose, period), period], dtype=np.uint64)
     return np.random.Generator(np.random.Philox(key=key, counter=counter))
 
 
 def keyed_normal(seed: int, purpose: str, period: int, size: int) -> NDArray[np.float64]:
     """The first standard normal numbers (size,) that `keyed` gives: for what is drawn in every period."""
-    rng, begun = _stream(seed, purpose)
-    begun["state"]["counter"][3] = period
+    rng, begun = _stream(int(seed), purpose)
+    counter = begun["state"]["counter"]
+    counter[2], counter[3] = _branch(seed, purpose, period), period
     rng.bit_generator.state = begun
     return rng.standard_normal(size)
+
+
+def _branch(seed: int, purpose: str, period: int) -> int:
+    return seed.branch(purpose, period) if isinstance(seed, SplitSeed) else 0
 
 
 @lru_cache(maxsize=64)

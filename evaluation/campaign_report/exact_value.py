@@ -6,6 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+from scipy.special import gammaln, xlog1py, xlogy
+
 from handcart.evaluation.campaigns.action_ends import action_names
 from handcart.files.errors import InputError
 from handcart.networks.analysis.figures import figures, missing_chances
@@ -31,6 +34,11 @@ class ExactValue:
 
 def exact_goal(task: Path, settings: Mapping[str, str]) -> float | str:
     """P(goal) of a task by its file's probabilities, or why there is none."""
+    return exact_end(task, settings, "Success")
+
+
+def exact_end(task: Path, settings: Mapping[str, str], outcome: str) -> float | str:
+    """How likely a run ends with Success, Fail or GiveUp by its file's probabilities, or why nobody knows."""
     try:
         read = load_task(task, settings)
     except InputError:
@@ -39,9 +47,11 @@ def exact_goal(task: Path, settings: Mapping[str, str]) -> float | str:
         count = len(missing)
         return f"{count} action{'s have' if count > 1 else ' has'} no probability `p` in the task's file"
     try:
-        return figures(read).forecast.goal
+        found = figures(read).forecast
     except TooLarge as error:
         return str(error)
+    ends = {"Success": found.goal, "Fail": found.no_way + found.left_undone, "GiveUp": found.give_up}
+    return ends[outcome]
 
 
 def file_chances(task: Path, settings: Mapping[str, str]) -> dict[str, float]:
@@ -58,6 +68,12 @@ def file_chances(task: Path, settings: Mapping[str, str]) -> dict[str, float]:
 
 def beside(goal: float, successes: int, count: int) -> ExactValue:
     """The exact value beside a measured share."""
-    from scipy.stats import binomtest  # takes a second to import
+    return ExactValue(goal, _binomial_test(successes, count, min(1.0, max(0.0, goal))))
 
-    return ExactValue(goal, float(binomtest(successes, count, min(1.0, max(0.0, goal))).pvalue))
+
+def _binomial_test(successes: int, count: int, p: float) -> float:
+    """The p-value of the exact test of both sides: how likely counts are that are as unlikely as this."""
+    numbers = np.arange(count + 1.0)
+    ways = gammaln(count + 1.0) - gammaln(numbers + 1.0) - gammaln(count - numbers + 1.0)
+    likely = np.exp(ways + xlogy(numbers, p) + xlog1py(count - numbers, -p))
+    return min(1.0, float(likely[likely <= likely[successes] * (1.0 + 1e-7)].sum()))

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
+from handcart.evaluation.rare.rare_event import RareEvent
+
 from .variation import Variation
 
 WorldGenerator = Callable[[int, Path], Mapping[str, str]]
@@ -37,6 +39,9 @@ class CampaignSetting:
     """A file of faults that come in each trial."""
     learned_from: tuple[Path, ...] = ()
     """Folders of the campaigns that show how actions end."""
+
+    rare: RareEvent | None = None
+    """What makes each trial a population of runs that shows how often runs end so; None: each is one run."""
 
     @property
     def walks(self) -> bool:

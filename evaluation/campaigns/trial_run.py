@@ -17,6 +17,8 @@ from .campaign_setting import CampaignSetting
 from .trial import Trial
 
 if TYPE_CHECKING:
+    from handcart.evaluation.rare.rare_event import RareEvent
+
     from .walked_trials import WalkedTrials
 
 
@@ -41,6 +43,8 @@ def run_beside(setting: CampaignSetting, seed: int) -> Trial:
 
 def _trial(setting: CampaignSetting, seed: int) -> Trial:
     chosen = dict(setting.settings or {})
+    if setting.rare is not None:
+        return _population(setting, setting.rare, seed)
     if setting.walks:
         return walked_trials(setting).trial(seed)
     if setting.world is None:
@@ -48,6 +52,19 @@ def _trial(setting: CampaignSetting, seed: int) -> Trial:
     with tempfile.TemporaryDirectory() as folder:
         named = setting.world(seed, Path(folder))
         return _run(setting, {**named, **chosen}, seed)
+
+
+def _population(setting: CampaignSetting, event: RareEvent, seed: int) -> Trial:
+    from handcart.evaluation.rare.rare_trial import run_population, stopped, walked_population
+
+    if setting.walks:
+        return walked_population(walked_trials(setting), event, seed)
+    with Interrupts() as heard:
+        options = RunOptions(setting.backend, dict(setting.settings or {}), interrupts=heard)
+        try:
+            return run_population(setting.task, setting.runs, options, event, seed)
+        except KeyboardInterrupt:
+            return stopped(seed)
 
 
 def walked_trials(setting: CampaignSetting) -> WalkedTrials:

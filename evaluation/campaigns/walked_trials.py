@@ -38,7 +38,7 @@ class WalkedTrials:
             side_by_side: seeds whose walks are drawn together; with another number they are others.
         """
         self.task, self.names, self.side_by_side = task, names_in_network(task), side_by_side
-        self._odds, self._walker = odds, Walker(WalkTable(task.network), odds)
+        self._odds, self.walker = odds, Walker(WalkTable(task.network), odds)
         self._kept: tuple[int, Walked] | None = None
 
     def trial(self, seed: int) -> Trial:
@@ -50,7 +50,7 @@ class WalkedTrials:
         """The walks of the seeds from `number * side_by_side` on."""
         if self._kept is None or self._kept[0] != number:
             draws = np.random.default_rng([_STREAM, number % 2**64])
-            self._kept = number, self._walker.walk(draws, self.side_by_side)
+            self._kept = number, self.walker.walk(draws, self.side_by_side)
         return self._kept[1]
 
     def times(self, walked: Walked) -> np.ndarray[tuple[int], np.dtype[np.float64]]:

@@ -142,7 +142,7 @@ def _say(observers: Sequence[RunObserver], words: str) -> None:
 
 
 def resume_task(
-    folder: Path, confirm: int | None, options: RunOptions | None = None
+    folder: Path, confirm: int | None, options: RunOptions | None = None, seed: int | None = None
 ) -> tuple[dict[str, Any], int]:
     """Go on with a run that broke off; a simulated world is put back to its last checkpoint.
 
@@ -151,6 +151,7 @@ def resume_task(
         confirm: the journal's last record, as a person has seen it; needed where a real robot moves.
         options: how it goes on; how it was begun stands in its journal, so nothing else of them counts than
             `permits`, `interrupts`, `sync`, `draw`, `report`, `playback` and `observers`.
+        seed: of what is drawn from now on; None: that which it was begun with.
 
     Returns:
         The summary that also stands in the run's folder, and the exit status.
@@ -166,7 +167,7 @@ def resume_task(
     """
     options = options or RunOptions()
     observers = options.observers
-    header, made = prepare_again(folder)
+    header, made = prepare_again(folder, seed)
     with ExitStack() as stack:
         heard = options.interrupts or stack.enter_context(Interrupts())
         prepared = stack.enter_context(made)
@@ -189,8 +190,8 @@ def resume_task(
     return ran.summary, ran.end.exit_status
 
 
-def prepare_again(folder: Path) -> tuple[Mapping[str, Any], Prepared]:
-    """The header of a run that broke off, and its task prepared as then.
+def prepare_again(folder: Path, seed: int | None = None) -> tuple[Mapping[str, Any], Prepared]:
+    """The header of a run that broke off, and its task prepared as then, but for another `seed`.
 
     Its journal is read first: no robot is woken for one that can't be gone on with. Raises as `resume_task`.
     """
@@ -203,7 +204,7 @@ def prepare_again(folder: Path) -> tuple[Mapping[str, Any], Prepared]:
         task_path,
         header["backend"],
         header["settings"],
-        header["seed"],
+        header["seed"] if seed is None else seed,
         situation=begun,
         errors=header["errors"],
         bench=header["bench"],

@@ -38,12 +38,33 @@ class Walked(NamedTuple):
         return np.asarray((self.last == GOAL) & ~self.skipped)
 
 
+class Stride(NamedTuple):
+    """What n walks do next, (n,) each."""
+
+    action: Numbers
+    fails: Numbers
+    """How often it has failed before."""
+    skip: NDArray[np.bool_]
+    """Whether it only leaves an element of a repeat undone."""
+    ends: Codes
+    seconds: Floats
+    after_fail: NDArray[np.bool_]
+    """Whether the last action that was no skip has failed."""
+    next: Numbers
+    """The moment that follows; `GOAL`, `NO_WAY` or `PERSON`."""
+
+
 class Walker:
     """Walks as the coordinator would, with odds for what happens."""
 
     def __init__(self, table: WalkTable, odds: Odds) -> None:
         """In a network's table, which others may walk in, too."""
         self._table, self._odds = table, odds
+
+    @property
+    def start(self) -> int:
+        """The moment at which each walk begins; `GOAL` or `NO_WAY` where it doesn't."""
+        return int(self._table.start)
 
     def walk(self, draws: np.random.Generator, count: int) -> Walked:
         """Walk to all ends.
@@ -58,17 +79,12 @@ class Walker:
         rows: list[tuple[Numbers, Codes, Floats]] = []
         while (left := np.flatnonzero(at >= 0)).size:
             drawn = draws.random((2, count))[:, left]
-            columns = self._table.columns()
             moment = at[left]
-            action, skip = columns.action[moment], columns.skip[moment]
-            context = context_of(columns.fails[moment], after_fail[left])
-            ends = np.where(skip, End.SUCCESS, self._odds.ends(action, context, drawn[0])).astype(np.int8)
-            seconds = np.where(skip, 0.0, self._odds.seconds(action, context, ends, drawn[1]))
-            skipped[left] |= skip
-            after_fail[left] = np.where(skip, after_fail[left], ends != End.SUCCESS)
-            at[left] = self._next(moment, ends)
-            where[left] = self._where(moment, ends, at[left])
-            rows.append(_row(count, left, np.where(skip, NOTHING, action), ends, seconds))
+            made = self.stride(moment, after_fail[left], drawn)
+            skipped[left] |= made.skip
+            after_fail[left], at[left] = made.after_fail, made.next
+            where[left] = self._where(moment, made.ends, made.next)
+            rows.append(_row(count, left, np.where(made.skip, NOTHING, made.action), made.ends, made.seconds))
         actions, codes, times = zip(*rows, strict=True) if rows else ((), (), ())
         shape = (len(rows), count)
         return Walked(
@@ -79,6 +95,22 @@ class Walker:
             at,
             where,
         )
+
+    def stride(self, moment: Numbers, after_fail: NDArray[np.bool_], drawn: Floats) -> Stride:
+        """Take walks on by an action each.
+
+        Args:
+            moment: where they are (n,), by the table's numbers.
+            after_fail: whether the action before has failed (n,).
+            drawn: evenly from 0 to 1 (2, n).
+        """
+        columns = self._table.columns()
+        action, skip, fails = columns.action[moment], columns.skip[moment], columns.fails[moment]
+        context = context_of(fails, after_fail)
+        ends = np.where(skip, End.SUCCESS, self._odds.ends(action, context, drawn[0])).astype(np.int8)
+        seconds = np.where(skip, 0.0, self._odds.seconds(action, context, ends, drawn[1]))
+        after = np.where(skip, after_fail, ends != End.SUCCESS)
+        return Stride(action, fails, skip, ends, seconds, after, self._next(moment, ends))
 
     def _next(self, moment: Numbers, ends: Codes) -> Numbers:
         columns = self._table.columns()

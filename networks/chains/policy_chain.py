@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_array, eye_array
-from scipy.sparse.linalg import splu
 
 from .chance import Chance
 from .ends import AT_GOAL, Ends
@@ -50,6 +49,8 @@ class _Sparse:
     """Solves with I - Q where it is large."""
 
     def __init__(self, follows: Any) -> None:
+        from scipy.sparse.linalg import splu  # late: most networks are small
+
         # Triangular, with a diagonal of ones: neither reordering nor pivots, nothing fills in.
         whole = (eye_array(follows.shape[0]) - follows).tocsc()
         self._factors = splu(whole, permc_spec="NATURAL", diag_pivot_thresh=0.0)

@@ -32,6 +32,11 @@ class Interrupts:
         if self.came:
             stop()
 
+    def stop(self) -> None:
+        """Stop the run that has begun, as an interrupt would; none has come."""
+        if self._stop is not None:
+            self._stop()
+
     def __enter__(self) -> Interrupts:
         if threading.current_thread() is threading.main_thread():
             self._before = {kind: signal.signal(kind, self._heard) for kind in KINDS}

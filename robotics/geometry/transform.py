@@ -8,7 +8,6 @@ from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 Transform = Annotated[NDArray[np.float64], (4, 4)]
 
@@ -56,6 +55,9 @@ def apply(a_T_b: Transform, points: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def difference(a_T_b: Transform, a_T_c: Transform) -> tuple[float, float]:
     """How far b and c are apart: distance in [m], and angle of the turn between them in [rad]."""
+    # Late: whatever reads a robot's file imports this module, and few ask for an angle.
+    from scipy.spatial.transform import Rotation
+
     distance = float(np.linalg.norm(a_T_b[:3, 3] - a_T_c[:3, 3]))
     turn = a_T_b[:3, :3].T @ a_T_c[:3, :3]
     return distance, float(Rotation.from_matrix(turn).magnitude())

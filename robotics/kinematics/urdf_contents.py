@@ -7,7 +7,6 @@ from xml.etree import ElementTree
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.coal_bodies import hull_of_mesh, read_mesh, shape_of
@@ -128,6 +127,8 @@ def _joint(joint: ElementTree.Element) -> JointFacts:
 
 
 def _link(link: ElementTree.Element) -> LinkFacts:
+    from scipy.spatial.transform import Rotation  # late: not all that reads a robot's file needs its masses
+
     inertial = link.find("inertial")
     if inertial is None:
         return LinkFacts(link.get("name", ""), None, np.zeros(3), np.zeros((3, 3)))

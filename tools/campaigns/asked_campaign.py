@@ -5,7 +5,7 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Generator, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +18,7 @@ from handcart.evaluation.campaigns.trial_log import TrialLog
 from handcart.evaluation.campaigns.trial_run import walked_trials
 from handcart.evaluation.campaigns.variation import Variation, load_variation
 from handcart.evaluation.campaigns.walked_trials import WalkedSequence
+from handcart.evaluation.rare.rare_event import RareEvent
 from handcart.files.errors import InputError
 from handcart.networks.task.task_file import Task, load_task
 
@@ -50,6 +51,9 @@ class AskedCampaign:
     level: str = "run"
     learned_from: Sequence[Path] = ()
     runs: Path | None = None
+    rare: str | None = None
+    importance: str | None = None
+    population: int | None = None
 
     @contextmanager
     def opened(self) -> Iterator[OpenCampaign]:
@@ -109,6 +113,7 @@ class AskedCampaign:
             raise NotPossible("--shard without --out; needed: the folder for this part")
         if self.shard is not None and self.until is not None:
             raise NotPossible("--until --shard; allowed: one of them, a part alone can't settle it")
+        self._check_rare()
         if self.faults is not None:
             from handcart.evaluation.campaigns.fault_plan import load_faults
 
@@ -118,6 +123,26 @@ class AskedCampaign:
                     f"--level {self.level} --faults; allowed: one of them, a network has no robot"
                 )
         self._seeds()
+
+    def _check_rare(self) -> None:
+        if self.rare is None:
+            if self.importance is not None or self.population is not None:
+                raise NotPossible("--importance, --population; needed: --rare with them")
+            return
+        others = {
+            "--until": self.until,
+            "--vary": self.vary,
+            "--faults": self.faults,
+            "--generate": self.generate,
+        }
+        if other := next((name for name, given in others.items() if given), None):
+            raise NotPossible(f"--rare {other}; allowed: one of them")
+        if self.level == "fitted":
+            wrong = "allowed: run, network; some hundred trials don't show what comes once in thousands"
+            raise NotPossible(f"--rare --level fitted; {wrong}")
+        if self.first < 0:
+            raise NotPossible(f"--rare --first {self.first}; allowed: 0 and more")
+        RareEvent.of(self.rare, self.importance, self.population)
 
     def _seeds(self) -> range:
         """Those that this process has to do."""
@@ -147,6 +172,7 @@ class AskedCampaign:
             every,
             self.faults,
             tuple(self.learned_from),
+            None if self.rare is None else RareEvent.of(self.rare, self.importance, self.population),
         )
 
     def _arguments(self, setting: CampaignSetting, claim: Claim | None) -> dict[str, Any]:
@@ -165,6 +191,7 @@ class AskedCampaign:
             "faults": None if self.faults is None else str(self.faults),
             "until": None if claim is None else str(claim),
             "shard": self.shard,
+            "rare": None if setting.rare is None else asdict(setting.rare),
         }
 
 
@@ -198,7 +225,8 @@ class OpenCampaign:
         """
         if cluster is not None and jobs is not None:
             raise NotPossible("--cluster --jobs; allowed: one of them, a cluster has as many as it has")
-        if self.setting.walks and self.out is None and self.settling is None and not self.setting.varied:
+        alone = self.setting.walks and not (self.setting.varied or self.setting.rare)
+        if alone and self.out is None and self.settling is None:
             from handcart.evaluation.campaign_report.walk_tally import WalkTally
 
             self._counted = WalkTally(walked_trials(self.setting), self.seeds)
@@ -228,7 +256,7 @@ class OpenCampaign:
         return CampaignReport(trials if self.settling is None else trials[: self.settling.count], holds)
 
     def write_page(self, report: CampaignReport, runs: bool = True) -> Path | None:
-        """Write the campaign's page into its folder, if it has one.
+        """Write the campaign's page into its folder, if it has one; of a rare event there is none.
 
         Args:
             report: of the trials that count.
@@ -237,7 +265,7 @@ class OpenCampaign:
         Raises:
             OSError: it can't be written.
         """
-        if self.out is None:
+        if self.out is None or self.setting.rare is not None:
             return None
         from handcart.evaluation.campaign_page.campaign_page import CampaignPage
 

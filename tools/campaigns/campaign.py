@@ -12,6 +12,8 @@ import typer
 if TYPE_CHECKING:
     from handcart.evaluation.campaign_report.campaign_report import CampaignReport
     from handcart.tools.campaigns.asked_campaign import OpenCampaign
+    from handcart.tools.terminal.campaign_words import CampaignWords
+    from handcart.tools.terminal.rare_words import RareWords
 
 
 def campaign(
@@ -65,6 +67,20 @@ def campaign(
     learned_from: Annotated[
         list[Path] | None, typer.Option(help="the folder of a recorded campaign, for --level fitted")
     ] = None,
+    rare: Annotated[
+        str | None,
+        typer.Option(
+            help="GiveUp, Fail or Success: how seldom runs end so; each trial is a population of runs that "
+            "are taken on, again and again, from where they come nearer"
+        ),
+    ] = None,
+    importance: Annotated[
+        str | None,
+        typer.Option(help="with --rare, what says nearer: fails of the run (the default), or attempts"),
+    ] = None,
+    population: Annotated[
+        int | None, typer.Option(help="with --rare, runs of a population at each level, otherwise 100")
+    ] = None,
     report: Annotated[bool, typer.Option(help="whether report.html is written into the folder")] = True,
     as_json: Annotated[bool, typer.Option("--json", help="end with one JSON object on stdout")] = False,
     runs: Annotated[
@@ -74,7 +90,6 @@ def campaign(
     """Run seeded trials of a task side by side, and count how they end."""
     from handcart.files.models.settings import split_setting
     from handcart.tools.campaigns.asked_campaign import AskedCampaign
-    from handcart.tools.terminal.campaign_words import CampaignWords
 
     words = [*(settings or []), *([f"robot={robot}"] if robot else [])]
     chosen = dict(split_setting(each) for each in words)
@@ -93,11 +108,14 @@ def campaign(
         level,
         tuple(learned_from or ()),
         runs,
+        rare,
+        importance,
+        population,
     )
     with asked.opened() as opened:
         interrupted = _run(opened, jobs, cluster)
         found = opened.report()
-        summary = CampaignWords(found, opened.arguments, interrupted, opened.settling, opened.learned)
+        summary = _words(opened, found, interrupted)
         if junit is not None:
             _write_junit(junit, opened, found)
         if as_json:
@@ -113,6 +131,16 @@ def campaign(
         if found.untrue:
             sys.exit(5)
         sys.exit(0 if opened.settling is None or opened.settling.verdict else 3)
+
+
+def _words(opened: OpenCampaign, found: CampaignReport, interrupted: bool) -> CampaignWords | RareWords:
+    if opened.setting.rare is None:
+        from handcart.tools.terminal.campaign_words import CampaignWords
+
+        return CampaignWords(found, opened.arguments, interrupted, opened.settling, opened.learned)
+    from handcart.tools.terminal.rare_words import RareWords
+
+    return RareWords(found.trials, opened.arguments, interrupted)
 
 
 def _run(opened: OpenCampaign, jobs: int | None, cluster: str | None) -> bool:

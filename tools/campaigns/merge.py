@@ -29,7 +29,7 @@ def merge(
         whole = merged(parts, folder)
         report, words = report_of(whole)
         print(orjson.dumps(words.facts()).decode() if as_json else "\n".join(words.lines()))
-        if out is not None:
+        if out is not None and not whole.arguments.get("rare"):
             page = CampaignPage(whole, report, None)
             page.write_runs()
             print(printable(f"written: {page.write()}"), file=sys.stderr)

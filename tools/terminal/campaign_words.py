@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from handcart.evaluation.campaign_report.claim import Settling
     from handcart.evaluation.campaigns.campaign_folder import CampaignFolder
     from handcart.evaluation.learned.learned import Learned
+    from handcart.tools.terminal.rare_words import RareWords
 
 
 class CampaignWords:
@@ -164,9 +165,12 @@ def _interval(spread: Spread, yes_no: bool) -> str:
     return f"{of} {spread.low:.2f} to {spread.high:.2f}"
 
 
-def report_of(found: CampaignFolder) -> tuple[CampaignReport, CampaignWords]:
+def report_of(found: CampaignFolder) -> tuple[CampaignReport, CampaignWords | RareWords]:
     """What a campaign's folder holds by now, and the words for it."""
     from handcart.evaluation.campaign_report.campaign_report import CampaignReport
+    from handcart.tools.terminal.rare_words import RareWords
 
     report = CampaignReport(found.trials())
+    if found.arguments.get("rare"):
+        return report, RareWords(report.trials, found.arguments, False)
     return report, CampaignWords(report, found.arguments, False)

@@ -1,0 +1,80 @@
+"""One population as a trial of a campaign."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from handcart.evaluation.campaigns.trial import Trial
+from handcart.evaluation.campaigns.walked_trials import WalkedTrials
+from handcart.networks.run_options import RunOptions
+
+from .population import Population, split
+from .rare_event import RareEvent
+from .split_runs import SplitRuns
+from .walked_runs import WalkedRuns
+
+ESTIMATED = "Estimated"
+"""How such a trial ends."""
+_WALKED, _RUN = 21, 22  # tell these draws from others that begin with the same numbers
+
+
+def walked_population(trials: WalkedTrials, event: RareEvent, seed: int) -> Trial:
+    """A population of walks through a network.
+
+    Args:
+        trials: their network, and the probabilities in it.
+        event: what is asked for.
+        seed: of the population.
+    """
+    draws = np.random.default_rng([_WALKED, seed % 2**64])
+    found = split(WalkedRuns(trials.task.network, trials.walker, event, draws), event.runs, draws)
+    return _trial(seed, found, {})
+
+
+def run_population(task: Path, runs: Path, options: RunOptions, event: RareEvent, seed: int) -> Trial:
+    """A population of runs on a simulated backend.
+
+    Args:
+        task: its file.
+        runs: their folders are made in there, and those of some hits stay.
+        options: how they are run; `interrupts` are set.
+        event: what is asked for.
+        seed: of the population; the runs that begin have `event.runs` seeds from `seed * event.runs` on.
+
+    Raises:
+        KeyboardInterrupt: there was an interrupt.
+        BrokenRun: a run can't be counted.
+        HandcartError: a run can't be run.
+    """
+    draws = np.random.default_rng([_RUN, seed % 2**64])
+    runs.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix=f"population-{seed}-", dir=runs) as name:
+        split_runs = SplitRuns(task, options, event, seed * event.runs, Path(name), runs)
+        found = split(split_runs, event.runs, draws)
+    metrics = {"untrue": split_runs.untrue, "runs_kept": split_runs.kept}
+    return _trial(seed, found, metrics, split_runs.time_s)
+
+
+def stopped(seed: int) -> Trial:
+    """A population that an interrupt has broken off: it doesn't count."""
+    from handcart.networks.coordination.supervision import INTERRUPTED
+
+    summary = {"outcome": "Cancelled", "reason": INTERRUPTED, "seed": seed, "run_dir": "", "metrics": {}}
+    return Trial(seed, 130, summary, signalled=True)
+
+
+def _trial(seed: int, found: Population, more: Mapping[str, Any], time_s: float = 0.0) -> Trial:
+    metrics = {
+        "probability": found.probability,
+        "levels": [list(level) for level in found.levels],
+        "steps_of_a_run": found.steps_of_a_run,
+        **more,
+    }
+    summary = {"outcome": ESTIMATED, "reason": "", "seed": seed, "run_dir": "", "sim_time_s": time_s}
+    summary |= {"actions": found.steps, "fails": 0, "wall_time_s": 0.0, "metrics": metrics}
+    return Trial(seed, 0, summary)

@@ -1,0 +1,71 @@
+"""`handcart campaign --rare`: ends that are too rare to count."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import orjson
+import pytest
+
+from benchmarks.campaigns.tosses import rare_walk
+from tests.tools.conftest import Said
+
+ALWAYS = ("--level", "network", "--rare", "GiveUp", "--trials", 30)
+
+
+def test_what_is_told(handcart: Callable[..., Said], tmp_path: Path) -> None:
+    said = handcart("campaign", rare_walk(tmp_path), *ALWAYS)
+    assert said.status == 0, said.err
+    assert "handcart check reckons 0.000113: they agree" in said.out
+    assert "GiveUp: 0.000" in said.out
+    assert "30 populations of 100 runs at each level" in said.out
+    facts = orjson.loads(handcart("campaign", tmp_path / "walk.yaml", *ALWAYS, "--json").out)
+    low, high = facts["interval"]
+    assert low < facts["exact"]["p"] < high
+    assert low < facts["probability"] < high
+    assert facts["worth_runs"] > 10 * facts["cost_runs"]
+    assert facts["levels"][0]["runs"] == 3000
+    assert sum(level["adds"] for level in facts["levels"]) == pytest.approx(facts["probability"], rel=0.2)
+
+
+def test_parts_and_processes_tell_the_same(handcart: Callable[..., Said], tmp_path: Path) -> None:
+    words = ("campaign", rare_walk(tmp_path), *ALWAYS)
+    plain = handcart(*words)
+    whole = handcart(*words, "--out", tmp_path / "whole", "--jobs", 2)
+    assert (plain.out, plain.status) == (whole.out, 0)
+    again = handcart(*words, "--out", tmp_path / "whole")
+    assert (again.out, "30 of 30 trials are there already" in again.err) == (whole.out, True)
+    for part in (1, 2):
+        handcart(*words, "--out", tmp_path / f"part{part}", "--shard", f"{part}/2")
+    merged = handcart("campaign", "merge", tmp_path / "part1", tmp_path / "part2", "--out", tmp_path / "all")
+    assert (merged.out, merged.status) == (whole.out, 0)
+    other = handcart(*words, "--out", tmp_path / "whole", "--population", 50)
+    assert (other.status, "rare runs: 100 there, 50 now" in other.err) == (2, True)
+
+
+@pytest.mark.parametrize(
+    ("words", "wrong"),
+    [
+        (("--rare", "Giveup"), "did you mean 'GiveUp'? allowed: Success, Fail, GiveUp"),
+        (("--rare", "Fail", "--importance", "fail"), "did you mean 'fails'? allowed: fails, attempts"),
+        (("--rare", "Fail", "--population", "1"), "--population 1; allowed: 2 to"),
+        (("--population", "20"), "--importance, --population; needed: --rare with them"),
+        (("--importance", "fails"), "--importance, --population; needed: --rare with them"),
+        (("--rare", "Fail", "--until", "p > 0.5"), "--rare --until; allowed: one of them"),
+        (("--rare", "Fail", "--faults", "f.yaml"), "--rare --faults; allowed: one of them"),
+        (("--rare", "Fail", "--vary", "v.yaml"), "--rare --vary; allowed: one of them"),
+        (("--rare", "Fail", "--generate", "library"), "--rare --generate; allowed: one of them"),
+        (("--rare", "Fail", "--first", "-1"), "--rare --first -1; allowed: 0 and more"),
+        (
+            ("--rare", "Fail", "--level", "fitted", "--learned-from", "x"),
+            "--rare --level fitted; allowed: run, network",
+        ),
+    ],
+)
+def test_what_cannot_be_is_refused(
+    handcart: Callable[..., Said], tmp_path: Path, words: tuple[str, ...], wrong: str
+) -> None:
+    said = handcart("campaign", rare_walk(tmp_path), *words)
+    assert (said.status, wrong in said.err, said.out) == (2, True, ""), said.err
+    assert "Traceback" not in said.err
