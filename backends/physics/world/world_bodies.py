@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import ClassVar
 
 import numpy as np
@@ -114,6 +114,10 @@ class WorldBodies:
             raise NotAState(f"no saved state: there is no ground at the tile {tile}")
         self.names[self._terrain.add(tile)] = FLOOR
         self._made.append(tile)
+
+    def moved(self) -> Collection[int] | None:
+        """See `Engine.moved`."""
+        return self._engine.moved()
 
     def pose(self, thing: Thing) -> Transform:
         """world_T_thing (4, 4), as it truly is."""
