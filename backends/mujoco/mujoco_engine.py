@@ -204,11 +204,11 @@ class MujocoEngine(Engine):
 
     def _slip(self, pinned: Pinned) -> None:
         """Let what is held slide while more pulls at it than holds it, and hold it again where it stays."""
-        model, data = self.model, self.data
-        if self.pins.closed(model, data):
+        data = self.data
+        if self.pins.closed(data):
             # While they hold, contacts carry next to nothing: what is still can pull at these points alone.
-            if self.pins.pull(model, data) > pinned.force_n / (1.0 - self.CONTACTS_CARRY):
-                self.pins.open(model, data)
+            if self.pins.pull(data) > pinned.force_n / (1.0 - self.CONTACTS_CARRY):
+                self.pins.open(data)
             return
         there = self._points_now(pinned)
         slid = float(np.linalg.norm(there - np.array(pinned.other_points), axis=1).max())
@@ -329,7 +329,7 @@ class MujocoEngine(Engine):
         """See `Engine`."""
         self._pinned = wanted
         if wanted is None:
-            self.pins.open(self.model, self.data)
+            self.pins.open(self.data)
             return
         link = self.link_body(wanted.body, wanted.link)
         self.pins.close(self.model, self.data, wanted, link, self._things[wanted.other].body)

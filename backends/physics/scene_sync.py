@@ -51,7 +51,7 @@ class SceneSync:
         stays = bool((pose == thing.pose).all())
         if not stays:
             thing.pose = pose
-            self._scene.changes += 1
+            self._scene.changes += thing is not held
         if thing is held:
             props.taken(thing)
         elif not stays or thing.rest is Rest.HAND:
