@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -18,7 +18,7 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, inverse, transform
 
 from .mujoco_engine import MujocoEngine
-from .mujoco_joints import MujocoJoints
+from .mujoco_joints import GIVING, MujocoJoints
 from .mujoco_module import mujoco
 from .world_spec import HARD, ROBOT, ROBOT_GROUP, STANDS, STIFF, quaternion
 
@@ -39,7 +39,7 @@ class MujocoBody(RobotBody):
         urdf, self.repairs = sound_urdf(robot)
         child = _read(urdf)
         self.effort = {joint.name: float(joint.actfrcrange[1]) for joint in child.joints}
-        self._furnish(child)
+        self._furnish(child, robot.arm.joints if robot.arm is not None else ())
         spec = engine.world.spec
         spec.attach(child, prefix=ROBOT, frame=spec.worldbody.add_frame())
         root = next(each for each in spec.bodies if each.name.startswith(ROBOT))
@@ -63,8 +63,8 @@ class MujocoBody(RobotBody):
             self.joints([joint]).stand(np.array([position]), np.array([force]), _FOLLOWS)
         self.put(base)
 
-    def _furnish(self, robot: Any) -> None:
-        """Give joints their drives, and links the friction that they all have."""
+    def _furnish(self, robot: Any, arm: Collection[str]) -> None:
+        """Give joints their drives, the arm's a second one each, and links the friction that they all have."""
         for geometry in robot.geoms:
             geometry.group, geometry.solref = ROBOT_GROUP, STIFF
             geometry.friction = (LINKS_RUB**2, 0.005, 0.0001)
@@ -75,10 +75,9 @@ class MujocoBody(RobotBody):
             joint.armature = self.effort[joint.name] / (TOP_ACCELERATION if turns else TOP_SLIDE_ACCELERATION)
         for joint in robot.joints:
             joint.actfrclimited = 0
-            drive = robot.add_actuator(name=joint.name, target=joint.name)
-            drive.trntype = mujoco().mjtTrn.mjTRN_JOINT
-            drive.biastype = mujoco().mjtBias.mjBIAS_AFFINE
-            drive.forcelimited, drive.forcerange = 1, (-1e-9, 1e-9)
+            _add_drive(robot, joint.name, joint.name)
+        for name in arm:
+            _add_drive(robot, GIVING.format(name), name)
 
     def _leave_out(self, robot: RobotFile) -> None:
         """Have links pass through those that carry them, and through those that may touch."""
@@ -108,7 +107,7 @@ class MujocoBody(RobotBody):
         at, speed = int(joint.qposadr[0]), int(joint.dofadr[0])
         data.qpos[at : at + 7] = np.concatenate([pose[:3, 3], quaternion(pose)])
         data.qvel[speed : speed + 6] = 0.0
-        self._engine.moved()
+        self._engine.displaced()
 
     def standing_pose(self) -> Transform:
         """See `RobotBody`."""
@@ -141,7 +140,7 @@ class MujocoBody(RobotBody):
         """See `RobotBody`."""
         found, data = self._engine.model.joint(ROBOT + joint), self._engine.data
         data.qpos[found.qposadr[0]], data.qvel[found.dofadr[0]] = position, 0.0
-        self._engine.moved()
+        self._engine.displaced()
 
     def cover(self, links: Iterable[str], surface: Surface) -> None:
         """See `RobotBody`; MuJoCo's contacts give as `STIFF` says, and stick by themselves."""
@@ -169,6 +168,15 @@ class MujocoBody(RobotBody):
         moved = self._engine.world.spec.joint(ROBOT + joint).parent
         names = [moved.name, *(each.name for each in moved.find_all("body"))]
         return {self.link_index[name.removeprefix(ROBOT)] for name in names}
+
+
+def _add_drive(robot: Any, name: str, joint: str) -> None:
+    """A drive that does nothing yet; see `MujocoJoints`."""
+    drive = robot.add_actuator(name=name, target=joint)
+    drive.trntype = mujoco().mjtTrn.mjTRN_JOINT
+    drive.dyntype = mujoco().mjtDyn.mjDYN_INTEGRATOR
+    drive.biastype = mujoco().mjtBias.mjBIAS_AFFINE
+    drive.forcelimited, drive.forcerange = 1, (-1e-9, 1e-9)
 
 
 def _read(urdf: str) -> Any:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Collection, Iterator
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -25,6 +26,8 @@ from .world_spec import ROBOT_GROUP, WorldSpec, box_inertia, quaternion
 
 Array = NDArray[np.float64]
 STAYS = 0.005  # [m/s]: slower, what slid in the hand is held again
+_NO_ISLAND = -2
+LOOKS = 2  # steps of the solver after which it is seen whether what is held slips
 _KEPT = ("actuator_gainprm", "actuator_biasprm", "actuator_forcerange")
 
 
@@ -45,6 +48,7 @@ class MujocoEngine(Engine):
     was there goes on as it was.
     """
 
+    CHUNK = math.inf
     CONTACTS_CARRY = 0.5  # they know speeds, not places: what they hold in a hand that turns drifts
 
     def __init__(self, period: float) -> None:
@@ -62,6 +66,14 @@ class MujocoEngine(Engine):
         self._things: dict[int, _Thing] = {}
         self._links: dict[int, tuple[int, int]] = {}
         self._bodies: dict[tuple[int, int], int] = {}
+        self._robot: int | None = None
+        """Its tree of bodies."""
+        self._leans = np.zeros(0, np.bool_)
+        """(trees,): what touches the robot, by what is between them."""
+        self._seen: Array | None = None
+        """All coordinates when `moved` was last asked; None: everything may have moved."""
+        self._movers: tuple[NDArray[np.int64], NDArray[np.int64]] = (np.zeros(0, np.int64),) * 2
+        """Numbers of the things (n,), and where their coordinates are (n, 7)."""
 
     # The model
 
@@ -138,6 +150,13 @@ class MujocoEngine(Engine):
                     int(joint.bodyid[0]), int(joint.qposadr[0]), int(joint.dofadr[0]), tuple(mine[number])
                 )
         self._owners = owners
+        numbers = np.array(list(self._things), np.int64)
+        first = np.array([each.position for each in self._things.values()], np.int64)
+        self._movers, self._seen = (numbers, first[:, None] + np.arange(7)), None
+        self._robot = int(model.body_treeid[next(iter(self._links))]) if self._links else None
+        leaned, self._leans = self._leans, np.zeros(int(model.ntree), np.bool_)
+        if self._robot is not None:
+            self._set_leaning(np.pad(leaned, (0, len(self._leans) - len(leaned))))
 
     def links(self) -> Any:
         """MuJoCo's data, poses of all links as of now."""
@@ -147,33 +166,49 @@ class MujocoEngine(Engine):
             self._stale = False
         return data
 
-    def moved(self) -> None:
+    def displaced(self) -> None:
         """Coordinates were changed: poses follow when they are asked for."""
         self._stale = True
 
     def step(self) -> None:
         """See `Engine`."""
         model, data = self._both()
-        self.mj.mj_step(model, data, self.substeps)
+        steps = self.substeps
+        while self._pinned is not None and steps > 0:
+            self.mj.mj_step(model, data, min(LOOKS, steps))
+            steps -= LOOKS
+            self._stale = True
+            self._slip(self._pinned)
+        if steps > 0:
+            self.mj.mj_step(model, data, steps)
         self._stale = True
         self._keep_awake(model, data)
-        if self._pinned is not None:
-            self._slip(self._pinned)
 
     def _keep_awake(self, model: Any, data: Any) -> None:
-        """Let nothing count as still that leans on the robot: it would sleep once the robot goes away."""
-        robot = model.tree_sleep_policy == self.mj.mjtSleepPolicy.mjSLEEP_NEVER
+        """Let nothing sleep that leans on the robot: it would not fall when the robot goes away."""
+        if self._robot is None:
+            return
         island = data.tree_island
-        leans = np.isin(island, island[robot & (island >= 0)]) & ~robot
-        data.tree_asleep[leans] = -1 - self.mj.mjMINAWAKE
+        mine = island[self._robot]
+        leans = island == (mine if mine >= 0 else _NO_ISLAND)
+        if (leans != self._leans).any():
+            self._set_leaning(leans)
+
+    def _set_leaning(self, leans: NDArray[np.bool_]) -> None:
+        """Have those trees stay awake, and all others sleep when they come to rest."""
+        kinds, policy = self.mj.mjtSleepPolicy, self.model.tree_sleep_policy
+        policy[self._leans] = kinds.mjSLEEP_ALLOWED
+        policy[leans] = kinds.mjSLEEP_NEVER
+        policy[self._robot] = kinds.mjSLEEP_NEVER
+        self._leans = leans
 
     def _slip(self, pinned: Pinned) -> None:
         """Let what is held slide while more pulls at it than holds it, and hold it again where it stays."""
-        model, data = self.model, self.data
-        if self.pins.closed(model, data):
+        data = self.data
+        if self.pins.closed(data):
             # While they hold, contacts carry next to nothing: what is still can pull at these points alone.
-            if self.pins.pull(model, data) > pinned.force_n / (1.0 - self.CONTACTS_CARRY):
-                self.pins.open(model, data)
+            if self.pins.pull(data) > pinned.force_n / (1.0 - self.CONTACTS_CARRY):
+                self.pins.open(data)
             return
         there = self._points_now(pinned)
         slid = float(np.linalg.norm(there - np.array(pinned.other_points), axis=1).max())
@@ -247,6 +282,16 @@ class MujocoEngine(Engine):
         result[:3, :3], result[:3, 3], result[3, 3] = data.xmat[index].reshape(3, 3), data.xpos[index], 1.0
         return result
 
+    def moved(self) -> Collection[int] | None:
+        """See `Engine`."""
+        coordinates, seen = self.data.qpos, self._seen
+        self._seen = coordinates.copy()
+        if seen is None:
+            return None
+        changed = coordinates != seen
+        numbers, where = self._movers
+        return frozenset(numbers[changed[where].any(axis=1)].tolist())
+
     def thing_at(self, body: int) -> _Thing:
         """Where a thing stands in MuJoCo's arrays."""
         self._both()
@@ -284,7 +329,7 @@ class MujocoEngine(Engine):
         """See `Engine`."""
         self._pinned = wanted
         if wanted is None:
-            self.pins.open(self.model, self.data)
+            self.pins.open(self.data)
             return
         link = self.link_body(wanted.body, wanted.link)
         self.pins.close(self.model, self.data, wanted, link, self._things[wanted.other].body)
@@ -335,18 +380,24 @@ class MujocoEngine(Engine):
 
     def state(self) -> dict[str, Any]:
         """See `Engine`: to the last bit."""
-        return {**saved(self.model, self.data), "pinned": to_plain(self._pinned, Pinned | None)}
+        pinned = to_plain(self._pinned, Pinned | None)
+        return {**saved(self.model, self.data), "pinned": pinned, "leans": self._leans.astype(np.int64)}
 
     def set_state(self, state: object) -> None:
         """See `Engine`."""
         self._both()
-        if not isinstance(state, dict) or "pinned" not in state:
-            raise NotAState("no state of this engine; needed: mujoco, asleep, pinned")
+        if not isinstance(state, dict) or not {"pinned", "leans"} <= state.keys():
+            raise NotAState("no state of this engine; needed: mujoco, asleep, pinned, leans")
         pinned = from_plain(state["pinned"], Pinned | None, "pinned")
         self._check_pinned(pinned)
-        restore(self.model, self.data, {name: state[name] for name in state if name != "pinned"})
+        leans = from_plain(state["leans"], NDArray[np.int64], "leans")
+        if leans.shape != self._leans.shape:
+            raise NotAState("no saved state: the engine's world has other bodies")
+        own = {name: state[name] for name in state if name not in ("pinned", "leans")}
+        restore(self.model, self.data, own)
+        self._set_leaning(leans != 0)
         self.pin(pinned)
-        self._stale = True
+        self._stale, self._seen = True, None
 
     def _check_pinned(self, pinned: Pinned | None) -> None:
         if pinned is None:

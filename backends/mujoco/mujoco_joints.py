@@ -7,17 +7,21 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.physics.body.joint_group import JointGroup, Vector
+from handcart.backends.physics.body.joint_group import BREAKAWAY, DAMPING, GIVES, JointGroup, Vector
 
 from .mujoco_engine import MujocoEngine
 
 UNBOUND = 1e6  # [Nm]
+GIVING = "{} gives"
+"""Name of a joint's second drive, where it has one."""
+_OFF = 1e-9  # [Nm] of a drive that does nothing: MuJoCo takes 0 for no limit
 
 
 class MujocoJoints(JointGroup):
-    """See `JointGroup`. A drive is a servo of its speed, in each step of the solver.
+    """See `JointGroup`. Drives are MuJoCo's: they follow set-points that move, in each step of the solver.
 
-    As stiff as it can be: alone, it is at the speed that it is told after a step.
+    A drive is as stiff as it can be: alone, it is at the speed that it is told after a step. Joints that give
+    have two: a stiff one that has no more than `BREAKAWAY`, and a spring.
     """
 
     def __init__(self, engine: MujocoEngine, names: Sequence[str]) -> None:
@@ -26,7 +30,10 @@ class MujocoJoints(JointGroup):
         joints = [model.joint(name) for name in names]
         self._at = _where([int(joint.qposadr[0]) for joint in joints])
         self._speed = _where([int(joint.dofadr[0]) for joint in joints])
-        self._drives = _where([int(model.actuator(name).id) for name in names])
+        self._stiff = _Drives(engine, list(names))
+        giving = [GIVING.format(name) for name in names]
+        there = {model.actuator(number).name for number in range(model.nu)}
+        self._giving = _Drives(engine, giving) if there.issuperset(giving) else None
         self._step = float(model.opt.timestep)
         self._gain = model.dof_M0[self._speed] / self._step
 
@@ -37,34 +44,79 @@ class MujocoJoints(JointGroup):
 
     def turn(self, speeds: Vector, most: Vector) -> None:
         """See `JointGroup`."""
-        self._serve(speeds, self._gain, np.zeros(len(self._gain)), most)
+        self._alone(0.0, most, self._gain * speeds)
 
-    def stand(self, positions: Vector, most: Vector, share: float) -> None:
+    def follow(self, off: Vector, rates: Vector, most: Vector, catches_up: float) -> None:
         """See `JointGroup`."""
-        pull = self._gain * share / self._step
-        self._serve(positions, pull, pull, most)
+        self._alone(self._gain / catches_up, most)
+        self._stiff.set_out(self._engine.data.qpos[self._at] + off + catches_up * rates, rates)
 
-    def _serve(self, wanted: Vector, gain: Vector, pull: Vector, most: Vector) -> None:
-        model, data = self._engine.model, self._engine.data
-        data.ctrl[self._drives] = wanted
-        model.actuator_gainprm[self._drives, 0] = gain
-        model.actuator_biasprm[self._drives, 1] = -pull
-        model.actuator_biasprm[self._drives, 2] = -self._gain
-        model.actuator_forcerange[self._drives, 0] = -most
-        model.actuator_forcerange[self._drives, 1] = most
+    def give(self, off: Vector, rates: Vector, effort: Vector, fastest: Vector, catches_up: float) -> None:
+        """See `JointGroup`. What is so far off that it would come back faster than `fastest` counts as less."""
+        if self._giving is None:
+            raise ValueError("these joints have no drives that give")
+        damping = np.maximum(DAMPING, GIVES / fastest)
+        room = np.maximum(fastest - rates * np.sign(off), 0.0)
+        most = np.minimum(GIVES, damping * room)
+        begins = self._engine.data.qpos[self._at] + np.minimum(np.maximum(off, -most), most)
+        pull = effort / GIVES
+        self._stiff.serve(self._gain / catches_up, self._gain, BREAKAWAY * effort)
+        self._stiff.set_out(begins + catches_up * rates, rates)
+        self._giving.serve(pull, pull * damping, (1.0 - BREAKAWAY) * effort)
+        self._giving.set_out(begins + damping * rates, rates)
+
+    def stand(self, positions: Vector, most: Vector, share: float, rates: Vector | None = None) -> None:
+        """See `JointGroup`."""
+        self._alone(self._gain * share / self._step, most)
+        if rates is None:
+            self._stiff.set_out(positions, np.zeros(len(positions)))
+        else:
+            self._stiff.set_out(positions - self._engine.chunk * rates, rates)
 
     def spring(self, stiffness: float, damping: Vector, torques: Vector) -> None:
         """See `JointGroup`; solved implicitly: dampers as strong would shake a chassis in the air."""
-        model = self._engine.model
-        model.actuator_gainprm[self._drives, 0] = 0.0
-        model.actuator_biasprm[self._drives, 0] = torques
-        model.actuator_biasprm[self._drives, 1] = -stiffness
-        model.actuator_biasprm[self._drives, 2] = -damping
-        model.actuator_forcerange[self._drives] = (-UNBOUND, UNBOUND)
+        self._stiff.serve(stiffness, damping, np.full(len(torques), UNBOUND), torques)
+        self._stiff.set_out(np.zeros(len(torques)), np.zeros(len(torques)))
 
     def push(self, torques: Vector) -> None:
         """See `JointGroup`."""
         self._engine.data.qfrc_applied[self._speed] = torques
+
+    def _alone(self, pull: float | Vector, most: Vector, torques: float | Vector = 0.0) -> None:
+        """Have the stiff drives do all that is done."""
+        self._stiff.serve(pull, self._gain, most, torques)
+        if self._giving is not None:
+            self._giving.serve(0.0, 0.0, np.full(len(most), _OFF))
+
+
+class _Drives:
+    """MuJoCo's actuators, each with a set-point that moves evenly."""
+
+    def __init__(self, engine: MujocoEngine, names: Sequence[str]) -> None:
+        self._engine, model = engine, engine.model
+        numbers = [int(model.actuator(name).id) for name in names]
+        self._numbers = _where(numbers)
+        self._goals = _where([int(model.actuator_actadr[number]) for number in numbers])
+
+    def serve(
+        self, pull: float | Vector, damping: float | Vector, most: Vector, torques: float | Vector = 0.0
+    ) -> None:
+        """Put `pull` times what a set-point is ahead on a joint, less `damping` times its speed, and `torques`."""
+        model, mine = self._engine.model, self._numbers
+        model.actuator_gainprm[mine, 0] = pull
+        bias = model.actuator_biasprm
+        bias[mine, 0] = torques
+        bias[mine, 1] = -pull
+        bias[mine, 2] = -damping
+        limits = model.actuator_forcerange
+        limits[mine, 0] = -most
+        limits[mine, 1] = most
+
+    def set_out(self, positions: Vector, rates: Vector) -> None:
+        """Have the set-points begin there, and move so."""
+        data = self._engine.data
+        data.act[self._goals] = positions
+        data.ctrl[self._numbers] = rates
 
 
 def _where(numbers: list[int]) -> slice | NDArray[np.int64]:

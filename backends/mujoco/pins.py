@@ -16,7 +16,10 @@ _NAME = "pin {}"
 
 
 class Pins:
-    """Equalities between the hand and what it holds; which thing that is changes while the world goes on."""
+    """Equalities between the hand and what it holds; which thing that is changes while the world goes on.
+
+    They are the model's first ones, and what they bear stands before all else that constrains.
+    """
 
     def __init__(self) -> None:
         """There are none yet."""
@@ -24,41 +27,33 @@ class Pins:
 
     def prepare(self, spec: Any, hand: str, other: str) -> None:
         """Have them in the model, open; `other` is some other body."""
+        assert not spec.equalities
         kinds, what = mujoco().mjtEq, mujoco().mjtObj
         for number in range(MOST):
             pin = spec.add_equality(name=_NAME.format(number), name1=hand, name2=other, active=False)
             pin.type, pin.objtype, pin.solref = kinds.mjEQ_CONNECT, what.mjOBJ_BODY, STIFF
         self._there = True
 
-    def closed(self, model: Any, data: Any) -> bool:
+    def closed(self, data: Any) -> bool:
         """Whether they hold something."""
-        return bool(data.eq_active[_first(model)])
+        return bool(data.eq_active[0])
 
-    def pull(self, model: Any, data: Any) -> float:
+    def pull(self, data: Any) -> float:
         """What a point bears, on the mean over all, in [N]."""
-        # MuJoCo has equalities before all else that constrains.
-        kinds, numbers = data.efc_type[: data.ne], data.efc_id[: data.ne] - _first(model)
-        mine = (kinds == mujoco().mjtConstraint.mjCNSTR_EQUALITY) & (numbers >= 0) & (numbers < MOST)
-        return float(np.linalg.norm(data.efc_force[: data.ne][mine].reshape(-1, 3), axis=1).sum()) / MOST
+        forces = data.efc_force[: 3 * MOST].reshape(MOST, 3)
+        return float(np.sqrt((forces * forces).sum(axis=1)).sum()) / MOST
 
-    def open(self, model: Any, data: Any) -> None:
+    def open(self, data: Any) -> None:
         """Hold nothing."""
         if self._there:
-            first = _first(model)
-            data.eq_active[first : first + MOST] = 0
+            data.eq_active[:MOST] = 0
 
     def close(self, model: Any, data: Any, wanted: Pinned, hand: int, other: int) -> None:
         """Hold two of MuJoCo's bodies together."""
         turn = np.zeros(9)
         mujoco().mju_quat2Mat(turn, model.body_iquat[hand])
         for number, (point, there) in enumerate(zip(wanted.points, wanted.other_points, strict=True)):
-            pin = _first(model) + number
-            model.eq_obj1id[pin], model.eq_obj2id[pin] = hand, other
-            model.eq_data[pin, :3] = turn.reshape(3, 3) @ point + model.body_ipos[hand]
-            model.eq_data[pin, 3:6] = there
-            data.eq_active[pin] = 1
-
-
-def _first(model: Any) -> int:
-    """MuJoCo's number of the first of them; the others follow."""
-    return int(model.equality(_NAME.format(0)).id)
+            model.eq_obj1id[number], model.eq_obj2id[number] = hand, other
+            model.eq_data[number, :3] = turn.reshape(3, 3) @ point + model.body_ipos[hand]
+            model.eq_data[number, 3:6] = there
+            data.eq_active[number] = 1

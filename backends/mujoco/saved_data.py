@@ -30,7 +30,7 @@ def restore(model: Any, data: Any, state: dict[str, Any]) -> None:
         NotAState: it is of another one.
     """
     if state.keys() != {"mujoco", "asleep"}:
-        raise NotAState("no state of this engine; needed: mujoco, asleep, pinned")
+        raise NotAState("no state of this engine; needed: mujoco, asleep, pinned, leans")
     values = from_plain(state["mujoco"], NDArray[np.float64], "engine")
     asleep = from_plain(state["asleep"], NDArray[np.int64], "engine")
     mj, kind = mujoco(), mujoco().mjtState.mjSTATE_INTEGRATION

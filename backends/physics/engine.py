@@ -18,7 +18,6 @@ from handcart.robotics.kinematics.shapes import Box
 from .thing_form import ThingForm
 
 STEP = 0.0025  # of the solver, at most [s]
-CHUNK = 0.005  # [s]: how often the drives' electronics look at their encoders
 GRAVITY = 9.81  # [m/s²]
 
 Array = NDArray[np.float64]
@@ -66,13 +65,16 @@ class Engine(ABC):
     The solver's step divides the drives' period (`chunk`), which divides the control period.
     """
 
+    CHUNK: ClassVar[float]
+    """[s] between two looks of the drives at their encoders, where that is less than a control period. An
+    engine whose own drives follow set-points in each of its steps has none: infinity."""
     CONTACTS_CARRY: ClassVar[float]
     """Of the friction of the fingers' pads, the share that its contacts have. Where what is held would creep
     although they carry it, the rest is that of `Grip`'s points."""
 
     def __init__(self, period: float) -> None:
         """Of a world in which a control period is that long, in [s]."""
-        self.chunks = max(1, round(period / CHUNK))
+        self.chunks = max(1, round(period / self.CHUNK))
         """How often the drives act in a control period."""
         self.chunk = period / self.chunks
         """[s]"""
@@ -132,6 +134,10 @@ class Engine(ABC):
     @abstractmethod
     def pose(self, body: int) -> Transform:
         """World pose (4, 4) of a body's middle of mass."""
+
+    def moved(self) -> Collection[int] | None:
+        """Things that may be elsewhere than when this was last asked; None: any."""
+        return None
 
     @abstractmethod
     def set_pose(self, body: int, pose: Transform) -> None:

@@ -140,7 +140,8 @@ class PhysicsBackend(SimulatedBackend):
             body.reset(name, float(angle))
         if body.sprung:
             self._springs = SuspensionSprings(robot, model, body)
-        self._arm = PhysicsArm(robot, model, body, self.scene.felt_force, seed)
+        ahead = engine.chunk / 2 if engine.chunks == 1 else 0.0  # a chunk is too short to matter
+        self._arm = PhysicsArm(robot, model, body, self.scene.felt_force, ahead, seed)
         if robot.gripper is not None:
             self._gripper = PhysicsGripper(
                 robot.gripper, robot.errors, body, pads_in(engine), self.period, seed

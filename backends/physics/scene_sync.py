@@ -18,6 +18,8 @@ class SceneSync:
 
     def __init__(self, scene: Scene, body: RobotBody, world: WorldBodies) -> None:
         self._scene, self._body, self._world = scene, body, world
+        self._old = set[int]()
+        """Bodies of things that have moved since their pose was last written."""
 
     def base(self) -> None:
         """Where the base stands, and how it leans."""
@@ -31,10 +33,14 @@ class SceneSync:
         """Where those things are that may have moved, and what carries them."""
         scene = self._scene
         world_T_hand = self._body.link_pose("hand") if "hand" in self._body.link_index else np.eye(4)
+        bodies, moved = self._world.bodies, self._world.moved()
+        self._old.update(bodies.values() if moved is None else moved)
+        self._old.update(bodies[each.name] for each in (scene.held, held) if each is not None)
         for props in scene.props.values():
-            for thing in props.awake(world_T_hand[:3, 3]):
-                if thing.name in self._world.bodies:
+            for thing in props.awake(world_T_hand[:3, 3]) if self._old else ():
+                if bodies.get(thing.name) in self._old:
                     self._place(props, thing, held)
+                    self._old.remove(bodies[thing.name])
         scene.held = held
         if held is not None:
             scene.hand_T_held = inverse(world_T_hand) @ held.pose
@@ -45,7 +51,7 @@ class SceneSync:
         stays = bool((pose == thing.pose).all())
         if not stays:
             thing.pose = pose
-            self._scene.changes += 1
+            self._scene.changes += thing is not held
         if thing is held:
             props.taken(thing)
         elif not stays or thing.rest is Rest.HAND:

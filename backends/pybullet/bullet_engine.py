@@ -48,6 +48,7 @@ class BulletEngine(Engine):
     is told of forces is divided by `substeps`, what it tells multiplied.
     """
 
+    CHUNK = 0.005
     CONTACTS_CARRY = 0.5  # they creep
 
     def __init__(self, period: float, window: bool = False) -> None:

@@ -35,7 +35,7 @@ class BulletJoints(JointGroup):
             physicsClientId=self._client,
         )
 
-    def stand(self, positions: Vector, most: Vector, share: float) -> None:
+    def stand(self, positions: Vector, most: Vector, share: float, rates: Vector | None = None) -> None:
         """See `JointGroup`."""
         self._p.setJointMotorControlArray(
             self._body,

@@ -9,27 +9,64 @@ from numpy.typing import NDArray
 
 Vector = NDArray[np.float64]
 
+GIVES = 0.03  # off its set-point by this, a drive that gives has all its torque [rad]
+DAMPING = 0.03  # a speed that is off counts as this much angle that is off [s]
+BREAKAWAY = 0.03  # share of its torque that such a drive always has to give
+
 
 class JointGroup(ABC):
-    """Some joints of the robot in an engine. What they are told counts until they are told otherwise."""
+    """Some joints of the robot in an engine. What they are told counts until they are told otherwise.
+
+    Positions are in [rad] or [m], speeds the same a second, torques in [Nm] or [N]; all are arrays (n,).
+    """
 
     @abstractmethod
     def states(self) -> tuple[Vector, Vector]:
-        """Positions and velocities (n,), in [rad] or [m] and a second."""
+        """Positions and velocities."""
 
     @abstractmethod
     def turn(self, speeds: Vector, most: Vector) -> None:
-        """Bring them to speeds (n,) in [rad/s] or [m/s] by torques of at most `most` (n,) in [Nm] or [N]."""
+        """Bring them to speeds by torques of at most `most`."""
+
+    def follow(self, off: Vector, rates: Vector, most: Vector, catches_up: float) -> None:
+        """Follow set-points for the next chunk by torques of at most `most`.
+
+        Args:
+            off: of the set-points, ahead of where the joints are now.
+            rates: at which they move.
+            most: of the torques.
+            catches_up: time constant in which what is off gets less, in [s].
+        """
+        self.turn(rates + off / catches_up, most)
+
+    def give(self, off: Vector, rates: Vector, effort: Vector, fastest: Vector, catches_up: float) -> None:
+        """Follow set-points for the next chunk as `follow`, and give like springs where something is in the way.
+
+        The torque is limited by how far a joint is off, and that is `GIVES` where it is all of `effort`.
+
+        Args:
+            off: of the set-points, ahead of where the joints are now.
+            rates: at which they move.
+            effort: the most that the drives have.
+            fastest: speeds at which they catch up, at most.
+            catches_up: time constant in which what is off gets less, in [s].
+        """
+        wanted = np.clip(rates + off / catches_up, -fastest, fastest)
+        strain = np.abs(off + DAMPING * (rates - self.states()[1]))
+        self.turn(wanted, effort * np.minimum(strain / GIVES + BREAKAWAY, 1.0))  # never negative
 
     @abstractmethod
-    def stand(self, positions: Vector, most: Vector, share: float) -> None:
-        """Bring them to positions (n,) with at most `most`; in a step of the solver by `share` of the way."""
+    def stand(self, positions: Vector, most: Vector, share: float, rates: Vector | None = None) -> None:
+        """Bring them to positions with at most `most`; in a step of the solver by `share` of the way.
+
+        An engine without chunks has the set-points move at `rates`: they are there when the period ends.
+        """
 
     def spring(self, stiffness: float, damping: Vector, torques: Vector) -> None:
-        """Put springs in [Nm/rad], dampers (n,) in [Nms/rad] and torques (n,) on them for the next chunk."""
+        """Put springs in [Nm/rad], dampers in [Nms/rad] and torques on them for the next chunk."""
         angles, speeds = self.states()
         self.push(torques - stiffness * angles - damping * speeds)
 
     @abstractmethod
     def push(self, torques: Vector) -> None:
-        """Put torques (n,) on them for the next chunk, besides what their drives do, in [Nm] or [N]."""
+        """Put torques on them for the next chunk, besides what their drives do."""

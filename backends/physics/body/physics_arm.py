@@ -14,9 +14,6 @@ from handcart.robotics.kinematics.urdf_tree import joint_leaders
 
 from .robot_body import RobotBody
 
-GIVES = 0.03  # off its command by this, a drive gives all its torque [rad]
-DAMPING = 0.03  # a speed that is off counts as this much angle that is off [s]
-BREAKAWAY = 0.03  # share of its torque that a drive always has to give
 CATCHES_UP = 0.02  # time constant of the position loop [s]
 HEADROOM = 1.2  # times as fast as it may go, a drive can catch up
 FOLLOWS = 0.1  # of the way to where it belongs that a joint that mimics another makes in a step of the solver
@@ -37,9 +34,18 @@ class PhysicsArm(SimulatedArm):
         model: ArmModel,
         body: RobotBody,
         felt: Callable[[], Vector],
+        ahead: float,
         seed: int,
     ) -> None:
-        """Take the arm's joints over, where they stand; `felt` gives what truly acts on the hand, (3,)."""
+        """Take the arm's joints over, where they stand.
+
+        Args:
+            robot, model: whose it is.
+            body: it in an engine.
+            felt: what truly acts on the hand, (3,) in [N] in its frame.
+            ahead: how long after they are put on torques fit best, in [s].
+            seed: of its errors.
+        """
         self._drives = body.joints(model.joint_names)
         super().__init__(robot, model, self._drives.states()[0], seed)
         self._fastest = HEADROOM * model.velocity
@@ -54,7 +60,7 @@ class PhysicsArm(SimulatedArm):
         for name, (leader, factor, offset) in self._followers.items():
             stands = self._command[model.joint_names.index(leader)]
             body.reset(name, factor * float(stands) + offset)
-        self._felt = felt
+        self._felt, self._ahead = felt, ahead
         self.load: tuple[float, Vector] = (0.0, np.zeros(3))
         """Mass in [kg] of what is held, and its middle of mass in the base frame, (3,) in [m]."""
 
@@ -72,22 +78,21 @@ class PhysicsArm(SimulatedArm):
     def act(self, share: float, period: float) -> None:
         """Command the drives for the next chunk, when `share` of the `period` in [s] has passed."""
         way = self._command - self._from
-        angles, speeds = self._drives.states()
+        angles = self._drives.states()[0]
         rate = way / period
         off = self._from + share * way + self._offset - angles
-        wanted = np.clip(rate + off / CATCHES_UP, -self._fastest, self._fastest)
-        strain = np.abs(off + DAMPING * (rate - speeds))
-        most = self._effort * np.minimum(strain / GIVES + BREAKAWAY, 1.0)  # never negative
-        self._drives.turn(wanted, most)
-        self._drives.push(self._weight(angles))
-        self._lead(angles)
+        self._drives.give(off, rate, self._effort, self._fastest, CATCHES_UP)
+        self._drives.push(self._weight(angles + self._ahead * rate))
+        self._lead(angles, rate)
 
-    def _lead(self, angles: Vector) -> None:
+    def _lead(self, angles: Vector, rates: Vector) -> None:
         """Have the joints that mimic one of the arm's stand where it has them."""
         for name, (leader, factor, offset) in self._followers.items():
-            there = factor * float(angles[self._model.joint_names.index(leader)]) + offset
+            led = self._model.joint_names.index(leader)
             joint, most = self._following[name]
-            joint.stand(np.array([there]), most, FOLLOWS)
+            rate = factor * float(rates[led])
+            there = factor * float(angles[led]) + offset + 2 * self._ahead * rate
+            joint.stand(np.array([there]), most, FOLLOWS, np.array([rate]))
 
     def end(self) -> None:
         """A period has ended."""

@@ -67,7 +67,7 @@ class PhysicsCar(CommandedBase):
             for ahead, left in zip(self._ahead[2:], self._left[2:], strict=True)
         ]
         off = np.array(wanted) - self._steering.states()[0]
-        self._steering.turn(off / STEERS, self._turns)
+        self._steering.follow(off, np.zeros(len(off)), self._turns, STEERS)
 
     def read(self) -> None:
         """Take the encoders' readings at the end of a period."""

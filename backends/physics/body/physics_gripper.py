@@ -33,7 +33,7 @@ class PhysicsGripper(SimulatedGripper):
         super().__init__(spec, errors, opening, seed)
         self._joints = body.joints(FINGERS)
         self._most = np.full(len(FINGERS), spec.force_n)
-        self._step = spec.speed_mm_s / 1e3 * period
+        self._step, self._period = spec.speed_mm_s / 1e3 * period, period
         for name in FINGERS:
             body.reset(name, opening / 2)
         body.cover(FINGERS, pads)
@@ -57,7 +57,8 @@ class PhysicsGripper(SimulatedGripper):
         """Command the drive for a chunk at whose end `share` of the period has passed."""
         way = max(-self._step, min(self._step, self._command - self._target))
         goal = (self._target + share * way) / 2
-        self._joints.stand(np.array([goal, goal]), self._most, CLOSES)
+        rate = way / (2 * self._period)
+        self._joints.stand(np.array([goal, goal]), self._most, CLOSES, np.array([rate, rate]))
 
     def end(self) -> None:
         """A period has ended."""

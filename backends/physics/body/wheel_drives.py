@@ -44,7 +44,7 @@ class WheelDrives:
         angles = self._angles()
         lag = np.minimum(np.maximum(self._goal - angles, -MOST_LAG), MOST_LAG)
         self._goal = angles + lag + self.speeds * self._chunk
-        self._joints.turn(self.speeds + lag / CATCHES_UP, self._most)
+        self._joints.follow(lag, self.speeds, self._most, CATCHES_UP)
 
     def turned(self, scale: Floats | float = 1.0) -> Floats:
         """(n,): by how much the wheels have turned, in whole steps, in [rad].

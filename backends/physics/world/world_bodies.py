@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import ClassVar
 
 import numpy as np
@@ -43,6 +43,8 @@ class WorldBodies:
         if terrain is None:
             self.names[engine.add_floor(FLOOR_FRICTION)] = FLOOR
         self._made: list[tuple[int, int] | str] = []
+        self._weighed: list[ThingBody] = []
+        """Those whose mass isn't a matter of their size alone: it may change."""
         self._surprises: list[tuple[int, Solid]] = []
         for solid in scene.solids:
             if solid is THE_GROUND and terrain is not None:
@@ -71,14 +73,16 @@ class WorldBodies:
         self.bodies[thing.name] = made.id
         self.names[made.id] = thing.name
         self._made.append(thing.name)
+        if type(thing).mass is not Thing.mass:
+            self._weighed.append(made)
 
     def keep_things(self) -> None:
         """A period begins: things that are new get a body, and all weigh what they weigh."""
         for thing in self._scene.things():
-            if thing.name in self.things:
-                self.things[thing.name].keep()
-            else:
+            if thing.name not in self.things:
                 self.add(thing)
+        for each in self._weighed:
+            each.keep()
 
     def reach(self, x: float, y: float) -> None:
         """See that there is ground about a place, in [m]."""
@@ -114,6 +118,10 @@ class WorldBodies:
             raise NotAState(f"no saved state: there is no ground at the tile {tile}")
         self.names[self._terrain.add(tile)] = FLOOR
         self._made.append(tile)
+
+    def moved(self) -> Collection[int] | None:
+        """See `Engine.moved`."""
+        return self._engine.moved()
 
     def pose(self, thing: Thing) -> Transform:
         """world_T_thing (4, 4), as it truly is."""

@@ -1,0 +1,130 @@
+"""How well a hand holds a book while its robot drives: `python -m benchmarks.held_book [BACKEND] [SECONDS]`.
+
+The librarian takes a book from its tray, and drives, turns, stops and drives back, with a swing of its arm in
+between. Says by how much the book has moved and turned in the hand since it was lifted, at most, every ten
+seconds. The tray's book of `tasks/return_book`.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.base import Base
+from handcart.backends.capabilities.gripper import Gripper
+from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.physics.physics_backend import PhysicsBackend
+from handcart.backends.registry import backend_class
+from handcart.backends.simulation.books.book_props import BookProps
+from handcart.backends.simulation.world.load_world import load_world
+from handcart.robotics.geometry.transform import Transform, inverse, transform
+
+WORLD = Path(__file__).resolve().parents[1] / "tasks" / "return_book" / "world.yaml"
+ROUND_S = 12.0  # of driving, after which it begins anew
+TURNS, DRIVES = 0.5, 0.2  # [rad/s], [m/s]
+SWINGS = 0.3  # of the arm's first joint, to and fro [rad]
+
+
+class Slid(NamedTuple):
+    """By how much what is held is off where it was, at most."""
+
+    mm: float
+    mrad: float
+
+
+class HeldBook:
+    """A robot with a book in its hand."""
+
+    def __init__(self, kind: type[PhysicsBackend]) -> None:
+        spec = load_robot("librarian")
+        self.backend = kind(spec, load_world(WORLD), 0)
+        self._base: Any = self._part(Base)
+        self._arm: Any = self._part(Arm)
+        self._gripper: Any = self._part(Gripper)
+        model = self.backend.scene.arm
+        assert model is not None
+        self._model = model
+        book = self.backend.scene.of(BookProps).tray_book()
+        assert book is not None
+        self.book = book
+
+    def _part(self, kind: type[Any]) -> Any:
+        return next(each for each in self.backend.capabilities() if isinstance(each, kind))
+
+    def take(self) -> None:
+        """Grip the book on the tray by its spine, lift it, and let it come to rest."""
+        spine = self.book.base_T_thing[:3, 3]
+        for x, z in ((-0.10, 0.80), (-0.10, 0.70), (spine[0] - 0.12, 0.70)):
+            self._line(np.array([x, spine[1], z]))
+        self._gripper.move(0.0)
+        self._wait(2.0)
+        self._line(np.array([spine[0] - 0.12, spine[1], 0.80]))
+        self._wait(1.0)
+        self.stood = self.backend.scene.base
+        """world_T_base when the driving began."""
+        self._began, self._posture, self._driven = self._hand_T_book(), self._arm.command(), 0
+
+    def drive(self, seconds: float) -> Slid:
+        """Drive about, and swing the arm; a second call goes on where the first has ended."""
+        worst = Slid(0.0, 0.0)
+        for _ in range(round(seconds / self.backend.period)):
+            self._driven += 1
+            time = self._driven * self.backend.period
+            turning = np.sin(2 * np.pi * time / ROUND_S)
+            self._base.drive(DRIVES * np.sin(4 * np.pi * time / ROUND_S), TURNS * turning)
+            swung = self._posture.copy()
+            swung[0] += SWINGS * np.sin(2 * np.pi * time / ROUND_S)
+            self._arm.move(swung)
+            self.backend.step()
+            now = self.slid()
+            worst = Slid(max(worst.mm, now.mm), max(worst.mrad, now.mrad))
+        return worst
+
+    def slid(self) -> Slid:
+        """Since the book was lifted."""
+        off = inverse(self._began) @ self._hand_T_book()
+        angle = np.arccos(np.clip((np.trace(off[:3, :3]) - 1) / 2, -1.0, 1.0))
+        return Slid(1e3 * float(np.linalg.norm(off[:3, 3])), 1e3 * float(angle))
+
+    def _hand_T_book(self) -> Transform:
+        return np.asarray(inverse(self.backend.link_pose("hand")) @ self.book.pose)
+
+    def _wait(self, seconds: float) -> None:
+        for _ in range(round(seconds / self.backend.period)):
+            self.backend.step()
+
+    def _line(self, goal: NDArray[np.float64]) -> None:
+        """Move the hand straight, upright and pointing forward."""
+        start = self._model.forward(self._arm.command())[:3, 3]
+        for share in np.linspace(0.0, 1.0, max(2, int(np.linalg.norm(goal - start) / 0.004)) + 1)[1:]:
+            joints = self._arm.command()
+            near = self._model.inverse(transform(tuple(start + share * (goal - start))), joints, restarts=0)
+            assert near is not None
+            while not np.allclose(joints, near):
+                joints = joints + np.clip(near - joints, -0.07, 0.07)
+                self._arm.move(joints)
+                self.backend.step()
+
+
+def main() -> None:
+    """Print a line every ten seconds."""
+    kind = backend_class(sys.argv[1] if len(sys.argv) > 1 else "mujoco")
+    assert issubclass(kind, PhysicsBackend)
+    held = HeldBook(kind)
+    held.take()
+    print("after s   off mm   mrad, at most so far")
+    worst = Slid(0.0, 0.0)
+    for done in range(10, int(sys.argv[2] if len(sys.argv) > 2 else 60) + 1, 10):
+        slid = held.drive(10.0)
+        worst = Slid(max(worst.mm, slid.mm), max(worst.mrad, slid.mrad))
+        print(f"{done:7d}  {worst.mm:7.4f}  {worst.mrad:5.3f}", flush=True)
+    held.backend.close()
+
+
+if __name__ == "__main__":
+    main()
