@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Iterable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -20,6 +21,7 @@ from handcart.robotics.geometry.transform import Transform, inverse, transform
 from .mujoco_engine import MujocoEngine
 from .mujoco_joints import MujocoJoints
 from .mujoco_module import mujoco
+from .rendering.robot_looks import PartLook, robot_looks
 from .world_spec import HARD, ROBOT, ROBOT_GROUP, STANDS, STIFF, quaternion
 
 TOP_ACCELERATION = 100.0  # of a drive that moves nothing but itself [rad/s²]
@@ -37,6 +39,7 @@ class MujocoBody(RobotBody):
         self.sprung = robot.errors.lean_mrad_per_m > 0.0
         self.id = engine.grow()
         urdf, self.repairs = sound_urdf(robot)
+        self._urdf = urdf
         child = _read(urdf)
         self.effort = {joint.name: float(joint.actfrcrange[1]) for joint in child.joints}
         self._furnish(child)
@@ -98,6 +101,10 @@ class MujocoBody(RobotBody):
         while body.name.startswith(ROBOT):
             yield body.name.removeprefix(ROBOT)
             body = body.parent
+
+    def looks(self) -> list[PartLook]:
+        """How its links look."""
+        return robot_looks(partial(_read, self._urdf))
 
     # Where it is
 
@@ -171,13 +178,13 @@ class MujocoBody(RobotBody):
         return {self.link_index[name.removeprefix(ROBOT)] for name in names}
 
 
-def _read(urdf: str) -> Any:
-    """The `MjSpec` of a robot's URDF, all its links being bodies."""
+def _read(urdf: str, visuals: bool = False) -> Any:
+    """The `MjSpec` of a robot's URDF, all its links being bodies; with what is only seen, if asked for."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "robot.urdf"
         path.write_text(_without_a_world(urdf), encoding="utf-8")
         spec = mujoco().MjSpec.from_file(str(path))
-    spec.compiler.fusestatic, spec.compiler.discardvisual = False, True
+    spec.compiler.fusestatic, spec.compiler.discardvisual = False, not visuals
     return spec
 
 
