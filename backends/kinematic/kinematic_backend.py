@@ -62,6 +62,8 @@ class KinematicBackend(SimulatedBackend):
     def __init__(self, robot: RobotFile, world: WorldFile, seed: int) -> None:
         """Set robot and world up. The same seed gives the same run, bit for bit."""
         super().__init__(robot, world, seed)
+        if world.camera == "engine":
+            self.remarks = ["camera: engine: there is no engine without physics; the scene's renderer draws"]
         self._base, self._ride = self._wheels(robot, world, seed)
         self._hand: Hand | None = None
         model = self.scene.arm

@@ -242,14 +242,6 @@ class BulletEngine(Engine):
         )
         return np.array([hit[2] if hit[0] >= 0 else np.inf for hit in hits])
 
-    def free_share(self, start: Array, end: Array) -> float:
-        """How far it is free of all but the robot from a point (3,) towards another: 1 for all the way."""
-        mask = ~ROBOT_GROUP
-        hit = self.p.rayTest(
-            start.tolist(), end.tolist(), collisionFilterMask=mask, physicsClientId=self.client
-        )
-        return float(hit[0][2])
-
     # Pictures
 
     def picture(

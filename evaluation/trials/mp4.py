@@ -19,7 +19,7 @@ class Mp4:
     """
 
     def __init__(self, path: Path, size: tuple[int, int]) -> None:
-        """Begin a file of pictures of a width and a height, even numbers in [px]; one that is there is replaced.
+        """Begin a file of pictures of a width and a height, even numbers in [px]; an older one is replaced.
 
         Raises:
             OSError: it can't be written.

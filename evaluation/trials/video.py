@@ -31,9 +31,9 @@ class NoVideo(InputError):
 
 
 class Video(RunObserver):
-    """Records what the backend shows, with what is being done, and what the hand's camera sees while it is used.
+    """Records what the backend shows with what is being done, and what the camera sees while it is used.
 
-    Where a backend shows nothing, what its camera sees. A context manager: leaving it ends the file.
+    Where a backend shows nothing, what its camera sees alone. A context manager: leaving it ends the file.
     """
 
     def __init__(self, path: Path, robot: Robot) -> None:
@@ -56,9 +56,8 @@ class Video(RunObserver):
         try:
             self._mp4 = Mp4(path, (width, height))
         except OSError as error:
-            raise NoVideo(
-                f"--video {path}: can't be written: {error.strerror}; needed: a folder that exists, with room in it"
-            ) from None
+            needed = "needed: a folder that exists, with room in it"
+            raise NoVideo(f"--video {path}: can't be written: {error.strerror}; {needed}") from None
 
     def _what_is_seen(self, robot: Robot) -> bool:
         """Whether the backend shows something, else only its camera sees."""
@@ -107,17 +106,21 @@ class Video(RunObserver):
         if picture is None:
             camera = robot.backend.get(Camera)  # type: ignore[type-abstract]
             assert camera is not None
-            frame = _as_high(cv2.cvtColor(camera.image(), cv2.COLOR_GRAY2RGB), HEIGHT)
+            frame = _as_high(_in_colour(camera.image()), HEIGHT)
         else:
             frame = _as_high(picture, HEIGHT)
             if self._seen is not None and robot.time < self._seen_at + SHOWN:
-                _put_in(frame, cv2.cvtColor(self._seen, cv2.COLOR_GRAY2RGB))
+                _put_in(frame, _in_colour(self._seen))
         foot = frame[-BAR:]
         foot[:] = cv2.addWeighted(foot, 0.25, np.full_like(foot, _PAPER), 0.75, 0.0)
         words = f"{robot.time:6.1f} s  {self._words}".encode("ascii", "replace").decode()
         at = (12, frame.shape[0] - 13)
         cv2.putText(frame, words, at, cv2.FONT_HERSHEY_SIMPLEX, 0.65, _INK, 1, cv2.LINE_AA)
         return frame
+
+
+def _in_colour(grey: NDArray[np.uint8]) -> Colours:
+    return np.repeat(grey[..., None], 3, axis=2)
 
 
 def _as_high(picture: Colours, height: int) -> Colours:

@@ -39,5 +39,7 @@ def make_context(width: int, height: int) -> Any:
         context = import_module(f"mujoco.{ways[0]}").GLContext(width, height)
         context.make_current()
     except Exception as error:  # PyOpenGL's come in many classes, where drivers are missing AttributeError
-        raise NoPictures(f"{_WAYS[ways[0]]} says {str(error).splitlines()[0] if str(error) else error!r}") from None
+        raise NoPictures(
+            f"{_WAYS[ways[0]]} says {str(error).splitlines()[0] if str(error) else error!r}"
+        ) from None
     return context

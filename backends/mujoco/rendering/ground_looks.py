@@ -33,7 +33,7 @@ def floor_picture() -> Colours:
         row[0] *= _SEAM
         shifted = np.roll(row, int(rng.integers(_PIXELS)), axis=1)
         picture[board * wide : (board + 1) * wide] = shifted
-    return np.clip(picture, 0, 255).astype(np.uint8)
+    return np.asarray(np.clip(picture, 0, 255), dtype=np.uint8)
 
 
 @cache
@@ -42,7 +42,8 @@ def grass_picture() -> Colours:
     rng = np.random.default_rng(8)
     share = np.clip(0.55 + 1.6 * _clouds(rng, 30.0) + 0.7 * _clouds(rng, 6.0), 0.0, 1.0)[..., None]
     blades = 1.0 + 0.5 * _clouds(rng, 1.5)[..., None]
-    return np.clip((share * _GREEN + (1.0 - share) * _SOIL) * blades, 0, 255).astype(np.uint8)
+    shown = (share * _GREEN + (1.0 - share) * _SOIL) * blades
+    return np.asarray(np.clip(shown, 0, 255), dtype=np.uint8)
 
 
 def _clouds(rng: np.random.Generator, size: float) -> NDArray[np.float64]:

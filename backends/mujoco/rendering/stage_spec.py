@@ -26,6 +26,7 @@ COARSER = 4  # rough ground is shown with one of so many points, along x and alo
 _OFF = 4e-4  # [m] that a sheet lies above what it is painted on
 _FLOOR_GREY, _GROUND_GREY = 95, 95
 _SKY = (0.72, 0.82, 0.93), (0.93, 0.95, 0.97)
+_NO_SKY = ((150 / 255,) * 3,) * 2
 _FLAT = ((0.5, 0.5),) * 4
 _WHOLE = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
 _SHEET_LEVEL = 1
@@ -77,11 +78,11 @@ class StageSpec:
         lamp.diffuse, lamp.specular, lamp.ambient = (style.lamp,) * 3, (0.3,) * 3, (0.0,) * 3
         head = spec.visual.headlight
         head.active, head.ambient, head.diffuse, head.specular = 1, (style.even,) * 3, (0.0,) * 3, (0.0,) * 3
-        if style.coloured:
-            head.diffuse = (0.1,) * 3
-            sky = spec.add_texture(name="sky", type=mujoco().mjtTexture.mjTEXTURE_SKYBOX)
-            sky.builtin, (sky.rgb1, sky.rgb2) = mujoco().mjtBuiltin.mjBUILTIN_GRADIENT, _SKY
-            sky.width = sky.height = 256
+        head.diffuse = (0.22 * style.coloured,) * 3
+        sky = spec.add_texture(name="sky", type=mujoco().mjtTexture.mjTEXTURE_SKYBOX)
+        sky.builtin = mujoco().mjtBuiltin.mjBUILTIN_GRADIENT
+        sky.rgb1, sky.rgb2 = _SKY if style.coloured else _NO_SKY
+        sky.width = sky.height = 256
 
     def _body(self, name: str) -> Any:
         self.moving.append(name)
@@ -171,7 +172,11 @@ class StageSpec:
         self._texture(name, picture)
         uvs = (_FLAT, _FLAT, _FLAT, _FLAT, _WHOLE, _FLAT)
         self._printed_box(
-            self.spec.worldbody, name, (width, height, _OFF), uvs, where(sheet.pose @ transform((0, 0, _OFF / 2)))
+            self.spec.worldbody,
+            name,
+            (width, height, _OFF),
+            uvs,
+            where(sheet.pose @ transform((0, 0, _OFF / 2))),
         )
 
     def _thing(self, number: int, form: ThingForm) -> None:
@@ -191,15 +196,15 @@ class StageSpec:
         self, body: Any, name: str, size: Sequence[float], uvs: Sequence[Uvs], placed: dict[str, Any]
     ) -> None:
         """A box with a picture on it, its material of that name."""
-        first = 4 * np.arange(len(_FACES))[:, None]
-        faces = np.concatenate([first + (0, 1, 2), first + (0, 2, 3)])
+        corners = 4 * np.arange(len(_FACES))[:, None]
+        triangles = np.concatenate([corners + half for half in np.array(((0, 1, 2), (0, 2, 3)))])
         texcoord = np.array([[u, 1.0 - v] for face in uvs for u, v in face])
         self.spec.add_mesh(
             name=name,
             uservert=(_FACES * np.array(size) / 2).ravel(),
             usernormal=np.repeat(_NORMALS, 4, axis=0).ravel(),
             usertexcoord=texcoord.ravel(),
-            userface=faces.ravel(),
+            userface=triangles.ravel(),
         )
         kind = mujoco().mjtGeom.mjGEOM_MESH
         self._shape(body, type=kind, meshname=name, material=name, **placed)

@@ -22,6 +22,6 @@ class Style(NamedTuple):
     """Where the lamp shines to: of length 1, in the world."""
 
 
-FILM = Style(coloured=True, even=0.42, lamp=0.5, shadow_px=1024, samples=0)
-STILL_PICTURE = Style(coloured=True, even=0.42, lamp=0.5, shadow_px=4096, samples=8)
+FILM = Style(coloured=True, even=0.46, lamp=0.42, shadow_px=1024, samples=0)
+STILL_PICTURE = Style(coloured=True, even=0.46, lamp=0.42, shadow_px=4096, samples=8)
 CAMERA = Style(coloured=False, even=1.0, lamp=0.0, shadow_px=0, samples=4)
