@@ -53,15 +53,14 @@ class EngineCamera(SimulatedCamera):
         """
 
     def _take(self) -> NDArray[np.uint8]:
-        return self._lens.take(self.ideal(), self._now)
+        return self._lens.take(self.ideal(self._body.link_pose("hand") @ self._true.hand_T_camera), self._now)
 
-    def ideal(self) -> NDArray[np.uint8]:
-        """What a pinhole camera sees, larger than the picture so that the lens has all of it, grey."""
-        pose = self._body.link_pose("hand") @ self._true.hand_T_camera
+    def ideal(self, world_T_camera: Transform) -> NDArray[np.uint8]:
+        """What a pinhole camera sees from a pose (4, 4), grey; larger, so that the lens has all of it."""
         for each in self._world.things.values():
-            each.look(pose[:3, 3])
+            each.look(world_T_camera[:3, 3])
         width, height = self._lens.size
         K = self._lens.K * [[SAMPLES], [SAMPLES], [1.0]]
         K[:2, 2] += (SAMPLES - 1) / 2
-        fine = self._draw(pose, K, (SAMPLES * width, SAMPLES * height))
+        fine = self._draw(world_T_camera, K, (SAMPLES * width, SAMPLES * height))
         return np.asarray(cv2.resize(fine, (width, height), interpolation=cv2.INTER_AREA), dtype=np.uint8)
