@@ -70,7 +70,7 @@ class StageSpec:
     def _light(self) -> None:
         spec, style, kinds = self.spec, self._style, mujoco().mjtLightType
         spec.stat.extent, spec.stat.center = LIT, (0.0, 0.0, 0.0)
-        spec.visual.map.shadowclip = 1.0
+        spec.visual.map.shadowclip, spec.visual.map.znear, spec.visual.map.zfar = 1.0, 0.02, 6.0
         spec.visual.quality.shadowsize, spec.visual.quality.offsamples = style.shadow_px, style.samples
         lamp = self._body(LAMP).add_light(name=LAMP)
         lamp.type, lamp.dir = kinds.mjLIGHT_DIRECTIONAL, style.beam

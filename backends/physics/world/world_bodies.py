@@ -139,4 +139,4 @@ def _grey(solid: Solid) -> int:
 def _material(solid: Solid) -> Material:
     if solid.box.name.startswith("wall"):
         return PLASTER
-    return LACQUER if solid.leaves < np.inf or solid.appears > 0.0 else WOOD
+    return WOOD if " of " in solid.box.name else LACQUER
