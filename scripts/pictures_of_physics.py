@@ -1,6 +1,6 @@
-"""Pictures of the four systems for README and documents, by MuJoCo's renderer: `python scripts/pictures_of_physics.py`.
+"""Pictures of the four systems, by MuJoCo's renderer: `python scripts/pictures_of_physics.py [SYSTEM ...]`.
 
-Writes docs/SYSTEM.jpg, each in the middle of its task; those that are named alone, if any are. Some minutes.
+Writes docs/SYSTEM.jpg, each in the middle of its task: of those that are named, or all. Takes some minutes.
 """
 
 from __future__ import annotations
@@ -46,9 +46,9 @@ class Moment(NamedTuple):
 
 
 SYSTEMS = {
-    "librarian": Moment("return_book", "INSERT", 1, 3.0, (-0.7, 1.75, 1.75), (0.42, -0.05, 0.72), 1150.0),
-    "toyama": Moment("stack_blocks", "STACK", 8, 3.0, (1.1, 1.5, 1.35), (-0.02, 0.3, 0.5), 1150.0),
-    "atrv": Moment("track_seam", "TRACK", 1, 12.0, (-1.5, -2.2, 1.7), (0.35, 0.3, 0.6), 1150.0),
+    "librarian": Moment("return_book", "INSERT", 1, 3.0, (-1.0, 2.1, 1.9), (0.35, -0.05, 0.68), 1100.0),
+    "toyama": Moment("stack_blocks", "STACK", 8, 3.0, (-1.6, 1.75, 1.7), (0.02, 0.2, 0.62), 1100.0),
+    "atrv": Moment("track_seam", "TRACK", 1, 12.0, (-2.7, -1.5, 1.8), (0.45, 0.3, 0.55), 1200.0),
     "el_verde": Moment("deploy_straight", "DEPLOY", 2, 12.0, (2.0, 2.2, 1.4), (0.25, 0.0, 0.35), 1150.0),
 }
 

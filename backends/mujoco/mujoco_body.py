@@ -22,7 +22,7 @@ from .mujoco_engine import MujocoEngine
 from .mujoco_joints import MujocoJoints
 from .mujoco_module import mujoco
 from .rendering.robot_looks import PartLook, robot_looks
-from .world_spec import HARD, ROBOT, ROBOT_GROUP, STANDS, STIFF, quaternion
+from .world_spec import HARD, HOLDS_ON_SOFT, ROBOT, ROBOT_GROUP, SINKS, STANDS, STIFF, quaternion
 
 TOP_ACCELERATION = 100.0  # of a drive that moves nothing but itself [rad/s²]
 TOP_SLIDE_ACCELERATION = 50.0  # the same of one that slides [m/s²]
@@ -161,6 +161,20 @@ class MujocoBody(RobotBody):
                 geometry.solimp = STANDS if link in self.rolling else HARD
             if surface.along_axle is not None:
                 self._engine.world.scrub(geometry, surface.along_axle)
+        self._engine.changed()
+        if surface.sinks > 0.0:
+            self._soften(links, surface)
+
+    def _soften(self, links: Iterable[str], surface: Surface) -> None:
+        """Have what links stand on give, as `SINKS` says."""
+        world, model = self._engine.world, self._engine.model
+        world.spec.option.impratio = HOLDS_ON_SOFT
+        for link in links:
+            easy = float(model.body(ROBOT + link).invweight0[0])  # [1/kg]: MuJoCo's stiffness is one for it
+            assert surface.point_stiffness is not None
+            stiffness = surface.point_stiffness * (1.0 - SINKS[0]) * easy
+            for geometry in world.spec.body(ROBOT + link).geoms:
+                geometry.solimp, geometry.solref = SINKS, (-stiffness, -2.0 * stiffness**0.5)
         self._engine.changed()
 
     def mirror(self, joints: tuple[str, str]) -> None:

@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from handcart.backends.description.ground_spec import GroundSpec
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.sensor_specs import CameraSpec
 from handcart.backends.plain_values import Kinds
@@ -116,7 +117,7 @@ class PhysicsBackend(SimulatedBackend):
             name: kind(self.scene.props[name], pieces) for name, kind in kinds.items() if kind is not None
         }
         self._base = (
-            PhysicsCar(robot, self._body, self._engine.chunk)
+            PhysicsCar(robot, self._body, self._engine.chunk, world.ground or GroundSpec())
             if robot.drive.kind == "ackermann"
             else PhysicsBase(robot, self._body, self._engine.chunk, seed)
         )
