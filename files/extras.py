@@ -9,6 +9,7 @@ EXTRAS: dict[str, Sequence[str]] = {
     "arm": ("pinocchio", "ompl", "toppra", "fcl"),
     "labels": ("onnxruntime", "rapidocr"),
     "sim": ("mujoco",),
+    "video": ("av",),
     "pybullet": ("pybullet",),
     "bags": ("rosbags",),
     "cluster": ("distributed",),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 from handcart.backends.description.ground_spec import GroundSpec
 from handcart.backends.description.robot_file import RobotFile
@@ -62,6 +62,7 @@ class KinematicBackend(SimulatedBackend):
     def __init__(self, robot: RobotFile, world: WorldFile, seed: int) -> None:
         """Set robot and world up. The same seed gives the same run, bit for bit."""
         super().__init__(robot, world, seed)
+        self.remarks = list(_not_simulated(world))
         self._base, self._ride = self._wheels(robot, world, seed)
         self._hand: Hand | None = None
         model = self.scene.arm
@@ -140,3 +141,11 @@ class KinematicBackend(SimulatedBackend):
 
     def close(self) -> None:
         """See `Backend`; there is nothing to let go of."""
+
+
+def _not_simulated(world: WorldFile) -> Iterator[str]:
+    """What a world's file asks for that takes an engine."""
+    if world.camera == "engine":
+        yield "camera: engine: without physics there is none; the scene's renderer draws what the camera sees"
+    if world.ground is not None and world.ground.softness_mm_per_100n > 0.0:
+        yield "ground: softness_mm_per_100n: without physics wheels don't sink in; the ground is as if hard"

@@ -2,21 +2,38 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.sensor_specs import CameraSpec
+from handcart.backends.physics.display import needs_display
 from handcart.backends.physics.physics_backend import PhysicsBackend
-from handcart.backends.simulation.sensors.simulated_camera import SceneCamera
+from handcart.backends.simulation.world.world_file import WorldFile
 from handcart.robotics.kinematics.arm_model import ArmModel
 
 from .mujoco_body import MujocoBody
 from .mujoco_engine import MujocoEngine
+from .mujoco_module import mujoco
+from .rendering.mujoco_camera import MujocoCamera
+from .rendering.studio import Studio
+from .rendering.style import FILM
+
+if TYPE_CHECKING:
+    from .rendering.window import Window
+
+VIEW_SIZE = (1280, 720)  # [px]
+_FOCAL = 1000.0  # [px]
 
 
 class MujocoBackend(PhysicsBackend):
     """See `PhysicsBackend`.
 
-    What the camera sees is drawn from the scene, as on the kinematic backend; a resumed run goes on as one
-    that wasn't stopped, to the last bit.
+    A resumed run goes on as one that wasn't stopped, to the last bit.
 
     How it differs from metal: links are rigid, contacts give by hundredths of a millimetre, a floor is flat,
     friction is Coulomb's, one coefficient for a pair, light has no shadows.
@@ -24,6 +41,8 @@ class MujocoBackend(PhysicsBackend):
 
     name = "mujoco"
     _engine: MujocoEngine
+    _body: MujocoBody
+    _window: Window | None = None
 
     def _start_engine(self, window: bool) -> MujocoEngine:
         return MujocoEngine(self.period)
@@ -31,5 +50,43 @@ class MujocoBackend(PhysicsBackend):
     def _load_robot(self, robot: RobotFile) -> MujocoBody:
         return MujocoBody(self._engine, robot, self.scene.base)
 
-    def _make_camera(self, spec: CameraSpec, arm: ArmModel) -> SceneCamera:
-        return SceneCamera(self._robot, spec, self.scene, self._seed)
+    def _make_engine_camera(self, spec: CameraSpec, arm: ArmModel) -> MujocoCamera:
+        return MujocoCamera(self._robot, spec, arm, self._body, self._world, self._engine, self._seed)
+
+    @classmethod
+    def build_in_window(cls, robot: RobotFile, world: Path | WorldFile | None, seed: int) -> MujocoBackend:
+        """See `Backend`: in MuJoCo's viewer, as fast as time passes."""
+        from .rendering.window import Window, check_display
+
+        needs_display()
+        mujoco()
+        check_display()
+        backend = cls(robot, cls.needed(world), seed)
+        backend._window = Window(backend._engine, backend._body, backend._body.standing_pose())
+        return backend
+
+    def step(self) -> None:
+        """See `Backend`."""
+        super().step()
+        if self._window is not None:
+            self._window.show(self._body.standing_pose(), self.period)
+
+    def view(self) -> NDArray[np.uint8]:
+        """See `Backend`."""
+        width, height = VIEW_SIZE
+        K = np.array([[_FOCAL, 0.0, (width - 1) / 2], [0.0, _FOCAL, (height - 1) / 2], [0.0, 0.0, 1.0]])
+        return self._studio.take(self._seen_from(), K, self._onlooker.at)
+
+    @cached_property
+    def _studio(self) -> Studio:
+        return Studio(self._engine, self._body.looks(), FILM, VIEW_SIZE)
+
+    def close(self) -> None:
+        """See `Backend`."""
+        if self._window is not None:
+            self._window.close()
+        if "_studio" in self.__dict__:
+            self._studio.close()
+        if isinstance(self._camera, MujocoCamera):
+            self._camera.close()
+        super().close()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Collection, Iterable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -20,7 +21,8 @@ from handcart.robotics.geometry.transform import Transform, inverse, transform
 from .mujoco_engine import MujocoEngine
 from .mujoco_joints import GIVING, MujocoJoints
 from .mujoco_module import mujoco
-from .world_spec import HARD, ROBOT, ROBOT_GROUP, STANDS, STIFF, quaternion
+from .rendering.robot_looks import PartLook, robot_looks
+from .world_spec import HARD, HOLDS_ON_SOFT, ROBOT, ROBOT_GROUP, SINKS, STANDS, STIFF, quaternion
 
 TOP_ACCELERATION = 100.0  # of a drive that moves nothing but itself [rad/s²]
 TOP_SLIDE_ACCELERATION = 50.0  # the same of one that slides [m/s²]
@@ -37,6 +39,7 @@ class MujocoBody(RobotBody):
         self.sprung = robot.errors.lean_mrad_per_m > 0.0
         self.id = engine.grow()
         urdf, self.repairs = sound_urdf(robot)
+        self._urdf = urdf
         child = _read(urdf)
         self.effort = {joint.name: float(joint.actfrcrange[1]) for joint in child.joints}
         self._furnish(child, robot.arm.joints if robot.arm is not None else ())
@@ -98,6 +101,10 @@ class MujocoBody(RobotBody):
             yield body.name.removeprefix(ROBOT)
             body = body.parent
 
+    def looks(self) -> list[PartLook]:
+        """How its links look."""
+        return robot_looks(partial(_read, self._urdf))
+
     # Where it is
 
     def put(self, base: Pose2, height: float = 0.0) -> None:
@@ -154,6 +161,20 @@ class MujocoBody(RobotBody):
             if surface.along_axle is not None:
                 self._engine.world.scrub(geometry, surface.along_axle)
         self._engine.changed()
+        if surface.sinks > 0.0:
+            self._soften(links, surface)
+
+    def _soften(self, links: Iterable[str], surface: Surface) -> None:
+        """Have what links stand on give, as `SINKS` says."""
+        world, model = self._engine.world, self._engine.model
+        world.spec.option.impratio = HOLDS_ON_SOFT
+        for link in links:
+            easy = float(model.body(ROBOT + link).invweight0[0])  # [1/kg]: MuJoCo's stiffness is one for it
+            assert surface.point_stiffness is not None
+            stiffness = surface.point_stiffness * (1.0 - SINKS[0]) * easy
+            for geometry in world.spec.body(ROBOT + link).geoms:
+                geometry.solimp, geometry.solref = SINKS, (-stiffness, -2.0 * stiffness**0.5)
+        self._engine.changed()
 
     def mirror(self, joints: tuple[str, str]) -> None:
         """See `RobotBody`."""
@@ -179,13 +200,13 @@ def _add_drive(robot: Any, name: str, joint: str) -> None:
     drive.forcelimited, drive.forcerange = 1, (-1e-9, 1e-9)
 
 
-def _read(urdf: str) -> Any:
-    """The `MjSpec` of a robot's URDF, all its links being bodies."""
+def _read(urdf: str, visuals: bool = False) -> Any:
+    """The `MjSpec` of a robot's URDF, all its links being bodies; with what is only seen, if asked for."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "robot.urdf"
         path.write_text(_without_a_world(urdf), encoding="utf-8")
         spec = mujoco().MjSpec.from_file(str(path))
-    spec.compiler.fusestatic, spec.compiler.discardvisual = False, True
+    spec.compiler.fusestatic, spec.compiler.discardvisual = False, not visuals
     return spec
 
 

@@ -14,6 +14,7 @@ from handcart.backends.physics.engine import ContactPoint, Engine, Pinned, Touch
 from handcart.backends.physics.thing_form import ThingForm
 from handcart.backends.plain_values import from_plain, to_plain
 from handcart.backends.saved_state import NotAState
+from handcart.backends.simulation.world.material import WOOD, Material
 from handcart.backends.simulation.world.sheet import Sheet
 from handcart.backends.simulation.world.thing import GreyImage
 from handcart.robotics.geometry.transform import Transform, inverse
@@ -21,6 +22,7 @@ from handcart.robotics.kinematics.shapes import Box
 
 from .mujoco_module import mujoco
 from .pins import Pins
+from .rendering.looks import BoxLook, Looks, TileLook
 from .saved_data import restore, saved
 from .world_spec import ROBOT_GROUP, WorldSpec, box_inertia, quaternion
 
@@ -60,6 +62,8 @@ class MujocoEngine(Engine):
         self._compiled: tuple[Any, Any] | None = None
         self._grown = self._stale = True
         self._pinned: Pinned | None = None
+        self.looks = Looks()
+        """How all of it looks."""
         self.pins = Pins()
         """What holds together where contacts alone don't."""
         self._owners: list[tuple[int, int]] = []
@@ -234,33 +238,40 @@ class MujocoEngine(Engine):
     def add_floor(self, friction: float) -> int:
         """See `Engine`."""
         number = self.grow()
+        self.looks.level = True
         self.world.floor(number, friction)
         return number
 
-    def add_box(self, box: Box, friction: float, grey: int, moves: bool = False) -> int:
+    def add_box(
+        self, box: Box, friction: float, grey: int, moves: bool = False, material: Material = WOOD
+    ) -> int:
         """See `Engine`."""
         number = self.grow()
+        self.looks.boxes[number] = BoxLook(box, grey, moves, material)
         self.world.box(number, box, friction, moves)
         return number
 
     def add_tile(self, corner: Array, cell: float, heights: Array, friction: float) -> int:
         """See `Engine`."""
         number = self.grow()
+        self.looks.tiles[number] = TileLook(corner, cell, heights)
         self.world.tile(number, corner, cell, heights, friction)
         return number
 
     def add_sheet(self, sheet: Sheet) -> None:
-        """See `Engine`: the scene's renderer shows it."""
+        """See `Engine`."""
+        self.looks.sheets.append(sheet)
 
     def add_thing(self, form: ThingForm) -> int:
         """See `Engine`."""
         number = self.grow()
-        self._forms[number] = form
+        self._forms[number] = self.looks.things[number] = form
         self.world.thing(number, form)
         return number
 
     def show(self, body: int, picture: GreyImage) -> None:
-        """See `Engine`: the scene's renderer shows it."""
+        """See `Engine`."""
+        self.looks.shown[body] = picture
 
     def weigh(self, body: int, mass: float) -> None:
         """See `Engine`."""

@@ -27,6 +27,12 @@ remedies for slipping (`impratio` 10, `noslip_iterations` 5), friction would hol
 """
 STANDS = (0.995, 0.999, 0.0005, 0.5, 2.0)
 """The same of tyres that stick: with MuJoCo's own, a car on rough ground turns by 0.6 degrees in a minute."""
+SINKS = (0.9, 0.9, 0.001, 0.5, 2.0)
+"""The same of wheels on ground that gives: the same at each depth, so that a point carries in proportion to
+it. MuJoCo's force at rest is its stiffness times the depth, over (1 - impedance) and how easily the body is
+moved; when it moves, it is as if 9 times as much went along with it: the ground gives slowly."""
+HOLDS_ON_SOFT = 100.0
+"""Times as hard as it gives, ground that gives holds wheels along it (`impratio`): with 1, a car creeps."""
 SCRUBS = 2.0
 """Times as much friction along an axle as is asked for: the ATRV then turns on the spot by 0.99 to 1.02
 of what its file has, without this by 1.06 to 1.10."""

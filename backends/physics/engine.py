@@ -10,6 +10,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from handcart.backends.simulation.world.material import WOOD, Material
 from handcart.backends.simulation.world.sheet import Sheet
 from handcart.backends.simulation.world.thing import GreyImage
 from handcart.robotics.geometry.transform import Transform
@@ -101,8 +102,10 @@ class Engine(ABC):
         """A plane through the origin."""
 
     @abstractmethod
-    def add_box(self, box: Box, friction: float, grey: int, moves: bool = False) -> int:
-        """A box that nothing moves; only one that `moves` may be put elsewhere."""
+    def add_box(
+        self, box: Box, friction: float, grey: int, moves: bool = False, material: Material = WOOD
+    ) -> int:
+        """A box that nothing moves; only one that `moves` may be put elsewhere. `material` is for people."""
 
     @abstractmethod
     def add_tile(self, corner: Array, cell: float, heights: Array, friction: float) -> int:

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Mapping, Set
+from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
 
+from handcart.backends.description.ground_spec import GroundSpec
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.sensor_specs import CameraSpec
 from handcart.backends.plain_values import Kinds
 from handcart.backends.saved_state import NotAState
+from handcart.backends.simulation.sensors.scene_camera import SceneCamera
 from handcart.backends.simulation.sensors.simulated_camera import SimulatedCamera
 from handcart.backends.simulation.simulated_backend import Part, SimulatedBackend
 from handcart.backends.simulation.world.thing import Thing
@@ -31,6 +34,7 @@ from .body.surface import CASTER
 from .body.suspension_springs import SuspensionSprings
 from .body.touch import Touch
 from .engine import Engine
+from .onlooker import Onlooker
 from .props_body import Pieces, PropsBody
 from .scene_sync import SceneSync
 from .sensors.physics_field_imu import PhysicsFieldImu
@@ -88,8 +92,21 @@ class PhysicsBackend(SimulatedBackend):
         """The robot in it, where the scene has its base."""
 
     @abstractmethod
+    def _make_engine_camera(self, spec: CameraSpec, arm: ArmModel) -> SimulatedCamera:
+        """The robot's camera, drawn by the engine's renderer."""
+
     def _make_camera(self, spec: CameraSpec, arm: ArmModel) -> SimulatedCamera:
-        """The robot's camera."""
+        if self._world_file.camera == "engine":
+            return self._make_engine_camera(spec, arm)
+        return SceneCamera(self._robot, spec, self.scene, self._seed)
+
+    @cached_property
+    def _onlooker(self) -> Onlooker:
+        return Onlooker(self._engine)
+
+    def _seen_from(self) -> Transform:
+        """world_T_camera (4, 4) of somebody who watches, now."""
+        return self._onlooker.look(self._body.standing_pose(), self.scene.time)
 
     def _build(self, robot: RobotFile, world: WorldFile, seed: int) -> None:
         terrain = self._put_up(robot, world, seed)
@@ -100,7 +117,7 @@ class PhysicsBackend(SimulatedBackend):
             name: kind(self.scene.props[name], pieces) for name, kind in kinds.items() if kind is not None
         }
         self._base = (
-            PhysicsCar(robot, self._body, self._engine.chunk)
+            PhysicsCar(robot, self._body, self._engine.chunk, world.ground or GroundSpec())
             if robot.drive.kind == "ackermann"
             else PhysicsBase(robot, self._body, self._engine.chunk, seed)
         )

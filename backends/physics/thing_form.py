@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.simulation.world.material import PALE_WOOD, Material
 from handcart.backends.simulation.world.thing import GreyImage
 from handcart.robotics.geometry.transform import Transform
 
 Uvs = Sequence[tuple[float, float]]
 """Where a face's corners lie in the picture: u to the right, v up, both from 0 to 1."""
+
+
+Portrait = NDArray[np.uint8]
+"""A picture in colour, (height, width, 3) in RGB."""
 
 
 class Cuboid(NamedTuple):
@@ -60,3 +68,9 @@ class ThingForm(NamedTuple):
     sticks: Sticks | None = None
     asleep: bool = False
     """Whether it sleeps until something touches it, from the beginning."""
+    material: Material = PALE_WOOD
+    """Of what isn't printed, for people."""
+    printed: Callable[[], GreyImage] | None = None
+    """All that its faces show to a camera that is near, laid out as `uvs` says; None: as `picture`."""
+    portrait: Callable[[], Portrait | None] | None = None
+    """The same in colour, for people; None where nothing is printed."""

@@ -131,7 +131,7 @@ class BulletBody(RobotBody):
         asked: dict[str, Any] = {
             "lateralFriction": surface.friction,
             "anisotropicFriction": None if surface.along_axle is None else (1.0, surface.along_axle, 1.0),
-            "contactStiffness": surface.stiffness,
+            "contactStiffness": surface.point_stiffness,
             "contactDamping": surface.damping,
             "frictionAnchor": 1 if surface.sticks else None,
         }

@@ -17,6 +17,7 @@ from handcart.backends.physics.engine import GRAVITY, ContactPoint, Engine, Pinn
 from handcart.backends.physics.thing_form import ThingForm
 from handcart.backends.plain_values import from_plain, to_plain
 from handcart.backends.saved_state import NotAState
+from handcart.backends.simulation.world.material import WOOD, Material
 from handcart.backends.simulation.world.sheet import Sheet
 from handcart.backends.simulation.world.thing import GreyImage
 from handcart.robotics.geometry.transform import Transform, transform
@@ -115,7 +116,9 @@ class BulletEngine(Engine):
         body = self.p.createMultiBody(0.0, shape, floor_look(self.client), physicsClientId=self.client)
         return self._rub(body, friction)
 
-    def add_box(self, box: Box, friction: float, grey: int, moves: bool = False) -> int:
+    def add_box(
+        self, box: Box, friction: float, grey: int, moves: bool = False, material: Material = WOOD
+    ) -> int:
         """See `Engine`."""
         shapes = plain_box(self.client, box.size, grey)
         body = self.p.createMultiBody(0.0, *shapes, *placed(box.pose), physicsClientId=self.client)
@@ -239,14 +242,6 @@ class BulletEngine(Engine):
             physicsClientId=self.client,
         )
         return np.array([hit[2] if hit[0] >= 0 else np.inf for hit in hits])
-
-    def free_share(self, start: Array, end: Array) -> float:
-        """How far it is free of all but the robot from a point (3,) towards another: 1 for all the way."""
-        mask = ~ROBOT_GROUP
-        hit = self.p.rayTest(
-            start.tolist(), end.tolist(), collisionFilterMask=mask, physicsClientId=self.client
-        )
-        return float(hit[0][2])
 
     # Pictures
 

@@ -66,7 +66,10 @@ def run_task(task: Path, runs: Path, options: RunOptions | None = None) -> tuple
         if options.video is not None:
             from .video import Video
 
-            observers.append(stack.enter_context(Video(options.video, prepared.robot)))
+            video = stack.enter_context(Video(options.video, prepared.robot))
+            if video.remark:
+                _say(options.observers, video.remark)
+            observers.append(video)
         folder = new_folder(runs, name_of(task, options.seed))
         point_latest(folder)
         judge = Judge(prepared, folder)

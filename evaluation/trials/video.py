@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-from contextlib import suppress
 from pathlib import Path
 
 import cv2
@@ -13,13 +11,19 @@ from numpy.typing import NDArray
 from handcart.backends.capabilities.camera import Camera
 from handcart.backends.robot.robot import Robot
 from handcart.files.errors import InputError
+from handcart.files.extras import lack
 from handcart.networks.coordination.events import Ended, Event, Restoring, Started
 from handcart.networks.run_observer import RunObserver
 
-FRAMES = 10  # in a second of the robot's time
-HEIGHT, BAR = 480, 32  # of the pictures, of the line of text below them [px]
+from .mp4 import FRAMES, Mp4
+
+HEIGHT, BAR = 720, 40  # of the pictures, of the line of text at their foot [px]
+INSET = 0.3  # of the height is that of what the hand's camera sees, while it is used
+SHOWN = 1.0  # [s] that its last picture stays
+_MARGIN, _FRAME = 16, 2  # about the inset [px]
 _PAPER, _INK = (245, 245, 245), (30, 30, 30)
-_CODEC = "mp4v"
+
+Colours = NDArray[np.uint8]
 
 
 class NoVideo(InputError):
@@ -27,9 +31,9 @@ class NoVideo(InputError):
 
 
 class Video(RunObserver):
-    """Records what the backend shows and what the hand's camera sees, side by side, with what is being done.
+    """Records what the backend shows with what is being done, and what the camera sees while it is used.
 
-    A context manager: leaving it ends the file.
+    Where a backend shows nothing, what its camera sees alone. A context manager: leaving it ends the file.
     """
 
     def __init__(self, path: Path, robot: Robot) -> None:
@@ -39,28 +43,44 @@ class Video(RunObserver):
             NoVideo: it can't be written, its name doesn't end in .mp4, or there is nothing to be seen.
         """
         self._next, self._words = 0.0, ""
+        self._seen: NDArray[np.uint8] | None = None
+        self._seen_at = -np.inf
+        self.remark = ""
+        """Why it doesn't show what it could, in words."""
         if path.suffix.lower() != ".mp4":
             raise NoVideo(f"--video {path}: allowed: a file whose name ends in .mp4")
-        frame = self._frame(robot)
-        if frame is None:
-            raise NoVideo(f"--video: the backend {robot.backend.name!r} renders nothing, and has no camera")
-        height, width = frame.shape[:2]
-        codec = cv2.VideoWriter.fourcc(*_CODEC)
-        self._path, self._new = path, path.with_name(f".{path.stem[:40]}.{os.getpid()}.new.mp4")
-        self._writer = cv2.VideoWriter(str(self._new), codec, FRAMES, (width, height))
-        if not self._writer.isOpened():
-            raise NoVideo(f"--video {path}: can't be written; needed: a folder that exists, with room in it")
+        if (words := lack("--video", "video")) is not None:
+            raise NoVideo(words)
+        self._view = self._what_is_seen(robot)
+        height, width = self._frame(robot).shape[:2]
+        try:
+            self._mp4 = Mp4(path, (width, height))
+        except OSError as error:
+            needed = "needed: a folder that exists, with room in it"
+            raise NoVideo(f"--video {path}: can't be written: {error.strerror}; {needed}") from None
+
+    def _what_is_seen(self, robot: Robot) -> bool:
+        """Whether the backend shows something, else only its camera sees."""
+        wrong = f"the backend {robot.backend.name!r} renders nothing"
+        try:
+            if robot.backend.view() is not None:
+                return True
+        except InputError as error:
+            wrong = self.remark = str(error)
+        if robot.backend.get(Camera) is None:  # type: ignore[type-abstract]
+            raise NoVideo(f"--video: {wrong}, and has no camera")
+        if self.remark:
+            self.remark = f"--video shows what the hand's camera sees alone: {self.remark}"
+        return False
 
     def __enter__(self) -> Video:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._writer.release()
-        with suppress(FileNotFoundError):  # the encoder may have made none
-            os.replace(self._new, self._path)
+        self._mp4.close()
 
     def event(self, event: Event) -> None:
-        """Keep what is being done, for the line below the pictures."""
+        """Keep what is being done, for the line at the foot."""
         match event:
             case Started(_, number, action, _, _):
                 self._words = f"{number}. {action.do}: {action.source} to {action.target}"
@@ -70,31 +90,50 @@ class Video(RunObserver):
                 self._words = f"{number}. {action.do}: {type(outcome).__name__}"
 
     def period(self, robot: Robot) -> None:
-        """Take a frame, if it is time for one."""
+        """Take a frame, if it is time for one; one that lasts longer than a frame is written again."""
+        if robot.seen is not self._seen:
+            self._seen, self._seen_at = robot.seen, robot.time
         if robot.time < self._next - 1e-9:
             return
-        self._next += 1.0 / FRAMES
         frame = self._frame(robot)
-        if frame is not None:
-            self._writer.write(frame)
+        while robot.time >= self._next - 1e-9:
+            self._next += 1.0 / FRAMES
+            self._mp4.write(frame)
 
-    def _frame(self, robot: Robot) -> NDArray[np.uint8] | None:
-        """BGR, as OpenCV writes it; None where there is nothing to be seen."""
-        pictures = []
-        view = robot.backend.view()
-        if view is not None:
-            pictures.append(cv2.cvtColor(view, cv2.COLOR_RGB2BGR))
-        camera = robot.backend.get(Camera)  # type: ignore[type-abstract]
-        if camera is not None:
-            pictures.append(cv2.cvtColor(camera.image(), cv2.COLOR_GRAY2BGR))
-        if not pictures:
-            return None
-        scaled = [cv2.resize(each, _even(each.shape[1] * HEIGHT / each.shape[0])) for each in pictures]
-        bar = np.full((BAR, sum(each.shape[1] for each in scaled), 3), _PAPER, np.uint8)
+    def _frame(self, robot: Robot) -> Colours:
+        """In RGB, HEIGHT high."""
+        picture = robot.backend.view() if self._view else None
+        if picture is None:
+            camera = robot.backend.get(Camera)  # type: ignore[type-abstract]
+            assert camera is not None
+            frame = _as_high(_in_colour(camera.image()), HEIGHT)
+        else:
+            frame = _as_high(picture, HEIGHT)
+            if self._seen is not None and robot.time < self._seen_at + SHOWN:
+                _put_in(frame, _in_colour(self._seen))
+        foot = frame[-BAR:]
+        foot[:] = cv2.addWeighted(foot, 0.25, np.full_like(foot, _PAPER), 0.75, 0.0)
         words = f"{robot.time:6.1f} s  {self._words}".encode("ascii", "replace").decode()
-        cv2.putText(bar, words, (8, 22), cv2.FONT_HERSHEY_SIMPLEX, 0.55, _INK, 1, cv2.LINE_AA)
-        return np.vstack([np.hstack(scaled), bar]).astype(np.uint8)
+        at = (12, frame.shape[0] - 13)
+        cv2.putText(frame, words, at, cv2.FONT_HERSHEY_SIMPLEX, 0.65, _INK, 1, cv2.LINE_AA)
+        return frame
 
 
-def _even(width: float) -> tuple[int, int]:
-    return 2 * round(width / 2), HEIGHT
+def _in_colour(grey: NDArray[np.uint8]) -> Colours:
+    return np.repeat(grey[..., None], 3, axis=2)
+
+
+def _as_high(picture: Colours, height: int) -> Colours:
+    """A copy of that height, its width even."""
+    width = 2 * round(picture.shape[1] * height / picture.shape[0] / 2)
+    if picture.shape[:2] == (height, width):
+        return picture.copy()
+    return cv2.resize(picture, (width, height), interpolation=cv2.INTER_AREA).astype(np.uint8, copy=False)
+
+
+def _put_in(frame: Colours, picture: Colours) -> None:
+    """A picture in a frame of its own, at the upper right."""
+    small = _as_high(picture, round(INSET * frame.shape[0]))
+    small = cv2.copyMakeBorder(small, *(_FRAME,) * 4, cv2.BORDER_CONSTANT, value=_PAPER).astype(np.uint8)
+    height, width = small.shape[:2]
+    frame[_MARGIN : _MARGIN + height, -_MARGIN - width : -_MARGIN] = small

@@ -3,6 +3,11 @@
 from __future__ import annotations
 
 import json
+import os
+import signal
+import subprocess
+import sys
+import time
 from collections.abc import Callable
 from importlib.util import find_spec
 from pathlib import Path
@@ -10,37 +15,79 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
+from handcart.backends.mujoco.rendering import gl_context
+from handcart.evaluation.trials.video import HEIGHT
 from tests.tools.conftest import Said
 
-BACKENDS = [
-    "kinematic",
-    pytest.param(
-        "pybullet",
-        marks=pytest.mark.skipif(
-            find_spec("pybullet") is None, reason="PyBullet has no wheel for this Python"
-        ),
-    ),
-]
+pytest.importorskip("av")
+NO_BULLET = pytest.mark.skipif(find_spec("pybullet") is None, reason="PyBullet has no wheel for this Python")
+BACKENDS = {"kinematic": 960, "mujoco": 1280, "pybullet": 1280}
+"""How wide their videos are [px]."""
+FRAMES = 25
+
+
+def frames_of(film: Path) -> list[NDArray[np.float64]]:
+    reader, frames = cv2.VideoCapture(str(film)), []
+    while (read := reader.read())[0]:
+        frames.append(read[1].astype(float))
+    assert not frames or reader.get(cv2.CAP_PROP_FPS) == FRAMES
+    return frames
+
+
+def nearer(tour: Path) -> Path:
+    """The same with a shorter way."""
+    places = tour.with_name("places.yaml")
+    places.write_text(places.read_text() + "  near: {x_m: 1.2, y_m: 2.0, heading_deg: 90.0}\n")
+    tour.write_text(tour.read_text().replace("shelf_3", "near").replace("base: shelf", "base: near"))
+    return tour
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("backend", ["kinematic", "mujoco", pytest.param("pybullet", marks=NO_BULLET)])
 def test_a_run_is_recorded(handcart: Callable[..., Said], tour: Path, tmp_path: Path, backend: str) -> None:
-    film, places = tmp_path / "tour.mp4", tour.with_name("places.yaml")
-    places.write_text(places.read_text() + "  near: {x_m: 1.2, y_m: 2.0, heading_deg: 90.0}\n")
-    tour.write_text(tour.read_text().replace("shelf_3", "near").replace("base: shelf", "base: near"))
-    said = handcart("run", tour, "--backend", backend, "--video", film, "--runs", tmp_path / "runs", "--json")
+    film = tmp_path / "tour.mp4"
+    said = handcart(
+        "run", nearer(tour), "--backend", backend, "--video", film, "--runs", tmp_path / "runs", "--json"
+    )
     assert said.status == 0
     simulated = json.loads(said.out.splitlines()[-1])["sim_time_s"]
-    reader = cv2.VideoCapture(str(film))
-    frames = []
-    while (read := reader.read())[0]:
-        frames.append(read[1])
-    assert len(frames) == pytest.approx(10 * simulated, abs=3)
-    first, last = (frames[i].astype(float) for i in (2, -1))
-    assert np.abs(first - last).mean() > 1.0
-    assert first.shape == ((512, 640, 3) if backend == "kinematic" else (512, 1280, 3))
+    frames = frames_of(film)
+    assert len(frames) == pytest.approx(FRAMES * simulated, abs=4)
+    assert np.abs(frames[2] - frames[-1]).mean() > 1.0
+    assert frames[0].shape == (HEIGHT, BACKENDS[backend], 3)
+
+
+@pytest.mark.slow
+def test_a_killed_run_leaves_what_it_has_shown(tour: Path, tmp_path: Path) -> None:
+    film = tmp_path / "tour.mp4"
+    command = (sys.executable, "-m", "handcart.tools.main", "run", tour, "--video", film, "--runs", tmp_path)
+    process = subprocess.Popen(list(map(str, command)), stderr=subprocess.DEVNULL)
+    deadline = time.monotonic() + 120.0
+    while process.poll() is None and time.monotonic() < deadline:
+        if film.exists() and film.stat().st_size > 60_000:
+            break
+        time.sleep(0.05)
+    os.kill(process.pid, signal.SIGKILL)
+    assert process.wait() == -signal.SIGKILL
+    assert len(frames_of(film)) >= FRAMES
+
+
+def test_without_opengl_the_camera_alone_is_shown(
+    handcart: Callable[..., Said], tour: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("MUJOCO_GL", raising=False)
+    monkeypatch.setattr(gl_context, "find_library", lambda _: None)
+    film, runs = tmp_path / "tour.mp4", tmp_path / "runs"
+    tour.write_text(
+        tour.read_text().replace("place: shelf_3", "place: home").replace("base: shelf", "base: home")
+    )
+    said = handcart("run", tour, "--backend", "mujoco", "--video", film, "--runs", runs)
+    assert said.status == 0
+    assert "what the hand's camera sees alone" in said.err
+    assert "apt install libegl1" in said.err
+    assert frames_of(film)[0].shape == (HEIGHT, 960, 3)
 
 
 @pytest.mark.parametrize(
@@ -60,11 +107,20 @@ def test_what_cannot_be_shown_is_told_before_anything_moves(
     assert not (tmp_path / "runs").exists() or not any((tmp_path / "runs").iterdir())
 
 
+@pytest.mark.parametrize("backend", ["mujoco", pytest.param("pybullet", marks=NO_BULLET)])
 def test_a_window_needs_a_display(
-    handcart: Callable[..., Said], tour: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    handcart: Callable[..., Said], tour: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, backend: str
 ) -> None:
-    pytest.importorskip("pybullet", reason="PyBullet has no wheel for this Python")
     monkeypatch.delenv("DISPLAY", raising=False)
-    said = handcart("run", tour, "--backend", "pybullet", "--gui", "--runs", tmp_path / "runs")
+    said = handcart("run", tour, "--backend", backend, "--gui", "--runs", tmp_path / "runs")
     assert said.status == 2
     assert "no display" in said.err
+
+
+def test_a_display_without_opengl_is_told(
+    handcart: Callable[..., Said], tour: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("DISPLAY", ":nowhere")
+    said = handcart("run", tour, "--backend", "mujoco", "--gui", "--runs", tmp_path / "runs")
+    assert said.status == 2
+    assert "finds no OpenGL on this display" in said.err

@@ -8,6 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from handcart.backends.capabilities.base import WheelTravel
+from handcart.backends.description.ground_spec import GroundSpec
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.simulation.body.simulated_parts import CommandedBase
 from handcart.robotics.geometry.transform import inverse
@@ -33,7 +34,7 @@ class PhysicsCar(CommandedBase):
 
     STATE: ClassVar = {**CommandedBase.STATE, "_bend": float}
 
-    def __init__(self, robot: RobotFile, body: RobotBody, chunk: float) -> None:
+    def __init__(self, robot: RobotFile, body: RobotBody, chunk: float, ground: GroundSpec) -> None:
         """Take wheels and steering over; `chunk` in [s] is how often the drives act."""
         super().__init__(robot)
         wheels = (*REAR, *FRONT)
@@ -42,7 +43,7 @@ class PhysicsCar(CommandedBase):
         base = inverse(body.base_pose())
         self._ahead, self._left = np.array([(base @ body.link_pose(name))[:2, 3] for name in wheels]).T
         self.drives = WheelDrives(body, chunk, wheels)
-        body.cover(wheels, SOFT_TYRES)
+        body.cover(wheels, SOFT_TYRES._replace(sinks=ground.softness_mm_per_100n / 1e5))
         if set(ROCKERS) <= set(body.effort):
             body.mirror(ROCKERS)
         self._bend = 0.0

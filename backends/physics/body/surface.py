@@ -20,6 +20,15 @@ class Surface(NamedTuple):
     """Share of the friction that it has along its y."""
     against: float = 1.0
     """Friction of what it mostly touches: an engine may have one figure for a pair."""
+    sinks: float = 0.0
+    """By which what it stands on gives under it, in [m/N]; beside what itself gives."""
+
+    @property
+    def point_stiffness(self) -> float | None:
+        """Of each point at which it touches, with what it stands on, in [N/m]: one spring on another."""
+        if self.sinks == 0.0 or self.stiffness is None:
+            return self.stiffness
+        return 1.0 / (1.0 / self.stiffness + self.sinks)
 
 
 TYRES = Surface(friction=1.0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.physics.thing_form import Cuboid, Uvs, Wedge
+from handcart.backends.physics.thing_form import Cuboid, Portrait, Uvs, Wedge
 from handcart.backends.physics.world.thing_body import ThingBody
 from handcart.backends.simulation.books.book import Book
 from handcart.backends.simulation.books.painted_books import spine_levels
@@ -14,6 +14,8 @@ CHAMFER = 0.003  # of the leading edges of a book that is returned: covers are r
 _COVER = 0.2  # of the spine's grey: no light falls between the books of a row
 _STRIP = 32  # width of the plain strips beside the spine in the picture [px]
 _PAGES = 60
+_LEAVES = np.array([0.93, 0.90, 0.82])
+_PORTRAIT = 2  # of the spine's pictures: half as fine as the one that the camera sees
 _FROM_AFAR = np.full((4, 4), 110, np.uint8)
 _PRINTS = 1.5  # spines nearer than this to the camera are printed [m]
 
@@ -48,6 +50,20 @@ class BookBody(ThingBody):
     def first_picture(self) -> NDArray[np.uint8]:
         """See `ThingBody`."""
         return _FROM_AFAR
+
+    def printed(self) -> NDArray[np.uint8]:
+        """See `ThingBody`."""
+        return _picture(self.thing)
+
+    def portrait(self) -> Portrait:
+        """See `ThingBody`: what is printed, on cloth in the book's colour; and the pages."""
+        spine = spine_levels(self.thing.spec)[_PORTRAIT][0].astype(np.float64)[..., None]
+        grey, cloth = max(1, self.thing.spec.grey), np.array(self.thing.material[:3])
+        # As dark as the cloth or darker is ink on it; what is lighter is paper.
+        ink, paper = np.minimum(spine / grey, 1.0), np.clip((spine - grey) / (255.0 - grey), 0.0, 1.0)
+        shown = 255.0 * ((1.0 - paper) * ink * cloth + paper)
+        strips = [np.full((len(spine), _STRIP // 2, 3), 255.0) * each for each in (cloth, _LEAVES)]
+        return np.hstack((shown, *strips)).astype(np.uint8)
 
     def asleep(self) -> bool:
         """See `ThingBody`."""

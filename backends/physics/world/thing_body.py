@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.physics.engine import Engine
-from handcart.backends.physics.thing_form import Cuboid, Sticks, ThingForm, Uvs, Wedge
+from handcart.backends.physics.thing_form import Cuboid, Portrait, Sticks, ThingForm, Uvs, Wedge
 from handcart.backends.simulation.world.thing import GreyImage, Side, Thing
 
 THING_FRICTION = 0.65  # squared, 0.42: paper on paper, paper on wood, wood on wood
@@ -44,6 +44,9 @@ class ThingBody:
                 self.first_picture(),
                 self.STICKS,
                 self.asleep(),
+                thing.material,
+                self.printed,
+                self.portrait,
             )
         )
 
@@ -59,6 +62,22 @@ class ThingBody:
     def first_picture(self) -> GreyImage:
         """What its faces show when it is made."""
         return _picture(self.thing.faces(), self.thing.grey)
+
+    def printed(self) -> GreyImage:
+        """What its faces show to a camera that is near."""
+        return self.first_picture()
+
+    def portrait(self) -> Portrait | None:
+        """The same in colour, for people; None where all of it is plain."""
+        faces, material = self.thing.faces(), self.thing.material
+        if not faces:
+            return None
+        white = _picture(faces, 0)[..., None].repeat(3, axis=2)
+        size = white.shape[0]
+        for number, side in enumerate(SIDES):
+            if side not in faces:
+                white[:, number * size : (number + 1) * size] = [round(255 * each) for each in material[:3]]
+        return white
 
     def asleep(self) -> bool:
         """Whether it sleeps until something touches it, from the beginning."""

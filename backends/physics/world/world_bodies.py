@@ -11,6 +11,7 @@ from handcart.backends.physics.engine import Engine
 from handcart.backends.saved_state import NotAState
 from handcart.backends.simulation.bodies import Bodies
 from handcart.backends.simulation.scene import Scene
+from handcart.backends.simulation.world.material import LACQUER, PLASTER, WOOD, Material
 from handcart.backends.simulation.world.solids import THE_GROUND, Solid
 from handcart.backends.simulation.world.thing import Thing
 from handcart.robotics.geometry.transform import Transform, inverse, transform
@@ -50,7 +51,8 @@ class WorldBodies:
             if solid is THE_GROUND and terrain is not None:
                 continue
             passes = solid.appears > 0.0 or bool(np.isfinite(solid.leaves))
-            body = engine.add_box(solid.box, SOLID_FRICTION, _grey(solid), moves=passes)
+            look = _grey(solid), passes, _material(solid)
+            body = engine.add_box(solid.box, SOLID_FRICTION, *look)
             self.names[body] = solid.box.name
             if passes:
                 self._surprises.append((body, solid))
@@ -140,3 +142,9 @@ def _grey(solid: Solid) -> int:
     if solid.box.name.startswith("wall"):
         return _WALL
     return _WOOD if " of " in solid.box.name else _FURNITURE
+
+
+def _material(solid: Solid) -> Material:
+    if solid.box.name.startswith("wall"):
+        return PLASTER
+    return WOOD if " of " in solid.box.name else LACQUER

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from handcart.backends.simulation.world.material import Material
 from handcart.backends.simulation.world.placed_thing import PlacedSpec, PlacedThing
+
+BRICK = Material(0.76, 0.40, 0.28, 0.05)
 
 
 class BlockSpec(PlacedSpec):
@@ -21,3 +24,8 @@ class Block(PlacedThing):
     KIND = "block"
 
     spec: BlockSpec
+
+    @property
+    def material(self) -> Material:
+        """See `Thing`."""
+        return BRICK

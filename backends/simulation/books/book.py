@@ -7,10 +7,22 @@ from functools import cached_property
 
 import numpy as np
 
+from handcart.backends.simulation.world.material import Material
 from handcart.backends.simulation.world.thing import Thing
 from handcart.robotics.geometry.transform import Transform
 
 from .spec import BookSpec
+
+CLOTHS = (
+    Material(0.55, 0.20, 0.17),
+    Material(0.16, 0.32, 0.47),
+    Material(0.22, 0.41, 0.30),
+    Material(0.78, 0.62, 0.30),
+    Material(0.40, 0.26, 0.38),
+    Material(0.83, 0.78, 0.68),
+    Material(0.72, 0.42, 0.22),
+)
+"""Of covers."""
 
 
 @dataclass(eq=False, repr=False)
@@ -42,6 +54,11 @@ class Book(Thing):
     def name(self) -> str:
         """See `Thing`."""
         return f"book {self.accession}"
+
+    @property
+    def material(self) -> Material:
+        """See `Thing`: cloth, in a colour of its own."""
+        return CLOTHS[self.accession % len(CLOTHS)]
 
     @property
     def size(self) -> tuple[float, float, float]:

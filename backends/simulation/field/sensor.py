@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from handcart.backends.simulation.world.material import Material
 from handcart.backends.simulation.world.placed_thing import PlacedThing
+
+ORANGE = Material(0.93, 0.45, 0.10, 0.3)
 
 
 @dataclass(eq=False, repr=False)
@@ -12,3 +15,8 @@ class Sensor(PlacedThing):
     """Lies where the hand let it go. Its frame: origin in the middle of its foot, z up."""
 
     KIND = "sensor"
+
+    @property
+    def material(self) -> Material:
+        """See `Thing`."""
+        return ORANGE

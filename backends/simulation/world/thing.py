@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.shapes import Box
 
+from .material import PALE_WOOD, Material
+
 Side = Literal["-x", "+x", "-y", "+y", "-z", "+z"]
 GreyImage = NDArray[np.uint8]
 
@@ -78,6 +80,11 @@ class Thing:
     def grey(self) -> int:
         """Of its sides, 0 to 255, under full light."""
         return 150
+
+    @property
+    def material(self) -> Material:
+        """Of its sides, where nothing is printed on them; for people."""
+        return PALE_WOOD
 
     def faces(self) -> Mapping[Side, GreyImage]:
         """What is printed on its sides, each picture filling one; sides left out are plain.

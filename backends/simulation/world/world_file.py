@@ -131,6 +131,9 @@ class WorldFile(FileModel):
     ground: GroundSpec | None = None
     """Open ground, rough; left out: a level floor."""
     sky: SkySpec = SkySpec()
+    camera: Literal["scene", "engine"] = "scene"
+    """Who draws what the robot's camera sees: the same painter for all simulated backends, or the renderer of
+    the physics engine, where there is one."""
 
 
 def each_once(what: str, names: Iterable[str]) -> None:

@@ -21,7 +21,7 @@ def run(folder: Path, backend: str, bench: str | None = None) -> tuple[Any, ...]
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("bench", ["kinematic"])
+@pytest.mark.parametrize("bench", ["kinematic", "mujoco"])
 def test_without_errors_it_ends_on_the_bench_as_on_the_backend_behind_it(tmp_path: Path, bench: str) -> None:
     ended = run(tmp_path, bench)
     assert run(tmp_path, "can", bench) == ended

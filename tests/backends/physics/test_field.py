@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from handcart.backends.description.ground_spec import GroundSpec
 from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.physics.body.physics_car import FRONT, REAR
+from handcart.backends.physics.engine import GRAVITY
 from handcart.backends.physics.physics_backend import PhysicsBackend
 from handcart.backends.physics.world.terrain import Terrain
 from handcart.backends.simulation.field.field_props import FieldProps
@@ -175,3 +176,45 @@ def test_the_ground_is_as_rough_as_the_world_says(physics: type[PhysicsBackend])
         engine.close()
     finally:
         backend.close()
+
+
+def stands(physics: type[PhysicsBackend], softness: float, seconds: float = 4.0) -> tuple[float, float]:
+    """How high a car's wheels stand on level ground that gives so, and what it weighs, in [m] and [N]."""
+    world = world_model().model_validate(
+        {
+            "format": "handcart-world/1",
+            "start": {"x_m": 0.0, "y_m": 0.0},
+            "ground": {"roughness_deg": 0.0, "softness_mm_per_100n": softness},
+        }
+    )
+    backend = physics(load_robot("el_verde"), world, 0)
+    try:
+        for _ in range(round(seconds / backend.period)):
+            backend.step()
+        heights = [backend.link_pose(name)[2, 3] for name in (*REAR, *FRONT)]
+        weight = GRAVITY * sum(backend._body.mass(link) for link in backend._body.link_index)
+        return float(np.mean(heights)), weight
+    finally:
+        backend.close()
+
+
+def test_wheels_sink_in_as_the_world_says(physics: type[PhysicsBackend]) -> None:
+    (hard, weight), (soft, _) = (stands(physics, softness) for softness in (0.0, 4.0))
+    on_one_point = 4e-5 * weight / 4
+    assert on_one_point / 5 < hard - soft < on_one_point / 2
+
+
+@pytest.mark.slow
+def test_a_car_stands_still_on_ground_that_gives(tmp_path: Path) -> None:
+    world = tmp_path / "world.yaml"
+    text = TASK.with_name("world.yaml").read_text(encoding="utf-8")
+    world.write_text(text.replace("ground: {}", "ground: {softness_mm_per_100n: 4.0}"), encoding="utf-8")
+    with prepare(TASK, "mujoco", {"world": str(world)}, seed=0) as prepared:
+        scene = simulated_world(prepared.backend)
+        assert scene is not None
+        for _ in range(round(5.0 / prepared.backend.period)):
+            prepared.backend.step()
+        stood = scene.base
+        for _ in range(round(5.0 / prepared.backend.period)):
+            prepared.backend.step()
+        assert scene.base.distance(stood) < 5e-4

@@ -1,0 +1,51 @@
+"""How a world looks that an engine was told of."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.physics.thing_form import ThingForm
+from handcart.backends.simulation.world.material import Material
+from handcart.backends.simulation.world.sheet import Sheet
+from handcart.backends.simulation.world.thing import GreyImage
+from handcart.robotics.kinematics.shapes import Box
+
+
+class BoxLook(NamedTuple):
+    """Of a box that nothing moves, but for one that comes and goes."""
+
+    box: Box
+    grey: int
+    moves: bool
+    material: Material
+
+
+class TileLook(NamedTuple):
+    """Of rough ground; see `Engine.add_tile`."""
+
+    corner: NDArray[np.float64]
+    cell: float
+    heights: NDArray[np.float64]
+
+
+@dataclass
+class Looks:
+    """By the numbers of the bodies. Only grows; what is on show changes nothing in the engine."""
+
+    level: bool = False
+    """Whether there is a level floor."""
+    boxes: dict[int, BoxLook] = field(default_factory=dict)
+    tiles: dict[int, TileLook] = field(default_factory=dict)
+    sheets: list[Sheet] = field(default_factory=list)
+    things: dict[int, ThingForm] = field(default_factory=dict)
+    shown: dict[int, GreyImage] = field(default_factory=dict)
+    """Pictures that things show instead of those that they were made with."""
+
+    @property
+    def count(self) -> int:
+        """Of all that there is: another one, and it has to be looked at anew."""
+        return len(self.boxes) + len(self.tiles) + len(self.sheets) + len(self.things)

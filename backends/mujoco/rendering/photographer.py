@@ -1,0 +1,77 @@
+"""Takes pictures of a stage."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.mujoco.mujoco_module import mujoco
+from handcart.robotics.geometry.transform import Transform
+
+from .gl_context import make_context
+from .stage import Stage
+
+NEAREST, FURTHEST = 0.02, 60.0  # of what is shown [m]
+_MOST = 20_000  # shapes
+
+
+class Photographer:
+    """A camera of any place and lens in front of one stage."""
+
+    def __init__(self, stage: Stage, size: tuple[int, int]) -> None:
+        """Of pictures of a size: width and height in [px].
+
+        Raises:
+            NoPictures: there is no OpenGL.
+        """
+        mj, self._stage, self._size = mujoco(), stage, size
+        stage.model.vis.global_.offwidth, stage.model.vis.global_.offheight = size
+        self._gl = make_context(*size)
+        self._scene = mj.MjvScene(stage.model, _MOST)
+        self._context = mj.MjrContext(stage.model, mj.mjtFontScale.mjFONTSCALE_100)
+        mj.mjr_setBuffer(mj.mjtFramebuffer.mjFB_OFFSCREEN, self._context)
+        self._options, self._camera = mj.MjvOption(), mj.MjvCamera()
+        self._options.geomgroup[:] = 1
+        self._rows = np.zeros((size[1], size[0], 3), np.uint8)
+
+    def take(self, world_T_camera: Transform, K: NDArray[np.float64]) -> NDArray[np.uint8]:
+        """The picture (height, width, 3) in RGB.
+
+        Args:
+            world_T_camera: (4, 4) of the optical frame (z forward, x right, y down).
+            K: (3, 3) in [px]; an integer pixel is a pixel's centre.
+        """
+        mj, stage = mujoco(), self._stage
+        self._gl.make_current()
+        for texture in stage.repaint():
+            mj.mjr_uploadTexture(stage.model, self._context, texture)
+        every = mj.mjtCatBit.mjCAT_ALL
+        mj.mjv_updateScene(stage.model, stage.data, self._options, None, self._camera, every, self._scene)
+        for eye in self._scene.camera:
+            self._point(eye, world_T_camera, K)
+        whole = mj.MjrRect(0, 0, *self._size)
+        mj.mjr_render(whole, self._scene, self._context)
+        mj.mjr_readPixels(self._rows, None, whole, self._context)
+        return np.ascontiguousarray(self._rows[::-1])
+
+    def _point(self, eye: Any, world_T_camera: Transform, K: NDArray[np.float64]) -> None:
+        """Have one of the scene's two eyes see so; OpenGL counts pixels from their edges."""
+        width, height = self._size
+        (fx, _, cx), (_, fy, cy), _ = K.tolist()
+        eye.pos = world_T_camera[:3, 3]
+        eye.forward, eye.up = world_T_camera[:3, 2], -world_T_camera[:3, 1]
+        eye.orthographic, eye.frustum_near, eye.frustum_far = 0, NEAREST, FURTHEST
+        eye.frustum_center = NEAREST * (width / 2 - (cx + 0.5)) / fx
+        eye.frustum_width = NEAREST * width / 2 / fx
+        eye.frustum_top = NEAREST * (cy + 0.5) / fy
+        eye.frustum_bottom = -NEAREST * (height - (cy + 0.5)) / fy
+
+    def close(self) -> None:
+        """Let go of OpenGL; a second call does nothing."""
+        if self._gl is not None:
+            self._gl.make_current()
+            self._context.free()
+            self._gl.free()
+            self._gl = None

@@ -1,0 +1,77 @@
+"""What is shown: a second model of MuJoCo's, in which nothing has mass and all is where the first has it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.mujoco.mujoco_module import mujoco
+from handcart.backends.simulation.world.thing import GreyImage
+
+from .looks import Looks
+from .robot_looks import PartLook
+from .stage_spec import LAMP, StageSpec
+from .style import Style
+
+LAMP_HEIGHT = 6.0  # [m] above what it shines on, along its beam
+
+
+class Stage:
+    """Follows the engine's model; bodies have the same names in both.
+
+    What is looked at can't change a run: the engine's own model has neither pictures nor lamps.
+    """
+
+    def __init__(self, looks: Looks, robot: Sequence[PartLook], style: Style, engine_model: Any) -> None:
+        """Build it as things are now; it is out of date once `looks.count` is another."""
+        self._looks, self.count = looks, looks.count
+        spec = StageSpec(looks, robot, style)
+        self.model = spec.spec.compile()
+        self.data = mujoco().MjData(self.model)
+        self._style, self._shown = style, dict[int, GreyImage]()
+        names = [name for name in spec.moving if name != LAMP]
+        self._theirs = np.array([engine_model.body(name).id for name in names], dtype=int)
+        self._mine = np.array([int(self.model.body(name).mocapid[0]) for name in names], dtype=int)
+        self._lamp = int(self.model.body(LAMP).mocapid[0])
+        self._drawn = np.zeros(0)
+
+    def follow(self, engine_data: Any, middle: NDArray[np.float64]) -> bool:
+        """Put everything where it is in the engine, light about `middle` (3,) in [m]; whether it moved."""
+        data = self.data
+        data.mocap_pos[self._mine] = engine_data.xpos[self._theirs]
+        data.mocap_quat[self._mine] = engine_data.xquat[self._theirs]
+        data.mocap_pos[self._lamp] = middle - LAMP_HEIGHT * np.array(self._style.beam)
+        now = np.concatenate([data.mocap_pos.ravel(), data.mocap_quat.ravel()])
+        if now.shape == self._drawn.shape and np.abs(now - self._drawn).max() < STILL:
+            return False
+        self._drawn = now
+        mujoco().mj_kinematics(self.model, data)
+        mujoco().mj_camlight(self.model, data)
+        return True
+
+    def repaint(self) -> list[int]:
+        """Textures of things that show another picture since the last time, painted anew."""
+        if self._style.coloured:
+            return []
+        changed = []
+        for number, picture in self._looks.shown.items():
+            if picture is not self._shown.get(number) and (texture := self._texture(number, picture)) >= 0:
+                changed.append(texture)
+            self._shown[number] = picture
+        return changed
+
+    def _texture(self, number: int, picture: GreyImage) -> int:
+        """Paint a thing's texture, if it has one of that size; gives its number or -1."""
+        model = self.model
+        found = int(mujoco().mj_name2id(model, mujoco().mjtObj.mjOBJ_TEXTURE, f"{number}"))
+        if found < 0 or (model.tex_height[found], model.tex_width[found]) != picture.shape:
+            return -1
+        first = int(model.tex_adr[found])
+        model.tex_data[first : first + 3 * picture.size] = np.repeat(picture.ravel(), 3)
+        return found
+
+
+STILL = 2e-5  # [m], or of a quaternion: less can't be seen

@@ -1,0 +1,64 @@
+"""Pictures of an engine's world, its stage built anew when something is added to it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.mujoco.mujoco_engine import MujocoEngine
+from handcart.robotics.geometry.transform import Transform
+
+from .photographer import Photographer
+from .robot_looks import PartLook
+from .stage import Stage
+from .style import Style
+
+
+class Studio:
+    """Takes pictures of one size."""
+
+    def __init__(
+        self, engine: MujocoEngine, robot: Sequence[PartLook], style: Style, size: tuple[int, int]
+    ) -> None:
+        """Of width and height `size` in [px]; nothing is built before the first picture."""
+        self._engine, self._robot, self._style, self._size = engine, robot, style, size
+        self._stage: Stage | None = None
+        self._photographer: Photographer | None = None
+        self._last: tuple[Transform, NDArray[np.float64], NDArray[np.uint8]] | None = None
+
+    def take(
+        self, world_T_camera: Transform, K: NDArray[np.float64], middle: NDArray[np.float64]
+    ) -> NDArray[np.uint8]:
+        """See `Photographer`; light falls about `middle` (3,) in [m]. The same picture where nothing moved.
+
+        Raises:
+            NoPictures: there is no OpenGL.
+        """
+        stage, photographer = self._set_up()
+        moved = stage.follow(self._engine.links(), middle)
+        last = self._last
+        if not moved and last is not None and _same(last[0], world_T_camera) and (last[1] == K).all():
+            return last[2]
+        picture = photographer.take(world_T_camera, K)
+        picture.flags.writeable = False
+        self._last = world_T_camera.copy(), K.copy(), picture
+        return picture
+
+    def _set_up(self) -> tuple[Stage, Photographer]:
+        if self._stage is None or self._photographer is None or self._stage.count != self._engine.looks.count:
+            self.close()
+            self._stage = Stage(self._engine.looks, self._robot, self._style, self._engine.model)
+            self._photographer = Photographer(self._stage, self._size)
+        return self._stage, self._photographer
+
+    def close(self) -> None:
+        """Let go of OpenGL; a second call does nothing."""
+        if self._photographer is not None:
+            self._photographer.close()
+        self._stage = self._photographer = self._last = None
+
+
+def _same(one: Transform, other: Transform) -> bool:
+    return float(np.abs(one - other).max()) < 1e-5

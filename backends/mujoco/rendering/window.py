@@ -1,0 +1,87 @@
+"""MuJoCo's viewer, in a window."""
+
+from __future__ import annotations
+
+import threading
+import time
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+
+from handcart.backends.backend import NoWindow
+from handcart.backends.mujoco.mujoco_body import MujocoBody
+from handcart.backends.mujoco.mujoco_engine import MujocoEngine
+from handcart.robotics.geometry.transform import Transform
+
+from .stage import Stage
+from .style import STILL_PICTURE
+
+_FROM = {"distance": 4.0, "azimuth": 135.0, "elevation": -25.0}  # where one looks from at first
+
+_PATIENCE = 10.0  # [s] that the viewer gets to end
+
+
+class Window:
+    """Shows a stage in real time; whoever pulls at things in it moves nothing. Closed, the run goes on."""
+
+    def __init__(self, engine: MujocoEngine, body: MujocoBody, world_T_base: Transform) -> None:
+        """Open it; see `check_display`."""
+        self._engine, self._robot = engine, body.looks()
+        self._due = time.monotonic()
+        self._open(world_T_base)
+
+    def _open(self, world_T_base: Transform) -> None:
+        self._stage = Stage(self._engine.looks, self._robot, STILL_PICTURE, self._engine.model)
+        self._stage.follow(self._engine.links(), world_T_base[:3, 3])
+        viewer, before = import_module("mujoco.viewer"), threading.enumerate()
+        self._handle: Any = viewer.launch_passive(
+            self._stage.model, self._stage.data, show_left_ui=False, show_right_ui=False
+        )
+        self._threads = [each for each in threading.enumerate() if each not in before]
+        camera = self._handle.cam
+        camera.lookat = world_T_base[:3, 3] + (0.0, 0.0, 0.5)
+        camera.distance, camera.elevation = _FROM["distance"], _FROM["elevation"]
+        heading = np.degrees(np.arctan2(world_T_base[1, 0], world_T_base[0, 0]))
+        camera.azimuth = heading + _FROM["azimuth"] - 180.0
+
+    def show(self, world_T_base: Transform, period: float) -> None:
+        """A period has passed, in [s]: show where all is, once it has passed here as well."""
+        if not self._handle.is_running():
+            return
+        if self._stage.count != self._engine.looks.count:
+            self.close()
+            self._open(world_T_base)
+        self._stage.follow(self._engine.links(), world_T_base[:3, 3])
+        self._handle.sync()
+        now = time.monotonic()
+        self._due = max(self._due + period, now)
+        time.sleep(self._due - now)
+
+    def close(self) -> None:
+        """Close it; a second call does nothing."""
+        self._handle.close()
+        for each in self._threads:  # it draws in a thread of its own, which mustn't outlive it
+            each.join(_PATIENCE)
+
+
+def check_display() -> None:
+    """Whether MuJoCo's viewer finds OpenGL on the display; without, it would wait for it for ever.
+
+    Raises:
+        NoWindow: it doesn't.
+    """
+    glfw: Any = import_module("glfw")
+    said, window = ["GLFW doesn't say why"], None
+    glfw.set_error_callback(lambda _, words: said.append(words.decode(errors="replace")))
+    if glfw.init():
+        glfw.window_hint(glfw.VISIBLE, 0)
+        window = glfw.create_window(16, 16, "", None, None)
+        glfw.terminate()
+    glfw.set_error_callback(None)
+    if window is None:
+        why = said[-1]
+        raise NoWindow(
+            f"MuJoCo's viewer finds no OpenGL on this display: {why}; "
+            "install it with: apt install libgl1 libgl1-mesa-dri; allowed: --video FILE.mp4"
+        )

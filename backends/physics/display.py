@@ -1,0 +1,16 @@
+"""Whether windows can be shown."""
+
+from __future__ import annotations
+
+import os
+import sys
+
+from handcart.backends.backend import NoWindow
+
+
+def needs_display() -> None:
+    """Raise `NoWindow` where there is no display."""
+    if sys.platform == "linux" and not os.environ.get("DISPLAY"):
+        raise NoWindow(
+            "there is no display to show a window on: $DISPLAY is not set; allowed: --video FILE.mp4"
+        )

@@ -1,0 +1,56 @@
+"""Somebody who watches the robot."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.geometry.transform import Transform
+
+from .engine import Engine
+
+FROM, TOWARDS = np.array([-1.5, 1.6, 1.75]), np.array([0.45, -0.1, 0.55])
+"""Where they stand and what they look at, (3,) in [m] in the base's frame."""
+CALM = 0.8  # [s] that they take to follow
+_BEFORE = 0.95  # of the way to what is between them and the robot
+_FAR = 2.0  # [m]: who is further off than that from where they should be is there at once
+
+Array = NDArray[np.float64]
+
+
+class Onlooker:
+    """Walks behind the robot, to its left, on this side of walls; turns their head calmly."""
+
+    def __init__(self, engine: Engine) -> None:
+        self._engine = engine
+        self._eye = self._at = np.full(3, np.inf)
+        self._time = 0.0
+
+    def look(self, world_T_base: Transform, time: float) -> Transform:
+        """world_T_camera (4, 4) of their eye, the robot being there at a time in [s]."""
+        eye, at = ((world_T_base @ (*point, 1.0))[:3] for point in (FROM, TOWARDS))
+        share = 1.0 - float(np.exp(-max(0.0, time - self._time) / CALM))
+        if not np.linalg.norm(self._eye - eye) < _FAR or time < self._time:
+            share = 1.0
+        self._time = time
+        if share < 1.0:
+            eye, at = self._eye + share * (eye - self._eye), self._at + share * (at - self._at)
+        self._eye, self._at = eye, at
+        free = float(self._engine.free_shares(at, eye[None])[0])
+        return looking(at + (_BEFORE * free if free < 1.0 else 1.0) * (eye - at), at)
+
+    @property
+    def at(self) -> Array:
+        """What they look at, (3,) in [m]."""
+        return self._at
+
+
+def looking(eye: Array, at: Array) -> Transform:
+    """world_T_camera (4, 4) of a level camera at a point that looks at another one, (3,) in [m]."""
+    forward = (at - eye) / np.linalg.norm(at - eye)
+    right = np.cross(forward, (0.0, 0.0, 1.0))
+    right /= np.linalg.norm(right)
+    pose = np.eye(4)
+    pose[:3, :3] = np.column_stack([right, np.cross(forward, right), forward])
+    pose[:3, 3] = eye
+    return pose

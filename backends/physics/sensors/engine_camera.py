@@ -1,0 +1,66 @@
+"""The camera of a robot in physics, drawn by the engine's renderer."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.description.sensor_specs import CameraSpec
+from handcart.backends.physics.body.robot_body import RobotBody
+from handcart.backends.physics.world.world_bodies import WorldBodies
+from handcart.backends.simulation.rendering.lens import Lens
+from handcart.backends.simulation.sensors.simulated_camera import SimulatedCamera
+from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.kinematics.arm_model import ArmModel
+
+SAMPLES = 2  # along each side of a pixel, which takes in light from all of its area: edges have no steps
+
+
+class EngineCamera(SimulatedCamera):
+    """An ideal pinhole camera, then the lens, light and noise of the robot's file.
+
+    Another program than the scene's renderer draws what it sees: what perception makes of both can't be due
+    to what one of them does wrong. Light comes from everywhere and there are no shadows.
+    """
+
+    def __init__(
+        self,
+        robot: RobotFile,
+        spec: CameraSpec,
+        arm: ArmModel,
+        body: RobotBody,
+        world: WorldBodies,
+        seed: int,
+    ) -> None:
+        super().__init__(robot, spec, arm, seed)
+        self._lens = Lens(self._true.model, robot.errors, seed)
+        self._body, self._world = body, world
+
+    @abstractmethod
+    def _draw(
+        self, world_T_camera: Transform, K: NDArray[np.float64], size: tuple[int, int]
+    ) -> NDArray[np.uint8]:
+        """What a pinhole camera sees, (height, width) grey.
+
+        Args:
+            world_T_camera: (4, 4) of the optical frame (z forward, x right, y down).
+            K: (3, 3) in [px]; an integer pixel is a pixel's centre.
+            size: width and height in [px].
+        """
+
+    def _take(self) -> NDArray[np.uint8]:
+        return self._lens.take(self.ideal(self._body.link_pose("hand") @ self._true.hand_T_camera), self._now)
+
+    def ideal(self, world_T_camera: Transform) -> NDArray[np.uint8]:
+        """What a pinhole camera sees from a pose (4, 4), grey; larger, so that the lens has all of it."""
+        for each in self._world.things.values():
+            each.look(world_T_camera[:3, 3])
+        width, height = self._lens.size
+        K = self._lens.K * [[SAMPLES], [SAMPLES], [1.0]]
+        K[:2, 2] += (SAMPLES - 1) / 2
+        fine = self._draw(world_T_camera, K, (SAMPLES * width, SAMPLES * height))
+        return np.asarray(cv2.resize(fine, (width, height), interpolation=cv2.INTER_AREA), dtype=np.uint8)

@@ -1,0 +1,22 @@
+"""What surfaces are made of, as people see them."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+
+class Material(NamedTuple):
+    """How a surface looks in pictures for people; the robot's camera sees greys (see `Thing.grey`)."""
+
+    red: float
+    """In white light, as the others: 0 to 1."""
+    green: float
+    blue: float
+    shine: float = 0.1
+    """How much of a lamp it mirrors: 0 to 1."""
+
+
+PLASTER = Material(0.86, 0.84, 0.80, 0.0)
+WOOD = Material(0.66, 0.47, 0.31, 0.15)
+PALE_WOOD = Material(0.80, 0.66, 0.47, 0.15)
+LACQUER = Material(0.36, 0.43, 0.50, 0.3)

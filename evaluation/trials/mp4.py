@@ -1,0 +1,56 @@
+"""Writing an MP4 that stays readable whatever becomes of the program."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+FRAMES = 25  # a second
+_FLAGS = "frag_keyframe+empty_moov+default_base_moof"
+_CODEC = {"preset": "ultrafast", "tune": "zerolatency", "crf": "23", "g": str(FRAMES)}
+
+
+class Mp4:
+    """H.264 in fragments of a second, each whole by itself: at most the last second of a killed run is lost.
+
+    A context manager: leaving it ends the file.
+    """
+
+    def __init__(self, path: Path, size: tuple[int, int]) -> None:
+        """Begin a file of pictures of a width and a height, even numbers in [px]; an older one is replaced.
+
+        Raises:
+            OSError: it can't be written.
+            ModuleNotFoundError: PyAV isn't installed.
+        """
+        import av
+
+        self._file = path.open("wb", buffering=0)
+        options = {"movflags": _FLAGS, "flush_packets": "1"}
+        self._container = av.open(self._file, "w", format="mp4", options=options)
+        self._stream = self._container.add_stream("libx264", rate=FRAMES, options=_CODEC)
+        self._stream.width, self._stream.height = size
+        self._stream.pix_fmt = "yuv420p"
+        self._frame = av.VideoFrame
+        self.frames = 0
+        """Written so far."""
+
+    def write(self, picture: NDArray[np.uint8]) -> None:
+        """A further frame (height, width, 3) in RGB; raises OSError where there is no room for it."""
+        frame = self._frame.from_ndarray(np.ascontiguousarray(picture), format="rgb24")
+        for packet in self._stream.encode(frame):
+            self._container.mux(packet)
+        self.frames += 1
+
+    def close(self) -> None:
+        """End the file; a second call does nothing."""
+        if self._file.closed:
+            return
+        try:
+            for packet in self._stream.encode(None):
+                self._container.mux(packet)
+            self._container.close()
+        finally:
+            self._file.close()

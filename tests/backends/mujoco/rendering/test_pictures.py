@@ -1,0 +1,116 @@
+"""What MuJoCo's renderer shows, held against the scene and against the painter of it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from handcart.backends.mujoco.mujoco_backend import VIEW_SIZE
+from handcart.backends.mujoco.rendering import gl_context
+from handcart.backends.mujoco.rendering.gl_context import NoPictures
+from handcart.backends.physics.onlooker import looking
+from handcart.backends.saved_state import pack
+from handcart.backends.simulation.rendering.renderer import Renderer
+from handcart.robotics.geometry.transform import Transform, transform
+
+from .conftest import Make
+
+EYE, AT = np.array([-0.05, 0.35, 0.95]), np.array([0.05, 0.5, 0.4])
+TOP = 209  # grey of the block's top
+
+
+def drawn_twice(backend: Any, pose: Transform) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
+    """By the scene's painter, and by MuJoCo; both ideal pictures, grey."""
+    camera = backend._make_engine_camera(backend._robot.camera, backend.scene.arm)
+    try:
+        painted = Renderer(camera._true.model, backend._robot.errors, 3).ideal(backend.scene, pose)
+        return painted, camera.ideal(pose)
+    finally:
+        camera.close()
+
+
+def middle(lit: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """Column and row of what is lit."""
+    return np.argwhere(lit).mean(axis=0)[::-1]
+
+
+@pytest.mark.usefixtures("gl")
+def test_two_renderers_see_the_same_places(make: Make) -> None:
+    painted, drawn = drawn_twice(make(), looking(EYE, AT))
+    assert drawn.shape == painted.shape
+    # The block is at the right, the landmark, whose edges are as grey here and there, at the left.
+    tops = [middle(np.abs(each[:, 400:].astype(int) - TOP) < 4) for each in (painted, drawn)]
+    assert np.abs(tops[0] - tops[1]).max() < 0.5  # [px]
+    papers = [middle(each > 235) for each in (painted, drawn)]
+    assert np.abs(papers[0] - papers[1]).max() < 0.5  # the landmark's paper
+    inks = [middle(each < 40) for each in (painted, drawn)]
+    assert np.abs(inks[0] - inks[1]).max() < 1.0
+
+
+@pytest.mark.usefixtures("gl")
+def test_what_moves_moves_in_the_picture_as_well(make: Make) -> None:
+    backend, pose = make(), looking(EYE, AT)
+    camera = backend._make_engine_camera(backend._robot.camera, backend.scene.arm)  # type: ignore[arg-type]
+    before = camera.ideal(pose)
+    body = backend._world.bodies["block 1"]
+    backend._engine.set_pose(body, transform((0.05, 0.0, 0.0)) @ backend._engine.pose(body))
+    after = camera.ideal(pose)
+    camera.close()
+    was, comes = (middle(np.abs(each.astype(int) - TOP) < 4) for each in (before, after))
+    assert np.hypot(*(comes - was)) > 30.0
+
+
+@pytest.mark.usefixtures("gl")
+def test_people_see_colours_and_shadows(make: Make) -> None:
+    backend = make()
+    picture = backend.view().astype(int)
+    assert picture.shape == (VIEW_SIZE[1], VIEW_SIZE[0], 3)
+    red, green, blue = np.moveaxis(picture, 2, 0)
+    assert ((red > 1.5 * green) & (red > 80)).sum() > 100  # the block of brick
+    oak = (red > green) & (green > blue) & (red - blue > 30)
+    floor = red[oak]
+    assert np.percentile(floor, 95) > 1.4 * np.percentile(floor, 2)  # in the light, and under the table
+
+
+@pytest.mark.usefixtures("gl")
+def test_looking_on_changes_nothing(make: Make) -> None:
+    ended = []
+    for looks_on in (False, True):
+        backend = make()
+        base = backend._base
+        for number in range(10):
+            base.drive(0.1, 0.2)
+            backend.step()
+            if looks_on and number % 3 == 0:
+                backend.view()
+        ended.append(pack(backend.state()))
+    assert ended[0] == ended[1]
+
+
+@pytest.mark.usefixtures("gl")
+def test_what_stands_still_is_drawn_once(make: Make) -> None:
+    backend = make()
+    first = backend.view()
+    assert backend.view() is first
+    backend._base.drive(0.2, 0.0)
+    backend.step()
+    assert backend.view() is not first
+
+
+@pytest.mark.usefixtures("gl")
+def test_who_draws_what_the_camera_sees_stands_in_the_worlds_file(make: Make) -> None:
+    pictures = [make(more)._camera for more in ("", "camera: engine\n")]
+    greys = [each.image().astype(int) for each in pictures if each is not None]
+    assert len(greys) == 2
+    assert not np.array_equal(*greys)
+    assert np.median(np.abs(greys[0] - greys[1])) < 60
+
+
+def test_without_opengl_it_says_what_to_install(make: Make, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("MUJOCO_GL", raising=False)
+    monkeypatch.setattr(gl_context, "find_library", lambda _: None)
+    with pytest.raises(NoPictures, match=r"apt install libegl1 .*, or: apt install libosmesa6"):
+        make().view()
