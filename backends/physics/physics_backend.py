@@ -14,8 +14,7 @@ from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.sensor_specs import CameraSpec
 from handcart.backends.plain_values import Kinds
 from handcart.backends.saved_state import NotAState
-from handcart.backends.simulation.sensors.scene_camera import SceneCamera
-from handcart.backends.simulation.sensors.simulated_camera import SimulatedCamera
+from handcart.backends.simulation.sensors.simulated_camera import SceneCamera, SimulatedCamera
 from handcart.backends.simulation.simulated_backend import Part, SimulatedBackend
 from handcart.backends.simulation.world.thing import Thing
 from handcart.backends.simulation.world.world_file import WorldFile

@@ -83,7 +83,7 @@ class SplitRuns:
             return Counter()
         stop = LevelStop(self._event.importance, self._level, self._heard, {} if at is None else at.used)
         seed, began_s = self._seed(number, at), 0.0
-        options = self._options(seed, stop)
+        options = self._seeded(seed, stop)
         if at is None:
             summary, _ = run_task(self._task, self._folder, options)
         else:
@@ -122,7 +122,7 @@ class SplitRuns:
             return SplitSeed(self._first + number)
         return at.seed.split(self._level * self._event.runs + number)
 
-    def _options(self, seed: SplitSeed, stop: LevelStop) -> RunOptions:
+    def _seeded(self, seed: SplitSeed, stop: LevelStop) -> RunOptions:
         observers = (*self._options.observers, stop)
         return replace(self._options, seed=seed, checkpoints=True, observers=observers)
 
