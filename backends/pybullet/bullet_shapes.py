@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from handcart.backends.physics.thing_form import Cuboid, Wedge
 
 from .bullet import bullet, quiet
-from .wedge_mesh import wedge_mesh
 
 _FLOOR = 0.37  # grey
+_HULL_MARGIN = 0.001  # that Bullet adds about a hull [m]
 
 
 def floor_look(client: int) -> int:
@@ -78,7 +78,7 @@ def thing_shape(client: int, pieces: Sequence[Cuboid | Wedge]) -> int:
                 places.append((piece.ahead, 0.0, 0.0))
             else:
                 path = Path(folder) / f"wedge_{number}.obj"
-                path.write_text(wedge_mesh(piece), encoding="utf-8")
+                path.write_text(_wedge_mesh(piece), encoding="utf-8")
                 kinds.append(p.GEOM_MESH)
                 halves.append((0.0, 0.0, 0.0))
                 files.append(str(path))
@@ -92,3 +92,13 @@ def thing_shape(client: int, pieces: Sequence[Cuboid | Wedge]) -> int:
                 physicsClientId=client,
             )
         )
+
+
+def _wedge_mesh(wedge: Wedge) -> str:
+    """Wavefront OBJ of a wedge, smaller by what Bullet adds."""
+    y, z = wedge.thickness / 2 - _HULL_MARGIN, wedge.height / 2 - _HULL_MARGIN
+    blunt, in_y = wedge.end - _HULL_MARGIN, wedge.chamfer
+    corners = [(wedge.base, -y), (wedge.base, y), (blunt, y - in_y), (blunt, in_y - y)]
+    lines = [f"v {x} {across} {up}" for up in (-z, z) for x, across in corners]
+    quads = [(1, 2, 3, 4), (8, 7, 6, 5), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 8, 4), (4, 8, 5, 1)]
+    return "\n".join([*lines, *(f"f {a} {b} {c}\nf {a} {c} {d}" for a, b, c, d in quads)]) + "\n"

@@ -274,3 +274,12 @@ class ScanLocalization(Localization):
         """See `Localization`."""
         match = self._matching.last_match
         return super().explained if match is None else match.inliers
+
+
+class WheelLocalization(Localization):
+    """With a map and a range sensor, scans only tell whether the base was moved while its wheels stood."""
+
+    @property
+    def dead_reckoned(self) -> bool:
+        """See `Localization`."""
+        return True
