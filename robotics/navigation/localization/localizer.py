@@ -18,6 +18,7 @@ LEAST_INLIERS = 0.4  # share of a scan's points that the map must explain for a 
 ROUGH = np.diag([0.3, 0.3, 0.17]) ** 2  # [m², rad²] of a pose that is looked for
 LESS = 0.9  # share of the points explained so far; fewer, and the pose is looked for farther away
 DISPLACED = (0.010, 0.010)  # [m], [rad] by which scans of one place never differ: eight times their spread
+SHARE_OF_CELL = 0.2  # by which they never differ on large cells, where several places fit alike
 
 
 class Localizer(ABC):
@@ -111,7 +112,7 @@ class OdometryLocalizer(Localizer):
         self._stands = match.pose
         if before is None:
             return False
-        apart = before.distance(match.pose) > DISPLACED[0] or before.turn(match.pose) > DISPLACED[1]
+        apart = _apart(before, match.pose, self._field)
         if apart:
             moved = match.pose.relative_to(before)
             self._odometry.reset(self.pose.compose(moved), self.covariance)
@@ -189,8 +190,7 @@ class ScanLocalizer(Localizer):
         match = match_scan(self._field, points, self.pose, self.covariance, self._sigma)
         if self.last_match is None or match.inliers < LESS * self.last_match.inliers:
             match = match_scan(self._field, points, self.pose, ROUGH, self._sigma, anneal=True)
-        away = self.pose.distance(match.pose) > DISPLACED[0] or self.pose.turn(match.pose) > DISPLACED[1]
-        if not away or match.inliers < self._least_inliers:
+        if not _apart(self.pose, match.pose, self._field) or match.inliers < self._least_inliers:
             return False
         self.relocalize(self.pose, points)
         return True
@@ -201,3 +201,9 @@ class ScanLocalizer(Localizer):
         self._odometry.reset(match.pose, match.covariance)
         self.last_match, self._poor = match, 0
         return match
+
+
+def _apart(before: Pose2, after: Pose2, field: LikelihoodField) -> bool:
+    """Whether two poses that scans gave are of two places."""
+    most = max(DISPLACED[0], SHARE_OF_CELL * field.map.resolution)
+    return before.distance(after) > most or before.turn(after) > DISPLACED[1]

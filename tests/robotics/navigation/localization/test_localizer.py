@@ -11,11 +11,11 @@ from handcart.robotics.navigation.following.path_tracking import PathTracker
 from handcart.robotics.navigation.localization.localizer import Localizer, OdometryLocalizer, ScanLocalizer
 from handcart.robotics.navigation.localization.odometry import Odometry, OdometryErrors
 from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
-from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
 from handcart.robotics.navigation.routes.route import plan_route
 from handcart.robotics.navigation.routes.voronoi_graph import voronoi_graph
 
-from ..conftest import Boxes
+from ..conftest import LIBRARY_SIZE, Boxes
 
 TREAD, DT = 0.46, 0.05
 START, GOAL = Pose2(1.0, 3.6, 0.0), Pose2(10.9, 7.9, 1.5)
@@ -167,6 +167,21 @@ def test_a_push_is_found_and_taken_over(
     assert localizer.pose.distance(pushed) < 0.02
     assert localizer.pose.turn(pushed) < 0.01
     assert not localizer.find_again(scan(library_boxes, pushed, rng))
+
+
+@pytest.mark.parametrize(("resolution", "found"), [(0.05, True), (0.25, False)])
+def test_a_push_of_less_than_large_cells_tell_is_none(
+    resolution: float, found: bool, library_boxes: Boxes, scan: Callable[..., np.ndarray]
+) -> None:
+    """Several places fit alike there: a base that stands would be taken for pushed."""
+    field = LikelihoodField(from_boxes(library_boxes, resolution, (0.0, 0.0), LIBRARY_SIZE))
+    truth, rng = Pose2(3.0, 3.5, 1.0), np.random.default_rng(0)
+    localizer = ScanLocalizer(field, truth, TREAD)
+    for _ in range(20):
+        localizer.correct(scan(library_boxes, truth, rng))
+    near, far = (truth.compose(Pose2(ahead, 0.0, 0.0)) for ahead in (0.035, 0.15))
+    assert localizer.find_again(scan(library_boxes, near, rng)) is found
+    assert localizer.find_again(scan(library_boxes, far, rng))
 
 
 def test_what_fits_nowhere_is_no_push(
