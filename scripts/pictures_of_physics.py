@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import sys
 import tempfile
+from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
@@ -43,13 +44,17 @@ class Moment(NamedTuple):
     at: Point
     focal: float
     """[px]"""
+    settings: Mapping[str, str] = {}  # noqa: RUF012: nobody changes it
+    """Of the task."""
 
 
 SYSTEMS = {
     "librarian": Moment("return_book", "INSERT", 1, 3.0, (-1.0, 2.1, 1.9), (0.35, -0.05, 0.68), 1100.0),
     "toyama": Moment("stack_blocks", "STACK", 8, 3.0, (-1.6, 1.75, 1.7), (0.02, 0.2, 0.62), 1100.0),
     "atrv": Moment("track_seam", "TRACK", 1, 12.0, (-2.7, -1.5, 1.8), (0.45, 0.3, 0.55), 1200.0),
-    "el_verde": Moment("deploy_straight", "DEPLOY", 2, 12.0, (2.0, 2.2, 1.4), (0.25, 0.0, 0.35), 1150.0),
+    "el_verde": Moment(
+        "deploy_straight", "DEPLOY", 1, 9.0, (2.6, -2.2, 1.4), (0.25, 0.15, 0.5), 1250.0, {"wait_s": "1"}
+    ),
 }
 
 
@@ -97,7 +102,7 @@ def main() -> None:
     for name in sys.argv[1:] or SYSTEMS:
         moment, path = SYSTEMS[name], ROOT / "docs" / f"{name}.jpg"
         photo = Photo(moment, path)
-        options = RunOptions(backend="mujoco", observers=(photo,))
+        options = RunOptions(backend="mujoco", settings=moment.settings, observers=(photo,))
         with tempfile.TemporaryDirectory() as runs:
             run_task(ROOT / "tasks" / moment.task / "task.yaml", Path(runs), options)
         if not photo.taken:

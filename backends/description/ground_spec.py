@@ -28,8 +28,8 @@ class GroundSpec(FileModel):
     roughness_length_m: Positive = 0.4
     """Distance over which they change."""
     softness_mm_per_100n: Annotated[float, Field(ge=0.0, le=50.0)] = 0.0
-    """By how much it gives, springing back, under each 100 N at each point at which a wheel touches it; 0: not
-    at all. A wheel touches it at two to four points (its grid is 5 cm wide): it sinks in by a half to a
+    """By how much it gives, springing back, under each 100 N at each point at which a wheel touches it; 0:
+    not at all. A wheel touches it at two to four points (its grid is 5 cm wide): it sinks in by a half to a
     quarter of that. Counts in a world's file, in physics alone."""
     scale_percent: NotNegative = 0.2 * math.sqrt(2.0)
     """Of the wheels' travel, the same all day."""

@@ -67,8 +67,8 @@ def run_task(task: Path, runs: Path, options: RunOptions | None = None) -> tuple
             from .video import Video
 
             video = stack.enter_context(Video(options.video, prepared.robot))
-            if video.remark:
-                _say(options.observers, video.remark)
+            for words in video.remarks():
+                _say(options.observers, words)
             observers.append(video)
         folder = new_folder(runs, name_of(task, options.seed))
         point_latest(folder)

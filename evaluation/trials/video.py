@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import cv2
@@ -45,16 +46,16 @@ class Video(RunObserver):
         self._next, self._words = 0.0, ""
         self._seen: NDArray[np.uint8] | None = None
         self._seen_at = -np.inf
-        self.remark = ""
-        """Why it doesn't show what it could, in words."""
+        self._lacks = ""
         if path.suffix.lower() != ".mp4":
             raise NoVideo(f"--video {path}: allowed: a file whose name ends in .mp4")
         if (words := lack("--video", "video")) is not None:
             raise NoVideo(words)
         self._view = self._what_is_seen(robot)
         height, width = self._frame(robot).shape[:2]
+        self._path, self._size = path, (width, height)
         try:
-            self._mp4 = Mp4(path, (width, height))
+            self._mp4 = Mp4(path, self._size)
         except OSError as error:
             needed = "needed: a folder that exists, with room in it"
             raise NoVideo(f"--video {path}: can't be written: {error.strerror}; {needed}") from None
@@ -66,12 +67,17 @@ class Video(RunObserver):
             if robot.backend.view() is not None:
                 return True
         except InputError as error:
-            wrong = self.remark = str(error)
+            wrong = self._lacks = str(error)
         if robot.backend.get(Camera) is None:  # type: ignore[type-abstract]
             raise NoVideo(f"--video: {wrong}, and has no camera")
-        if self.remark:
-            self.remark = f"--video shows what the hand's camera sees alone: {self.remark}"
         return False
+
+    def remarks(self) -> Iterator[str]:
+        """What a person should know before anything moves: what is recorded, and what can't be shown."""
+        if self._lacks:
+            yield f"--video shows what the hand's camera sees alone: {self._lacks}"
+        width, height = self._size
+        yield f"{self._path} is being recorded: {width} x {height}, {FRAMES} frames a second of robot's time"
 
     def __enter__(self) -> Video:
         return self

@@ -21,7 +21,7 @@ from .robot_looks import PartLook
 from .style import Style
 
 LAMP = "lamp"
-LIT = 3.0  # [m] about what is looked at, where there are shadows
+_DEEP = 18.0  # [m] from the lamp to the last thing that it shines on
 COARSER = 4  # rough ground is shown with one of so many points, along x and along y
 _OFF = 4e-4  # [m] that a sheet lies above what it is painted on
 _FLOOR_GREY, _GROUND_GREY = 95, 95
@@ -69,8 +69,9 @@ class StageSpec:
 
     def _light(self) -> None:
         spec, style, kinds = self.spec, self._style, mujoco().mjtLightType
-        spec.stat.extent, spec.stat.center = LIT, (0.0, 0.0, 0.0)
-        spec.visual.map.shadowclip, spec.visual.map.znear, spec.visual.map.zfar = 1.0, 0.02, 6.0
+        spec.stat.extent, spec.stat.center = style.lit_m, (0.0, 0.0, 0.0)
+        reach = spec.visual.map  # in extents
+        reach.shadowclip, reach.znear, reach.zfar = 1.0, 0.02, _DEEP / style.lit_m
         spec.visual.quality.shadowsize, spec.visual.quality.offsamples = style.shadow_px, style.samples
         lamp = self._body(LAMP).add_light(name=LAMP)
         lamp.type, lamp.dir = kinds.mjLIGHT_DIRECTIONAL, style.beam

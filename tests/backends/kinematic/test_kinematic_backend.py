@@ -14,8 +14,11 @@ from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.camera import Camera
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.capabilities.range_sensor import RangeSensor
+from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.kinematic.kinematic_backend import KinematicBackend
 from handcart.backends.simulation.books.book_props import BookProps
 from handcart.backends.simulation.scene import Scene
+from handcart.backends.simulation.world.world_model import world_model
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import apply, inverse, transform
 from handcart.robotics.perception.landmarks.tag_reader import read_tags
@@ -235,3 +238,14 @@ def test_the_start_is_near_what_the_file_states(make: Make) -> None:
     places = [make(seed).scene.base for seed in range(5)]
     assert all(place.distance(Pose2(2.0, 1.2, 0.0)) < 0.08 for place in places)
     assert len(set(places)) == 5
+
+
+def test_what_takes_an_engine_is_told_before_a_run() -> None:
+    asked = {
+        "format": "handcart-world/1",
+        "start": {"x_m": 0.0, "y_m": 0.0},
+        "ground": {"softness_mm_per_100n": 2.0},
+        "camera": "engine",
+    }
+    remarks = KinematicBackend(load_robot("el_verde"), world_model().model_validate(asked), 0).remarks
+    assert [each.partition(":")[0] for each in remarks] == ["camera", "ground"]
