@@ -208,6 +208,8 @@ class PhysicsBackend(SimulatedBackend):
             touched |= self._touch.pairs(held, riding)
             if self._arm is not None and chunk >= chunks - _FELT:
                 felt += self._touch.force(held) / min(_FELT, chunks)
+        for each in self._bodies.values():
+            each.end()
         self._end_period(felt, touched)
 
     def _end_period(self, felt: np.ndarray, touched: Set[tuple[str, str]]) -> None:
