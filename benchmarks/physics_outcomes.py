@@ -1,4 +1,6 @@
-"""Whether two backends have the same outcomes: `python -m benchmarks.physics_outcomes [TASK] [SEEDS] [BACKENDS]`.
+"""Whether two backends have the same outcomes.
+
+    python -m benchmarks.physics_outcomes [TASK] [SEEDS] [BACKENDS]
 
 A task, `return_book` unless another is named, is run with each seed on each backend (`mujoco,pybullet`), in
 turns in one process. Compared are actions and their outcomes, in their order. Prints what differs, and what a
@@ -55,7 +57,9 @@ def main() -> None:
         print(f"; untrue {len(lies)}, {len(others_lies)}; {took:.1f} s, {took_too:.1f} s", flush=True)
     medians = np.median(spent, axis=0)
     print(f"same actions and outcomes: {same} of {seeds} seeds")
-    print(f"CPU of a run: {one} {medians[0]:.2f} s, {other} {medians[1]:.2f} s, {medians[0] / medians[1]:.2f}")
+    print(
+        f"CPU of a run: {one} {medians[0]:.2f} s, {other} {medians[1]:.2f} s, {medians[0] / medians[1]:.2f}"
+    )
 
 
 if __name__ == "__main__":

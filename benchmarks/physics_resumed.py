@@ -1,4 +1,4 @@
-"""Whether a kept world in MuJoCo goes on as the one that was kept: `python -m benchmarks.physics_resumed [TASK]`.
+"""Whether a world in MuJoCo that is put back goes on: `python -m benchmarks.physics_resumed [TASK]`.
 
 A run of a task, `return_book` unless another is named, keeps the whole state of its backend every `EVERY`
 periods. Another backend is put back into each of them, gets the commands that the run gave, and must be where

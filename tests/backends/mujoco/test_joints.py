@@ -63,4 +63,6 @@ def test_what_is_in_the_way_of_a_joint_feels_a_spring(backend: Any, off: float, 
     engine.data.qvel[:] = 0.0
     engine.step()
     speed = int(engine.model.joint("robot/joint_1").dofadr[0])
-    assert engine.data.qfrc_actuator[speed] == pytest.approx(share * arm._effort[0], abs=0.02 * arm._effort[0])
+    assert engine.data.qfrc_actuator[speed] == pytest.approx(
+        share * arm._effort[0], abs=0.02 * arm._effort[0]
+    )
