@@ -67,7 +67,7 @@ class MujocoBody(RobotBody):
         self.put(base)
 
     def _furnish(self, robot: Any, arm: Collection[str]) -> None:
-        """Give joints their drives, the arm's a second one each, and links the friction that they all have."""
+        """Give joints their drives, the arm's two each, and links the friction that they all have."""
         for geometry in robot.geoms:
             geometry.group, geometry.solref = ROBOT_GROUP, STIFF
             geometry.friction = (LINKS_RUB**2, 0.005, 0.0001)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -30,6 +30,7 @@ Array = NDArray[np.float64]
 STAYS = 0.005  # [m/s]: slower, what slid in the hand is held again
 _NO_ISLAND = -2
 LOOKS = 2  # steps of the solver after which it is seen whether what is held slips
+FELT = 4  # times in a period that a force is measured where there is one
 _KEPT = ("actuator_gainprm", "actuator_biasprm", "actuator_forcerange")
 
 
@@ -174,10 +175,15 @@ class MujocoEngine(Engine):
         """Coordinates were changed: poses follow when they are asked for."""
         self._stale = True
 
-    def step(self) -> None:
+    def parts(self, finely: bool) -> Sequence[int]:
+        """See `Engine`."""
+        often = min(FELT, self.substeps // LOOKS - 1) if finely else 0
+        return (self.substeps - often * LOOKS, *(LOOKS,) * often)
+
+    def step(self, steps: int | None = None) -> None:
         """See `Engine`."""
         model, data = self._both()
-        steps = self.substeps
+        steps = self.substeps if steps is None else steps
         while self._pinned is not None and steps > 0:
             self.mj.mj_step(model, data, min(LOOKS, steps))
             steps -= LOOKS
@@ -405,9 +411,9 @@ class MujocoEngine(Engine):
         if leans.shape != self._leans.shape:
             raise NotAState("no saved state: the engine's world has other bodies")
         own = {name: state[name] for name in state if name not in ("pinned", "leans")}
-        restore(self.model, self.data, own)
-        self._set_leaning(leans != 0)
         self.pin(pinned)
+        restore(self.model, self.data, own)  # what slips just now isn't held
+        self._set_leaning(leans != 0)
         self._stale, self._seen = True, None
 
     def _check_pinned(self, pinned: Pinned | None) -> None:

@@ -52,7 +52,7 @@ class MujocoJoints(JointGroup):
         self._stiff.set_out(self._engine.data.qpos[self._at] + off + catches_up * rates, rates)
 
     def give(self, off: Vector, rates: Vector, effort: Vector, fastest: Vector, catches_up: float) -> None:
-        """See `JointGroup`. What is so far off that it would come back faster than `fastest` counts as less."""
+        """See `JointGroup`; what is so far off that it would come back too fast counts as less."""
         if self._giving is None:
             raise ValueError("these joints have no drives that give")
         damping = np.maximum(DAMPING, GIVES / fastest)
@@ -101,7 +101,7 @@ class _Drives:
     def serve(
         self, pull: float | Vector, damping: float | Vector, most: Vector, torques: float | Vector = 0.0
     ) -> None:
-        """Put `pull` times what a set-point is ahead on a joint, less `damping` times its speed, and `torques`."""
+        """Put `torques` on, and `pull` times what set-points are ahead, less `damping` times speeds."""
         model, mine = self._engine.model, self._numbers
         model.actuator_gainprm[mine, 0] = pull
         bias = model.actuator_biasprm

@@ -49,9 +49,10 @@ def _send_to_sleep(model: Any, data: Any, values: NDArray[np.float64], asleep: N
     """Have what sleeps sleep where it is.
 
     MuJoCo wakes what is put elsewhere while it sleeps. It works out where sleepers are when it starts anew:
-    where they are at first, as the model has it.
+    where they are at first, as the model has it. The robot's joints are at their zero then, and its arm
+    would wake what it goes through.
     """
-    mj = mujoco()
+    mj, flags = mujoco(), model.opt.disableflags
     first, policy = model.qpos0.copy(), model.tree_sleep_policy.copy()
     mj.mj_setState(model, data, values, mj.mjtState.mjSTATE_INTEGRATION)
     for joint in np.flatnonzero(model.jnt_type == mj.mjtJoint.mjJNT_FREE):
@@ -59,5 +60,7 @@ def _send_to_sleep(model: Any, data: Any, values: NDArray[np.float64], asleep: N
         model.qpos0[at : at + _FREE] = data.qpos[at : at + _FREE]
     model.tree_sleep_policy[policy == mj.mjtSleepPolicy.mjSLEEP_INIT] = mj.mjtSleepPolicy.mjSLEEP_ALLOWED
     model.tree_sleep_policy[asleep >= 0] = mj.mjtSleepPolicy.mjSLEEP_INIT
+    model.opt.disableflags = flags | mj.mjtDisableBit.mjDSBL_CONTACT
     mj.mj_resetData(model, data)
+    model.opt.disableflags = flags
     model.qpos0[:], model.tree_sleep_policy[:] = first, policy

@@ -87,9 +87,17 @@ class Engine(ABC):
     def pinned(self) -> Pinned | None:
         """What is held together now."""
 
+    def parts(self, finely: bool) -> Sequence[int]:
+        """Steps of the solver after which somebody looks at what touches, for a chunk: all of them at once.
+
+        Args:
+            finely: whether forces are wanted several times, where a chunk is long enough for that.
+        """
+        return (self.substeps,)
+
     @abstractmethod
-    def step(self) -> None:
-        """Let `chunk` seconds pass."""
+    def step(self, steps: int | None = None) -> None:
+        """Let `chunk` seconds pass, or one of its `parts`."""
 
     @abstractmethod
     def close(self) -> None:

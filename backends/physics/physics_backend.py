@@ -46,7 +46,7 @@ SETTLES = 0.3  # [s] that everything gets to come to rest before time begins
 SETTLES_OUTDOORS = 1.5  # the same on rough ground, onto which the robot is let down
 LET_DOWN = 0.01  # [m] above its highest point under the wheels
 WHEELS = np.array([[x, y] for x in (0.0, 0.6) for y in (-0.3, 0.3)])  # of a car, about its rear axle [m]
-_FELT = 4  # of a period's chunks, the last ones in which the force on the hand is measured
+_FELT = 4  # of a period's looks at what touches, the last ones in which the force on the hand is measured
 
 
 class PhysicsBackend(SimulatedBackend):
@@ -208,6 +208,9 @@ class PhysicsBackend(SimulatedBackend):
         held = None if self._held is None else self._world.bodies[self._held.name]
         riding = self._riding()
         chunks, felt = self._engine.chunks, np.zeros(3)
+        finely = self._held is not None or bool(self.scene.hand_force.any())
+        parts = self._engine.parts(finely)
+        looks, looked = chunks * len(parts), 0
         touched: set[tuple[str, str]] = set()
         for chunk in range(chunks):
             for each in self._bodies.values():
@@ -219,11 +222,15 @@ class PhysicsBackend(SimulatedBackend):
                 self._gripper.act((chunk + 1) / chunks)
             if self._arm is not None:
                 self._arm.act(chunk / chunks, self.period)
-            self._engine.step()
-            self._touch.stepped()
-            touched |= self._touch.pairs(held, riding)
-            if self._arm is not None and chunk >= chunks - _FELT:
-                felt += self._touch.force(held) / min(_FELT, chunks)
+            for steps in parts:
+                self._engine.step(steps)
+                self._touch.stepped()
+                touched |= self._touch.pairs(held, riding)
+                looked += 1
+                if self._arm is not None and looked > looks - _FELT:
+                    felt += self._touch.force(held) / min(_FELT, looks)
+        for each in self._bodies.values():
+            each.end()
         self._end_period(felt, touched)
 
     def _end_period(self, felt: np.ndarray, touched: Set[tuple[str, str]]) -> None:

@@ -39,6 +39,9 @@ class PropsBody:
     def act(self) -> None:
         """A chunk of the period begins."""
 
+    def end(self) -> None:
+        """The period has ended, and nobody has looked yet where things are."""
+
     @property
     def keeps_grip(self) -> bool:
         """Whether the hand keeps what it holds although its fingers don't press on it."""

@@ -97,7 +97,7 @@ class BulletEngine(Engine):
         """See `Engine`."""
         return self._pinned
 
-    def step(self) -> None:
+    def step(self, steps: int | None = None) -> None:
         """See `Engine`."""
         self.p.stepSimulation(physicsClientId=self.client)
 

@@ -40,7 +40,7 @@ class JointGroup(ABC):
         self.turn(rates + off / catches_up, most)
 
     def give(self, off: Vector, rates: Vector, effort: Vector, fastest: Vector, catches_up: float) -> None:
-        """Follow set-points for the next chunk as `follow`, and give like springs where something is in the way.
+        """As `follow`, but give like springs where something is in the way.
 
         The torque is limited by how far a joint is off, and that is `GIVES` where it is all of `effort`.
 

@@ -50,5 +50,10 @@ class Magazine(PropsBody):
             pose = body.base_pose() @ sensor.base_T_thing @ sensor.thing_T_middle
             engine.set_pose(world.bodies[sensor.name], pose)
 
+    def end(self) -> None:
+        """See `PropsBody`: in a whole period what waits falls, and the robot drives on."""
+        if self.pieces.engine.chunks == 1:
+            self.act()
+
     def _waiting(self) -> Sensor | None:
         return self._field.waiting()

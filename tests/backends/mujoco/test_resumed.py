@@ -104,3 +104,26 @@ def test_a_number_that_is_none_is_refused(backends: tuple[Any, Any]) -> None:
     state["engine"]["mujoco"][5] = np.nan
     with pytest.raises(NotAState, match="no number"):
         first.set_state(state)
+
+
+def test_what_sleeps_where_the_arm_would_be_at_its_zero_sleeps_on() -> None:
+    """MuJoCo, starting anew, has joints at their zero; nothing is woken by that."""
+    table = {"name": "table", "x_m": 0.9, "y_m": 0.2, "size_m": [0.3, 0.3, 0.84], "foot_m": [0.2, 0.2]}
+    blocks = [
+        {"name": f"{number}", "x_m": x, "y_m": y, "height_m": 0.84}
+        for number, (x, y) in enumerate(((0.84, 0.21), (0.92, 0.21), (0.84, 0.28)))
+    ]
+    start = {"x_m": 0.0, "y_m": 0.0}
+    world = {"format": "handcart-world/1", "start": start, "tables": [table], "blocks": blocks}
+    made = [MujocoBackend(load_robot("librarian"), world_model().model_validate(world), 0) for _ in range(2)]
+    first, again = made
+    for _ in range(20):
+        first.step()
+    again.set_state(unpack(pack(first.state())))
+    engine = again._engine
+    sleepers = engine.data.tree_asleep >= 0
+    assert sleepers.sum() == len(blocks)
+    engine.mj.mj_step(engine.model, engine.data)
+    assert (engine.data.tree_asleep[sleepers] >= 0).all()
+    for each in made:
+        each.close()

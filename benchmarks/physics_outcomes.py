@@ -1,0 +1,66 @@
+"""Whether two backends have the same outcomes.
+
+    python -m benchmarks.physics_outcomes [TASK] [SEEDS] [BACKENDS]
+
+A task, `return_book` unless another is named, is run with each seed on each backend (`mujoco,pybullet`), in
+turns in one process. Compared are actions and their outcomes, in their order. Prints what differs, and what a
+run took of the processor on each backend, as a median without pictures and report, and the ratio.
+"""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+
+from handcart.evaluation.trials.running import run_task
+from handcart.networks.journal.journal_record import read_journal
+from handcart.networks.run_options import RunOptions
+
+TASK = Path(__file__).resolve().parents[1] / "tasks" / "return_book" / "task.yaml"
+BACKENDS = "mujoco,pybullet"
+
+Outcomes = list[tuple[str, str]]
+
+
+def outcomes(task: Path, backend: str, seed: int) -> tuple[Outcomes, list[str], float]:
+    """Of a run: its actions with their outcomes, what of them is untrue, and its CPU time in [s]."""
+    options = RunOptions(backend=backend, seed=seed, draw=False, report=False, playback=False)
+    with tempfile.TemporaryDirectory() as folder:
+        began = time.process_time()
+        summary, _ = run_task(task, Path(folder), options)
+        spent = time.process_time() - began
+        path = next(Path(folder).glob("*/journal.jsonl"))
+        records = read_journal(path).records
+    names = {each["n"]: each["action"]["do"] for each in records if each["kind"] == "START"}
+    ended = [(names[each["n"]], each["outcome"]) for each in records if each["kind"] == "RESULT"]
+    return ended, summary["metrics"].get("untrue", []), spent
+
+
+def main() -> None:
+    """Print a line for each seed, and the sum."""
+    task = Path(sys.argv[1]) if len(sys.argv) > 1 else TASK
+    seeds = int(sys.argv[2]) if len(sys.argv) > 2 else 20
+    one, other = (sys.argv[3] if len(sys.argv) > 3 else BACKENDS).split(",")
+    spent: list[tuple[float, float]] = []
+    same = 0
+    for seed in range(seeds):
+        (first, lies, took), (second, others_lies, took_too) = (
+            outcomes(task, backend, seed) for backend in (one, other)
+        )
+        spent.append((took, took_too))
+        same += first == second
+        print(f"seed {seed:2d}: {'same' if first == second else f'{one} {first}, {other} {second}'}", end="")
+        print(f"; untrue {len(lies)}, {len(others_lies)}; {took:.1f} s, {took_too:.1f} s", flush=True)
+    medians = np.median(spent, axis=0)
+    print(f"same actions and outcomes: {same} of {seeds} seeds")
+    print(
+        f"CPU of a run: {one} {medians[0]:.2f} s, {other} {medians[1]:.2f} s, {medians[0] / medians[1]:.2f}"
+    )
+
+
+if __name__ == "__main__":
+    main()
