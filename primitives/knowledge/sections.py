@@ -28,6 +28,11 @@ def name_of(kind: type[Section]) -> str:
     Raises:
         LookupError: no domain declares it.
     """
+    return _name_of(kind)
+
+
+@cache
+def _name_of(kind: type[Section]) -> str:
     for name, each in sections().items():
         if each is kind:
             return name

@@ -145,10 +145,9 @@ class ArmContact:
 
     def _extent_on_base(self) -> float:
         """Radius about the base's centre that what is mounted and what rides on it stay in, in [m]."""
-        here = inverse(self._scene.world_T_base)
         reach = self._mounted_reach
         for thing in self._scene.riding():
-            middle = here @ thing.pose @ thing.thing_T_middle[:, 3]
+            middle = thing.base_T_thing @ thing.thing_T_middle[:, 3]
             reach = max(reach, float(np.hypot(*middle[:2]) + np.linalg.norm(thing.size[:2]) / 2))
         return reach
 
