@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Callable
 from typing import ClassVar, NamedTuple
 
 import numpy as np
@@ -39,3 +40,10 @@ class RangeSensor(Capability):
     @abstractmethod
     def scan(self) -> Scan:
         """This period's scan."""
+
+    def scan_later(self) -> Callable[[], Scan]:
+        """Gives this period's scan, in whatever period it is called: for who needs it only if something
+        comes of it. What is simulated may make it no sooner.
+        """
+        scan = self.scan()
+        return lambda: scan

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from functools import cached_property
 from typing import ClassVar
 
@@ -10,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.capabilities.base import WheelTravel
+from handcart.backends.capabilities.range_sensor import Scan
 from handcart.backends.description.robot_file import GripperSpec, RobotFile
 from handcart.backends.description.sensor_specs import RangeSpec
 from handcart.backends.simulation.body.fingers import Fingers
@@ -149,11 +151,21 @@ class KinematicRangeSensor(SimulatedRangeSensor):
         self._seen_from: tuple[Pose2, bytes] | None = None
         self._seen = np.empty(0)
 
+    def scan_later(self) -> Callable[[], Scan]:
+        """See `RangeSensor`: nothing is cast before it is called."""
+        period, base, time = self._now, self._scene.base, self._scene.time
+        if self._last is not None and self._last[0] == period:
+            return super().scan_later()
+        return lambda: self._noisy(self._cast_from(base, time), period)
+
     def _cast(self) -> NDArray[np.float64]:
+        return self._cast_from(self._scene.base, self._scene.time)
+
+    def _cast_from(self, base: Pose2, time: float) -> NDArray[np.float64]:
         """Anew where the base has moved, or something has come or gone."""
-        here = self._scene.base, self._plan.there(self._scene.time).tobytes()
+        here = base, self._plan.there(time).tobytes()
         if here != self._seen_from:
-            sensor = self._scene.base.compose(self._mount)
-            self._seen = cast_rays(self._plan, sensor, self._angles, self._scene.time, self._spec.reach_m)
+            sensor = base.compose(self._mount)
+            self._seen = cast_rays(self._plan, sensor, self._angles, time, self._spec.reach_m)
             self._seen_from = here
         return self._seen

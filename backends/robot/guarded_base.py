@@ -129,6 +129,6 @@ def steady_points(scan: Scan) -> NDArray[np.float64]:
     ranges = np.where(np.isfinite(scan.ranges), scan.ranges, np.inf)
     if len(ranges) < 3:
         return scan.points() if len(ranges) else NOTHING
-    before, after = np.roll(ranges, 1), np.roll(ranges, -1)
+    before, after = np.concatenate((ranges[-1:], ranges[:-1])), np.concatenate((ranges[1:], ranges[:1]))
     low, high = np.minimum(before, after), np.maximum(before, after)
     return scan._replace(ranges=np.maximum(low, np.minimum(high, ranges))).points()

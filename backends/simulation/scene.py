@@ -195,8 +195,11 @@ class Scene:
             self._carry_along()
 
     def _carry_along(self) -> None:
-        for thing in self.riding():
-            thing.pose = self.world_T_base @ thing.base_T_thing
+        if not (riding := self.riding()):
+            return
+        world_T_base = self.world_T_base
+        for thing in riding:
+            thing.pose = world_T_base @ thing.base_T_thing
             self.changes += 1
 
     def touch(self, pairs: frozenset[tuple[str, str]]) -> None:

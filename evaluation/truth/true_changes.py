@@ -9,7 +9,7 @@ import numpy as np
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.ground_truth import GroundTruth
-from handcart.robotics.geometry.transform import difference
+from handcart.robotics.geometry.transform import distance
 
 from .sensor_sigmas import (
     BASE_SIGMA_DEG,
@@ -45,7 +45,7 @@ def moved(before: GroundTruth, after: GroundTruth) -> dict[str, float]:
     for name, body in before.bodies.items():
         now = after.bodies.get(name)
         lost = now is None or now.support != body.support
-        result[f"{name} mm"] = math.inf if lost or now is None else 1e3 * difference(body.pose, now.pose)[0]
+        result[f"{name} mm"] = math.inf if lost or now is None else 1e3 * distance(body.pose, now.pose)
     return result
 
 

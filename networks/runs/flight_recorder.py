@@ -93,9 +93,7 @@ class FlightRecorder(RunObserver):
             row["grip_width_m"], row["grip_command_m"] = self._gripper.width(), self._gripper.command()
             row["grip_presses"] = self._gripper.closed_on_something()
         if self._range is not None:
-            scan = self._range.scan()
-            self._same["angles_rad"], self._same["base_T_sensor"] = scan.angles, scan.base_T_sensor
-            row["ranges_m"] = scan.ranges.round(3).astype(np.float32)
+            row["ranges_m"] = self._range.scan_later()
         return row
 
     def event(self, event: Event) -> None:
@@ -125,12 +123,21 @@ class FlightRecorder(RunObserver):
             return
         try:
             self._folder.mkdir(exist_ok=True)
+            self._scanned(rows)
             packed = BytesIO()
             np.savez_compressed(packed, **_columns(rows), **self._same)
             write_whole(self._folder / f"{name}{SUFFIX}", packed.getvalue(), sync=False)
             self._kept = self._time
         except OSError as error:
             self.lost = error.strerror
+
+    def _scanned(self, rows: Sequence[Row]) -> None:
+        """Have the scans made that are kept."""
+        for row in rows:
+            if callable(later := row.get("ranges_m")):
+                scan = later()
+                self._same["angles_rad"], self._same["base_T_sensor"] = scan.angles, scan.base_T_sensor
+                row["ranges_m"] = scan.ranges.round(3).astype(np.float32)
 
 
 def _columns(rows: Sequence[Row]) -> dict[str, Any]:

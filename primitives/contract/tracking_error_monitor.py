@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import deque
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.robot.robot import Robot
@@ -26,7 +25,7 @@ class TrackingErrorMonitor:
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
-        self._commands: deque[NDArray[np.float64]] = deque(maxlen=LATE)
+        self._commands: deque[list[float]] = deque(maxlen=LATE)
         self._off = 0
 
     def check(self) -> None:
@@ -34,13 +33,23 @@ class TrackingErrorMonitor:
         arm = self._robot.backend.get(Arm)  # type: ignore[type-abstract]
         if arm is None:
             return
-        self._commands.append(arm.command())
+        self._commands.append(arm.command().tolist())
         if len(self._commands) < LATE:
             return
-        joints, commanded = arm.joints(), np.array(self._commands)
-        off = np.maximum(commanded.min(axis=0) - joints, joints - commanded.max(axis=0))
-        self._off = 0 if bool((off <= BEHIND).all()) else self._off + 1  # NaN is off too
+        joints = arm.joints().tolist()
+        told = [(min(each), max(each)) for each in zip(*self._commands, strict=True)]
+        follows = all(
+            low - joint <= BEHIND and joint - high <= BEHIND
+            for joint, (low, high) in zip(joints, told, strict=True)
+        )  # NaN doesn't
+        self._off = 0 if follows else self._off + 1
         if self._off >= IN_A_ROW:
+            off = np.array(
+                [
+                    np.maximum(low - joint, joint - high)
+                    for joint, (low, high) in zip(joints, told, strict=True)
+                ]
+            )
             number = int(np.argmax(off)) + 1
             raise Discrepancy(
                 f"joint {number} is {off.max():.2f} rad from where it was told to be",

@@ -12,7 +12,7 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.kinematics.shapes import Box
 from handcart.robotics.manipulation.motions.collision_model import CollisionModel
-from handcart.robotics.manipulation.placement.standing_places import has_way, stands_clear
+from handcart.robotics.manipulation.placement.standing_places import OpenFloor, stands_clear
 from handcart.robotics.navigation.maps.clearances import Clearances
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.routes.ways import ROOM_AT_GOAL, SENSED_ROOM
@@ -55,11 +55,27 @@ class StandingRoom:
         self._grid = grid.with_points(sensed, SENSED_ROOM)
         self._radius = spec.footprint_radius_m + ROOM_AT_GOAL
         self._clearances = Clearances(self._grid, self._grid.blocked, walled=True)
-        self._start = self._way_out(here)
+        self._floor = OpenFloor(self._grid, self._radius)
+        self._reached = self._way_out(here)
+
+    @property
+    def key(self) -> tuple[bytes, ...]:
+        """Two rooms with the same key give the same answers about one robot."""
+        posed = [(np.array(each.size), each.pose) for each in self._boxes]
+        grid = self._grid
+        frame = np.array([grid.resolution, grid.origin_x, grid.origin_y, self._radius])
+        known = [
+            frame,
+            grid.blocked,
+            self._reached,
+            np.array(self._avoided),
+            *(part for box in posed for part in box),
+        ]
+        return tuple(np.ascontiguousarray(each).tobytes() for each in known)
 
     def blocked(self, bases: Floats) -> Masks:
         """Which of base poses (b, 3) leave the base no room, or no way leads to, by the map."""
-        no_way = ~has_way(bases, self._grid, self._start, self._radius)
+        no_way = ~self._floor.leads_to(bases, self._reached)
         no_way |= self._clearances.at(bases[:, :2]) < self._radius
         for each in self._avoided:
             no_way |= np.hypot(bases[:, 0] - each.x, bases[:, 1] - each.y) < AVOIDED
@@ -74,12 +90,13 @@ class StandingRoom:
         collision = CollisionModel(self._arm, self._boxes, world_T_base=stand, margin=MARGIN)
         return not any(collision.in_collision(q) for q in angles[::EVERY])
 
-    def _way_out(self, here: Pose2) -> tuple[float, float]:
-        """A place near by from which ways lead on: the base stands where it does, not where it should."""
+    def _way_out(self, here: Pose2) -> Masks:
+        """(h, w) cells that ways lead to from near by: the base stands where it does, not where it should."""
         turns = np.linspace(0.0, 2.0 * math.pi, 16, endpoint=False)
         for away in np.linspace(0.0, OFF, 7):
             x, y = here.x + away * np.cos(turns), here.y + away * np.sin(turns)
             for spot in zip(x.tolist(), y.tolist(), strict=True):
-                if has_way(np.array([[*spot, 0.0]]), self._grid, spot, self._radius)[0]:
-                    return spot
-        return here.x, here.y
+                reached = self._floor.reached_from(spot)
+                if reached.any():
+                    return reached
+        return self._floor.reached_from((here.x, here.y))

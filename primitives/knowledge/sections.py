@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from typing import Any, cast
 
 from handcart.tasks.domain import Domain, domains, imported
 
@@ -28,6 +29,11 @@ def name_of(kind: type[Section]) -> str:
     Raises:
         LookupError: no domain declares it.
     """
+    return _name_of(cast(Any, kind))
+
+
+@cache
+def _name_of(kind: Any) -> str:
     for name, each in sections().items():
         if each is kind:
             return name

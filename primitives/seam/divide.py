@@ -23,9 +23,11 @@ from handcart.robotics.manipulation.placement.placer import Placements, Placer
 from handcart.robotics.manipulation.placement.untrackable import Untrackable
 from handcart.robotics.manipulation.tracking.tool_path import ToolPath
 
+from .kept_divisions import KeptDivisions
 from .seam_placer import placer_of
 from .seam_work import DrivesTo, SeamPart, SeamWork
 
+_KEPT = KeptDivisions()
 LOOK = 0.2  # [m] of a way between looks at whether it is free
 
 
@@ -60,9 +62,8 @@ class Divide(ActionPrimitive):
         if work.tracked == len(seam.points) - 1 or self._stays(work, room):
             self.found(kept=len(work.rest))
             return
-        placer = placer_of(robot.spec)
         rest = seam.part(work.tracked, len(seam.points) - 1)
-        found = yield from robot.compute(self._divided, placer, rest, room, work.tracked, takes=2.0)
+        found = yield from robot.compute(self._divided, robot, rest, room, work.tracked, takes=2.0)
         parts = _named(found, work, rest if self.base == "drives" else None)
         ends = {part.end.place: _place(part.end.pose) for part in parts if part.end is not None}
         model.places = {**model.places, **{part.place: _place(part.pose) for part in parts}, **ends}
@@ -80,9 +81,14 @@ class Divide(ActionPrimitive):
             return place_alongside(placer, rest, room.blocked, self.placements, room.free)
         return placer.place(rest, room.blocked, self.placements, room.free, self.move_m)
 
-    def _divided(self, placer: Placer, rest: ToolPath, room: StandingRoom, tracked: int) -> Placements:
+    def _divided(self, robot: Robot, rest: ToolPath, room: StandingRoom, tracked: int) -> Placements:
+        spec, how = robot.spec, f"{self.placements} {self.move_m} {self.base}"
+        told = [each.encode() for each in (how, spec.model_dump_json(), spec.urdf_text())]
+        path = [np.ascontiguousarray(each).tobytes() for each in rest]
         try:
-            return self.divided(placer, rest, room)
+            return _KEPT.division(
+                (*told, *path, *room.key), lambda: self.divided(placer_of(spec), rest, room)
+            )
         except Untrackable as error:
             line = error.index + tracked + 2
             nearest = (

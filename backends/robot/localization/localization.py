@@ -107,8 +107,8 @@ class Localization(ABC):
     @property
     def sigma(self) -> tuple[float, float]:
         """How well two poses that are both measured like this one can be compared, in [m] and [rad]."""
-        sigma = np.sqrt(np.diag(self.covariance))
-        return float(np.hypot(sigma[0], sigma[1])), float(sigma[2])
+        x, y, heading = map(math.sqrt, self.covariance.diagonal().tolist())
+        return float(np.hypot(x, y)), heading
 
     @property
     def tilt(self) -> tuple[float, float]:

@@ -42,11 +42,15 @@ class OutdoorLocalization(Localization):
         self._gps = backend.get(Gps)  # type: ignore[type-abstract]
         self._sensed = Sensed(np.zeros(3), np.zeros(3), np.zeros(2), None)
         self._felt, self._felt_at = np.zeros(6), self.travel
+        self._here: Pose2 | None = None
+        """The filter's pose, asked many times in a period."""
 
     @property
     def pose(self) -> Pose2:
         """See `Localization`."""
-        return self._filter.pose
+        if self._here is None:
+            self._here = self._filter.pose
+        return self._here
 
     @property
     def odometry_pose(self) -> Pose2:
@@ -109,13 +113,16 @@ class OutdoorLocalization(Localization):
     def mark(self) -> None:
         """See `Localization`."""
         self._filter.mark()
+        self._here = None
 
     def smoothed(self) -> list[Belief]:
         """See `Localization`."""
         return self._filter.smoothed()
 
     def _predict(self, left: float, right: float) -> None:
-        super()._predict(left, right)
+        if self._wheels.looks:
+            super()._predict(left, right)
+        self._here = None
         rolled = np.array([left, right])
         rates, accelerations = self._imu.rates(), self._imu.accelerations()
         felt = np.concatenate([rates, accelerations])
@@ -134,6 +141,7 @@ class OutdoorLocalization(Localization):
         """See `Localization`."""
         super().set_state(state)
         self._filter.forget_derived()
+        self._here = None
 
     def _parts(self) -> dict[str, tuple[object, Kinds]]:
         odometry = self._filter.odometry

@@ -15,6 +15,7 @@ from handcart.robotics.geometry.transform import Transform, inverse
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.kinematics.shapes import Box, Shape, radius_about, top
 
+from .near_pairs import Boxes, Pairs, near_boxes, near_spheres
 from .rigid_body import RigidBody, overlap
 
 HELD = "load"
@@ -23,8 +24,27 @@ _HANDS = (HELD, *FINGERS, "hand", "camera_body")
 _GIVE = 0.0005  # bodies that only touch count as free [m]
 
 Skip = Callable[[str, str], bool]
-Body = tuple[str, RigidBody, Transform, float]
-"""Name, geometry, pose in the world, radius of the sphere about it."""
+_POSTURES = 4  # whose links' poses are kept: those of a period, and of its begin
+
+
+class _Bodies(NamedTuple):
+    """What may touch something."""
+
+    names: list[str]
+    geometry: list[RigidBody]
+    poses: NDArray[np.float64]
+    """(b, 4, 4) in the world."""
+    radii: NDArray[np.float64]
+    """(b,) of the spheres about them, in [m]."""
+
+    def and_more(self, others: _Bodies) -> _Bodies:
+        """These, then those."""
+        return _Bodies(
+            self.names + others.names,
+            self.geometry + others.geometry,
+            np.concatenate((self.poses, others.poses)),
+            np.concatenate((self.radii, others.radii)),
+        )
 
 
 class Touch(NamedTuple):
@@ -59,19 +79,16 @@ class ArmContact:
         self._names = [shape.name for shape in shapes]
         self._geometry = [RigidBody.of(shape) for shape in shapes]
         self._radius = np.array([radius_about(shape) for shape in shapes])
+        self._fingers = [(g, i) for g, i in enumerate(self._links) if self._names[i] in FINGERS]
+        self._own_radii = self._radius[self._own]
+        self._hands = [g for g, i in enumerate(self._links) if self._names[i] in _HANDS]
         out = [float(np.hypot(*shapes[i].pose[:2, 3]) + self._radius[i]) for i in self._mounted]
         self._mounted_reach = max(out, default=0.0)
         self._fixed = [solid.box for solid in scene.solids]
         self._boxes: list[Box] = []
         self._changes = -1
         self._reach: tuple[object, float] = (None, 0.0)
-        self._last_poses = (b"", np.zeros((0, 4, 4)))
-
-    def deepest(self, base: Pose2, joints: NDArray[np.float64], skip: Skip | None = None) -> Touch:
-        """The deepest overlap with the base and the joints there; `skip(body, other)` leaves pairs out."""
-        scene = self._scene
-        far = scene.full_plan.clearance(base.x, base.y, scene.time)[0] > self._extent(joints)
-        return FREE if far else self._check(scene.leaning_at(base), joints, skip)
+        self._last_poses: dict[bytes, NDArray[np.float64]] = {}
 
     def deepest_of_robot(self, base: Pose2, joints: NDArray[np.float64], skip: Skip | None = None) -> Touch:
         """The same, with what is mounted on the base and what stands on it; all of it moves with the base."""
@@ -80,51 +97,57 @@ class ArmContact:
         if scene.full_plan.clearance(base.x, base.y, scene.time)[0] > reach:
             return FREE
         self._refresh()
-        world_T_base, riding = scene.leaning_at(base), self._riding(scene.leaning_at(base))
+        world_T_base = scene.leaning_at(base)
+        riding = self._riding(world_T_base)
         poses = world_T_base @ self._link_poses(joints)
-        mounted = [(self._names[i], self._geometry[i], poses[i], self._radius[i]) for i in self._mounted]
-        own = {name for name, *_ in riding}
-        bodies = [*self._bodies(world_T_base, poses, joints), *mounted, *riding]
+        mounted = self._some_links(self._mounted, poses)
+        bodies = self._moved(world_T_base, poses, joints).and_more(mounted).and_more(riding)
+        own = set(riding.names)
 
         def left_out(body: str, other: str) -> bool:
             return other in own or (skip is not None and skip(body, other))
 
-        return self._against_world(bodies, left_out)
+        return self._deepest(bodies, self._near(bodies), left_out)
 
     def deepest_of_arm(self, joints: NDArray[np.float64], skip: Skip | None = None) -> Touch:
-        """The same where the base is, the robot's own tray and what stands on it included."""
-        world_T_base = self._scene.world_T_base
-        worst = self.deepest(self._scene.base, joints, skip)
-        if worst is FREE and (self._scene.open_ground or self._scene.riding()):
-            worst = self._check(world_T_base, joints, skip)
-        poses = world_T_base @ self._link_poses(joints)
-        hand = [body for body in self._bodies(world_T_base, poses, joints) if body[0] in _HANDS]
-        return max(worst, self._against_robot(hand, poses))
+        """The deepest overlap of the arm with the joints there, where the base is.
+
+        The robot's own tray and what stands on it included; `skip(body, other)` leaves pairs out.
+        """
+        scene = self._scene
+        self._refresh()
+        poses = scene.world_T_base @ self._link_poses(joints)
+        bodies = self._moved(scene.world_T_base, poses, joints)
+        near, worst = self._near(bodies), FREE
+        if len(near) and (scene.open_ground or scene.riding() or not self._far(scene.base, joints)):
+            worst = self._deepest(bodies, near, skip)
+        return max(worst, self._against_robot(bodies, poses))
+
+    def _far(self, base: Pose2, joints: NDArray[np.float64]) -> bool:
+        """Whether all that is solid in the room is beyond the arm's reach."""
+        plan = self._scene.full_plan
+        return plan.clearance(base.x, base.y, self._scene.time)[0] > self._extent(joints)
 
     def travel(self, start: NDArray[np.float64], end: NDArray[np.float64]) -> float:
         """How far the middle of any link goes between two postures at most, about, in [m]."""
         before, after = self._link_poses(start)[:, :3, 3], self._link_poses(end)[:, :3, 3]
         return float(np.linalg.norm(after - before, axis=1).max())
 
-    def _riding(self, world_T_base: Transform) -> list[Body]:
+    def _riding(self, world_T_base: Transform) -> _Bodies:
         """What stands on the robot, the base being there."""
-        back = world_T_base @ inverse(self._scene.world_T_base)
-        return [
-            (
-                thing.name,
-                RigidBody.box(np.array(thing.size) - _GIVE),
-                back @ thing.pose @ thing.thing_T_middle,
-                float(np.linalg.norm(thing.size)) / 2,
-            )
-            for thing in self._scene.riding()
-        ]
+        back, things = world_T_base @ inverse(self._scene.world_T_base), self._scene.riding()
+        return _Bodies(
+            [thing.name for thing in things],
+            [RigidBody.box(np.array(thing.size) - _GIVE) for thing in things],
+            np.array([back @ thing.pose @ thing.thing_T_middle for thing in things]).reshape(-1, 4, 4),
+            np.array([float(np.linalg.norm(thing.size)) / 2 for thing in things]),
+        )
 
     def _extent_on_base(self) -> float:
         """Radius about the base's centre that what is mounted and what rides on it stay in, in [m]."""
-        here = inverse(self._scene.world_T_base)
         reach = self._mounted_reach
         for thing in self._scene.riding():
-            middle = here @ thing.pose @ thing.thing_T_middle[:, 3]
+            middle = thing.base_T_thing @ thing.thing_T_middle[:, 3]
             reach = max(reach, float(np.hypot(*middle[:2]) + np.linalg.norm(thing.size[:2]) / 2))
         return reach
 
@@ -142,75 +165,66 @@ class ArmContact:
             self._reach = (key, reach)
         return self._reach[1]
 
-    def _check(self, world_T_base: Transform, joints: NDArray[np.float64], skip: Skip | None) -> Touch:
-        self._refresh()
-        poses = world_T_base @ self._link_poses(joints)
-        return self._against_world(self._bodies(world_T_base, poses, joints), skip)
+    def _some_links(self, links: list[int], poses: NDArray[np.float64]) -> _Bodies:
+        """Some of all links, posed (g, 4, 4)."""
+        names, geometry = [self._names[i] for i in links], [self._geometry[i] for i in links]
+        return _Bodies(names, geometry, poses[links], self._radius[links])
 
-    def _bodies(
+    def _moved(
         self, world_T_base: Transform, poses: NDArray[np.float64], joints: NDArray[np.float64]
-    ) -> list[Body]:
+    ) -> _Bodies:
         """Moved links, fingers where they stand, and what is held."""
-        bodies = [(self._names[i], self._geometry[i], poses[i], self._radius[i]) for i in self._links]
-        for i, (name, geometry, pose, radius) in enumerate(bodies):
-            if name in FINGERS:
-                side = 1.0 if name == FINGERS[0] else -1.0
-                shifted = pose.copy()
-                shifted[:3, 3] += side * self._scene.width / 2 * pose[:3, 1]
-                bodies[i] = (name, geometry, shifted, radius)
+        links = self._some_links(self._links, poses)
+        for g, i in self._fingers:
+            side = 1.0 if self._names[i] == FINGERS[0] else -1.0
+            links.poses[g, :3, 3] += side * self._scene.width / 2 * links.poses[g, :3, 1]
         held = self._held(world_T_base, joints)
-        return bodies if held is None else [*bodies, held]
+        return links if held is None else links.and_more(held)
 
     def _link_poses(self, joints: NDArray[np.float64]) -> NDArray[np.float64]:
         """base_T_link (g, 4, 4): asked several times in a period for the same joints."""
         key = joints.tobytes()
-        if self._last_poses[0] != key:
-            self._last_poses = (key, self._arm.link_poses(joints))
-        return self._last_poses[1]
+        if key not in self._last_poses:
+            if len(self._last_poses) >= _POSTURES:
+                del self._last_poses[next(iter(self._last_poses))]
+            self._last_poses[key] = self._arm.link_poses(joints)
+        return self._last_poses[key]
 
-    def _held(self, world_T_base: Transform, joints: NDArray[np.float64]) -> Body | None:
+    def _held(self, world_T_base: Transform, joints: NDArray[np.float64]) -> _Bodies | None:
         thing = self._scene.held
         if thing is None:
             return None
         pose = world_T_base @ self._arm.forward(joints) @ self._scene.hand_T_held @ thing.thing_T_middle
         size = np.array(thing.size) - 2 * _GIVE
-        return HELD, RigidBody.box(size), pose, float(np.linalg.norm(size)) / 2
+        return _Bodies([HELD], [RigidBody.box(size)], pose[None], np.array([float(np.linalg.norm(size)) / 2]))
 
-    def _against_world(self, bodies: list[Body], skip: Skip | None) -> Touch:
-        centres, radii = _spheres(bodies)
-        close = self._close(centres, radii)
-        local = np.einsum("nji,gnj->gni", self._turn[close], centres[:, None] - self._middle[close])
-        outside = np.maximum(np.abs(local) - self._half[close], 0.0)
+    def _near(self, bodies: _Bodies) -> Pairs:
+        """Bodies, and the numbers of those boxes that may be in their way."""
+        there = (self._appears <= self._scene.time) & (self._scene.time < self._leaves)
+        return near_boxes(bodies.poses, bodies.radii, self._arrays, there)
+
+    def _deepest(self, bodies: _Bodies, near: Pairs, skip: Skip | None) -> Touch:
+        """The deepest overlap among those pairs of bodies and boxes."""
         worst = FREE
-        for g, k in np.argwhere((outside**2).sum(axis=2) < radii[:, None] ** 2):
-            n = close[k]
-            name, geometry, pose, _ = bodies[g]
-            if skip is not None and skip(name, self._boxes[n].name):
+        for g, n in near.tolist():
+            name, box = bodies.names[g], self._boxes[n]
+            if skip is not None and skip(name, box.name):
                 continue
-            depth = overlap(geometry, pose, self._solids[n], self._boxes[n].pose)
+            depth = overlap(bodies.geometry[g], bodies.poses[g], self._solids[n], box.pose)
             if depth > worst.depth:
-                worst = Touch(depth, name, self._boxes[n].name)
+                worst = Touch(depth, name, box.name)
         return worst
 
-    def _against_robot(self, bodies: list[Body], poses: NDArray[np.float64]) -> Touch:
-        centres, radii = _spheres(bodies)
-        away = centres[:, None] - poses[self._own, :3, 3]
-        close = (away**2).sum(axis=2) < (radii[:, None] + self._radius[self._own]) ** 2
+    def _against_robot(self, bodies: _Bodies, poses: NDArray[np.float64]) -> Touch:
+        """The deepest overlap of the hand and what it holds with what of the robot the arm doesn't move."""
+        hands = self._hands + list(range(len(self._links), len(bodies.names)))
+        near = near_spheres(bodies.poses[hands], bodies.radii[hands], poses[self._own], self._own_radii)
         worst = FREE
-        for g, k in np.argwhere(close):
-            i, (name, geometry, pose, _) = self._own[k], bodies[g]
-            depth = overlap(geometry, pose, self._geometry[i], poses[i])
-            worst = max(worst, Touch(depth, name, self._names[i]))
+        for g, k in near.tolist():
+            i, hand = self._own[k], hands[g]
+            depth = overlap(bodies.geometry[hand], bodies.poses[hand], self._geometry[i], poses[i])
+            worst = max(worst, Touch(depth, bodies.names[hand], self._names[i]))
         return worst
-
-    def _close(self, centres: NDArray[np.float64], radii: NDArray[np.float64]) -> NDArray[np.int64]:
-        """Those boxes that are there and that the sphere about all bodies' spheres may reach."""
-        middle = centres.mean(axis=0)
-        reach = float((np.linalg.norm(centres - middle, axis=1) + radii).max())
-        x, y, z = (self._middle - middle).T
-        close = x**2 + y**2 + z**2 < (self._ball + reach) ** 2
-        close &= (self._appears <= self._scene.time) & (self._scene.time < self._leaves)
-        return np.flatnonzero(close)
 
     def _refresh(self) -> None:
         """Take things from where they are now."""
@@ -222,20 +236,12 @@ class ArmContact:
             thing.box() for thing in self._scene.things() if thing.rest not in (Rest.HAND, Rest.FLOOR)
         ]
         self._boxes = [*self._fixed, *standing]
-        self._solids = [RigidBody.box(size) for size in np.array([box.size for box in self._boxes]) - _GIVE]
-        poses = np.array([box.pose for box in self._boxes]).reshape(-1, 4, 4)
-        self._middle, self._turn = poses[:, :3, 3], poses[:, :3, :3]
-        self._half = np.array([box.size for box in self._boxes]).reshape(-1, 3) / 2
-        self._ball = np.linalg.norm(self._half, axis=1)
+        sizes = np.array([box.size for box in self._boxes]).reshape(-1, 3)
+        self._solids = [RigidBody.box(size) for size in sizes - _GIVE]
+        self._arrays = Boxes(sizes, np.array([box.pose for box in self._boxes]).reshape(-1, 4, 4))
         always = np.zeros(len(standing))
         self._appears = np.append([solid.appears for solid in self._scene.solids], always)
         self._leaves = np.append([solid.leaves for solid in self._scene.solids], always + np.inf)
-
-
-def _spheres(bodies: list[Body]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Middles (n, 3) and radii (n,) of the spheres about them."""
-    middles = [pose[:3, 3] for _, _, pose, _ in bodies]
-    return np.array(middles).reshape(-1, 3), np.array([radius for *_, radius in bodies])
 
 
 def _still(arm: ArmModel, shapes: Collection[Shape]) -> set[str]:

@@ -20,7 +20,7 @@ from handcart.backends.simulation.body.swing import is_swing, swing_yaw
 from handcart.backends.simulation.keyed_noise import keyed, keyed_normal
 from handcart.robotics.kinematics.arm_model import ArmModel
 
-_SQUARED_DAMPING = 1e-4
+_DAMPING = 1e-8 * np.eye(6)
 
 Vector = NDArray[np.float64]
 
@@ -215,8 +215,9 @@ class ArmError:
         systematic = self._errors.hand_systematic_mm / math.sqrt(3.0)
         off = wrong + systematic * np.sin(self._waves @ hand + self._phases)
         J = self._arm.jacobian(joints)
-        twist = np.concatenate([off / 1e3, np.zeros(3)])
-        damped = J @ J.T + _SQUARED_DAMPING * np.eye(6) * 1e-4
+        twist = np.zeros(6)
+        twist[:3] = off / 1e3
+        damped = J @ J.T + _DAMPING
         return np.asarray(offset + J.T @ np.linalg.solve(damped, twist))
 
     def _draw(self, motion: int, dof: int) -> tuple[int, Vector, Vector]:

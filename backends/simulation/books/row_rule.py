@@ -51,6 +51,8 @@ class RowRule(HandRule):
         self._books, self._scene, self._arm = books, books.scene, arm
         self.entry: Entry | None = None
         self._front: Front | None = None
+        self._row: tuple[object, list[Member]] | None = None
+        """What it was made from, and the row that the hand reaches into."""
         self._entrance = Entrance(books.seed)
 
     @property
@@ -62,6 +64,7 @@ class RowRule(HandRule):
     def entered(self, kept: tuple[str, FreeInterval, bool] | None) -> None:
         if kept is not None and kept[0] not in self._books.shelves:
             raise NotAState(f"no saved state: there is no shelf {kept[0]!r} in this world")
+        self._row = None
         self.entry = None if kept is None else Entry(self._books.shelves[kept[0]], *kept[1:])
 
     @property
@@ -141,8 +144,15 @@ class RowRule(HandRule):
             x, y, z = S_T_hand[:3, 3]
             near = -0.45 < x < 0.25 and abs(y) < shelf.half_width + 0.05 and -0.1 < z < 0.4
             if near and S_T_hand[0, 0] > _FACING:
-                return Front(shelf, members(self._books, shelf, self._scene.held), S_T_hand)
+                return Front(shelf, self._members(shelf), S_T_hand)
         return None
+
+    def _members(self, shelf: Shelf) -> list[Member]:
+        """The row on a shelf: made anew where something was moved."""
+        key = self._scene.changes, self._scene.held, shelf
+        if self._row is None or self._row[0] != key:
+            self._row = key, members(self._books, shelf, self._scene.held)
+        return self._row[1]
 
     def _follow_entry(self, front: Front | None) -> None:
         book = self._scene.held

@@ -132,11 +132,12 @@ def _blend(below: GreyImage, above: GreyImage, cover: NDArray[np.float32]) -> Gr
 
 def _before(rays: Floats) -> Floats:
     """The part of a polygon before the nearest plane (Sutherland and Hodgman, 1974)."""
-    kept: list[Floats] = []
-    for a, b in zip(rays, np.roll(rays, -1, axis=0), strict=True):
+    corners: list[list[float]] = rays.tolist()
+    kept: list[list[float]] = []
+    for a, b in zip(corners, [*corners[1:], corners[0]], strict=True):
         if a[2] >= _NEAREST:
             kept.append(a)
         if (a[2] >= _NEAREST) != (b[2] >= _NEAREST):
             share = (_NEAREST - a[2]) / (b[2] - a[2])
-            kept.append(a + share * (b - a))
+            kept.append([one + share * (other - one) for one, other in zip(a, b, strict=True)])
     return np.array(kept).reshape(-1, 3)

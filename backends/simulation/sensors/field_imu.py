@@ -39,15 +39,13 @@ class FieldImu(SimulatedImu):
         self._walk, self._place = np.zeros(3), scene.base
         self._speed, self._felt = 0.0, np.zeros(3)
 
-    def rates(self) -> Vector:
-        """See `Imu`."""
+    def _read_rates(self) -> Vector:
         noise = self._rate_sigma * keyed_normal(self._seed, "gyros", self._now, 3)
         warm = self._warm * math.exp(-self._now * self._period / self._spec.warm_up_s)
         bias = self._bias + warm + self._walk
         return np.asarray(self._scale * self._turned / self._period + bias + noise)
 
-    def accelerations(self) -> Vector:
-        """See `Imu`."""
+    def _read_accelerations(self) -> Vector:
         shaken = self._spec.vibration_m_s2 if self._speed != 0.0 else 0.0
         sigma = math.hypot(self._felt_sigma, shaken)
         noise = sigma * keyed_normal(self._seed, "accelerometers", self._now, 3)

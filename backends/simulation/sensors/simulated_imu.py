@@ -32,14 +32,28 @@ class SimulatedImu(Imu):
         self._felt_sigma = spec.accelerometer_sigma_m_s2
         self._turn = scene.world_T_base[:3, :3]
         self._turned, self._now = np.zeros(3), 0
+        self._rates: tuple[int, Vector, Vector] | None = None
+        self._accelerations: tuple[int, Vector, Vector] | None = None
 
     def rates(self) -> Vector:
         """See `Imu`."""
-        noise = self._rate_sigma * keyed_normal(self._seed, "gyros", self._now, 3)
-        return np.asarray(self._turned / self._period + self._bias + noise)
+        last = self._rates
+        if last is None or last[0] != self._now or last[1] is not self._turned:
+            last = self._rates = (self._now, self._turned, self._read_rates())
+        return last[2].copy()
 
     def accelerations(self) -> Vector:
         """See `Imu`."""
+        last = self._accelerations
+        if last is None or last[0] != self._now or last[1] is not self._turn:
+            last = self._accelerations = (self._now, self._turn, self._read_accelerations())
+        return last[2].copy()
+
+    def _read_rates(self) -> Vector:
+        noise = self._rate_sigma * keyed_normal(self._seed, "gyros", self._now, 3)
+        return np.asarray(self._turned / self._period + self._bias + noise)
+
+    def _read_accelerations(self) -> Vector:
         noise = self._felt_sigma * keyed_normal(self._seed, "accelerometers", self._now, 3)
         return np.asarray(self._turn.T @ self._carried() + noise)
 

@@ -39,12 +39,16 @@ class SimulatedRangeSensor(RangeSensor):
     def scan(self) -> Scan:
         """See `RangeSensor`."""
         if self._last is None or self._last[0] != self._now:
-            noise = keyed_normal(self._seed, "range sensor", self._now, len(self._angles))
-            ranges = np.maximum(self._cast() + self._spec.sigma_mm / 1e3 * noise, 0.0)
-            ranges[ranges > self._spec.reach_m] = np.inf
-            self._last = (self._now, Scan(self._angles.copy(), ranges, self._mount))
+            self._last = (self._now, self._noisy(self._cast(), self._now))
         return self._last[1]
 
     def advance(self, period: int) -> None:
         """A new period begins."""
         self._now = period
+
+    def _noisy(self, true: NDArray[np.float64], period: int) -> Scan:
+        """What is read of true ranges (n,) in a period, in [m]."""
+        noise = keyed_normal(self._seed, "range sensor", period, len(self._angles))
+        ranges = np.maximum(true + self._spec.sigma_mm / 1e3 * noise, 0.0)
+        ranges[ranges > self._spec.reach_m] = np.inf
+        return Scan(self._angles.copy(), ranges, self._mount)

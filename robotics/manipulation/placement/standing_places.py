@@ -19,24 +19,36 @@ Floats = NDArray[np.float64]
 Masks = NDArray[np.bool_]
 
 
-def has_way(bases: Floats, grid: GridMap, start: tuple[float, float], radius: float) -> Masks:
-    """(b,): base poses (b, 3) to which a round base gets from `start` without touching what the map knows.
+class OpenFloor:
+    """Where a round base can go without touching what a map knows: rooms with no way from one to another."""
 
-    Args:
-        radius: of the base, in [m]; its centre keeps that far from occupied and unknown cells, and from the
-            edge of the map.
-    """
-    free = np.pad(~grid.blocked, 1).astype(np.uint8)
-    away = cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)[1:-1, 1:-1] * grid.resolution
-    parts, _ = ndimage.label(away >= radius, structure=np.ones((3, 3)))
-    inside = grid.inside(bases[:, :2])
-    if not grid.inside(np.array([start]))[0]:
-        return np.zeros(len(bases), dtype=np.bool_)
-    home = parts[tuple(grid.to_cell(np.array([start]))[0])]
-    cells = grid.to_cell(bases[inside, :2])
-    reached = np.zeros(len(bases), dtype=np.bool_)
-    reached[inside] = (parts[cells[:, 0], cells[:, 1]] == home) & (home != 0)
-    return reached
+    def __init__(self, grid: GridMap, radius: float) -> None:
+        """Divide a map.
+
+        Args:
+            grid: the map.
+            radius: of the base, in [m]; its centre keeps that far from occupied and unknown cells, and from
+                the edge of the map.
+        """
+        free = np.pad(~grid.blocked, 1).astype(np.uint8)
+        away = cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)[1:-1, 1:-1] * grid.resolution
+        self._grid = grid
+        self._rooms, _ = ndimage.label(away >= radius, structure=np.ones((3, 3)))
+
+    def reached_from(self, start: tuple[float, float]) -> Masks:
+        """(h, w): the map's cells that a base gets to from there, in [m]."""
+        if not self._grid.inside(np.array([start]))[0]:
+            return np.zeros(self._rooms.shape, dtype=np.bool_)
+        home = self._rooms[tuple(self._grid.to_cell(np.array([start]))[0])]
+        return np.asarray((self._rooms == home) & (home != 0))
+
+    def leads_to(self, bases: Floats, reached: Masks) -> Masks:
+        """(b,): which of base poses (b, 3) stand on `reached` cells."""
+        inside = self._grid.inside(bases[:, :2])
+        cells = self._grid.to_cell(bases[inside, :2])
+        found = np.zeros(len(bases), dtype=np.bool_)
+        found[inside] = reached[cells[:, 0], cells[:, 1]]
+        return found
 
 
 def stands_clear(

@@ -43,6 +43,11 @@ class Localizer(ABC):
         return self._odometry
 
     @property
+    def looks(self) -> bool:
+        """Whether scans tell it anything."""
+        return True
+
+    @property
     def pose(self) -> Pose2:
         """map_T_base."""
         return self._odometry.pose
@@ -86,6 +91,11 @@ class OdometryLocalizer(Localizer):
         super().__init__(start, tread, errors, covariance)
         self._field, self._sigma = field, sigma
         self._stands: Pose2 | None = None
+
+    @property
+    def looks(self) -> bool:
+        """See `Localizer`: it needs a map."""
+        return self._field is not None
 
     def predict(self, left: float, right: float) -> None:
         """See `Localizer`."""

@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
 
+_LEAST = 1e-12 * np.eye(3)  # [m², rad²] of a pose that is certain: it can be divided by
+
 
 class OdometryErrors(NamedTuple):
     """One-sigma errors of a differential drive's wheels."""
@@ -71,20 +73,29 @@ class Odometry:
 
     def predict(self, left: float, right: float) -> None:
         """Move by the travel of both wheels since the last call, in [m]."""
-        moved = np.array([left, right]) * (1.0 + self._scales[:2])
-        tread = self._tread * (1.0 + self._scales[2])
-        forward, turn = 0.5 * (moved[0] + moved[1]), (moved[1] - moved[0]) / tread
+        left_scale, right_scale, tread_scale = self._scales.tolist()
+        moved_left, moved_right = left * (1.0 + left_scale), right * (1.0 + right_scale)
+        tread = self._tread * (1.0 + tread_scale)
+        forward, turn = 0.5 * (moved_left + moved_right), (moved_right - moved_left) / tread
         heading = self.pose.theta + 0.5 * turn
         chord = forward * (math.sin(0.5 * turn) / (0.5 * turn) if abs(turn) > 1e-9 else 1.0)
         cos, sin = math.cos(heading), math.sin(heading)
         by_wheel = _wheel_jacobian(forward, cos, sin, tread)
-        step = np.eye(6)
-        step[:2, 2] = -chord * sin, chord * cos
-        step[:3, 3:5] = by_wheel * (left, right)
-        step[:3, 5] = np.array([0.5 * forward * sin, -0.5 * forward * cos, -1.0]) * turn
-        slip = self._errors.slip**2 * np.abs([left, right]) * self._errors.slip_length
+        (lx, rx), (ly, ry), (lt, rt) = by_wheel.tolist()
+        step = np.array(
+            [
+                [1.0, 0.0, -chord * sin, lx * left, rx * right, 0.5 * forward * sin * turn],
+                [0.0, 1.0, chord * cos, ly * left, ry * right, -0.5 * forward * cos * turn],
+                [0.0, 0.0, 1.0, lt * left, rt * right, -1.0 * turn],
+                [0.0, 0.0, 0.0, 1.0, 0.0, 0.0],
+                [0.0, 0.0, 0.0, 0.0, 1.0, 0.0],
+                [0.0, 0.0, 0.0, 0.0, 0.0, 1.0],
+            ]
+        )
         self._state = step @ self._state @ step.T
-        self._state[:3, :3] += (by_wheel * slip) @ by_wheel.T
+        slip, length = self._errors.slip**2, self._errors.slip_length
+        slips = np.array([slip * abs(left) * length, slip * abs(right) * length])
+        self._state[:3, :3] += (by_wheel * slips) @ by_wheel.T
         self.pose = self.pose.compose(_arc(chord, turn))
 
     def correct(self, pose: Pose2, covariance: NDArray[np.float64]) -> None:
@@ -94,7 +105,7 @@ class Odometry:
             pose: map_T_base.
             covariance: (3, 3), of the pose with the prior already in it.
         """
-        prior = self._state[:3, :3] + 1e-12 * np.eye(3)
+        prior = self._state[:3, :3] + _LEAST
         gain = np.linalg.solve(
             prior, self._state[:3]
         ).T  # (6, 3): what a change of the pose says of all states

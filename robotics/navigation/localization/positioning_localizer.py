@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import chain
 from typing import Any, ClassVar
 
 import numpy as np
@@ -25,7 +26,12 @@ class PositioningLocalizer(Localizer):
     Readings that nothing explains, three in a row, say that the base was moved: the pose is then theirs.
     """
 
-    STATE: ClassVar[Mapping[str, Any]] = {"_number": int, "_poses": tuple[Pose2, ...], "_strange": int}
+    STATE: ClassVar[Mapping[str, Any]] = {
+        "_number": int,
+        "_poses": tuple[Pose2, ...],
+        "_shifts": tuple[tuple[Pose2, ...], ...],
+        "_strange": int,
+    }
 
     def __init__(
         self,
@@ -47,12 +53,14 @@ class PositioningLocalizer(Localizer):
         super().__init__(start, tread, errors, covariance)
         self._noise = np.diag([sigma[0], sigma[0], sigma[1]]) ** 2 + DRIFT
         self._number, self._strange = 0, 0
-        self._poses: tuple[Pose2, ...] = (start,)
+        self._poses: tuple[Pose2, ...] = (start,)  # as they were believed first
+        self._shifts: tuple[tuple[Pose2, ...], ...] = ((),)  # in each of their periods: of all until then
 
     def predict(self, left: float, right: float) -> None:
         """See `Localizer`; once a period."""
         super().predict(left, right)
         self._poses = (*self._poses[-REMEMBERED:], self.pose)
+        self._shifts = (*self._shifts[-REMEMBERED:], ())
 
     def correct(self, points: NDArray[np.float64]) -> bool:
         """Scans are not looked at."""
@@ -72,8 +80,7 @@ class PositioningLocalizer(Localizer):
         if number == self._number:
             return False
         self._number = number
-        then = self._poses[max(0, len(self._poses) - 1 - periods)]
-        now = measured.compose(self.pose.relative_to(then))
+        now = measured.compose(self.pose.relative_to(self._remembered(periods)))
         prior = self.covariance + DRIFT
         off = np.array([now.x - self.pose.x, now.y - self.pose.y, wrap(now.theta - self.pose.theta)])
         spread = prior + self._noise
@@ -98,6 +105,13 @@ class PositioningLocalizer(Localizer):
 
     def _shift(self) -> None:
         """What is remembered ends at the corrected pose; the way since stays as it was."""
-        last, here = self._poses[-1], self.pose
-        moved = here.compose(last.inverse())
-        self._poses = tuple(moved.compose(pose) for pose in self._poses)
+        moved = self.pose.compose(self._remembered(0).inverse())
+        self._shifts = (*self._shifts[:-1], (*self._shifts[-1], moved))
+
+    def _remembered(self, periods: int) -> Pose2:
+        """map_T_base of so many periods ago, by all that was taken in since."""
+        at = max(0, len(self._poses) - 1 - periods)
+        pose = self._poses[at]
+        for moved in chain.from_iterable(self._shifts[at:]):
+            pose = moved.compose(pose)
+        return pose

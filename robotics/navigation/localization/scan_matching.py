@@ -21,6 +21,7 @@ from handcart.robotics.numerics.compiled import compiled
 
 INLIER = 3.0  # scales within which a point counts as explained by the map
 CELL_BIAS = 0.25  # of a cell: what a pose is wrong by because surfaces lie anywhere in their cells
+_LEAST = 1e-6 * np.eye(3)  # of an information: what is seen may not tell all of a pose
 ANNEALED = (0.5, 0.35, 0.25, 0.17, 0.12)  # scales in [m] tried before the final one from a bad start
 
 
@@ -69,11 +70,11 @@ def _read(
 ) -> NDArray[np.float64]:
     """Distance, its bilinear slopes along x and y per cell, 1 in solids: (n, 4); inf and zeros outside."""
     height, width = distance.shape
-    out = np.empty((len(at), 4))
+    out = np.zeros((len(at), 4))
     for i in range(len(at)):
         column, row = math.floor(at[i, 0]), math.floor(at[i, 1])
         if not (0 <= column < width - 1 and 0 <= row < height - 1):
-            out[i] = np.inf, 0.0, 0.0, 0.0
+            out[i, 0] = np.inf  # a whole row at once would take two seconds more to compile
             continue
         u, v = at[i, 0] - column, at[i, 1] - row
         a, b = distance[row, column], distance[row, column + 1]
@@ -87,31 +88,37 @@ def _read(
 
 @compiled
 def _normal_equations(
-    readings: NDArray[np.float64],
-    arms: NDArray[np.float64],
+    distance: NDArray[np.float32],
+    occupied: NDArray[np.bool_],
+    points: NDArray[np.float64],
+    middle: tuple[float, float],
+    origin: tuple[float, float],
     resolution: float,
     scale: float,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Hessian (3, 3) and gradient (3,) of the points' robust cost, weights of Geman and McClure.
 
+    The points (n, 2) are those of the map, `middle` the base on it, `origin` the map's corner, all in [m].
     A point inside a solid that would be drawn on along its beam is left out: that way is the wall's back.
     """
     hessian = np.zeros((3, 3))
     gradient = np.zeros(3)
     slope = np.empty(3)
-    for i in range(len(readings)):
+    at = np.empty((len(points), 2))
+    for i in range(len(points)):
+        at[i, 0] = (points[i, 0] - origin[0]) / resolution - 0.5
+        at[i, 1] = (points[i, 1] - origin[1]) / resolution - 0.5
+    readings = _read(distance, occupied, at)
+    for i in range(len(points)):
         residual = readings[i, 0]
         if residual > 4.0 * scale:
             continue
         weight = 1.0 / (1.0 + (residual / scale) ** 2) ** 2
         slope[0], slope[1] = readings[i, 1] / resolution, readings[i, 2] / resolution
-        if (
-            readings[i, 3]
-            and slope[0] * arms[i, 0] + slope[1] * arms[i, 1] < 0.0
-            and residual > 0.5 * resolution
-        ):
+        x, y = points[i, 0] - middle[0], points[i, 1] - middle[1]
+        if readings[i, 3] and slope[0] * x + slope[1] * y < 0.0 and residual > 0.5 * resolution:
             continue
-        slope[2] = slope[1] * arms[i, 0] - slope[0] * arms[i, 1]
+        slope[2] = slope[1] * x - slope[0] * y
         for j in range(3):
             gradient[j] += weight * slope[j] * residual
             for k in range(3):
@@ -162,16 +169,17 @@ def _descend(
     noise: float,
 ) -> tuple[Pose2, NDArray[np.float64]]:
     """Gauss-Newton at one robust scale: the pose and its information (3, 3)."""
-    resolution = field.map.resolution
+    resolution, origin = field.map.resolution, (field.map.origin_x, field.map.origin_y)
     total: NDArray[np.float64] = information
     for _ in range(12):
         moved = pose.apply(points)
-        arms = moved - (pose.x, pose.y)
-        readings = _read(field.distance, field.map.occupied, field._scaled(moved))
-        hessian, gradient = _normal_equations(readings, arms, resolution, scale)
+        middle = float(pose.x), float(pose.y)
+        hessian, gradient = _normal_equations(
+            field.distance, field.map.occupied, moved, middle, origin, resolution, scale
+        )
         off = np.array([pose.x - prior.x, pose.y - prior.y, wrap(pose.theta - prior.theta)])
         total = hessian / noise**2 + information
-        step = -np.linalg.solve(total + 1e-6 * np.eye(3), gradient / noise**2 + information @ off)
+        step = -np.linalg.solve(total + _LEAST, gradient / noise**2 + information @ off)
         x, y, turn = step.tolist()
         pose = Pose2(pose.x + x, pose.y + y, wrap(pose.theta + turn))
         if abs(x) + abs(y) < 1e-5 and abs(turn) < 1e-5:

@@ -15,6 +15,9 @@ SAMPLE = 4.0  # of the path, in [cells], before shortcuts
 LONGEST_LEAP = 50  # samples
 
 
+# Numbers are copied one by one here: numba takes two seconds to compile a copy of an array's row.
+
+
 @compiled
 def _apart(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
     return math.sqrt((one[0] - other[0]) ** 2 + (one[1] - other[1]) ** 2)
@@ -45,10 +48,12 @@ def sampled(path: NDArray[np.float64], spacing: float) -> NDArray[np.float64]:
     Points that are there twice are left out.
     """
     parts = np.empty(max(len(path) - 1, 0), dtype=np.int64)
+    count = 1
     for i in range(len(parts)):
         parts[i] = math.ceil(_apart(path[i], path[i + 1]) / spacing)
-    points = np.empty((parts.sum() + 1, 2))
-    points[0] = path[0]
+        count += parts[i]
+    points = np.empty((count, 2))
+    points[0, 0], points[0, 1] = path[0, 0], path[0, 1]
     count = 1
     for i in range(len(parts)):
         for k in range(1, parts[i] + 1):
@@ -56,7 +61,7 @@ def sampled(path: NDArray[np.float64], spacing: float) -> NDArray[np.float64]:
             points[count, 0] = path[i, 0] + share * (path[i + 1, 0] - path[i, 0])
             points[count, 1] = path[i, 1] + share * (path[i + 1, 1] - path[i, 1])
             if k == parts[i]:
-                points[count] = path[i + 1]
+                points[count, 0], points[count, 1] = path[i + 1, 0], path[i + 1, 1]
             count += 1
     return points
 
@@ -121,7 +126,10 @@ def straightened(
             kept.extend(range(samples[j] - 1, samples[j - 1], -1))
         j = back[j]
         kept.append(samples[j])
-    corners: NDArray[np.float64] = path[np.array(kept[::-1])]
+    corners = np.empty((len(kept), 2))
+    for k in range(len(kept)):
+        corner = kept[len(kept) - 1 - k]
+        corners[k, 0], corners[k, 1] = path[corner, 0], path[corner, 1]
     return corners
 
 
@@ -140,11 +148,11 @@ def around_corners(
     path = np.empty((2 * len(way), 2))
     count = 0
     for i in range(len(way)):
-        path[count] = way[i]
+        path[count, 0], path[count, 1] = way[i, 0], way[i, 1]
         count += 1
         if i + 1 == len(way) or abs(way[i, 0] - way[i + 1, 0]) != 1 or abs(way[i, 1] - way[i + 1, 1]) != 1:
             continue
-        path[count] = way[i + 1]
+        path[count, 0], path[count, 1] = way[i + 1, 0], way[i + 1, 1]
         if not is_clear(squares, path[count - 1], path[count], need):
             if free[way[i, 0], way[i + 1, 1]]:
                 path[count, 0] = way[i, 0]

@@ -51,6 +51,9 @@ def parse(text: str) -> CallNumber | None:
 def snap(text: str, catalogue: Sequence[CallNumber], distance: int = 2) -> CallNumber | None:
     """The known call number nearest to what was read, at most `distance` edits away; None where two tie."""
     read = text.replace(" ", "").upper()
+    exact = {known for known in catalogue if str(known).replace(" ", "") == read}
+    if exact:
+        return exact.pop() if len(exact) == 1 else None
     nearest, found = distance + 1, set[CallNumber]()
     for known in catalogue:
         edits = edit_distance(read, str(known).replace(" ", ""), min(nearest, distance))

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from handcart.robotics.perception.books.flat_view import View, flat_view
 from handcart.robotics.perception.books.label_box import LabelBox
 from handcart.robotics.perception.books.print_finder import find_prints
+from handcart.robotics.perception.cameras.bright_patches import BrightPatches
 from handcart.robotics.perception.cameras.camera_model import CameraModel, Floats, GreyImage
 
 _WIDTHS, _LENGTHS = (0.0052, 0.0265), (0.015, 0.090)  # across and along the spine, [m]
@@ -28,7 +29,7 @@ def find_labels(
     best: dict[tuple[int, int], tuple[float, LabelBox]] = {}
     for paper in _papers(view):
         for level in _LEVELS:
-            for squareness, box in _patches(paper >= level, view):
+            for squareness, box in _patches(paper, level, view):
                 near = next((key for key in best if _same_place(key, box)), None)
                 if near is None:
                     near = (round(box.centre[0] * 1000), round(box.centre[1] * 1000))
@@ -67,18 +68,17 @@ def _same_place(key: tuple[int, int], box: LabelBox) -> bool:
     return abs(key[0] - box.centre[0] * 1000) < 6 and abs(key[1] - box.centre[1] * 1000) < 30
 
 
-def _patches(bright: NDArray[np.bool_], view: View) -> list[tuple[float, LabelBox]]:
+def _patches(paper: GreyImage, level: int, view: View) -> list[tuple[float, LabelBox]]:
     """Bright patches of a label's size and shape, with how much of their rectangle they fill."""
-    count, numbers, stats, _ = cv2.connectedComponentsWithStats(bright.astype(np.uint8), connectivity=4)
-    found = []
-    for i in range(1, count):
-        x, y, width, height, area = (int(v) for v in stats[i])
+    patches, found = BrightPatches(paper, level), []
+    for number, (x, y, width, height, area) in enumerate(patches.boxes.tolist()):
         if not _label_sized(width * view.m_per_px, height * view.m_per_px, slack=1.4):
             continue
-        if x == 0 or y == 0 or x + width == bright.shape[1] or y + height == bright.shape[0]:
+        if x == 0 or y == 0 or x + width == paper.shape[1] or y + height == paper.shape[0]:
             continue
-        patch = (numbers[y : y + height, x : x + width] == i).astype(np.uint8)
-        outline = max(cv2.findContours(patch, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)[0], key=len)
+        outline = max(
+            cv2.findContours(patches.mask(number), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)[0], key=len
+        )
         corners = cv2.boxPoints(cv2.minAreaRect(outline)) + np.array([x, y])
         box = _box(corners, view)
         filled = area * view.m_per_px**2 / (box.length * box.width)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from handcart.robotics.numerics.compiled import compiled
 from handcart.robotics.perception.books.flat_view import View
 
 Floats = NDArray[np.float64]
@@ -113,11 +115,25 @@ def upright(strips: Strips) -> Strips:
 
 
 def _sheared(rows: Floats, strips: Strips, tilt: float) -> Floats:
-    columns = np.arange(rows.shape[1])
-    shifts = tilt * (strips.z - strips.z.mean()) / strips.m_per_px
-    return np.stack(
-        [np.interp(columns + shift, columns, row, 0, 0) for row, shift in zip(rows, shifts, strict=True)]
-    )
+    return _shifted(np.ascontiguousarray(rows), tilt * (strips.z - strips.z.mean()) / strips.m_per_px)
+
+
+@compiled
+def _shifted(rows: Floats, shifts: Floats) -> Floats:
+    """Each row (w,) read so many columns further on, between them on a line; 0 outside. As `np.interp`."""
+    count, width = rows.shape
+    out = np.zeros((count, width))
+    for i in range(count):
+        for k in range(width):
+            at = k + shifts[i]
+            if not 0.0 <= at <= width - 1:
+                continue
+            j = math.floor(at)
+            if j == at:
+                out[i, k] = rows[i, j]
+            else:
+                out[i, k] = (rows[i, j + 1] - rows[i, j]) * (at - j) + rows[i, j]
+    return out
 
 
 def falling_edges(strips: Strips) -> list[Edge]:

@@ -108,6 +108,21 @@ def test_the_base_stops_at_a_wall_while_its_wheels_go_on(make: Make) -> None:
     assert backend.scene.base.y > 0.5
 
 
+def test_a_scan_that_is_made_later_is_the_one_of_its_period(make: Make) -> None:
+    backend, asked_then = make(), make()
+    later, then = [], []
+    for _ in range(30):
+        for each in (backend, asked_then):
+            each.get(Base).drive(0.2, 0.3)
+            each.step()
+        later.append(backend.get(RangeSensor).scan_later())
+        then.append(asked_then.get(RangeSensor).scan())
+    for made, read in zip(later, then, strict=True):
+        assert np.array_equal(made().ranges, read.ranges)
+        assert np.array_equal(made().angles, read.angles)
+    assert not np.array_equal(then[0].ranges, then[-1].ranges)
+
+
 def test_a_scan_fits_the_room_and_sees_who_comes_and_goes(make: Make) -> None:
     backend = make()
     sensor = backend.get(RangeSensor)

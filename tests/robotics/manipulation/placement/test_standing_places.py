@@ -12,7 +12,7 @@ from handcart.robotics.manipulation.placement.nearest_reachable import with_near
 from handcart.robotics.manipulation.placement.placement_division import best_division
 from handcart.robotics.manipulation.placement.placement_scores import PlacementScores
 from handcart.robotics.manipulation.placement.score_rule import Measure, ScoreRule
-from handcart.robotics.manipulation.placement.standing_places import has_way, stands_clear
+from handcart.robotics.manipulation.placement.standing_places import OpenFloor, stands_clear
 from handcart.robotics.manipulation.placement.untrackable import Untrackable
 from handcart.robotics.manipulation.tracking.tool_path import ToolPath
 from handcart.robotics.navigation.maps.grid_map import from_boxes
@@ -25,12 +25,13 @@ BASES = stands((-1.8, 1.8, 19), (-1.8, 1.8, 19), 2)
 def test_no_way_leads_behind_a_wall_or_into_it() -> None:
     wall = [(0.0, 0.0, 0.0, 4.0, 0.1)]
     grid = from_boxes(wall, 0.05, (-2.0, -2.0), (4.0, 4.0))
-    found = has_way(BASES, grid, (0.0, -1.0), 0.3)
+    floor = OpenFloor(grid, 0.3)
+    found = floor.leads_to(BASES, floor.reached_from((0.0, -1.0)))
     y = BASES[:, 1]
     assert not found[y > -0.3].any()
     assert found[(y < -0.45) & (y > -1.6) & (np.abs(BASES[:, 0]) < 1.6)].all()
-    assert not has_way(BASES, grid, (0.0, 0.0), 0.3).any()
-    assert not has_way(BASES, grid, (9.0, 0.0), 0.3).any()
+    assert not floor.reached_from((0.0, 0.0)).any()
+    assert not floor.reached_from((9.0, 0.0)).any()
 
 
 def test_a_base_stands_below_what_hangs_and_beside_what_stands() -> None:

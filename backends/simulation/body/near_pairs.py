@@ -1,0 +1,74 @@
+"""Which bodies are so near each other that it is worth asking whether they touch."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.numerics.compiled import compiled
+
+Floats = NDArray[np.float64]
+Pairs = NDArray[np.int64]
+"""(m, 2): numbers of a body and of what it is near, those of the first body first."""
+
+
+class Boxes:
+    """Boxes that stand still, as arrays."""
+
+    def __init__(self, sizes: Floats, poses: Floats) -> None:
+        """Take them in: sizes (n, 3) in [m], poses (n, 4, 4)."""
+        self.middles = np.ascontiguousarray(poses[:, :3, 3])
+        self.turns = np.ascontiguousarray(poses[:, :3, :3])
+        self.halves = 0.5 * sizes
+
+
+def near_boxes(poses: Floats, radii: Floats, boxes: Boxes, there: NDArray[np.bool_]) -> Pairs:
+    """Pairs of a body and a box that the sphere about the body reaches.
+
+    Args:
+        poses: (b, 4, 4) of the bodies.
+        radii: (b,) of spheres about their origins that they are in, in [m].
+        boxes: n of them.
+        there: (n,) which boxes are there.
+    """
+    return _near_boxes(poses, radii, boxes.middles, boxes.turns, boxes.halves, there)
+
+
+@compiled
+def near_spheres(poses: Floats, radii: Floats, others: Floats, other_radii: Floats) -> Pairs:
+    """Pairs of bodies, posed (b, 4, 4) and (n, 4, 4), whose spheres (b,) and (n,) about them meet."""
+    pairs = np.empty((len(radii) * len(other_radii), 2), dtype=np.int64)
+    count = 0
+    for i in range(len(radii)):
+        for j in range(len(other_radii)):
+            x = poses[i, 0, 3] - others[j, 0, 3]
+            y = poses[i, 1, 3] - others[j, 1, 3]
+            z = poses[i, 2, 3] - others[j, 2, 3]
+            if x * x + y * y + z * z < (radii[i] + other_radii[j]) ** 2:
+                pairs[count, 0], pairs[count, 1] = i, j
+                count += 1
+    return pairs[:count]
+
+
+@compiled
+def _near_boxes(
+    poses: Floats, radii: Floats, middles: Floats, turns: Floats, halves: Floats, there: NDArray[np.bool_]
+) -> Pairs:
+    pairs = np.empty((len(radii) * len(there), 2), dtype=np.int64)
+    count = 0
+    for i in range(len(radii)):
+        for j in range(len(there)):
+            if not there[j]:
+                continue
+            x = poses[i, 0, 3] - middles[j, 0]
+            y = poses[i, 1, 3] - middles[j, 1]
+            z = poses[i, 2, 3] - middles[j, 2]
+            outside = 0.0
+            for k in range(3):
+                along = abs(turns[j, 0, k] * x + turns[j, 1, k] * y + turns[j, 2, k] * z) - halves[j, k]
+                if along > 0.0:
+                    outside += along * along
+            if outside < radii[i] ** 2:
+                pairs[count, 0], pairs[count, 1] = i, j
+                count += 1
+    return pairs[:count]

@@ -1,0 +1,30 @@
+"""Divisions of seams that were found before: the trials of a campaign ask for the same again."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Iterable
+
+from handcart.robotics.manipulation.placement.placer import Placements
+
+MOST = 32  # that are kept
+
+
+class KeptDivisions:
+    """By all that a division follows from."""
+
+    def __init__(self) -> None:
+        self._kept: dict[bytes, Placements] = {}
+
+    def division(self, follows_from: Iterable[bytes], find: Callable[[], Placements]) -> Placements:
+        """The division that was found for the same before; else `find` is asked, and may raise."""
+        whole = hashlib.sha256()
+        for each in follows_from:
+            whole.update(len(each).to_bytes(8, "little") + each)
+        key = whole.digest()
+        if key not in self._kept:
+            found = find()
+            if len(self._kept) >= MOST:
+                del self._kept[next(iter(self._kept))]
+            self._kept[key] = found
+        return self._kept[key]

@@ -1,0 +1,52 @@
+"""Strips are shifted against each other so that edges stand upright."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from handcart.robotics.perception.books.spine_edges import Strips, upright
+
+Floats = NDArray[np.float64]
+HEIGHTS = np.linspace(0.2, 0.0, 20)
+
+
+def leaning(tilt: float, rows: int = 20, width: int = 160) -> Strips:
+    """Three spines whose edges lean."""
+    z, columns = HEIGHTS[:rows], np.arange(width)
+    shifts = tilt * (z - z.mean()) / 0.0005
+    grey = np.array(
+        [np.interp(columns - each, (0, 40, 61, 90, 111, 159), (90, 90, 150, 150, 60, 60)) for each in shifts]
+    )
+    return Strips(grey, z, 0.1, 0.0005, -1)
+
+
+def spread(grey: Floats) -> float:
+    """How much the strips differ at most."""
+    return float(np.abs(grey - grey.mean(axis=0)).max())
+
+
+@pytest.mark.parametrize("tilt", [-0.03, -0.01, 0.02])
+def test_edges_that_lean_stand_upright_afterwards(tilt: float) -> None:
+    before, after = (each.grey[:, 20:140] for each in (leaning(tilt), upright(leaning(tilt))))
+    assert spread(after) < 0.3 * spread(before)
+
+
+def test_rows_are_read_between_columns_as_on_a_line_and_are_nothing_outside() -> None:
+    strips = leaning(0.02)
+    strips.grey[3, 70:80] = np.nan
+    shown = upright(strips)
+    columns = np.arange(160)
+    tilts = np.linspace(-0.05, 0.05, 41)
+    candidates = [
+        np.array(
+            [
+                np.interp(columns + tilt * (z - HEIGHTS.mean()) / 0.0005, columns, row, 0, 0)
+                for row, z in zip(strips.grey, HEIGHTS, strict=True)
+            ]
+        )
+        for tilt in tilts
+    ]
+    assert any(np.allclose(shown.grey, each, equal_nan=True, atol=1e-9) for each in candidates)
+    assert np.isnan(shown.grey[3]).sum() >= 9
