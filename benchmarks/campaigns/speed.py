@@ -4,7 +4,9 @@
 
 The network alone, as a command, start included, and the page of 10,000 trials; trials of 50 ms on two
 workers against the ideal, processes and those of a Dask scheduler; memory of many trials and their report.
-One of 50 ms sleeps, so that two need no second core.
+
+Processes that are started import this module once more, so what is large is imported where it is used. What
+a trial itself imports is no cost of the campaign: it is told beside.
 """
 
 from __future__ import annotations
@@ -20,27 +22,13 @@ from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
-from distributed import Client
-
+from benchmarks.campaigns.sleeper import SLEEPS_S, sleep, sleep_there
 from benchmarks.campaigns.walk import walk
-from handcart.evaluation.campaign_page.campaign_page import CampaignPage
-from handcart.evaluation.campaigns.cluster import Cluster
 from handcart.evaluation.campaigns.trial import Trial
-from handcart.evaluation.campaigns.trial_log import TrialLog, line_of
+from handcart.evaluation.campaigns.trial_log import TrialLog
 from handcart.evaluation.campaigns.workers import Workers
 
-SLEEPS_S, SLEEPERS = 0.05, 1000
-
-
-def sleep(seed: int) -> Trial:
-    """A trial that takes 50 ms."""
-    time.sleep(SLEEPS_S)
-    return Trial(seed, 0, {"outcome": "Success", "reason": "", "seed": seed, "metrics": {}})
-
-
-def sleep_there(seed: int) -> bytes:
-    """The same on a cluster."""
-    return line_of(sleep(seed))
+SLEEPERS = 1000
 
 
 def overhead(path: Path, running: Iterable[list[Trial]]) -> tuple[float, float]:
@@ -75,6 +63,8 @@ def campaign(task: Path, trials: int, out: Path, jobs: int) -> float:
 @contextmanager
 def scheduler(folder: Path) -> Iterator[Path]:
     """The file of a Dask scheduler with two workers."""
+    from distributed import Client
+
     file = folder / "scheduler.json"
     where = ["--scheduler-file", str(file), "--no-dashboard", "--host", "127.0.0.1"]
     with ExitStack() as stack:
@@ -111,14 +101,24 @@ def tell(what: str, shares: tuple[float, float]) -> None:
 
 def page(task: Path, out: Path, trials: int = 10_000) -> tuple[float, float]:
     """The page of a campaign of the network alone: its size in [MB], and seconds of CPU to write it."""
+    from handcart.evaluation.campaign_page.campaign_page import CampaignPage
+
     campaign(task, trials, out, 1)
     before = time.process_time()
     path = CampaignPage.of(out).write()
     return path.stat().st_size / 1e6, time.process_time() - before
 
 
+def importing() -> float:
+    """Seconds of CPU until a process has imported what a trial of a task needs."""
+    code = "import time; import handcart.evaluation.trials.running; print(time.process_time())"
+    return min(float(subprocess.check_output([sys.executable, "-c", code])) for _ in range(3))
+
+
 def main() -> None:
     """Measure and print."""
+    from handcart.evaluation.campaigns.cluster import Cluster
+
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     parser.add_argument("--trials", type=int, default=100_000)
     trials = parser.parse_args().trials
@@ -134,6 +134,7 @@ def main() -> None:
         peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024.0
         print(f"{trials} trials, network alone: {taken:.1f} s, at most {peak:.0f} MiB")
         tell("processes", overhead(folder / "here", Workers(sleep, 2).trials(range(SLEEPERS))))
+        print(f"a process has imported what a trial needs after {importing():.2f} s of CPU")
         with scheduler(folder) as file:
             tell("Dask", overhead(folder / "there", Cluster(sleep_there, str(file)).trials(range(SLEEPERS))))
 

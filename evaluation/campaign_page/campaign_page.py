@@ -48,7 +48,7 @@ class CampaignPage:
         Raises:
             NoCampaign, TrialLogError: the folder can't be read.
         """
-        found = CampaignFolder.read(folder)
+        found = CampaignFolder.read_runs(folder)
         trials, said = found.trials(), found.arguments
         seeds = range(said["first"], said["first"] + said["trials"])
         settling = Settling.heard(said["until"], seeds, trials)

@@ -95,6 +95,18 @@ class CampaignFolder:
             raise NoCampaign(folder, f"{ARGUMENTS} in it is not of the format {FORMAT}")
         return cls(folder, arguments)
 
+    @classmethod
+    def read_runs(cls, folder: Path) -> CampaignFolder:
+        """One that is there, each trial of which is a run, or a walk.
+
+        Raises:
+            NoCampaign: there is none.
+        """
+        found = cls.read(folder)
+        if found.arguments.get("rare"):
+            raise NoCampaign(folder, "its trials are populations that were asked for a rare end")
+        return found
+
     @property
     def runs(self) -> Path:
         """Where its runs' folders are."""

@@ -90,7 +90,7 @@ class Workers:
         self._work, self._jobs = work, jobs
         self._workers: list[Worker] = []
         self._deaths: Counter[int] = Counter()
-        self._took, self._ended, self._stillborn = 0.0, 0, 0
+        self._took, self._first, self._ended, self._stillborn = 0.0, 0.0, 0, 0
         self._left: Iterator[int] = iter(())
 
     def trials(self, seeds: Iterable[int]) -> Generator[list[Trial], None, None]:
@@ -100,7 +100,6 @@ class Workers:
             HandcartError: one can't be run.
         """
         self._left = iter(seeds)
-        began = time.monotonic()
         try:
             while self._busy():
                 waits = {each.connection: each for each in self._workers}
@@ -112,8 +111,7 @@ class Workers:
                         done = self._buried(worker)
                     elif done:
                         self._stillborn = 0
-                        self._ended += len(done)
-                        self._took = (time.monotonic() - began) * len(self._workers) / max(1, self._ended)
+                        self._clock(len(done))
                         self._feed(worker)
                     if done:
                         yield done
@@ -121,6 +119,15 @@ class Workers:
             self._end()
             raise
         self._let_go()
+
+    def _clock(self, ended: int) -> None:
+        """So many trials have ended: how long one takes, by those after the first, which began late."""
+        now = time.monotonic()
+        if not self._first:
+            self._first = now
+            return
+        self._ended += ended
+        self._took = (now - self._first) * len(self._workers) / self._ended
 
     def _busy(self) -> bool:
         """Whether there is anything to wait for; as many processes as are useful have work."""

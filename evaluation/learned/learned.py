@@ -44,7 +44,7 @@ class Learned:
             NoCampaign, TrialLogError: one can't be read.
             NothingLearned: too few trials, or none of the task's actions in them.
         """
-        found = [CampaignFolder.read(folder) for folder in folders]
+        found = [CampaignFolder.read_runs(folder) for folder in folders]
         for each in found:
             if (level := each.arguments["level"]) != "run":
                 wrong = f"{each.folder}: its trials are of --level {level}; allowed: those that were run"

@@ -25,7 +25,7 @@ def compare(
     from handcart.evaluation.campaign_report.comparison import compare as compared
     from handcart.evaluation.campaigns.campaign_folder import CampaignFolder
 
-    found = compared(CampaignFolder.read(one).trials(), CampaignFolder.read(other).trials())
+    found = compared(CampaignFolder.read_runs(one).trials(), CampaignFolder.read_runs(other).trials())
     if as_json:
         facts = {**asdict(found), "changes": [{**asdict(e), "proven": e.proven} for e in found.changes]}
         print(orjson.dumps({**facts, "worse": found.worse}, default=list).decode())

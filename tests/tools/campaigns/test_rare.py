@@ -69,3 +69,16 @@ def test_what_cannot_be_is_refused(
     said = handcart("campaign", rare_walk(tmp_path), *words)
     assert (said.status, wrong in said.err, said.out) == (2, True, ""), said.err
     assert "Traceback" not in said.err
+
+
+def test_populations_are_no_runs_to_compare(handcart: Callable[..., Said], tmp_path: Path) -> None:
+    task = rare_walk(tmp_path)
+    handcart("campaign", task, *ALWAYS[:-1], 2, "--out", tmp_path / "seldom")
+    words = "seldom: its trials are populations that were asked for a rare end"
+    for asked in (
+        ("campaign", "compare", tmp_path / "seldom", tmp_path / "seldom"),
+        ("campaign", task, "--level", "fitted", "--learned-from", tmp_path / "seldom"),
+        ("report", tmp_path / "seldom"),
+    ):
+        said = handcart(*asked)
+        assert (said.status, words in said.err) == (2, True), said.err

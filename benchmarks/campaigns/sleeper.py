@@ -1,0 +1,21 @@
+"""A trial that takes 50 ms, and next to nothing to import: what a campaign costs beside its trials."""
+
+from __future__ import annotations
+
+import time
+
+from handcart.evaluation.campaigns.trial import Trial
+from handcart.evaluation.campaigns.trial_log import line_of
+
+SLEEPS_S = 0.05
+
+
+def sleep(seed: int) -> Trial:
+    """It sleeps, so that two need no second core."""
+    time.sleep(SLEEPS_S)
+    return Trial(seed, 0, {"outcome": "Success", "reason": "", "seed": seed, "metrics": {}})
+
+
+def sleep_there(seed: int) -> bytes:
+    """The same on a cluster."""
+    return line_of(sleep(seed))
