@@ -108,7 +108,8 @@ class FieldKalman:
             start_position: sigma in [m].
             record: takes down what a smoother needs.
         """
-        self._noise = noise
+        self.noise = noise
+        """What it supposes."""
         self._model = FieldModel(noise)
         self._figures = self._model.figures
         self._mean, self._spread = self._model.start(np.array(start), start_position)
@@ -182,7 +183,7 @@ class FieldKalman:
         row = np.zeros((1, states.SIZE))
         row[0, [states.BIAS, states.WARM_UP]] = 1.0
         residual = turned / time - self._mean[states.BIAS] - self._mean[states.WARM_UP]
-        self._correct(row, np.array([residual]), self._noise.gyro_white**2 / time)
+        self._correct(row, np.array([residual]), self.noise.gyro_white**2 / time)
         self._still = np.zeros(2)
 
     def fix(self, position: Array, sigma: float | None, odometry: GyroOdometry) -> Fixed:
@@ -191,9 +192,9 @@ class FieldKalman:
         `sigma` [m] an axis is what the receiver says, None: what the filter supposes; `odometry` is what
         wheels and gyros alone say.
         """
-        variance = (self._noise.gps_white if sigma is None else sigma) ** 2
+        variance = (self.noise.gps_white if sigma is None else sigma) ** 2
         if not odometry.levelled:
-            variance += (self._noise.antenna[2] * self._noise.roughness) ** 2
+            variance += (self.noise.antenna[2] * self.noise.roughness) ** 2
         rows, expected, lever = self._forecast(position, odometry.tilt)
         skies = self._skies(rows, expected, variance)
         likely = float(np.logaddexp.reduce([sky.log_likelihood for sky in skies]))
@@ -210,7 +211,7 @@ class FieldKalman:
             off = f"{float(np.hypot(*residual)):.2f} m off, {math.sqrt(square):.1f} sigma"
             why = off if suspects == 1 else f"the last {suspects} are off together, this one by {off}"
             self._take_back(suspects - 1)
-            if suspects > 1 and not math.isinf(self._noise.jump_every):
+            if suspects > 1 and not math.isinf(self.noise.jump_every):
                 return self._leap(position, sigma, odometry)
         self._lost.take(odometry.pose, position - lever, believed)
         if believed:
@@ -232,7 +233,7 @@ class FieldKalman:
         if self._record is not None:
             self._record.step(_LEAPT)
         fixed = self.fix(position, sigma, odometry)
-        leaps = LEAST_TIME / self._noise.jump_every
+        leaps = LEAST_TIME / self.noise.jump_every
         return fixed._replace(log_likelihood=fixed.log_likelihood + math.log(leaps))
 
     def _reflected(self, residual: Array, whole: Array) -> float:
@@ -248,7 +249,7 @@ class FieldKalman:
 
     def _forecast(self, position: Array, tilt: tuple[float, float]) -> tuple[Array, Array, Array]:
         """How a fix depends on the states (2, 13), its residual (2,), the antenna beside the base (2,)."""
-        lever = level_lever(self._noise.antenna, tilt, float(self._mean[states.HEADING]))
+        lever = level_lever(self.noise.antenna, tilt, float(self._mean[states.HEADING]))
         rows = np.zeros((2, states.SIZE))
         rows[[0, 1], [states.X, states.Y]] = rows[[0, 1], [states.GPS_X, states.GPS_Y]] = 1.0
         rows[:, states.HEADING] = -lever[1], lever[0]
@@ -264,9 +265,9 @@ class FieldKalman:
         """
         same = _sky(_SAME, self._spread, rows, residual, variance, 0.0)
         unseen, self._unseen = self._unseen, 0.0
-        if math.isinf(self._noise.jump_every):
+        if math.isinf(self.noise.jump_every):
             return [same]
-        leaps = -math.expm1(-max(unseen, LEAST_TIME) / self._noise.jump_every)
+        leaps = -math.expm1(-max(unseen, LEAST_TIME) / self.noise.jump_every)
         residual = residual + self._mean[[states.GPS_X, states.GPS_Y]]
         leapt = _sky(_LEAPT, self._leapt(), rows, residual, variance, math.log(leaps))
         return [same._replace(log_likelihood=same.log_likelihood + math.log1p(-leaps)), leapt]
@@ -274,7 +275,7 @@ class FieldKalman:
     def _leapt(self) -> Array:
         """(13, 13) covariance of the states after a leap."""
         spread = _LEAPT @ self._spread @ _LEAPT
-        spread[states.GPS_X, states.GPS_X] = spread[states.GPS_Y, states.GPS_Y] = self._noise.jump**2
+        spread[states.GPS_X, states.GPS_X] = spread[states.GPS_Y, states.GPS_Y] = self.noise.jump**2
         return spread
 
     def _take_in(self, skies: list[_Sky], rows: Array, variance: float) -> None:
@@ -345,7 +346,7 @@ class FieldKalman:
     def _start_again(self, sigma: float) -> bool:
         """Take the refused fixes' word for the pose, if they have one."""
         heading = math.sqrt(float(self._spread[states.HEADING, states.HEADING]))
-        found = self._lost.found(math.hypot(sigma, self._noise.gps_drift), self.pose, heading)
+        found = self._lost.found(math.hypot(sigma, self.noise.gps_drift), self.pose, heading)
         if found is None:
             return False
         self.begin(found)

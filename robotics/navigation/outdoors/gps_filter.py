@@ -210,17 +210,24 @@ class GpsFilter(FieldLocalizer):
         antenna = np.array(here[:2]) + level_lever(self._noise.antenna, self.tilt, here.theta)
         search.take(antenna - begun, position - begun, self._moved)
         away = Pose2(here.x - self._begun.x, here.y - self._begun.y, here.theta)
-        sigma, bias = math.hypot(sigma, self._noise.gps_drift), self.best.bias_sigma
-        found = search.found(away, sigma, self._start_position, bias)
+        wandered = math.hypot(sigma, _wandered(self._noise, self._clock))
+        start = math.hypot(self._start_position, self._noise.gps_drift)
+        found = search.found(away, wandered, start, self.best.bias_sigma)
         if found is None:
             # it may be anywhere that it can have come to
             self.log_likelihood += log_normal(np.zeros(2), self.covariance[:2, :2] + sigma**2 * np.eye(2))
             return
         x, y, heading = found.pose
-        begin = FoundTrack(Pose2(x + self._begun.x, y + self._begun.y, heading), found.covariance)
+        pose = Pose2(x + self._begun.x, y + self._begun.y, heading)
         for each in self.filters:
-            each.begin(begin)
+            worse = 1.0 + (_wandered(each.noise, self._clock) / wandered) ** 2
+            each.begin(FoundTrack(pose, worse * found.covariance))
         self._search = None
+
+
+def _wandered(noise: FieldNoise, time: float) -> float:
+    """Sigma by which the fixes' slow error is another one after `time` [s], an axis, in [m]."""
+    return noise.gps_drift * math.sqrt(min(1.0, 2.0 * time / noise.gps_drift_time))
 
 
 def _computable(noise: FieldNoise) -> FieldNoise:

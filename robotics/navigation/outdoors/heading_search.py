@@ -15,6 +15,8 @@ LONGEST = 600  # fixes that are looked back on
 HEADINGS = np.radians(np.arange(720) * 0.5)
 KNOWN = math.radians(4.0)  # sigma of a heading that is known
 FAR = 3.0  # sigmas beyond which a fix isn't looked at
+BAD = 1.6  # times a fix's sigma, by which most of them lie beside the likeliest track
+FEWEST = 20  # fixes: a quarter of more of them is forgotten where they don't fit the track
 SLIPS = 0.02  # of the way: what odometry itself may be off
 LASTS = 4.0  # times the variance, at least, that fixes would have whose errors don't last
 ALIKE = 0.98  # correlation of one fix's error with the next one's, at most
@@ -38,15 +40,17 @@ class HeadingSearch:
 
     A gyro whose bias nobody has seen at rest bends the track: it is bent by each bias that may be, too. The
     heading's likelihood is that of all fixes with the place of the start left open within what is known of
-    it; fixes that lie far off the likeliest track don't count.
+    it; fixes that lie far off the likeliest track don't count. Where most do, odometry was wrong at some time:
+    what is oldest is forgotten.
     """
 
-    STATE: ClassVar = {"_track": list[tuple[float, ...]]}
+    STATE: ClassVar = {"_track": list[tuple[float, ...]], "_forgotten": bool}
     """Attributes that a checkpoint keeps, with their types."""
 
     def __init__(self) -> None:
         """No fix yet."""
         self._track: list[tuple[float, ...]] = []
+        self._forgotten = False  # whether the track doesn't begin at the start any more
 
     def take(self, antenna: Array, position: Array, moved: float) -> None:
         """A fix of the antenna's `position` (2,) came where odometry has the `antenna` (2,), both in [m].
@@ -75,6 +79,7 @@ class HeadingSearch:
         biases = _biases(bias_sigma, float(moved[-1]))
         bent = np.array([_bent(ways, moved, bias) for bias in biases])
         prior = (sigma / start_sigma) ** 2 if start_sigma > 0.0 else math.inf
+        prior = 0.0 if self._forgotten else prior
         unlikely = np.square(biases / bias_sigma)[:, None] if len(biases) > 1 else np.zeros((1, 1))
         counts, scale = np.ones(len(track), dtype=bool), sigma
         for _ in range(3):
@@ -85,6 +90,9 @@ class HeadingSearch:
             left = np.hypot(*away.T)
             scale = max(sigma, float(np.median(left)) / 1.18)
             counts = left <= FAR * scale
+        if scale > BAD * sigma and len(track) > FEWEST:
+            self._forgotten, self._track = True, self._track[len(track) // 4 :]
+            return None
         spread = scale * math.sqrt(_lasting(away[counts]))
         price = laid.squares / spread**2 + unlikely
         likely = np.exp(-0.5 * (price - price.min()))
