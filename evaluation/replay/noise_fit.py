@@ -35,7 +35,7 @@ class Fitted(NamedTuple):
     """Logarithm of the fixes' likelihood by the noise that was told."""
     after: float
     changed: dict[str, float]
-    """By what each knob was turned, from what was told or from any vehicle's; those left alone aren't in it."""
+    """By what each knob was turned, from what was told or any vehicle's; those left alone aren't in it."""
 
 
 def _wheels(noise: FieldNoise, factor: float) -> FieldNoise:

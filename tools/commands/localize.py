@@ -28,8 +28,8 @@ def localize(
     robot: Annotated[
         str | None,
         typer.Option(
-            help="a shipped robot, or its file: what to believe of the sensors; left out: as the run's robot, "
-            "else as any vehicle's"
+            help="a shipped robot, or its file: what to believe of the sensors; "
+            "left out: as the run's robot, else as any vehicle's"
         ),
     ] = None,
     localizer: Annotated[str, typer.Option(help="gps_filter or particle")] = "gps_filter",

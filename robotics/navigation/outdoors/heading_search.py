@@ -40,8 +40,8 @@ class HeadingSearch:
 
     A gyro whose bias nobody has seen at rest bends the track: it is bent by each bias that may be, too. The
     heading's likelihood is that of all fixes with the place of the start left open within what is known of
-    it; fixes that lie far off the likeliest track don't count. Where most do, odometry was wrong at some time:
-    what is oldest is forgotten.
+    it; fixes that lie far off the likeliest track don't count. Where most do, odometry was wrong at some
+    time: what is oldest is forgotten.
     """
 
     STATE: ClassVar = {"_track": list[tuple[float, ...]], "_forgotten": bool}
@@ -118,7 +118,7 @@ def _bent(ways: Array, moved: Array, bias: float) -> Array:
     cos, sin = np.cos(turned), np.sin(turned)
     x, y = np.diff(ways, axis=0).T
     steps = np.column_stack([cos * x - sin * y, sin * x + cos * y])
-    return np.vstack([ways[:1], ways[0] + np.cumsum(steps, axis=0)])
+    return np.asarray(np.vstack([ways[:1], ways[0] + np.cumsum(steps, axis=0)]))
 
 
 def _turned(points: Array, angle: float) -> Array:

@@ -105,7 +105,7 @@ class TrackRecord:
             self._latest = _after(self._latest, covariance, rows, residual, variance)
 
     def correct_either(self, branches: Sequence[Branch], rows: Array, variance: float) -> None:
-        """The same where the states may have changed in one of several ways before; `rows` as in `correct`."""
+        """The same where the states may have changed before, in one of several ways."""
         latest = self._latest
         if latest is None:
             return
@@ -172,9 +172,7 @@ def mixed(beliefs: Sequence[Belief], weights: Array) -> Belief:
     return Belief(mean, within + np.einsum("k,ki,kj->ij", weights, away, away))
 
 
-def _after(
-    watched: _Watched, covariance: Array, rows: Array, residual: Array, variance: float
-) -> _Watched:
+def _after(watched: _Watched, covariance: Array, rows: Array, residual: Array, variance: float) -> _Watched:
     """What is known of the watched moment once readings were seen; see `TrackRecord.correct`."""
     (mean, spread), shared = watched
     seen = rows @ covariance @ rows.T + variance * np.eye(len(residual))

@@ -94,10 +94,10 @@ def test_particles_that_are_elsewhere_start_again() -> None:
 def driven(
     bias: float, heading: float, odd: int = 0, stretched: float = 1.0
 ) -> tuple[HeadingSearch, Pose2, Pose2]:
-    """A search that has 60 fixes, one a second, of a drive at 5 m/s; where odometry has it now, and the truth.
+    """A search with 60 fixes of a drive, one a second; where odometry has the base, and the truth.
 
-    Odometry turns by `bias` [rad/s] more than the base, and for the first `odd` seconds told `stretched` times
-    the way.
+    Odometry turns by `bias` [rad/s] more than the base; for the first `odd` seconds it told `stretched` times
+    seconds.
     """
     rng, search = np.random.default_rng(5), HeadingSearch()
     truth, reckoned = Pose2(0.0, 0.0, heading), Pose2(0.0, 0.0, 0.0)
