@@ -96,8 +96,8 @@ def driven(
 ) -> tuple[HeadingSearch, Pose2, Pose2]:
     """A search with 60 fixes of a drive, one a second; where odometry has the base, and the truth.
 
-    Odometry turns by `bias` [rad/s] more than the base; for the first `odd` seconds it told `stretched` times
-    seconds.
+    Odometry turns by `bias` [rad/s] more than the base; for the first `odd` seconds it told
+    `stretched` times the way.
     """
     rng, search = np.random.default_rng(5), HeadingSearch()
     truth, reckoned = Pose2(0.0, 0.0, heading), Pose2(0.0, 0.0, 0.0)
