@@ -6,13 +6,16 @@ import math
 from collections.abc import Callable
 from typing import NamedTuple
 
-from handcart.robotics.navigation.outdoors.field_noise import FieldNoise
+from handcart.robotics.navigation.outdoors.field_noise import ANY_VEHICLE, FieldNoise
 
 from .drive_log import DriveLog
 from .replay import localizer_for, replay
 
 FACTORS = (0.25, 0.5, 0.71, 1.41, 2.0, 4.0)
 DRIFTS = (0.0, 0.25, 0.5, 1.0, 2.0)  # of a fix's white error
+ANY = "as of any vehicle"
+LENGTHS = (0.25, 4.0)
+ROUNDS = 4  # through all knobs at most
 SURE = 3.0  # by which a logarithm of likelihood has to grow: less is chance
 
 
@@ -32,7 +35,7 @@ class Fitted(NamedTuple):
     """Logarithm of the fixes' likelihood by the noise that was told."""
     after: float
     changed: dict[str, float]
-    """By what each knob was turned; those left alone aren't in it."""
+    """By what each knob was turned, from what was told or any vehicle's; those left alone aren't in it."""
 
 
 def _wheels(noise: FieldNoise, factor: float) -> FieldNoise:
@@ -61,16 +64,21 @@ def _drift(noise: FieldNoise, share: float) -> FieldNoise:
     return noise._replace(gps_drift=share * noise.gps_white)
 
 
+def _lasting(noise: FieldNoise, factor: float) -> FieldNoise:
+    return noise._replace(slip_length=factor * noise.slip_length)
+
+
 KNOBS = (
     Knob("fixes, white", _white),
     Knob("fixes, drift, in white ones", _drift, DRIFTS),
     Knob("wheels", _wheels),
+    Knob("way over which wheels slip alike", _lasting, LENGTHS),
     Knob("gyros", _gyro),
 )
 
 
 def fit_noise(log: DriveLog, given: FieldNoise, passed: Callable[[float], None] | None = None) -> Fitted:
-    """Turn one knob after the other, twice, while the fixes get likelier (coordinate ascent).
+    """Turn one knob after the other while the fixes get likelier (coordinate ascent).
 
     Args:
         log: a drive with fixes, kilometres rather than metres.
@@ -79,9 +87,13 @@ def fit_noise(log: DriveLog, given: FieldNoise, passed: Callable[[float], None] 
     """
     noise, best = given, _likelihood(log, given)
     before, changed = best, dict[str, float]()
-    work = 2 * sum(len(knob.factors) for knob in KNOBS)
+    likely = _likelihood(log, any_vehicle := _of_any_vehicle(given))
+    if likely > best + SURE:  # too far from what was told to come there step by step
+        noise, best, changed = any_vehicle, likely, {ANY: 1.0}
+    work = ROUNDS * sum(len(knob.factors) for knob in KNOBS)
     done = 0
-    for _ in range(2):
+    for _ in range(ROUNDS):
+        begun = best
         for knob in KNOBS:
             tried = []
             for factor in knob.factors:
@@ -94,7 +106,15 @@ def fit_noise(log: DriveLog, given: FieldNoise, passed: Callable[[float], None] 
                 noise, best = knob.turned(noise, factor), likely
                 turned = factor if knob.turned is _drift else changed.get(knob.words, 1.0) * factor
                 changed[knob.words] = turned
+        if best == begun:
+            break
     return Fitted(noise, before, best, changed)
+
+
+def _of_any_vehicle(given: FieldNoise) -> FieldNoise:
+    return ANY_VEHICLE._replace(
+        antenna=given.antenna, gps_period=given.gps_period, start_heading=given.start_heading
+    )
 
 
 def _likelihood(log: DriveLog, noise: FieldNoise) -> float:
@@ -110,6 +130,7 @@ def in_yaml(noise: FieldNoise) -> str:
             "ground:",
             f"  scale_percent: {100 * noise.scale:.3g}",
             f"  slip_percent: {100 * noise.slip:.3g}",
+            f"  slip_length_m: {noise.slip_length:.3g}",
             f"  turn_slip_percent: {100 * noise.turn_slip:.3g}",
             f"  side_slip_deg: {deg(noise.side_slip):.3g}",
             "imu:",

@@ -14,7 +14,7 @@ from handcart.robotics.navigation.outdoors.field_localizer import FieldLocalizer
 from handcart.robotics.navigation.outdoors.field_noise import FieldNoise
 from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
 from handcart.robotics.navigation.outdoors.particle_filter import ParticleErrors, ParticleFilter
-from handcart.robotics.navigation.outdoors.suppositions import Supposition
+from handcart.robotics.navigation.outdoors.suppositions import suppositions
 
 from .drive_log import DriveLog
 
@@ -94,7 +94,7 @@ def localizer_for(
         heading, noise = 0.0, noise._replace(start_heading=math.inf)
     start = Pose2(x, y, wrap(heading))
     if kind == "gps_filter":
-        supposed = [Supposition(noise, 1.0, 0)] if alone else None
+        supposed = [suppositions(noise)[0]._replace(share=1.0, worse=0)] if alone else None
         return GpsFilter(start, noise, position, supposed=supposed)
     errors = ParticleErrors(
         gps=max(noise.gps_white, 0.05), start_position=position, start_heading=noise.start_heading

@@ -15,6 +15,8 @@ from benchmarks.field.field_course import straight_course, zigzag_course
 from benchmarks.field.field_drive import PERIOD, FieldTimes
 from benchmarks.field.field_log import FieldLog, record_course
 from handcart.backends.can.sensors.sensor_lines import checksum
+from handcart.evaluation.replay.csv_log import read_csv_log
+from handcart.evaluation.replay.replay import localizer_for, replay
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE
 
 COLUMNS = {
@@ -158,6 +160,16 @@ def test_a_receivers_own_log_gives_the_fixes(
     assert found["error_m_rms"] < 2.0  # about the first fix, which is off by itself
     nmea.write_bytes(b"nothing\r\n")
     assert "no fix in it" in refused(log, "--nmea", nmea)
+
+
+def test_a_heading_that_stays_unknown_is_no_good_sign(tmp_path: Path, drive: FieldLog) -> None:
+    """Fixes that came before it was known count too: else the worst receiver would be the likeliest."""
+    log = read_csv_log(write(tmp_path / "log.csv", drive, ""))
+    hopeless = REFERENCE._replace(gps_white=60.0)
+    known, unknown = (replay(log, localizer_for(log, noise, alone=True)) for noise in (REFERENCE, hopeless))
+    assert known.known[-1]
+    assert not unknown.known[-1]
+    assert known.log_likelihood > unknown.log_likelihood + 50.0
 
 
 def test_noise_is_fitted_to_a_log(tmp_path: Path, localized: Callable[..., dict[str, Any]]) -> None:

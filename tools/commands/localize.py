@@ -28,7 +28,8 @@ def localize(
     robot: Annotated[
         str | None,
         typer.Option(
-            help="a shipped robot, or its file: what to believe of the sensors; left out: as el_verde"
+            help="a shipped robot, or its file: what to believe of the sensors; "
+            "left out: as the run's robot, else as any vehicle's"
         ),
     ] = None,
     localizer: Annotated[str, typer.Option(help="gps_filter or particle")] = "gps_filter",
@@ -60,7 +61,7 @@ def localize(
     if output is not None and output.suffix not in PICTURES:
         raise typer.BadParameter(f"no picture for {output.suffix!r}{suggest(output.suffix, PICTURES)}")
     played = _read(log, nmea, reference)
-    noise = _noise(robot)
+    noise = _noise(robot or _robot_of(log))
     played = played.thinned(noise.gps_period)
     with share_shown("log") as passed:
         replayed = replay(played, localizer_for(played, noise, localizer), passed)
@@ -85,14 +86,27 @@ def localize(
 KINDS = ("gps_filter", "particle")
 
 
+def _robot_of(log: Path) -> str | None:
+    """The shipped robot that drove in a run; None of other logs, and of robots that aren't shipped."""
+    from handcart.backends.description.robot_loading import robot_names
+    from handcart.networks.journal.journal_record import JournalError
+    from handcart.networks.journal.past_run import NoRun, read_run
+
+    try:
+        robot = read_run(log if log.is_dir() else log.parent).header["robot"]
+    except (NoRun, JournalError):
+        return None
+    return robot if robot in robot_names() else None
+
+
 def _noise(robot: str | None) -> FieldNoise:
     """What to believe of wheels, gyros and receiver."""
     from handcart.backends.description.robot_loading import load_robot
     from handcart.backends.robot.localization.noise_model import field_noise
-    from handcart.robotics.navigation.outdoors.field_noise import REFERENCE
+    from handcart.robotics.navigation.outdoors.field_noise import ANY_VEHICLE
 
     if robot is None:
-        return REFERENCE
+        return ANY_VEHICLE
     spec = load_robot(robot)
     return field_noise(spec, spec.antenna)
 

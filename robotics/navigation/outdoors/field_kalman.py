@@ -16,14 +16,19 @@ from handcart.robotics.navigation.outdoors import field_model as states
 from handcart.robotics.navigation.outdoors.field_model import FieldModel, carried, corrected, field_step
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE, FieldNoise
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance, GyroOdometry
-from handcart.robotics.navigation.outdoors.smoothing import Belief, Entries, TrackRecord
+from handcart.robotics.navigation.outdoors.smoothing import Belief, Branch, Entries, TrackRecord, mixed
 
 SEEN = [states.X, states.Y, states.GPS_X, states.GPS_Y, states.DELAY]  # by a fix, besides the heading
 ODD = math.log(0.001)  # logarithm of the share of fixes that begin to lie anywhere
 ODD_STILL = math.log(0.95)  # and of those that go on to lie where the one before was
 REFLECTION = 10.0  # [m] an axis, how far off they are
 ANEW = -20.0  # logarithm of how likely it is that a filter that is right has to start again
+ALIKE = 4.0  # of the latest of them, by which it is told where the next one will be
 BIAS_PERIOD = 1.0  # [s] at rest over which the gyro is averaged into one reading
+FEW = math.log(1e-4)  # of what fixes' error may have done: less likely than that does not count
+LEAST_TIME = 0.1  # [s] in which fixes may leap at least, for want of a step between two of them
+_SAME = np.eye(states.SIZE)
+_LEAPT = np.diag([0.0 if k in (states.GPS_X, states.GPS_Y) else 1.0 for k in range(states.SIZE)])
 Array = NDArray[np.float64]
 
 
@@ -48,6 +53,21 @@ class Fixed(NamedTuple):
     """It wasn't believed, in words."""
 
 
+class _Sky(NamedTuple):
+    """What the error of the fixes may have done since the one before."""
+
+    transition: Array
+    """(13, 13) of the states."""
+    spread: Array
+    """(13, 13) covariance of them after it."""
+    residual: Array
+    """(2,) fix less forecast, in [m]."""
+    whole: Array
+    """(2, 2) covariance that it should have, in [m²]."""
+    log_likelihood: float
+    """Of the fix and of what the error did."""
+
+
 class FieldKalman:
     """An extended Kalman filter with the errors themselves as states (see `FieldModel`).
 
@@ -63,6 +83,7 @@ class FieldKalman:
         "_rested": bool,
         "_still": Array,
         "_speed": float,
+        "_unseen": float,
         "_lost": LostTrack,
         "_monitor": FixMonitor,
         "_past": list[tuple[_Moment, list[Advance | None]]],
@@ -87,17 +108,19 @@ class FieldKalman:
             start_position: sigma in [m].
             record: takes down what a smoother needs.
         """
-        self._noise = noise
+        self.noise = noise
+        """What it supposes."""
         self._model = FieldModel(noise)
         self._figures = self._model.figures
         self._mean, self._spread = self._model.start(np.array(start), start_position)
         self._rested = True
         self._still = np.zeros(2)  # turn and time since the bias was seen, at rest
         self._speed = 0.0
+        self._unseen = 0.0  # [s] since the last fix
         self._lost = LostTrack()
         self._monitor = FixMonitor()
         self._past: list[tuple[_Moment, list[Advance | None]]] = []  # before each believed fix, and what came
-        self._refused = np.zeros(0)  # residual of the fix before, if it wasn't believed
+        self._refused = np.zeros(3)  # sum (2,) of residuals of refused fixes that are off alike, and how many
         self._record = record
         self.refused = 0
         """Fixes that were not believed."""
@@ -129,6 +152,12 @@ class FieldKalman:
         x, y, heading = self._mean[:3].tolist()
         return Pose2(x, y, wrap(heading))
 
+    @property
+    def bias_sigma(self) -> float:
+        """Of what the vertical gyro reads at rest, in [rad/s]."""
+        whole = self._spread[np.ix_([states.BIAS, states.WARM_UP], [states.BIAS, states.WARM_UP])]
+        return math.sqrt(float(whole.sum()))
+
     def advance(self, advance: Advance) -> None:
         """One step: what wheels and gyros said."""
         self._note(advance)
@@ -139,6 +168,7 @@ class FieldKalman:
         self._spread = carried(self._spread, transition, added)
         self._rested = advance.rest > 0.0
         self._speed = advance.forward / advance.time
+        self._unseen += advance.time
         self._still = self._still + np.array([advance.still, advance.rest])
         if self._record is not None:
             self._record.step(transition)
@@ -153,7 +183,7 @@ class FieldKalman:
         row = np.zeros((1, states.SIZE))
         row[0, [states.BIAS, states.WARM_UP]] = 1.0
         residual = turned / time - self._mean[states.BIAS] - self._mean[states.WARM_UP]
-        self._correct(row, np.array([residual]), self._noise.gyro_white**2 / time)
+        self._correct(row, np.array([residual]), self.noise.gyro_white**2 / time)
         self._still = np.zeros(2)
 
     def fix(self, position: Array, sigma: float | None, odometry: GyroOdometry) -> Fixed:
@@ -162,52 +192,111 @@ class FieldKalman:
         `sigma` [m] an axis is what the receiver says, None: what the filter supposes; `odometry` is what
         wheels and gyros alone say.
         """
-        variance = (self._noise.gps_white if sigma is None else sigma) ** 2
-        rows, residual, lever = self._forecast(position, odometry.tilt)
-        forecast = rows @ self._spread @ rows.T
-        whole = forecast + variance * np.eye(2)
+        variance = (self.noise.gps_white if sigma is None else sigma) ** 2
+        if not odometry.levelled:
+            variance += (self.noise.antenna[2] * self.noise.roughness) ** 2
+        rows, expected, lever = self._forecast(position, odometry.tilt)
+        skies = self._skies(rows, expected, variance)
+        likely = float(np.logaddexp.reduce([sky.log_likelihood for sky in skies]))
+        skies = [sky for sky in skies if sky.log_likelihood > likely + FEW]
+        _, _, residual, whole, _ = max(skies, key=lambda sky: sky.log_likelihood)
         white = whitened(residual, whole)
         square = float(white @ white)
         why = "fixes before it were off together: it waits until some in a row are where it expects them"
         if self._monitor.doubting:
-            believed = self._monitor.cleared(residual, forecast, variance)
+            believed = self._monitor.cleared(residual, whole - variance * np.eye(2), variance)
         else:
             suspects = self._monitor.suspects(residual, whole)
             believed = suspects == 0
             off = f"{float(np.hypot(*residual)):.2f} m off, {math.sqrt(square):.1f} sigma"
             why = off if suspects == 1 else f"the last {suspects} are off together, this one by {off}"
             self._take_back(suspects - 1)
+            if suspects > 1 and not math.isinf(self.noise.jump_every):
+                return self._leap(position, sigma, odometry)
         self._lost.take(odometry.pose, position - lever, believed)
         if believed:
             self._past.append((self._moment(), []))
             del self._past[:-LONGEST]
-            self._correct(rows, residual, variance)
-            self._refused = np.zeros(0)
-            return Fixed(True, log_normal(residual, whole), square)
+            self._take_in(skies, rows, variance)
+            self._refused = np.zeros(3)
+            return Fixed(True, likely, square)
         likelihood = self._reflected(residual, whole)
         self.refused += 1
         if self._start_again(math.sqrt(variance)):
             return Fixed(True, likelihood + ANEW, square, "the filter starts again from these fixes")
         return Fixed(False, likelihood, square, why)
 
+    def _leap(self, position: Array, sigma: float | None, odometry: GyroOdometry) -> Fixed:
+        """Fixes have been off together since they leapt: begin with this one to find out by how much."""
+        self._monitor.reset()
+        self._mean, self._spread = _LEAPT @ self._mean, self._leapt()
+        if self._record is not None:
+            self._record.step(_LEAPT)
+        fixed = self.fix(position, sigma, odometry)
+        leaps = LEAST_TIME / self.noise.jump_every
+        return fixed._replace(log_likelihood=fixed.log_likelihood + math.log(leaps))
+
     def _reflected(self, residual: Array, whole: Array) -> float:
-        """How likely a refused fix is: far off, or off as the one before it was."""
+        """How likely a refused fix is: far off, or off as those before it were."""
         anywhere = log_normal(residual, whole + REFLECTION**2 * np.eye(2)) + ODD
-        if len(self._refused):
-            again = log_normal(residual - self._refused, 2.0 * whole) + ODD_STILL
-            anywhere = float(np.logaddexp(anywhere, again))
-        self._refused = residual
-        return anywhere
+        alike, (before, count) = -math.inf, (self._refused[:2], float(self._refused[2]))
+        if count:
+            alike = log_normal(residual - before / count, (1.0 + 1.0 / count) * whole) + ODD_STILL
+        fewer = min(1.0, (ALIKE - 1.0) / count) if count else 1.0
+        goes_on = fewer * self._refused if alike > anywhere else np.zeros(3)
+        self._refused = goes_on + np.append(residual, 1.0)
+        return float(np.logaddexp(anywhere, alike))
 
     def _forecast(self, position: Array, tilt: tuple[float, float]) -> tuple[Array, Array, Array]:
         """How a fix depends on the states (2, 13), its residual (2,), the antenna beside the base (2,)."""
-        lever = level_lever(self._noise.antenna, tilt, float(self._mean[states.HEADING]))
+        lever = level_lever(self.noise.antenna, tilt, float(self._mean[states.HEADING]))
         rows = np.zeros((2, states.SIZE))
         rows[[0, 1], [states.X, states.Y]] = rows[[0, 1], [states.GPS_X, states.GPS_Y]] = 1.0
         rows[:, states.HEADING] = -lever[1], lever[0]
         heading = float(self._mean[states.HEADING])
         rows[:, states.DELAY] = -self._speed * math.cos(heading), -self._speed * math.sin(heading)
         return rows, position - rows[:, SEEN] @ self._mean[SEEN] - lever, lever
+
+    def _skies(self, rows: Array, residual: Array, variance: float) -> list[_Sky]:
+        """What may have become of the fixes' error since the last one; the sum of all likelihoods is a fix's.
+
+        An error that leaps: so much of a fix's way from the one before it as the wheels didn't drive is
+        either chance or a leap, and as likely a leap as it is too fast for anything else.
+        """
+        same = _sky(_SAME, self._spread, rows, residual, variance, 0.0)
+        unseen, self._unseen = self._unseen, 0.0
+        if math.isinf(self.noise.jump_every):
+            return [same]
+        leaps = -math.expm1(-max(unseen, LEAST_TIME) / self.noise.jump_every)
+        residual = residual + self._mean[[states.GPS_X, states.GPS_Y]]
+        leapt = _sky(_LEAPT, self._leapt(), rows, residual, variance, math.log(leaps))
+        return [same._replace(log_likelihood=same.log_likelihood + math.log1p(-leaps)), leapt]
+
+    def _leapt(self) -> Array:
+        """(13, 13) covariance of the states after a leap."""
+        spread = _LEAPT @ self._spread @ _LEAPT
+        spread[states.GPS_X, states.GPS_X] = spread[states.GPS_Y, states.GPS_Y] = self.noise.jump**2
+        return spread
+
+    def _take_in(self, skies: list[_Sky], rows: Array, variance: float) -> None:
+        """Correct by a fix under each sky, and keep the mixture (first-order generalised pseudo-Bayes)."""
+        if len(skies) == 1 and skies[0].transition is _SAME:
+            self._correct(rows, skies[0].residual, variance)
+            return
+        weights = np.exp([sky.log_likelihood for sky in skies])
+        weights /= weights.sum()
+        means = [sky.transition @ self._mean for sky in skies]
+        each = [
+            Belief(*corrected(mean, sky.spread, rows, sky.residual, variance))
+            for mean, sky in zip(means, skies, strict=True)
+        ]
+        if self._record is not None:
+            branches = [
+                Branch(weight, sky.transition, sky.spread, sky.residual, one.mean)
+                for weight, sky, one in zip(weights.tolist(), skies, each, strict=True)
+            ]
+            self._record.correct_either(branches, rows, variance)
+        self._mean, self._spread = mixed(each, weights)
 
     def _correct(self, rows: Array, residual: Array, variance: float) -> None:
         if self._record is not None:
@@ -257,7 +346,7 @@ class FieldKalman:
     def _start_again(self, sigma: float) -> bool:
         """Take the refused fixes' word for the pose, if they have one."""
         heading = math.sqrt(float(self._spread[states.HEADING, states.HEADING]))
-        found = self._lost.found(math.hypot(sigma, self._noise.gps_drift), self.pose, heading)
+        found = self._lost.found(math.hypot(sigma, self.noise.gps_drift), self.pose, heading)
         if found is None:
             return False
         self.begin(found)
@@ -270,6 +359,13 @@ def log_normal(residual: Array, covariance: Array) -> float:
     white = whitened(residual, covariance)
     size = covariance[0, 0] * covariance[1, 1] - covariance[0, 1] * covariance[1, 0]
     return -0.5 * float(math.log(4.0 * math.pi**2 * size) + white @ white)
+
+
+def _sky(
+    transition: Array, spread: Array, rows: Array, residual: Array, variance: float, log_share: float
+) -> _Sky:
+    whole = rows @ spread @ rows.T + variance * np.eye(2)
+    return _Sky(transition, spread, residual, whole, log_share + log_normal(residual, whole))
 
 
 def level_lever(antenna: tuple[float, float, float], tilt: tuple[float, float], heading: float) -> Array:

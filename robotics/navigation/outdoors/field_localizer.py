@@ -35,6 +35,8 @@ class FieldLocalizer(ABC):
 
     STATE: ClassVar[Mapping[str, Any]] = {"_since": Pose2}
     """Attributes that change, besides the odometry's, with their types."""
+    REST_PERIOD: ClassVar[float] = PERIOD
+    """[s] of a step at rest."""
     TAKES_FIXES: ClassVar[bool] = True
     """Whether satellites tell it anything."""
 
@@ -90,7 +92,8 @@ class FieldLocalizer(ABC):
     def predict(self, rates: Array, accelerations: Array, wheels: Array, dt: float) -> None:
         """Take in one period's readings (see `GyroOdometry.update`)."""
         self._odometry.update(rates, accelerations, wheels, dt)
-        if self._odometry.pending >= PERIOD - 1e-9:
+        due = self.REST_PERIOD if self._odometry.at_rest else PERIOD
+        if self._odometry.pending >= due - 1e-9:
             self._flush()
 
     def fix(self, position: Array, sigma: float | None = None) -> bool:

@@ -92,3 +92,16 @@ class FieldNoise(NamedTuple):
 REFERENCE = FieldNoise()
 REALISTIC = FieldNoise(gps_white=0.5, gps_drift=0.5, gps_drift_time=600.0)
 RTK = FieldNoise(gps_white=0.01, gps_drift=0.01, gps_drift_time=100.0)
+ANY_VEHICLE = FieldNoise(
+    scale=0.03,
+    slip=0.1,
+    slip_length=30.0,
+    side_slip=math.radians(3.0),
+    gyro_white=math.radians(0.2),
+    gyro_walk=math.radians(0.01),
+    gyro_bias=math.radians(1.0),
+    gyro_scale=0.02,
+    gps_drift=2.0,
+    gps_delay=0.5,
+)
+"""A vehicle of which nothing is told: a car's speedometer, a gyro for some coins, a receiver of a phone."""

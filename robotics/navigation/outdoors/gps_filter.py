@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.localization.lost_track import FoundTrack
-from handcart.robotics.navigation.outdoors.field_kalman import FieldKalman, level_lever
+from handcart.robotics.navigation.outdoors.field_kalman import FieldKalman, level_lever, log_normal
 from handcart.robotics.navigation.outdoors.field_localizer import FieldLocalizer, Inconsistency
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE, FieldNoise
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance
@@ -39,12 +39,15 @@ class GpsFilter(FieldLocalizer):
     mixture.
     """
 
+    REST_PERIOD: ClassVar[float] = 1.0
+    """See `FieldLocalizer`: nothing but slow errors change meanwhile."""
     STATE: ClassVar[Mapping[str, Any]] = {
         **FieldLocalizer.STATE,
         "_weights": Array,
         "_search": HeadingSearch | None,
         "log_likelihood": float,
         "_clock": float,
+        "_moved": float,
         "_squares": list[tuple[float, float | None]],
     }
 
@@ -69,7 +72,7 @@ class GpsFilter(FieldLocalizer):
         self._noise, self._begun, self._start_position = noise, start, start_position
         self._search = HeadingSearch() if noise.start_heading > UNKNOWN else None
         supposed = suppositions(noise) if supposed is None else supposed
-        self._clock = 0.0
+        self._clock, self._moved = 0.0, 0.0  # [s] in all, and of that not at rest
         self._squares: list[
             tuple[float, float | None]
         ] = []  # times of fixes, and squares as in `Fixed`; None if refused
@@ -165,6 +168,7 @@ class GpsFilter(FieldLocalizer):
     def _advance(self, advance: Advance) -> None:
         self.forget_derived()
         self._clock += advance.time
+        self._moved += advance.time - advance.rest
         for each in self.filters:
             each.advance(advance)
 
@@ -204,16 +208,26 @@ class GpsFilter(FieldLocalizer):
         """By this fix and those before it; the filters begin when it is found."""
         here, begun = self._odometry.pose, np.array(self._begun[:2])
         antenna = np.array(here[:2]) + level_lever(self._noise.antenna, self.tilt, here.theta)
-        search.take(antenna - begun, position - begun)
+        search.take(antenna - begun, position - begun, self._moved)
         away = Pose2(here.x - self._begun.x, here.y - self._begun.y, here.theta)
-        found = search.found(away, math.hypot(sigma, self._noise.gps_drift), self._start_position)
+        wandered = math.hypot(sigma, _wandered(self._noise, self._clock))
+        start = math.hypot(self._start_position, self._noise.gps_drift)
+        found = search.found(away, wandered, start, self.best.bias_sigma)
         if found is None:
+            # it may be anywhere that it can have come to
+            self.log_likelihood += log_normal(np.zeros(2), self.covariance[:2, :2] + sigma**2 * np.eye(2))
             return
         x, y, heading = found.pose
-        begin = FoundTrack(Pose2(x + self._begun.x, y + self._begun.y, heading), found.covariance)
+        pose = Pose2(x + self._begun.x, y + self._begun.y, heading)
         for each in self.filters:
-            each.begin(begin)
+            worse = 1.0 + (_wandered(each.noise, self._clock) / wandered) ** 2
+            each.begin(FoundTrack(pose, worse * found.covariance))
         self._search = None
+
+
+def _wandered(noise: FieldNoise, time: float) -> float:
+    """Sigma by which the fixes' slow error is another one after `time` [s], an axis, in [m]."""
+    return noise.gps_drift * math.sqrt(min(1.0, 2.0 * time / noise.gps_drift_time))
 
 
 def _computable(noise: FieldNoise) -> FieldNoise:

@@ -87,6 +87,11 @@ class GyroOdometry:
         return bool(self._state[10] > 0.0)
 
     @property
+    def levelled(self) -> bool:
+        """Whether gravity has told roll and pitch at rest."""
+        return bool(self._state[6:9].any())
+
+    @property
     def pending(self) -> float:
         """Time since the last `take`, in [s]."""
         return float(self._state[15])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import ClassVar, NamedTuple
 
 import numpy as np
@@ -36,6 +37,21 @@ class _Link(NamedTuple):
     """As known at the second."""
     second: Belief
     """What the filter held there."""
+
+
+class Branch(NamedTuple):
+    """One way in which the states may have changed just before something was seen."""
+
+    weight: float
+    """How likely it is, by what was seen then; all of them are one."""
+    transition: Array
+    """(n, n), of the change."""
+    covariance: Array
+    """(n, n) of the states after it."""
+    residual: Array
+    """(m,) of the readings."""
+    mean: Array
+    """(n,) of the states once the readings were taken in."""
 
 
 class Entries(NamedTuple):
@@ -85,14 +101,32 @@ class TrackRecord:
         `rows` (m, n) is how they depend on the states, `covariance` (n, n) that of the states now, without
         them.
         """
-        if self._latest is None:
+        if self._latest is not None:
+            self._latest = _after(self._latest, covariance, rows, residual, variance)
+
+    def correct_either(self, branches: Sequence[Branch], rows: Array, variance: float) -> None:
+        """The same where the states may have changed before, in one of several ways."""
+        latest = self._latest
+        if latest is None:
             return
-        (mean, spread), shared = self._latest
-        seen = rows @ covariance @ rows.T + variance * np.eye(len(residual))
-        gain = np.linalg.solve(seen, rows @ shared.T).T
-        spread = spread - gain @ seen @ gain.T
-        belief = Belief(mean + gain @ residual, 0.5 * (spread + spread.T))
-        self._latest = _Watched(belief, shared - gain @ rows @ covariance)
+        each = [
+            _after(
+                latest._replace(shared=latest.shared @ one.transition.T),
+                one.covariance,
+                rows,
+                one.residual,
+                variance,
+            )
+            for one in branches
+        ]
+        weights = np.array([one.weight for one in branches])
+        then = mixed([one.belief for one in each], weights)
+        now = weights @ np.array([one.mean for one in branches])
+        shared = sum(
+            one.weight * (seen.shared + np.outer(seen.belief.mean - then.mean, one.mean - now))
+            for one, seen in zip(branches, each, strict=True)
+        )
+        self._latest = _Watched(then, np.asarray(shared))
 
     def mark(self, now: Belief) -> None:
         """This moment is wanted."""
@@ -127,3 +161,22 @@ class TrackRecord:
             spread = before.covariance + gain @ (out[-1].covariance - second.covariance) @ gain.T
             out.append(Belief(mean, 0.5 * (spread + spread.T)))
         return out[::-1]
+
+
+def mixed(beliefs: Sequence[Belief], weights: Array) -> Belief:
+    """Mean and covariance of one of several beliefs, by how likely each is (k,)."""
+    means = np.array([each.mean for each in beliefs])
+    mean = weights @ means
+    away = means - mean
+    within = np.einsum("k,kij->ij", weights, np.array([each.covariance for each in beliefs]))
+    return Belief(mean, within + np.einsum("k,ki,kj->ij", weights, away, away))
+
+
+def _after(watched: _Watched, covariance: Array, rows: Array, residual: Array, variance: float) -> _Watched:
+    """What is known of the watched moment once readings were seen; see `TrackRecord.correct`."""
+    (mean, spread), shared = watched
+    seen = rows @ covariance @ rows.T + variance * np.eye(len(residual))
+    gain = np.linalg.solve(seen, rows @ shared.T).T
+    spread = spread - gain @ seen @ gain.T
+    belief = Belief(mean + gain @ residual, 0.5 * (spread + spread.T))
+    return _Watched(belief, shared - gain @ rows @ covariance)

@@ -8,8 +8,10 @@ from typing import NamedTuple
 from handcart.robotics.navigation.outdoors.field_noise import FieldNoise
 
 LATE = 0.3  # [s] that a receiver's fixes may come too late, whatever is told
-SKIES = ((0.0, math.inf, 0.55), (0.25, 600.0, 0.25), (0.75, 600.0, 0.15), (4.0, 100.0, 0.05))
+SKIES = ((0.0, math.inf, 0.55), (0.25, 600.0, 0.25), (0.75, 600.0, 0.15))
 """Slow error of the fixes, in sigmas of one; over how many seconds it changes; share of worlds."""
+LEAPS = (3.0, 600.0, 0.05)  # the same of an error that leaps besides
+EVERY = 100.0  # [s] on average
 GROUNDS = (0.6, 0.3, 0.1)  # shares of worlds: as given, more slip than given, a start heading further off
 
 
@@ -36,9 +38,10 @@ def suppositions(given: FieldNoise) -> list[Supposition]:
     """Each sky over each ground, as told first; what is worse comes later."""
     given = given._replace(gps_delay=max(given.gps_delay, LATE))
     found: list[Supposition] = []
-    for sigma, time, share in SKIES:
-        sky = given if sigma == 0.0 else _drifting(given, sigma, time)
-        last = len(SKIES) * len(GROUNDS) - len(GROUNDS)
+    skies = [(_drifting(given, sigma, time), share) for sigma, time, share in SKIES[1:]]
+    skies = [(given, SKIES[0][2]), *skies, (_leaping(given, *LEAPS[:2]), LEAPS[2])]
+    last = (len(skies) - 1) * len(GROUNDS)
+    for sky, share in skies:
         for noise, rough in zip((sky, _slipping(sky), _turned(sky)), GROUNDS, strict=True):
             here = len(found)
             found.append(Supposition(noise, share * rough, here if here >= last else here + len(GROUNDS)))
@@ -48,6 +51,11 @@ def suppositions(given: FieldNoise) -> list[Supposition]:
 def _drifting(given: FieldNoise, sigma: float, time: float) -> FieldNoise:
     drift = math.hypot(given.gps_drift, sigma * given.gps_white)
     return given._replace(gps_drift=drift, gps_drift_time=time)
+
+
+def _leaping(given: FieldNoise, sigma: float, time: float) -> FieldNoise:
+    drifting = _drifting(given, sigma, time)
+    return drifting._replace(jump=drifting.gps_drift, jump_every=EVERY)
 
 
 def _slipping(given: FieldNoise) -> FieldNoise:

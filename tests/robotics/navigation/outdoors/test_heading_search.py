@@ -14,6 +14,7 @@ from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.outdoors.field_localizer import FieldLocalizer
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE, RTK, FieldNoise
 from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
+from handcart.robotics.navigation.outdoors.heading_search import MOST, HeadingSearch, _biases
 from handcart.robotics.navigation.outdoors.particle_filter import ParticleErrors, ParticleFilter
 
 
@@ -88,3 +89,57 @@ def test_particles_that_are_elsewhere_start_again() -> None:
             localizer.fix(fixes[row])
     assert localizer.restarts >= 1
     assert localizer.pose.distance(Pose2(*log.drive.poses[-1].tolist())) < 2.0
+
+
+def driven(
+    bias: float, heading: float, odd: int = 0, stretched: float = 1.0
+) -> tuple[HeadingSearch, Pose2, Pose2]:
+    """A search with 60 fixes of a drive, one a second; where odometry has the base, and the truth.
+
+    Odometry turns by `bias` [rad/s] more than the base; for the first `odd` seconds it told
+    `stretched` times the way.
+    """
+    rng, search = np.random.default_rng(5), HeadingSearch()
+    truth, reckoned = Pose2(0.0, 0.0, heading), Pose2(0.0, 0.0, 0.0)
+    for second in range(60):
+        turn, way = 0.005 * math.sin(0.3 * second), stretched if second < odd else 1.0
+        for _ in range(10):
+            truth = truth.compose(Pose2(0.5, 0.0, turn))
+            reckoned = reckoned.compose(Pose2(0.5 * way, 0.0, turn + 0.1 * bias))
+        search.take(np.array(reckoned[:2]), np.array(truth[:2]) + rng.standard_normal(2), second + 1.0)
+        if second < 59:
+            search.found(reckoned, 1.0, 0.1, math.radians(1.0))
+    return search, reckoned, truth
+
+
+@pytest.mark.parametrize("heading", [0.0, 2.0, -3.0])
+@pytest.mark.parametrize("bias", [-1.5, 0.0, 1.5])
+def test_a_biased_gyro_bends_the_track(heading: float, bias: float) -> None:
+    search, reckoned, truth = driven(math.radians(bias), heading)
+    found = search.found(reckoned, 1.0, 0.1, math.radians(1.0))
+    assert found is not None
+    off = np.array([found.pose.x - truth.x, found.pose.y - truth.y, wrap(found.pose.theta - truth.theta)])
+    assert off @ np.linalg.solve(found.covariance, off) < 14.2  # 99.7 %
+    assert abs(off[2]) < math.radians(6.0)
+
+
+def test_a_gyro_whose_bias_is_known_bends_nothing() -> None:
+    """What nobody allowed for shows as a track that doesn't fit, or is far off."""
+    search, reckoned, truth = driven(math.radians(1.5), 1.0)
+    found = search.found(reckoned, 1.0, 0.1, 0.0)
+    assert found is None or abs(wrap(found.pose.theta - truth.theta)) > math.radians(10.0)
+
+
+def test_odometry_that_was_wrong_at_first_is_forgotten() -> None:
+    search, reckoned, truth = driven(0.0, 1.0, odd=12, stretched=1.8)
+    found = search.found(reckoned, 1.0, 0.1, math.radians(0.1))
+    assert found is not None
+    assert abs(wrap(found.pose.theta - truth.theta)) < math.radians(6.0)
+    assert found.pose.distance(truth) < 4.0
+
+
+def test_no_bias_is_tried_where_it_would_turn_nothing() -> None:
+    """A base that stood knows its gyro: one heading costs no more than before."""
+    assert len(_biases(math.radians(0.001), 100.0)) == 1
+    assert len(_biases(math.radians(1.0), 10.0)) == 61
+    assert len(_biases(math.radians(1.0), 1e4)) == 2 * MOST + 1

@@ -1,0 +1,113 @@
+"""Fixes that leap, as a filter supposes them; `benchmarks.field.mismatches` has whole drives."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.outdoors import field_model as states
+from handcart.robotics.navigation.outdoors.field_kalman import FieldKalman, Fixed
+from handcart.robotics.navigation.outdoors.field_noise import REFERENCE, FieldNoise
+from handcart.robotics.navigation.outdoors.gyro_odometry import Advance, GyroOdometry
+from handcart.robotics.navigation.outdoors.smoothing import Belief, TrackRecord, mixed
+
+LEAPING = REFERENCE._replace(gps_drift=3.0, gps_drift_time=600.0, jump=3.0, jump_every=100.0)
+STANDS = Advance(0.0, 0.0, 0.0, 1.0, 1.0, 0.0)
+
+
+def standing(noise: FieldNoise, record: bool = False) -> FieldKalman:
+    """Starts at the origin, which it knows to 5 cm."""
+    return FieldKalman(Pose2(0.0, 0.0, 0.0), noise, record=TrackRecord() if record else None)
+
+
+def seen(filtering: FieldKalman, fixes: NDArray[np.float64]) -> list[Fixed]:
+    """What comes of fixes (n, 2), a second apart, of a base that stands."""
+    odometry, found = GyroOdometry(), []
+    for fix in fixes:
+        filtering.advance(STANDS)
+        found.append(filtering.fix(fix, None, odometry))
+    return found
+
+
+def fixes(seed: int, count: int, off: tuple[float, float] = (0.0, 0.0)) -> NDArray[np.float64]:
+    """White ones (count, 2) about a place [m]."""
+    drawn: NDArray[np.float64] = np.random.default_rng(seed).standard_normal((count, 2)) + off
+    return drawn
+
+
+@pytest.mark.parametrize("size", [2.5, 6.0, 9.0])
+def test_a_leap_is_believed_and_moves_nothing(size: float) -> None:
+    """The one who supposes it goes on; the other one doubts for as long as it lasts."""
+    leaping, told = standing(LEAPING), standing(REFERENCE)
+    for filtering in (leaping, told):
+        seen(filtering, fixes(1, 30))
+        seen(filtering, fixes(2, 30, (size, -size)))
+    assert leaping.refused <= 8  # those by which a small leap shows
+    assert told.refused >= 28
+    off = leaping.belief.mean[[states.GPS_X, states.GPS_Y]]
+    assert off == pytest.approx([size, -size], abs=1.2)
+    assert math.hypot(*leaping.belief.mean[:2]) < 0.3
+
+
+def test_a_leap_is_what_it_costs() -> None:
+    """Less likely than none when it comes; from then on fixes are as likely as they were."""
+    leaping = standing(LEAPING)
+    before = [each.log_likelihood for each in seen(leaping, fixes(1, 30))]
+    after = [each.log_likelihood for each in seen(leaping, fixes(2, 30, (6.0, 6.0)))]
+    assert after[0] < min(before) - 2.0
+    assert np.mean(after[5:]) == pytest.approx(np.mean(before), abs=0.6)
+
+
+def test_an_error_that_cannot_leap_has_one_sky() -> None:
+    told = standing(REFERENCE)
+    leaping = standing(REFERENCE._replace(jump=3.0, jump_every=1e12))
+    for one, other in zip(seen(told, fixes(3, 20)), seen(leaping, fixes(3, 20)), strict=True):
+        assert one.log_likelihood == pytest.approx(other.log_likelihood, abs=1e-6)
+    assert np.allclose(told.belief.mean, leaping.belief.mean, atol=1e-6)
+
+
+def test_what_is_known_of_a_moment_before_a_leap_stays() -> None:
+    """The smoother carries nothing of the error across it, and all of the pose."""
+    leaping = standing(LEAPING, record=True)
+    seen(leaping, fixes(1, 10))
+    leaping.mark()
+    seen(leaping, fixes(2, 10, (8.0, 0.0)))
+    leaping.mark()
+    first, second = leaping.smoothed()
+    assert first.mean[states.GPS_X] == pytest.approx(0.0, abs=1.0)
+    assert second.mean[states.GPS_X] == pytest.approx(8.0, abs=1.0)
+    assert np.allclose(first.mean[:2], second.mean[:2], atol=0.02)  # it stood
+    assert np.allclose(first.covariance[:2, :2], second.covariance[:2, :2], atol=0.02)
+
+
+def test_a_mixture_spreads_as_far_as_its_parts() -> None:
+    far = [Belief(np.array([-1.0, 0.0]), np.eye(2)), Belief(np.array([3.0, 0.0]), 2.0 * np.eye(2))]
+    whole = mixed(far, np.array([0.75, 0.25]))
+    assert whole.mean == pytest.approx([0.0, 0.0])
+    assert whole.covariance == pytest.approx(np.diag([1.25 + 3.0, 1.25]))
+
+
+def test_a_reflection_that_lasts_is_as_likely_as_its_first_fix_and_its_scatter() -> None:
+    """Refused fixes are held against those before them, not each against nothing."""
+    told = standing(REFERENCE)
+    seen(told, fixes(1, 30))
+    off = [each.log_likelihood for each in seen(told, fixes(2, 30, (12.0, 12.0)))]
+    assert off[0] < -10.0
+    assert np.mean(off[5:]) > -4.5
+
+
+def test_before_gravity_told_the_tilt_a_fix_is_less_exact() -> None:
+    """The antenna of a base that leans isn't above it."""
+    exact = REFERENCE._replace(gps_white=0.01)
+    odometry, level = GyroOdometry(), standing(exact)
+    lean = math.tan(2.0 * exact.roughness) * exact.antenna[2]
+    assert not odometry.levelled
+    assert level.fix(np.array([lean, 0.0]), None, odometry).square < 9.0
+    for _ in range(40):
+        odometry.update(np.array([0.0, 0.0, 1e-4]), np.array([0.0, 0.0, 9.81]), np.zeros(2), 0.025)
+    assert odometry.levelled
+    assert not standing(exact).fix(np.array([0.5, 0.0]), None, odometry).believed
