@@ -20,18 +20,18 @@ def compiled(function: Function) -> Function:
 @contextmanager
 def hearing_of_compiling(heard: Callable[[bool], None]) -> Iterator[None]:
     """Call `heard` with True as compiling begins, and with False as it is over; not for what is on disk."""
-    listener = _Listener(heard)
-    event.register(_COMPILE, listener)
+    listener, told = _Listener(heard), cast(Any, event)
+    told.register(_COMPILE, listener)
     try:
         yield
     finally:
-        event.unregister(_COMPILE, listener)
+        told.unregister(_COMPILE, listener)
 
 
 _COMPILE = "numba:compile"
 
 
-class _Listener(event.Listener):  # type: ignore[misc]
+class _Listener(event.Listener):
     """What a function calls is compiled while it is: that is one compiling."""
 
     def __init__(self, heard: Callable[[bool], None]) -> None:
