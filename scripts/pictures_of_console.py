@@ -47,7 +47,8 @@ def main() -> None:
                 page.wait_for_timeout(3000)
                 for size, (width, height) in (("desk", (1280, 1180)), ("phone", PHONE)):
                     page.set_viewport_size({"width": width, "height": height})
-                    page.locator("#run-title").scroll_into_view_if_needed()
+                    top = "document.getElementById('run').scrollIntoView()"
+                    page.evaluate(top if size == "phone" else "scrollTo(0, 0)")
                     page.wait_for_timeout(1000)
                     path = ROOT / "docs" / f"console_{size}.png"
                     page.screenshot(path=path)

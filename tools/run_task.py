@@ -77,6 +77,7 @@ def run(
     from handcart.networks.coordination.interrupts import Interrupts
     from handcart.networks.operator.permits import Permits
     from handcart.networks.run_options import RunOptions
+    from handcart.tools.terminal.next_steps import next_steps
     from handcart.tools.terminal.progress import Progress
     from handcart.tools.terminal.writing import check_folder
 
@@ -115,6 +116,7 @@ def run(
             reason = f": {summary['reason']}" if summary["reason"] else ""
             ended = f"{summary['outcome']} in situation {summary['situation']}{reason}"
             print(f"{ended}; see {summary['run_dir']}", flush=True)
+            progress.offer(next_steps(summary))
     sys.exit(status)
 
 

@@ -232,7 +232,8 @@ class FieldSurvey(Survey):
         if cloud is None or (self._cloud_at is not None and math.dist(here, self._cloud_at) < CLOUD_EVERY):
             return
         self._cloud_at = here
-        self.tracks["particles"] += [(x, y) for x, y, _ in cloud[:: 1 + len(cloud) // CLOUD].tolist()]
+        every = 1 + cloud.shape[1] // CLOUD
+        self.tracks["particles"] += [(x, y) for x, y in cloud[:2, ::every].T.tolist()]
 
 
 def _row(each: Placement) -> dict[str, Any]:

@@ -16,6 +16,7 @@ from handcart.evaluation.playback.scenery import scenery_of, thing_shape
 from handcart.evaluation.truth.survey import simulated_world
 from handcart.networks.coordination.events import Ended, Event, Planned, Restoring, RunEnded, Started
 from handcart.networks.journal.past_run import PastAction
+from handcart.networks.operator.view_address import forget_address, note_address
 from handcart.networks.run_observer import RunObserver
 from handcart.networks.task.preparing import Prepared
 from handcart.primitives.contract.action_primitive import ActionPrimitive
@@ -24,7 +25,6 @@ from .frame import Frame
 from .live_frames import LiveFrames
 from .page import Page
 from .server import address
-from .view_address import forget_address, note_address
 
 if TYPE_CHECKING:
     import viser

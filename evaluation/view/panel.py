@@ -19,6 +19,13 @@ if TYPE_CHECKING:
     import viser
 
 LINE = 0.2  # [s] between two pictures of the time line
+_READABLE = """<style>
+label { color: #495057 !important }
+.mantine-Button-root { --button-bg: #00527f !important; --button-hover: #003f61 !important }
+.mantine-Button-root[data-variant="outline"] { --button-bg: #fff !important;
+  --button-color: #00527f !important; --button-bd: 1px solid #00527f !important }
+</style>"""
+"""viser's own grey and blue are too light for many eyes."""
 _HEAD = "font-family:system-ui,sans-serif;padding:0.3em 0.8em;line-height:1.35;color:#1d2733;font-size:0.85em"
 
 
@@ -84,7 +91,7 @@ class Panel:
             if frame.moment.restoring:
                 doing += f' <b style="color:{OUTCOMES["Fail"]}">restoring</b>'
         return (
-            f'<div style="{_HEAD}"><div style="font-weight:600">{escape(self._title)}</div>'
+            f'{_READABLE}<div style="{_HEAD}"><div style="font-weight:600">{escape(self._title)}</div>'
             f'<div style="color:#4a5868">{escape(self.ended)}</div>'
             f'<div style="margin-top:0.3em"><span style="font-variant-numeric:tabular-nums">'
             f"{frame.moment.time:.1f} s</span> &nbsp;{doing}</div></div>"

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any, TypeVar, cast
 
 import numba
+from numba.core import event
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -13,3 +15,34 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 def compiled(function: Function) -> Function:
     """Compile `function` to machine code on its first call; kept on disk for the next process."""
     return cast(Function, numba.njit(cache=True)(function))
+
+
+@contextmanager
+def hearing_of_compiling(heard: Callable[[bool], None]) -> Iterator[None]:
+    """Call `heard` with True as compiling begins, and with False as it is over; not for what is on disk."""
+    listener, told = _Listener(heard), cast(Any, event)
+    told.register(_COMPILE, listener)
+    try:
+        yield
+    finally:
+        told.unregister(_COMPILE, listener)
+
+
+_COMPILE = "numba:compile"
+
+
+class _Listener(event.Listener):
+    """What a function calls is compiled while it is: that is one compiling."""
+
+    def __init__(self, heard: Callable[[bool], None]) -> None:
+        self._heard, self._depth = heard, 0
+
+    def on_start(self, _: object) -> None:
+        self._depth += 1
+        if self._depth == 1:
+            self._heard(True)
+
+    def on_end(self, _: object) -> None:
+        self._depth -= 1
+        if not self._depth:
+            self._heard(False)

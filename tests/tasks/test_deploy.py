@@ -42,7 +42,7 @@ def small(tmp_path: Path) -> dict[str, str]:
 
 @pytest.mark.slow
 def test_two_sensors_are_laid_and_told_of(tmp_path: Path, small: dict[str, str]) -> None:
-    summary, status = run_task(STRAIGHT, tmp_path, RunOptions(settings=small, seed=2))
+    summary, status = run_task(STRAIGHT, tmp_path, RunOptions(settings=small, seed=2, draw=True))
     metrics, folder = summary["metrics"], Path(summary["run_dir"])
     assert status == 0
     assert metrics["untrue"] == []
@@ -151,9 +151,11 @@ def test_without_satellites_the_ellipses_grow(tmp_path: Path, small: dict[str, s
 @pytest.mark.slow
 def test_the_particle_filter_does_it_too(tmp_path: Path, small: dict[str, str]) -> None:
     settings = {**small, "robot": _robot(tmp_path, "particle")}
-    summary, status = run_task(STRAIGHT, tmp_path, RunOptions(settings=settings, seed=1))
+    summary, status = run_task(STRAIGHT, tmp_path, RunOptions(settings=settings, seed=1, draw=True))
     assert status == 0
     assert summary["metrics"]["placed"] == 2
+    assert summary["metrics"]["untrue"] == []
+    assert "particles, each 10 m" in (Path(summary["run_dir"]) / "as_laid.svg").read_text(encoding="utf-8")
 
 
 def test_a_target_beside_a_rock_is_refused_by_its_line(tmp_path: Path, small: dict[str, str]) -> None:

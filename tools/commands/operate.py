@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -81,12 +82,29 @@ def _say(word: str, run: Path, as_json: bool, **more: object) -> None:
     if as_json:
         print(orjson.dumps(reply).decode())
     elif reply["ok"]:
+        if word != "status":
+            print(_echo(word, reply, more))
         waits = reply["asks"] and f"; asks for permission: {reply['asks']['index']}. {reply['asks']['do']}"
         print(f"{reply['state']} in {reply['situation']} at {reply['sim_time_s']:.1f} s{waits or ''}")
     else:
         print(reply["error"], file=sys.stderr)
     if not reply["ok"]:
         sys.exit(2)
+
+
+def _echo(word: str, reply: Mapping[str, Any], more: Mapping[str, object]) -> str:
+    """What a command has done, in words."""
+    off = more.get("on") is False
+    match word:
+        case "permit" | "refuse":
+            return {"permit": "permitted", "refuse": "refused: that counts as its Fail"}[word]
+        case "step":
+            return "it asks before every action no more" if off else "it asks before every action from now on"
+        case "break":
+            asks = f"before it goes on from {', '.join(reply['breaks']) or 'any situation'}"
+            return f"it asks {asks}" if reply["breaks"] else f"it asks no more {asks}"
+        case _:
+            return {"pause": "told to pause", "continue": "told to go on", "cancel": "told to cancel"}[word]
 
 
 def _wait_for_end(run: Path) -> None:

@@ -36,6 +36,7 @@ def resume(
     from handcart.networks.operator.permits import Permits
     from handcart.networks.run_options import RunOptions
     from handcart.networks.runs.run_names import latest_run
+    from handcart.tools.terminal.next_steps import next_steps
     from handcart.tools.terminal.progress import Progress
 
     run = run or latest_run(Path("runs"))
@@ -62,6 +63,7 @@ def resume(
             reason = f": {summary['reason']}" if summary["reason"] else ""
             words = f"{summary['outcome']} in situation {summary['situation']}{reason}; see {run}"
             print(printable(words), flush=True)
+            progress.offer(next_steps(summary))
     sys.exit(status)
 
 

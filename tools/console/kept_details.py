@@ -9,7 +9,7 @@ from typing import Any
 
 import orjson
 
-from handcart.evaluation.view.view_address import NAME as ADDRESS
+from handcart.networks.operator.view_address import NAME as ADDRESS
 
 from .run_details import EVIDENCE, PAGES, RunDetails
 

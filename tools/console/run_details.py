@@ -8,7 +8,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from handcart.evaluation.view.view_address import view_address
 from handcart.files.errors import HandcartError
 from handcart.networks.analysis.outlook import NoOutlook, outlook
 from handcart.networks.chains.policy import TooLarge
@@ -18,6 +17,7 @@ from handcart.networks.drawing.svg import to_svg
 from handcart.networks.journal.past_run import PastRun, read_run
 from handcart.networks.journal.waiting import waiting
 from handcart.networks.operator.acknowledging import cause_of
+from handcart.networks.operator.view_address import view_address
 from handcart.networks.runs.run_folder import read_run_journal
 from handcart.networks.task.task_file import load_task
 

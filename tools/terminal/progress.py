@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import select
+import shlex
 import sys
-from contextlib import suppress
+from collections.abc import Sequence
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from types import TracebackType
 
@@ -15,11 +17,14 @@ from handcart.backends.robot.robot import Robot
 from handcart.files.printable import printable
 from handcart.networks.coordination.events import Ended, Event, LeftOut, Planned, Restoring, RunEnded, Started
 from handcart.networks.graph.network import Action
-from handcart.networks.graph.planner import NoWay
+from handcart.networks.graph.planner import NoWay, Plan
 from handcart.networks.run_observer import RunObserver
 from handcart.networks.task.preparing import Prepared
 from handcart.primitives.contract.outcome import Fail, GiveUp, Success
+from handcart.robotics.numerics.compiled import hearing_of_compiling
 
+LOADING = "loading"
+COMPILING = "compiling inner loops: only once after installing"
 COLOURS = {"Success": "green", "Fail": "yellow", "GiveUp": "red"}
 
 
@@ -31,17 +36,26 @@ class Progress(RunObserver):
 
     def __init__(self) -> None:
         self._console = Console(stderr=True, highlight=False, soft_wrap=True)
-        self._status = self._console.status("planning")
-        self._now, self._next = "planning", 0.0
+        self._status = self._console.status(LOADING)
+        self._now, self._next = LOADING, 0.0
+        self._begun, self._cost, self._rest = 0.0, 0.0, 0.0
+        """When the action began, how long it is thought to take, and all that comes after it [s]."""
+        self._way: tuple[Action, ...] = ()
+        """As it was planned last."""
+        self._run_dir = Path()
+        self._compiled = False
+        self._listening = ExitStack()
 
     def __enter__(self) -> Progress:
         if self._console.is_terminal:
             self._status.start()
+        self._listening.enter_context(hearing_of_compiling(self._compiling))
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
+        self._listening.close()
         self.end()
 
     def end(self) -> None:
@@ -54,24 +68,30 @@ class Progress(RunObserver):
         match event:
             case Planned(time, situation, NoWay()):
                 self._line(time, f"no way leads on from {situation}")
-            case Started(_, number, action, _, fails):
+            case Planned(plan=Plan(actions=actions)):
+                self._way = actions
+            case Started(time, number, action, _, fails):
                 again = f", failed {fails} times before" if fails else ""
-                self._now = escape(f"{number}. {action.do}: {action.source} to {action.target}{again}")
-                self._status.update(self._now)
+                self._begun, self._cost = time, action.cost_s
+                after = self._way[self._way.index(action) + 1 :] if action in self._way else ()
+                self._rest = sum(each.cost_s for each in after)
+                self._tell(f"{number}. {action.do}: {action.source} to {action.target}{again}")
             case Restoring(time, action, reason):
+                self._begun, self._cost = time, 0.0
+                self._tell(f"{action.do} restores")
                 self._line(time, f"{action.do} restores: {reason}", "yellow")
             case Ended(time, number, action, _, outcome):
                 self._ended(time, number, f"{action.do}: {action.source} to {action.target}", outcome)
             case LeftOut(time, action, reason):
                 self._line(time, f"{action.do} is not started: {reason}", "yellow")
-            case Planned() | RunEnded():
-                pass
+            case RunEnded():
+                self._tell("writing down what was seen")
 
     def period(self, robot: Robot) -> None:
         """Tell how late it is, on a terminal."""
         if robot.time >= self._next:
             self._next = robot.time + 0.5
-            self._status.update(f"[dim]{robot.time:8.1f} s[/dim]  {self._now}")
+            self._status.update(f"[dim]{robot.time:8.1f} s[/dim]  {self._now}{self._how_far(robot.time)}")
 
     def say(self, words: str) -> None:
         """Tell something that should be known before anything moves."""
@@ -79,6 +99,8 @@ class Progress(RunObserver):
 
     def begin(self, prepared: Prepared, run_dir: Path) -> None:
         """Tell what the user should know before the run starts."""
+        self._run_dir = run_dir
+        self._tell("planning")
         for words in prepared.warnings:
             self._print(f"[yellow]warning: {escape(words)}[/yellow]")
         far = prepared.robot.stopping_distance
@@ -87,15 +109,40 @@ class Progress(RunObserver):
 
     def ask(self, action: Action) -> None:
         """Ask the operator for permission."""
-        how = "y or n and Enter, or " if sys.stdin.isatty() else ""
+        here = " y or n and Enter, or:" if sys.stdin.isatty() else ""
         self._status.stop()
-        self._print(f"[bold]may {escape(str(action))} start? {how}handcart permit|refuse[/bold]")
+        run = shlex.quote(str(self._run_dir))
+        self._print(f"[bold]may {escape(str(action))} start?[/bold]{here}")
+        self._print(escape(f"  handcart permit {run}\n  handcart refuse {run}"))
+
+    def offer(self, commands: Sequence[str]) -> None:
+        """Tell what may be done next, ready to be pasted."""
+        for each in commands:
+            self._print(f"[dim]  {escape(printable(each))}[/dim]")
 
     def typed(self) -> bool | None:
         """What somebody typed: y or n and Enter; None for nothing yet, or anything else."""
         if not sys.stdin.isatty() or not select.select([sys.stdin], [], [], 0.0)[0]:
             return None
         return {"y": True, "yes": True, "n": False, "no": False}.get(sys.stdin.readline().strip().lower())
+
+    def _tell(self, words: str) -> None:
+        """What goes on now."""
+        self._now = escape(words)
+        self._status.update(self._now)
+
+    def _how_far(self, time: float) -> str:
+        """How long the action has taken of what its cost lets expect, and what comes after it."""
+        if not self._cost:
+            return ""
+        after = f", {self._rest:.0f} s more to the goal" if self._rest else ""
+        return f"[dim]  {time - self._begun:.0f} of about {self._cost:.0f} s{after}[/dim]"
+
+    def _compiling(self, begins: bool) -> None:
+        self._status.update(COMPILING if begins else self._now)
+        if begins and not self._compiled and not self._console.is_terminal:
+            self._print(COMPILING)
+        self._compiled = True
 
     def _ended(self, time: float, number: int, what: str, outcome: Success | Fail | GiveUp) -> None:
         word = type(outcome).__name__

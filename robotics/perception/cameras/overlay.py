@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import cv2
 import numpy as np
@@ -17,6 +18,23 @@ from handcart.robotics.perception.landmarks.tag_reader import Tag
 
 _TAG, _READ, _UNREAD, _GAP, _SPINE = (255, 128, 0), (0, 200, 0), (0, 0, 230), (0, 200, 255), (200, 160, 60)
 _HEIGHTS = np.linspace(0.0, 0.2, 9)
+_FONT, _LETTERS = cv2.FONT_HERSHEY_SIMPLEX, 0.38
+
+
+class _Box(NamedTuple):
+    """Where something is written, in whole pixels."""
+
+    left: int
+    top: int
+    right: int
+    bottom: int
+
+    def meets(self, other: _Box) -> bool:
+        across = min(self.right, other.right) > max(self.left, other.left)
+        return across and min(self.bottom, other.bottom) > max(self.top, other.top)
+
+    def raised(self, by: int) -> _Box:
+        return self._replace(top=self.top - by, bottom=self.bottom - by)
 
 
 def draw_overlay(
@@ -37,14 +55,15 @@ def draw_overlay(
     shelf frame: they are drawn where camera and `camera_T_shelf` are given.
     """
     picture = np.asarray(cv2.cvtColor(image, cv2.COLOR_GRAY2BGR), dtype=np.uint8)
+    words: list[_Box] = []
     for tag in tags:
         _outline(picture, tag.corners, _TAG)
-        _write(picture, str(tag.id), tag.corners.max(axis=0), _TAG)
+        _write(picture, str(tag.id), tag.corners.max(axis=0), _TAG, words)
     for label in labels:
         colour = _READ if label.call_number is not None else _UNREAD
         _outline(picture, label.corners, colour)
         text = str(label.call_number) if label.call_number is not None else label.text or "?"
-        _write(picture, text, label.corners.min(axis=0) - (12, 6), colour)
+        _write(picture, text, label.corners.min(axis=0) - (12, 6), colour, words)
     for landmark in landmarks:
         _outline(picture, landmark.corners, _TAG)
         _outline(picture, np.vstack([landmark.corners[0], landmark.centre]), _TAG, closed=False)
@@ -80,7 +99,17 @@ def _upright(
         _outline(picture, np.clip(points, -4000, 4000), colour, closed=False)
 
 
-def _write(picture: NDArray[np.uint8], text: str, at: Floats, colour: tuple[int, int, int]) -> None:
-    where = (int(np.clip(at[0], 0, picture.shape[1] - 8)), int(np.clip(at[1], 10, picture.shape[0] - 2)))
-    cv2.putText(picture, text, where, cv2.FONT_HERSHEY_SIMPLEX, 0.38, (0, 0, 0), 3, cv2.LINE_AA)
-    cv2.putText(picture, text, where, cv2.FONT_HERSHEY_SIMPLEX, 0.38, colour, 1, cv2.LINE_AA)
+def _write(
+    picture: NDArray[np.uint8], text: str, at: Floats, colour: tuple[int, int, int], words: list[_Box]
+) -> None:
+    """Write it there, or above what was written there before; adds where it is to `words`."""
+    (width, height), below = cv2.getTextSize(text, _FONT, _LETTERS, 3)
+    x = int(np.clip(at[0], 0, max(0, picture.shape[1] - width)))
+    y = int(np.clip(at[1], height, picture.shape[0] - below))
+    box = _Box(x, y - height, x + width, y + below)
+    while any(box.meets(each) for each in words) and box.top >= height:
+        box = box.raised(height + below)
+    words.append(box)
+    where = box.left, box.bottom - below
+    cv2.putText(picture, text, where, _FONT, _LETTERS, (0, 0, 0), 3, cv2.LINE_AA)
+    cv2.putText(picture, text, where, _FONT, _LETTERS, colour, 1, cv2.LINE_AA)

@@ -1,0 +1,107 @@
+"""What a person reads while a run goes on, in a terminal and in a pipe."""
+
+from __future__ import annotations
+
+import os
+import pty
+import re
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import cast
+
+import numpy as np
+import pytest
+
+from handcart.robotics.numerics.compiled import compiled, hearing_of_compiling
+from handcart.tools.terminal.next_steps import next_steps
+from handcart.tools.terminal.progress import COMPILING, Progress
+from tests.tools.conftest import Said
+
+
+def typed_into(words: list[str], answer: bytes = b"", upon: bytes = b"?") -> tuple[str, int]:
+    """What a command shows on a terminal, without colours; `answer` is typed once `upon` is seen."""
+    ours, theirs = pty.openpty()
+    environment = os.environ | {"TERM": "xterm", "COLUMNS": "200"}
+    with subprocess.Popen(words, stdin=theirs, stdout=theirs, stderr=theirs, env=environment) as process:
+        os.close(theirs)
+        shown = b""
+        try:
+            while got := os.read(ours, 65_536):
+                shown += got
+                if answer and upon in shown:
+                    os.write(ours, answer)
+                    answer = b""
+        except OSError:  # the terminal is closed once the process has ended
+            pass
+        os.close(ours)
+    return re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", shown.decode()), process.returncode
+
+
+@pytest.mark.slow
+def test_a_terminal_tells_of_loading_of_how_far_an_action_is_and_what_may_be_done_next(tour: Path) -> None:
+    runs = tour.parent / "runs"
+    words = [sys.executable, "-m", "handcart", "run", str(tour), "--runs", str(runs)]
+    shown, status = typed_into(words)
+    assert status == 0
+    assert "loading" in shown
+    far = [int(each) for each in re.findall(r"MOVE_TO: at_home to at_shelf  (\d+) of about 30 s", shown)]
+    assert far
+    assert far == sorted(far)
+    assert far[-1] > 5
+    assert f"handcart view {runs / 'tour-0'}" in shown
+    assert str(runs / "tour-0" / "report.html") in shown
+
+
+@pytest.mark.slow
+def test_a_question_is_answered_by_hand_and_tells_the_commands_that_answer_it(tour: Path) -> None:
+    runs = tour.parent / "runs with a space"
+    words = [sys.executable, "-m", "handcart", "run", str(tour), "--runs", str(runs), "--step"]
+    shown, status = typed_into(words, b"y\n", b"handcart refuse")
+    assert status == 0
+    assert "may MOVE_TO (at_home to at_shelf) start? y or n and Enter, or:" in shown
+    assert f"handcart permit '{runs / 'tour-0'}'" in shown
+
+
+def test_compiling_is_told_once_and_never_of_what_is_compiled_already(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    def inner(x: float) -> float:
+        return x + 1.0
+
+    def outer(x: float) -> float:
+        return 2.0 * added(x)
+
+    added = compiled(inner)
+    doubled = compiled(outer)
+    heard: list[bool] = []
+    with hearing_of_compiling(heard.append):
+        assert doubled(1.0) == 4.0
+        assert heard == [True, False]
+        assert doubled(2.0) == 6.0
+    assert heard == [True, False]
+    with Progress():
+        for again in (added, doubled):
+            again(cast(float, np.float32(1.0)))  # of another type: compiled anew
+    assert capsys.readouterr().err.count(COMPILING) == 1
+
+
+@pytest.mark.parametrize(
+    ("outcome", "first"),
+    [("Success", "view"), ("Fail", "explain"), ("GiveUp", "explain"), ("Cancelled", "resume")],
+)
+def test_what_may_be_done_next_can_be_pasted(tmp_path: Path, outcome: str, first: str) -> None:
+    folder = tmp_path / "a run"
+    steps = next_steps({"run_dir": str(folder), "outcome": outcome})
+    assert steps[0] == f"handcart {first} '{folder}'"
+    assert not any("report.html" in step for step in steps)
+    folder.mkdir()
+    (folder / "report.html").touch()
+    assert next_steps({"run_dir": str(folder), "outcome": outcome})[-1] == str(folder / "report.html")
+
+
+def test_stdout_holds_the_result_alone(handcart: Callable[..., Said], tour: Path) -> None:
+    said = handcart("run", tour, "--runs", tour.parent / "runs")
+    assert len(said.out.splitlines()) == 1
+    assert f"handcart view {tour.parent / 'runs' / 'tour-0'}" in said.err
