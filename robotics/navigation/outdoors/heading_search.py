@@ -124,7 +124,7 @@ def _bent(ways: Array, moved: Array, bias: float) -> Array:
 def _turned(points: Array, angle: float) -> Array:
     """Points (n, 2) turned about the origin."""
     cos, sin = math.cos(angle), math.sin(angle)
-    return points @ np.array([[cos, sin], [-sin, cos]])
+    return np.asarray(points @ np.array([[cos, sin], [-sin, cos]]))
 
 
 def _laid(bent: Array, seen: Array, prior: float) -> _Laid:
