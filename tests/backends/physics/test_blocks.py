@@ -153,8 +153,9 @@ def test_fingers_that_press_let_go_at_once(build: Build) -> None:
 
 
 @pytest.mark.slow
-def test_the_camera_sees_a_mark_where_it_is(build: Build) -> None:
-    backend = build(ON_TRAY)
+@pytest.mark.parametrize("drawn_by", ["scene", "engine"])
+def test_the_camera_sees_a_mark_where_it_is(build: Build, drawn_by: str) -> None:
+    backend = build(f"{ON_TRAY}camera: {drawn_by}\n")
     go(backend, 0.08, 0.5, 0.73)
     camera = part(backend, "Camera")
     world_T_camera = backend.scene.world_T("hand") @ camera.hand_T_camera

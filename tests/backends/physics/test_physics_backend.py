@@ -290,7 +290,7 @@ def test_the_engine_writes_nothing_to_our_streams(physics: type[PhysicsBackend])
         "from handcart.backends.description.robot_loading import load_robot;"
         "world = Path('tasks/return_book/world.yaml');"
         f"b = make_backend('{physics.name}', load_robot('librarian'), world, 0);"
-        "b.step(); b.capabilities()[3].image(); b.close()"
+        "b.step(); b.view(); b.capabilities()[3].image(); b.close()"
     )
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
     assert (done.stdout, done.stderr) == ("", "")
