@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import math
+import shlex
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -66,6 +67,7 @@ def _page(run: PastRun) -> str:
         ended=end["outcome"] if end else "no end",
         network=network,
         actions=list(_actions(run)),
+        task=_shown(run),
         command=_again(run),
         span=max((each.end for each in run.actions), default=0.0) or 1.0,
         pictures=list(_pictures(run.folder)),
@@ -85,11 +87,23 @@ def _sentence(run: PastRun) -> str:
     return f"{task}: {end['outcome']} in situation {end['situation']} {when}{reason}."
 
 
+def _shown(run: PastRun) -> str:
+    """The task's file, as who works here would call it."""
+    path = Path(str(run.header["task_path"]))
+    return str(path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path)
+
+
 def _again(run: PastRun) -> str:
     """The command that runs it again, as far as the journal tells."""
     header = run.header
-    backend = "" if header["backend"] == "kinematic" else f" --backend {header['backend']}"
-    return f"handcart run {header['task_path']}{backend} --seed {header['seed']}"
+    words = ["handcart", "run", _shown(run)]
+    if header["backend"] != "kinematic":
+        words += ["--backend", str(header["backend"])]
+    words += ["--bench", str(header["bench"])] if header.get("bench") else []
+    words += [] if header.get("errors", True) else ["--no-errors"]
+    for name, value in (header.get("settings") or {}).items():
+        words += ["--set", f"{name}={value}"]
+    return shlex.join([*words, "--seed", str(header["seed"])])
 
 
 def _actions(run: PastRun) -> Iterator[dict[str, Any]]:

@@ -20,6 +20,7 @@ def test_a_run_leaves_one_page_that_needs_nothing_else(
     assert "Success in situation at_shelf" in page
     assert "cheapest way to the goal" in page
     assert "<script" not in page
+    assert f"Again: <code>handcart run {tour} --seed 0</code>" in page
     sources = re.findall(r'(?:src|href)="([^"]*)"', page)
     assert sources
     assert all(each.startswith(("data:image/", "#action-")) for each in sources)
