@@ -2,8 +2,8 @@
 
     python benchmarks/coordinator.py [--actions 1000] [--rounds 7]
 
-Every START and RESULT goes into the journal (unsynced) before it is acted on, and the PLAN of the way. Seconds
-are of the processor; the least of some rounds is shown: what disturbs a round only makes it slower.
+Every START and RESULT goes into the journal (unsynced) before it is acted on, and the PLAN of the way.
+Seconds are of the processor; the least of some rounds is shown: what disturbs a round only makes it slower.
 """
 
 from __future__ import annotations
