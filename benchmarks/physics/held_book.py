@@ -1,4 +1,6 @@
-"""How well a hand holds a book while its robot drives: `python -m benchmarks.physics.held_book [BACKEND] [SECONDS]`.
+"""How well a hand holds a book while its robot drives.
+
+    python -m benchmarks.physics.held_book [BACKEND] [SECONDS]
 
 The librarian takes a book from its tray, and drives, turns, stops and drives back, with a swing of its arm in
 between. Says by how much the book has moved and turned in the hand since it was lifted, at most, every ten
