@@ -30,7 +30,7 @@ Array = NDArray[np.float64]
 STAYS = 0.005  # [m/s]: slower, what slid in the hand is held again
 _NO_ISLAND = -2
 LOOKS = 2  # steps of the solver after which it is seen whether what is held slips
-FELT = 4  # times in a period that a force is measured where there is one
+FELT = 4  # times at a period's end that what touches is looked at
 _KEPT = ("actuator_gainprm", "actuator_biasprm", "actuator_forcerange")
 
 
@@ -175,9 +175,9 @@ class MujocoEngine(Engine):
         """Coordinates were changed: poses follow when they are asked for."""
         self._stale = True
 
-    def parts(self, finely: bool) -> Sequence[int]:
-        """See `Engine`."""
-        often = min(FELT, self.substeps // LOOKS - 1) if finely else 0
+    def parts(self) -> Sequence[int]:
+        """See `Engine`: a force is felt as a mean, for that of an impact alone misleads."""
+        often = max(0, min(FELT, self.substeps // LOOKS - 1))
         return (self.substeps - often * LOOKS, *(LOOKS,) * often)
 
     def step(self, steps: int | None = None) -> None:

@@ -18,17 +18,18 @@ _NAME = "pin {}"
 class Pins:
     """Equalities between the hand and what it holds; which thing that is changes while the world goes on.
 
-    They are the model's first ones, and what they bear stands before all else that constrains.
+    Before them in the model are those of joints that mimic others, with one row each of what constrains.
     """
 
     def __init__(self) -> None:
         """There are none yet."""
-        self._there = False
+        self._there, self._first = False, 0
 
     def prepare(self, spec: Any, hand: str, other: str) -> None:
         """Have them in the model, open; `other` is some other body."""
-        assert not spec.equalities
         kinds, what = mujoco().mjtEq, mujoco().mjtObj
+        self._first = len(spec.equalities)
+        assert all(each.type == kinds.mjEQ_JOINT for each in spec.equalities)
         for number in range(MOST):
             pin = spec.add_equality(name=_NAME.format(number), name1=hand, name2=other, active=False)
             pin.type, pin.objtype, pin.solref = kinds.mjEQ_CONNECT, what.mjOBJ_BODY, STIFF
@@ -36,23 +37,24 @@ class Pins:
 
     def closed(self, data: Any) -> bool:
         """Whether they hold something."""
-        return bool(data.eq_active[0])
+        return bool(data.eq_active[self._first])
 
     def pull(self, data: Any) -> float:
         """What a point bears, on the mean over all, in [N]."""
-        forces = data.efc_force[: 3 * MOST].reshape(MOST, 3)
+        forces = data.efc_force[self._first : self._first + 3 * MOST].reshape(MOST, 3)
         return float(np.sqrt((forces * forces).sum(axis=1)).sum()) / MOST
 
     def open(self, data: Any) -> None:
         """Hold nothing."""
         if self._there:
-            data.eq_active[:MOST] = 0
+            data.eq_active[self._first : self._first + MOST] = 0
 
     def close(self, model: Any, data: Any, wanted: Pinned, hand: int, other: int) -> None:
         """Hold two of MuJoCo's bodies together."""
         turn = np.zeros(9)
         mujoco().mju_quat2Mat(turn, model.body_iquat[hand])
-        for number, (point, there) in enumerate(zip(wanted.points, wanted.other_points, strict=True)):
+        for each, (point, there) in enumerate(zip(wanted.points, wanted.other_points, strict=True)):
+            number = self._first + each
             model.eq_obj1id[number], model.eq_obj2id[number] = hand, other
             model.eq_data[number, :3] = turn.reshape(3, 3) @ point + model.body_ipos[hand]
             model.eq_data[number, 3:6] = there

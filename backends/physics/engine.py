@@ -87,12 +87,8 @@ class Engine(ABC):
     def pinned(self) -> Pinned | None:
         """What is held together now."""
 
-    def parts(self, finely: bool) -> Sequence[int]:
-        """Steps of the solver after which somebody looks at what touches, for a chunk: all of them at once.
-
-        Args:
-            finely: whether forces are wanted several times, where a chunk is long enough for that.
-        """
+    def parts(self) -> Sequence[int]:
+        """Steps of the solver in a chunk, after each of which somebody looks at what touches."""
         return (self.substeps,)
 
     @abstractmethod

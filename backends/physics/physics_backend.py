@@ -208,8 +208,7 @@ class PhysicsBackend(SimulatedBackend):
         held = None if self._held is None else self._world.bodies[self._held.name]
         riding = self._riding()
         chunks, felt = self._engine.chunks, np.zeros(3)
-        finely = self._held is not None or bool(self.scene.hand_force.any())
-        parts = self._engine.parts(finely)
+        parts = self._engine.parts()
         looks, looked = chunks * len(parts), 0
         touched: set[tuple[str, str]] = set()
         for chunk in range(chunks):

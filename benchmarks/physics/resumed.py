@@ -1,4 +1,4 @@
-"""Whether a world in MuJoCo that is put back goes on: `python -m benchmarks.physics_resumed [TASK]`.
+"""Whether a world in MuJoCo that is put back goes on: `python -m benchmarks.physics.resumed [TASK]`.
 
 A run of a task, `return_book` unless another is named, keeps the whole state of its backend every `EVERY`
 periods. Another backend is put back into each of them, gets the commands that the run gave, and must be where
@@ -18,7 +18,7 @@ from handcart.backends.saved_state import pack, unpack
 from handcart.evaluation.trials.running import run_task
 from handcart.networks.run_options import RunOptions
 
-TASK = Path(__file__).resolve().parents[1] / "tasks" / "return_book" / "task.yaml"
+TASK = Path(__file__).resolve().parents[2] / "tasks" / "return_book" / "task.yaml"
 EVERY, LATER = 110, 60
 COMMANDED = ("_base", "_arm", "_gripper")
 

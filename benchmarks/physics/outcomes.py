@@ -1,6 +1,6 @@
 """Whether two backends have the same outcomes.
 
-    python -m benchmarks.physics_outcomes [TASK] [SEEDS] [BACKENDS]
+    python -m benchmarks.physics.outcomes [TASK] [SEEDS] [BACKENDS]
 
 A task, `return_book` unless another is named, is run with each seed on each backend (`mujoco,pybullet`), in
 turns in one process. Compared are actions and their outcomes, in their order. Prints what differs, and what a
@@ -20,7 +20,7 @@ from handcart.evaluation.trials.running import run_task
 from handcart.networks.journal.journal_record import read_journal
 from handcart.networks.run_options import RunOptions
 
-TASK = Path(__file__).resolve().parents[1] / "tasks" / "return_book" / "task.yaml"
+TASK = Path(__file__).resolve().parents[2] / "tasks" / "return_book" / "task.yaml"
 BACKENDS = "mujoco,pybullet"
 
 Outcomes = list[tuple[str, str]]

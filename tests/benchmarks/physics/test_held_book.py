@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from benchmarks.held_book import HeldBook
+from benchmarks.physics.held_book import HeldBook
 from handcart.backends.mujoco.mujoco_backend import MujocoBackend
 
 

@@ -1,4 +1,6 @@
-"""How well a hand holds a book while its robot drives: `python -m benchmarks.held_book [BACKEND] [SECONDS]`.
+"""How well a hand holds a book while its robot drives.
+
+    python -m benchmarks.physics.held_book [BACKEND] [SECONDS]
 
 The librarian takes a book from its tray, and drives, turns, stops and drives back, with a swing of its arm in
 between. Says by how much the book has moved and turned in the hand since it was lifted, at most, every ten
@@ -24,7 +26,7 @@ from handcart.backends.simulation.books.book_props import BookProps
 from handcart.backends.simulation.world.load_world import load_world
 from handcart.robotics.geometry.transform import Transform, inverse, transform
 
-WORLD = Path(__file__).resolve().parents[1] / "tasks" / "return_book" / "world.yaml"
+WORLD = Path(__file__).resolve().parents[2] / "tasks" / "return_book" / "world.yaml"
 ROUND_S = 12.0  # of driving, after which it begins anew
 TURNS, DRIVES = 0.5, 0.2  # [rad/s], [m/s]
 SWINGS = 0.3  # of the arm's first joint, to and fro [rad]
