@@ -58,3 +58,16 @@ def test_strange_readings_with_a_good_one_between_them_are_none_in_a_row() -> No
     for number, reading in enumerate((away, away, here) * 4, start=1):
         assert not localizer.take(number, reading, 0)
     assert localizer.pose.distance(here) < 1e-6
+
+
+def test_a_late_reading_is_held_against_where_the_base_is_known_to_have_been_by_now() -> None:
+    """The correction of a period is one of that period's pose, too."""
+    localizer = PositioningLocalizer(Pose2(0.0, 0.0, 0.0), 0.6, SIGMA, covariance=START)
+    truth = Pose2(0.04, 0.01, 0.0)
+    localizer.predict(0.0, 0.0)
+    localizer.take(1, truth, 0)
+    before = localizer.covariance[0, 0]
+    localizer.predict(0.0, 0.0)
+    localizer.take(2, truth, 1)
+    assert localizer.covariance[0, 0] < 0.6 * before
+    assert localizer.pose.distance(truth) < 1e-5
