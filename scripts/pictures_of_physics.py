@@ -44,7 +44,7 @@ class Moment(NamedTuple):
     at: Point
     focal: float
     """[px]"""
-    settings: Mapping[str, str] = {}  # noqa: RUF012 - nobody changes it
+    settings: Mapping[str, str] = {}
     """Of the task."""
 
 
