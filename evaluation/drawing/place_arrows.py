@@ -30,8 +30,6 @@ def draw_places(axis: Any, places: Mapping[str, tuple[float, float, float]], siz
         places: x, y in [m] and heading in [rad] of each, by name.
         size: of the letters, in [pt].
     """
-    from matplotlib.patheffects import withStroke
-
     (left, right), (low, high) = axis.get_xlim(), axis.get_ylim()
     frame = axis.get_position()
     wide, tall = (72.0 * each for each in axis.figure.get_size_inches())
@@ -64,7 +62,7 @@ def draw_places(axis: Any, places: Mapping[str, tuple[float, float, float]], siz
                     ha="center",
                     va="center",
                     fontsize=size,
-                    path_effects=[withStroke(linewidth=2.5, foreground="white")],
+                    bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.8},
                 )
                 break
 
