@@ -11,7 +11,7 @@ LATE = 0.3  # [s] that a receiver's fixes may come too late, whatever is told
 SKIES = ((0.0, math.inf, 0.55), (0.25, 600.0, 0.25), (0.75, 600.0, 0.15))
 """Slow error of the fixes, in sigmas of one; over how many seconds it changes; share of worlds."""
 LEAPS = (3.0, 600.0, 0.05)  # the same of an error that leaps besides
-EVERY = 100.0  # [s] on average
+EVERY = 1000.0  # [s] on average: more often, and reflections of some seconds are taken for leaps
 GROUNDS = (0.6, 0.3, 0.1)  # shares of worlds: as given, more slip than given, a start heading further off
 
 
