@@ -27,12 +27,10 @@ def main() -> int:
     ]
     if wanted.sample:
         mutants = random.Random(wanted.seed).sample(mutants, min(wanted.sample, len(mutants)))
+    took: dict[tuple[str, ...], float] = {}
     with tempfile.TemporaryDirectory() as folder:
-        return _try(
-            mutants,
-            wanted.least,
-            [Bed(wanted.project, Path(folder) / str(job)) for job in range(wanted.jobs)],
-        )
+        beds = [Bed(wanted.project, Path(folder) / str(job), took) for job in range(wanted.jobs)]
+        return _try(mutants, wanted.least, beds)
 
 
 def _try(mutants: list[Mutant], least: float, beds: list[Bed]) -> int:

@@ -7,6 +7,7 @@ import resource
 import shutil
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -15,6 +16,8 @@ from mutant import Mutant
 
 FAILED = 1  # pytest's exit status where a test failed
 PATIENCE_S = 600.0
+LEAST_S = 60.0  # that tests of a bug may take, however quick they are without it
+SLOWER = 10.0  # times as long as without it: then they hang, and that is noticed
 MEMORY = 4 * 2**30  # [bytes] that the tests of a bug may take, of addresses
 MADE = (".git", ".venv", "__pycache__", "*.egg-info", "build", ".*_cache", ".hypothesis")
 
@@ -30,9 +33,13 @@ class Bed:
     doesn't see that a function that another one calls has changed.
     """
 
-    def __init__(self, project: Path, folder: Path) -> None:
-        """Copy `project`, without what was made in it, into `folder`/project."""
+    def __init__(self, project: Path, folder: Path, took: dict[tuple[str, ...], float]) -> None:
+        """Copy `project`, without what was made in it, into `folder`/project.
+
+        `took` is shared by all beds: how long tests take without a bug, in [s].
+        """
         self.root, self._machine_code = folder / "project", folder / "numba"
+        self._took = took
         made = shutil.ignore_patterns(*MADE)
 
         def ignored(where: str, names: list[str]) -> set[str]:
@@ -44,13 +51,17 @@ class Bed:
 
     def passes(self, tests: tuple[str, ...]) -> bool:
         """Whether the tests pass without any bug."""
-        return self._run(tests, self._machine_code) == 0
+        begun = time.monotonic()
+        passed = self._run(tests, self._machine_code, PATIENCE_S) == 0
+        self._took[tests] = time.monotonic() - begun
+        return passed
 
     def notices(self, mutant: Mutant) -> bool:
         """Whether one of the nearest tests fails, or never ends, with the bug planted."""
         with self._planted(mutant) as compiled:
             code = self._machine_code.with_name("planted") if compiled else self._machine_code
-            status = self._run(mutant.tests, code)
+            known = self._took.get(mutant.tests, PATIENCE_S)
+            status = self._run(mutant.tests, code, min(PATIENCE_S, max(LEAST_S, SLOWER * known)))
             shutil.rmtree(self._machine_code.with_name("planted"), ignore_errors=True)
         if status not in (0, FAILED):
             raise RuntimeError(f"{mutant.file}: {mutant.name}: pytest ends with status {status}")
@@ -68,7 +79,7 @@ class Bed:
             path.write_text(sound, encoding="utf-8")
             os.utime(path, ns=(times.st_atime_ns, times.st_mtime_ns))
 
-    def _run(self, tests: tuple[str, ...], machine_code: Path) -> int:
+    def _run(self, tests: tuple[str, ...], machine_code: Path, patience_s: float) -> int:
         command = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", *tests]
         surroundings = os.environ | {
             "PYTHONPATH": str(self.root / "src"),
@@ -77,7 +88,7 @@ class Bed:
         quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "stdin": subprocess.DEVNULL}
         try:
             ended = subprocess.run(  # type: ignore[call-overload]
-                command, cwd=self.root, env=surroundings, timeout=PATIENCE_S, preexec_fn=_bounded, **quiet
+                command, cwd=self.root, env=surroundings, timeout=patience_s, preexec_fn=_bounded, **quiet
             )
         except subprocess.TimeoutExpired:
             return FAILED
