@@ -48,7 +48,7 @@ def estimates(trials: WalkedTrials, event: RareEvent, count: int) -> list[RareEs
     ]
 
 
-def told(words: str, path: Path, event: RareEvent, count: int) -> bool:
+def report_walks(words: str, path: Path, event: RareEvent, count: int) -> bool:
     """Print what estimates of walks are worth; whether their mean is the exact value, within 4 sigma."""
     exact = exact_end(path, {}, event.outcome)
     assert isinstance(exact, float)
@@ -76,7 +76,7 @@ def told(words: str, path: Path, event: RareEvent, count: int) -> bool:
     return abs(off) < 4.0
 
 
-def told_of_runs(folder: Path, count: int) -> None:
+def report_runs(folder: Path, count: int) -> None:
     """Print an estimate of runs, beside the exact value."""
     known = registry._all()
     known |= PRIMITIVE
@@ -110,9 +110,9 @@ def main() -> None:
             ("GiveUp, a tenth of them at once", "GiveUp", "fails", 1e-5),
         ):
             event = RareEvent.of(outcome, importance, 100)
-            right.append(told(words, rare_walk(folder, at_once), event, chosen.estimates))
+            right.append(report_walks(words, rare_walk(folder, at_once), event, chosen.estimates))
         if chosen.runs:
-            told_of_runs(folder, chosen.runs)
+            report_runs(folder, chosen.runs)
     sys.exit(0 if all(right) else 1)
 
 

@@ -69,7 +69,7 @@ class WalkTally(Tally):
         for kind, column, count in zip(kinds.T.tolist(), first.tolist(), times.tolist(), strict=True):
             key = tuple(kind)
             if key not in self._words:
-                summary = self.trials.told(0, walked, whole.start + column).summary
+                summary = self.trials.trial_of(0, walked, whole.start + column).summary
                 self._words[key] = outcome_in_general(summary)
             self.outcomes[self._words[key]] += count
 

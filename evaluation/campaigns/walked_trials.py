@@ -44,7 +44,7 @@ class WalkedTrials:
     def trial(self, seed: int) -> Trial:
         """The walk of a seed."""
         number, column = divmod(seed, self.side_by_side)
-        return self.told(seed, self.together(number), column)
+        return self.trial_of(seed, self.together(number), column)
 
     def together(self, number: int) -> Walked:
         """The walks of the seeds from `number * side_by_side` on."""
@@ -57,7 +57,7 @@ class WalkedTrials:
         """How long each of some walks took (n,), in [s]."""
         return np.asarray(walked.seconds.sum(axis=0) + self._odds.rest_s)
 
-    def told(self, seed: int, walked: Walked, column: int) -> Trial:
+    def trial_of(self, seed: int, walked: Walked, column: int) -> Trial:
         """One of some walks, action by action, gone through once more as a coordinator would."""
         route = Route(self.task.network)
         ends: list[ActionEnd] = []
@@ -76,8 +76,8 @@ class WalkedTrials:
                 continue
             assert action.index == index, "the coordinator plans otherwise than its table"
             why = {End.SUCCESS: "", End.UNKNOWN: UNKNOWN}.get(end, DRAWN)
-            told = self.names[index], action.source, action.target, end.outcome, time, why
-            ends.append(ActionEnd(*told, for_good=end is End.FOR_GOOD))
+            row = self.names[index], action.source, action.target, end.outcome, time, why
+            ends.append(ActionEnd(*row, for_good=end is End.FOR_GOOD))
             if end is End.SUCCESS:
                 route.took(Success())
             elif end.outcome == "Fail":
