@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import array
+import fcntl
 import os
 import pty
 import sys
+import termios
 import threading
 import time
+import tty
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 import pytest
 
@@ -30,14 +35,34 @@ def void(_: object) -> None:
     """Nothing."""
 
 
+def typed_ahead(typing: Callable[[bytes], None], keys: bytes) -> None:
+    """Type what nobody reads yet, and wait until the kernel has carried it to the other end."""
+    terminal, waiting = sys.stdin.fileno(), array.array("i", [0])
+    tty.setcbreak(terminal)  # else only whole lines count as waiting
+    typing(keys)
+    while waiting[0] < len(keys):
+        fcntl.ioctl(terminal, termios.FIONREAD, waiting)
+
+
+@contextmanager
+def typed_later(typing: Callable[[bytes], None], keys: dict[float, bytes]) -> Iterator[None]:
+    """Type each of them so many seconds from now; none once the context is left."""
+    timers = [threading.Timer(after, typing, [key]) for after, key in keys.items()]
+    for timer in timers:
+        timer.start()
+    try:
+        yield
+    finally:
+        for timer in timers:
+            timer.cancel()
+            timer.join()
+
+
 def test_u6_a_held_key(typing: Callable[[bytes], None]) -> None:
     """U6: repeated, it is held; no more seen for 300 ms, or another key instead, it is let go."""
-    typing(b"      ")  # before it is asked for: counts for nothing
-    other, first = threading.Timer(0.2, typing, [b"x"]), threading.Timer(0.6, typing, [b" "])
+    typed_ahead(typing, b"      ")  # before it is asked for: counts for nothing
     begun = time.monotonic()
-    other.start()
-    first.start()
-    with held_key() as held:
+    with typed_later(typing, {0.2: b"x", 0.6: b" "}), held_key() as held:
         assert time.monotonic() - begun > 0.55  # another key starts nothing
         end = time.monotonic() + 0.6
         while time.monotonic() < end:
@@ -53,8 +78,6 @@ def test_u6_a_held_key(typing: Callable[[bytes], None]) -> None:
         typing(b" ")
         time.sleep(0.05)
         assert not held()
-    other.join()
-    first.join()
 
 
 def test_nobody_at_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
