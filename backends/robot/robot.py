@@ -202,7 +202,7 @@ class Robot:
         self.backend.step()
         self.time += 0.0 if paused else self.period
         self._feel()
-        self.localization.update()
+        self.localization.update(self.driven)
 
     def _feel(self) -> None:
         """Take in what the inertial sensors read."""

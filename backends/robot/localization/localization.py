@@ -25,6 +25,7 @@ LOOK_AGAIN = 10  # periods at rest between scans that tell whether somebody move
 SCAN_SIGMA = (0.004, 0.0015)  # [m], [rad]: spread of scan matches about one place
 STANDS = 2e-4  # [m] by which encoders of wheels that stand differ, as an arm pulls at the base
 STALE = 1e-3  # [m], [rad] of motion in which a scan can't stay the same to the last bit
+UNANSWERED = 0.03  # [m] that wheels may be driven, by which alone it is reckoned, while they read the same
 
 
 class Lost(NamedTuple):
@@ -147,8 +148,12 @@ class Localization(ABC):
 
     # What happens
 
-    def update(self) -> None:
-        """A period has passed: take in what was sensed in it."""
+    def update(self, driven: tuple[float, float]) -> None:
+        """A period has passed: take in what was sensed in it.
+
+        Args:
+            driven: speed in [m/s] and turn rate in [rad/s] that the base was commanded in it.
+        """
         travel = self._base.wheel_travel()
         if not np.isfinite(travel).all():
             travel = self.travel  # the next sound reading has it all
@@ -277,9 +282,42 @@ class ScanLocalization(Localization):
 
 
 class WheelLocalization(Localization):
-    """With a map and a range sensor, scans only tell whether the base was moved while its wheels stood."""
+    """With a map and a range sensor, scans only tell whether the base was moved while its wheels stood.
+
+    Where driven wheels read the same again and again, either they are stuck or their encoders are: nothing
+    tells which, so nothing tells where the base is.
+    """
+
+    STATE: ClassVar[Kinds] = {**Localization.STATE, "_unanswered": float}
+
+    def __init__(self, backend: Backend, wheels: Localizer) -> None:
+        """Of a robot that stands."""
+        super().__init__(backend, wheels)
+        self._period, self._unanswered = backend.period, 0.0
+
+    @property
+    def sigma(self) -> tuple[float, float]:
+        """See `Localization`."""
+        return super().sigma if self.lost is None else (math.inf, math.inf)
 
     @property
     def dead_reckoned(self) -> bool:
         """See `Localization`."""
         return True
+
+    @property
+    def lost(self) -> Lost | None:
+        """See `Localization`."""
+        if self._unanswered <= UNANSWERED:
+            return None
+        why = "its wheels are driven, and read the same again and again"
+        way = "way driven since the wheels read anything new"
+        return Lost(why, "Base", way, 1e3 * self._unanswered, 1e3 * UNANSWERED, "mm")
+
+    def update(self, driven: tuple[float, float]) -> None:
+        """See `Localization`."""
+        before = self.travel
+        super().update(driven)
+        speed, turn_rate = driven
+        way = (abs(speed) + 0.5 * self._wheels.odometry.tread * abs(turn_rate)) * self._period
+        self._unanswered = self._unanswered + way if self.travel == before else 0.0

@@ -52,7 +52,8 @@ class Odometry:
             errors: of the wheels.
             covariance: (3, 3) of the pose, in [m, m, rad]; certain if None.
         """
-        self._tread = tread
+        self.tread = tread
+        """Distance between the wheels, in [m]."""
         self._errors = errors
         self._scales = np.zeros(3)  # relative: left travel, right travel, tread
         self._state = np.diag([0.0, 0.0, 0.0, errors.radius**2, errors.radius**2, errors.tread**2])
@@ -75,7 +76,7 @@ class Odometry:
         """Move by the travel of both wheels since the last call, in [m]."""
         left_scale, right_scale, tread_scale = self._scales.tolist()
         moved_left, moved_right = left * (1.0 + left_scale), right * (1.0 + right_scale)
-        tread = self._tread * (1.0 + tread_scale)
+        tread = self.tread * (1.0 + tread_scale)
         forward, turn = 0.5 * (moved_left + moved_right), (moved_right - moved_left) / tread
         heading = self.pose.theta + 0.5 * turn
         chord = forward * (math.sin(0.5 * turn) / (0.5 * turn) if abs(turn) > 1e-9 else 1.0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -60,6 +61,29 @@ def test_computing_takes_its_time_and_the_robot_holds(robot: Robot) -> None:
         robot.step()
         assert robot.driven == (0.0, 0.0)
     assert periods == 10
+
+
+def test_s2_driven_wheels_that_read_the_same_tell_nothing(
+    make_stage: Callable[..., Rig], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """S2: a robot that reckons by its wheels alone, whose encoders stand still, says that it is lost."""
+    robot = make_stage("toyama").robot
+    wheels = robot.get(Base)  # type: ignore[type-abstract]
+    stood = wheels.wheel_travel()
+    with monkeypatch.context() as broken:
+        broken.setattr(wheels, "wheel_travel", lambda: stood)
+        way = 0.0
+        while robot.localization.lost is None:
+            robot.base.drive(0.1, 0.0)
+            robot.step()
+            way += 0.1 * robot.period
+            assert way < 0.05
+        assert way > 0.025
+        assert robot.localization.sigma == (math.inf, math.inf)
+        robot.step()  # at rest it is lost as before
+        assert robot.localization.lost is not None
+    robot.step()
+    assert robot.localization.lost is None
 
 
 def test_two_that_move_it_are_noticed_in_the_next_period_too(robot: Robot) -> None:
