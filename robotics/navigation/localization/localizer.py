@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.localization.odometry import Odometry, OdometryErrors
 from handcart.robotics.navigation.localization.scan_matching import LikelihoodField, ScanMatch, match_scan
 
@@ -18,6 +18,7 @@ LEAST_INLIERS = 0.4  # share of a scan's points that the map must explain for a 
 ROUGH = np.diag([0.3, 0.3, 0.17]) ** 2  # [m², rad²] of a pose that is looked for
 LESS = 0.9  # share of the points explained so far; fewer, and the pose is looked for farther away
 DISPLACED = (0.010, 0.010)  # [m], [rad] by which scans of one place never differ: eight times their spread
+SURE = 3.0  # sigmas of a match by which its pose then lies elsewhere
 SHARE_OF_CELL = 0.2  # by which they never differ on large cells, where several places fit alike
 
 
@@ -122,7 +123,7 @@ class OdometryLocalizer(Localizer):
         self._stands = match.pose
         if before is None:
             return False
-        apart = _apart(before, match.pose, self._field)
+        apart = _apart(before, match, self._field)
         if apart:
             moved = match.pose.relative_to(before)
             self._odometry.reset(self.pose.compose(moved), self.covariance)
@@ -200,7 +201,7 @@ class ScanLocalizer(Localizer):
         match = match_scan(self._field, points, self.pose, self.covariance, self._sigma)
         if self.last_match is None or match.inliers < LESS * self.last_match.inliers:
             match = match_scan(self._field, points, self.pose, ROUGH, self._sigma, anneal=True)
-        if not _apart(self.pose, match.pose, self._field) or match.inliers < self._least_inliers:
+        if not _apart(self.pose, match, self._field) or match.inliers < self._least_inliers:
             return False
         self.relocalize(self.pose, points)
         return True
@@ -213,7 +214,11 @@ class ScanLocalizer(Localizer):
         return match
 
 
-def _apart(before: Pose2, after: Pose2, field: LikelihoodField) -> bool:
-    """Whether two poses that scans gave are of two places."""
+def _apart(before: Pose2, after: ScanMatch, field: LikelihoodField) -> bool:
+    """Whether two poses that scans gave are of two places; where scans tell little, they lie apart anyhow."""
     most = max(DISPLACED[0], SHARE_OF_CELL * field.map.resolution)
-    return before.distance(after) > most or before.turn(after) > DISPLACED[1]
+    if before.distance(after.pose) <= most and before.turn(after.pose) <= DISPLACED[1]:
+        return False
+    x, y, turn = np.subtract(after.pose, before).tolist()
+    off = np.array([x, y, wrap(turn)])
+    return float(off @ np.linalg.solve(after.spread, off)) > SURE**2

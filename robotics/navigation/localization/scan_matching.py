@@ -58,6 +58,8 @@ class ScanMatch(NamedTuple):
     """map_T_base."""
     covariance: NDArray[np.float64]
     """(3, 3) of x, y in [m] and heading in [rad]; prior, sensor noise and the map's cells all in it."""
+    spread: NDArray[np.float64]
+    """(3, 3), the same without the map's cells: how far matches from one place lie apart."""
     inliers: float
     """Share of the points that the map explains, 0 to 1."""
     residuals: FarArray
@@ -156,7 +158,8 @@ def match_scan(
         pose, hessian = _descend(field, points, pose, prior, trust, scale, noise)
     residuals = field.read(pose.apply(points)) if len(points) else np.empty(0)
     inliers = float(np.mean(residuals < INLIER * noise)) if len(points) else 0.0
-    return ScanMatch(pose, _covariance(hessian, points, field.map.resolution), inliers, residuals)
+    spread = np.asarray(np.linalg.inv(hessian + 1e-9 * np.eye(3)), dtype=np.float64)
+    return ScanMatch(pose, spread + _cells(points, field.map.resolution), spread, inliers, residuals)
 
 
 def _descend(
@@ -187,12 +190,8 @@ def _descend(
     return pose, total
 
 
-def _covariance(
-    information: NDArray[np.float64], points: NDArray[np.float64], resolution: float
-) -> NDArray[np.float64]:
-    """(3, 3): the fit's own, and what no number of beams averages away: where surfaces lie in their cells."""
+def _cells(points: NDArray[np.float64], resolution: float) -> NDArray[np.float64]:
+    """(3, 3) of what no number of beams averages away: where surfaces lie in their cells."""
     reach = math.sqrt(float(np.mean(points**2)) + 0.01) if len(points) else 1.0
     bias = CELL_BIAS * resolution
-    floor = np.diag([bias**2, bias**2, (0.5 * bias / reach) ** 2])
-    fit = np.asarray(np.linalg.inv(information + 1e-9 * np.eye(3)), dtype=np.float64)
-    return fit + floor
+    return np.diag([bias**2, bias**2, (0.5 * bias / reach) ** 2])

@@ -14,7 +14,7 @@ from handcart.robotics.perception.books.spines import SpineView
 Floats = NDArray[np.float64]
 
 NARROWEST = 0.005  # [m]
-_LEAST_BASE, _MOST_BASE = 0.025, 0.16  # [m] between two views' cameras
+_LEAST_BASE, _MOST_BASE = 0.045, 0.16  # [m] between two cameras: nearer, what is deep hardly shifts
 _STEP = 0.0003  # [m] between the columns that are compared
 _RIM = 0.0015  # [m] beside an edge that isn't compared
 _SAME_EDGE = 0.0012  # [m] between two views, of an edge that lies in the front

@@ -16,13 +16,16 @@ SOLID = ((0.060, 0.031), (-0.031, -0.060))
 DEEPER = 0.25  # of an eye's way, by which what lies deep moves
 
 
-def view(eye: float, deep: list[tuple[float, float]], edges: tuple[float, ...]) -> SpineView:
-    """Two spines beside the interval; in it what lies deep, and fronts where nothing does."""
+def view(
+    eye: float, deep: list[tuple[float, float]], edges: tuple[float, ...], shows: float = 45.0
+) -> SpineView:
+    """Two spines beside the interval; in it what lies deep, by how many grey levels it `shows`, and fronts
+    where nothing does."""
     y = LEFT - np.arange(COLUMNS) * M_PER_PX
     row = 120.0 + 25.0 * np.sin(700.0 * y)
     for left, right in deep:
         inside = (y < left) & (y > right)
-        row[inside] = 70.0 + 45.0 * np.sin(400.0 * (y[inside] - DEEPER * eye) + 1.0)
+        row[inside] = 70.0 + shows * np.sin(400.0 * (y[inside] - DEEPER * eye) + 1.0)
     noise = np.random.default_rng(3 if eye > 0 else 4).normal(0.0, 1.0, (ROWS, COLUMNS))
     strips = Strips(row + noise, np.linspace(0.15, 0.0, ROWS), LEFT, M_PER_PX, -1)
     return SpineView((), edges, strips, eye, LEFT, -LEFT)
@@ -38,6 +41,14 @@ def slots(deep: list[tuple[float, float]], edges: tuple[float, ...]) -> list[Gap
 def test_what_lies_deep_between_two_edges_is_free() -> None:
     (slot,) = slots([(0.010, -0.022)], (0.010, -0.022))
     assert tuple(slot) == pytest.approx((0.010, -0.022))
+
+
+def test_what_hardly_shows_is_looked_at_from_far_enough_apart() -> None:
+    """Two views from beside each other, as a round along the shelf may leave them, show it all but alike."""
+    eyes = (0.04, -0.018, 0.010, -0.04)
+    views = [view(eye, [(0.030, -0.030)], (), shows=8.0) for eye in eyes]
+    assert not find_slots(views[1:3], (0.0,) * 2, INTERVAL, SOLID)
+    assert find_slots(views, (0.0,) * 4, INTERVAL, SOLID) == (INTERVAL,)
 
 
 def test_what_lies_in_the_front_is_not() -> None:
