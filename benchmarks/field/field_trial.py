@@ -13,7 +13,7 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.outdoors.field_localizer import FieldLocalizer
 from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
 from handcart.robotics.navigation.outdoors.placement_errors import tip_covariance, tip_place
-from handcart.robotics.navigation.outdoors.smoothing import Belief
+from handcart.robotics.navigation.outdoors.watched_moment import Belief
 
 Array = NDArray[np.float64]
 

@@ -15,11 +15,13 @@ from handcart.files.errors import InputError
 from handcart.networks.task.preparing import Prepared
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.contract.outcome import Fail, Outcome, Success
+from handcart.primitives.restoring.snapshot import SURE
 from handcart.tasks.domain import domains, imported
 
 from .arrival_survey import ArrivalSurvey
 from .base_surveys import LocalisationSurvey, PathSurvey
 from .contact_survey import ContactSurvey
+from .sensor_sigmas import BASE_SIGMA_DEG, BASE_SIGMA_MM
 from .survey import Claim, Survey, SurveyedRun
 from .survey_notes import as_noted
 from .true_changes import disturbed, not_restored
@@ -111,11 +113,18 @@ class Surveys:
         wrong: list[str] = []
         if self._before is not None and after is not None:
             if isinstance(outcome, Fail):
-                wrong = not_restored(self._before, after, self.run.spec)
+                wrong = not_restored(self._before, after, self.run.spec, self._base_sigma(outcome))
             elif isinstance(outcome, Success):
                 wrong = self._false_effect(Claim(primitive, self._before, after))
         more = [untrue for _, untrue in self._asked(lambda survey: survey.ended(number, primitive, outcome))]
         return wrong + [each for untrue in more for each in untrue]
+
+    def _base_sigma(self, fail: Fail) -> tuple[float, float]:
+        """Of how far the base came, in [mm] and [deg]; where satellites tell, as it was claimed."""
+        sigma, found = (BASE_SIGMA_MM, BASE_SIGMA_DEG), fail.residuals
+        if not self.run.robot.localization.POSE_JUMPS or "base_unsure_mm" not in found:
+            return sigma
+        return max(sigma[0], found["base_unsure_mm"] / SURE), max(sigma[1], found["base_unsure_deg"] / SURE)
 
     def _false_effect(self, claim: Claim) -> list[str]:
         """What of a Success isn't so; of primitives that no survey knows, only what they disturbed."""

@@ -49,12 +49,20 @@ def moved(before: GroundTruth, after: GroundTruth) -> dict[str, float]:
     return result
 
 
-def not_restored(before: GroundTruth, after: GroundTruth, spec: RobotFile) -> list[str]:
-    """What is not where it was: beyond the tolerance of the robot's file and 5 sigma of what measures it."""
+def not_restored(
+    before: GroundTruth,
+    after: GroundTruth,
+    spec: RobotFile,
+    base_sigma: tuple[float, float] = (BASE_SIGMA_MM, BASE_SIGMA_DEG),
+) -> list[str]:
+    """What is not where it was: beyond the tolerance of the robot's file and 5 sigma of what measures it.
+
+    `base_sigma` in [mm] and [deg] is that of what measures how far the base came.
+    """
     tolerance = spec.tolerance
     allowed = {
-        "base mm": tolerance.base_mm + SIGMAS * BASE_SIGMA_MM,
-        "base deg": tolerance.base_deg + SIGMAS * BASE_SIGMA_DEG,
+        "base mm": tolerance.base_mm + SIGMAS * base_sigma[0],
+        "base deg": tolerance.base_deg + SIGMAS * base_sigma[1],
         "joints deg": tolerance.joints_deg + SIGMAS * JOINT_SIGMA_DEG,
         "slides mm": tolerance.slides_mm + SIGMAS * SLIDE_SIGMA_MM,
         "gripper mm": tolerance.gripper_mm + SIGMAS * GRIPPER_SIGMA_MM,

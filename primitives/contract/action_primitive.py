@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from abc import ABC, abstractmethod
 from collections.abc import Generator, Mapping, Sequence
@@ -81,6 +82,11 @@ class ActionPrimitive(FileModel, ABC):
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
         """Bring everything back to `start`; by default the recorded motion is played backwards."""
         yield from retrace(robot, start, trace)
+
+    def base_room(self, robot: Robot, model: ModelView) -> float:
+        """How far from where it began the base may stand at most for a Fail, in [m], so that what follows can
+        still be done; never more than the robot's file allows."""
+        return math.inf
 
     def meant_contacts(self, model: WorldModel) -> Sequence[MeantContact]:
         """What it means to touch; whatever else the robot runs into makes its Success untrue.

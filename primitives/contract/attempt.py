@@ -10,7 +10,7 @@ from typing import TypeVar
 
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
-from handcart.primitives.restoring.retrace import reach_pose, retrace
+from handcart.primitives.restoring.retrace import reach_again, retrace
 from handcart.primitives.restoring.snapshot import (
     Seen,
     Snapshot,
@@ -19,6 +19,7 @@ from handcart.primitives.restoring.snapshot import (
     residuals,
     settle,
     take_snapshot,
+    take_snapshot_since_start,
 )
 from handcart.primitives.restoring.trace import Trace
 
@@ -118,10 +119,12 @@ def _begun(robot: Robot) -> Snapshot:
     """
     now, first = take_snapshot(robot, {}), robot.failed_from
     robot.failed_from = None
-    if first is None:
-        return now
-    start = replace(now, pose=first)
-    return now if moved(robot, start, now) else start
+    if first is not None:
+        start = replace(now, pose=first)
+        if not moved(robot, start, take_snapshot_since_start(robot, {})):
+            return start
+    robot.localization.set_origin()
+    return now
 
 
 def _think(primitive: ActionPrimitive, robot: Robot, view: ModelView) -> Generator[None, None, Outcome]:
@@ -203,18 +206,19 @@ def _restore(
     """Restore, wait for rest, measure, compare with the absolute snapshot."""
     verdict: Fail | GiveUp = GiveUp(reason)
     for again in range(RESTORES):
-        way_back = reach_pose(robot, start.pose) if again else primitive.restore(robot, view, start, trace)
+        room = primitive.base_room(robot, view)
+        way_back = reach_again(robot, start, room) if again else primitive.restore(robot, view, start, trace)
         try:
             yield from _within_time(way_back, robot, primitive, view)
             yield from settle(robot)
             seen = (yield from _look_again(primitive, robot, view, start)) if start.seen else {}
-            now = take_snapshot(robot, seen)
+            now = take_snapshot_since_start(robot, seen)
         except Exception as error:  # no second restore on top of a fault in restoring
             primitive.evidence.blame(error, restoring=True)
             yield from _halt(robot)
             return GiveUp(f"{reason}; and restoring failed: {_words(error)}")
         found = residuals(start, now, robot.spec.joint_units.slides)
-        primitive.evidence.limits = limits(robot, found)
+        primitive.evidence.limits = limits(robot, found, room)
         verdict = fail_if_restored(reason, permanent, found, primitive.evidence.limits)
         if isinstance(verdict, Fail):
             robot.failed_from = start.pose

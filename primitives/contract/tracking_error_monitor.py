@@ -1,4 +1,4 @@
-"""Whether the arm goes where it is told."""
+"""Whether the arm follows its commands."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from handcart.backends.robot.robot import Robot
 from .discrepancy import Discrepancy, Measured
 
 LATE = 5  # periods by which joints may follow late
-BEHIND = 0.02  # [rad] that a joint may be off all that it was told in these: contacts bend it so far
+BEHIND = 0.02  # [rad] that a joint may be off all its commands in these: contacts bend it so far
 IN_A_ROW = 3  # periods of it: a single reading may be broken
 
 
@@ -29,7 +29,7 @@ class TrackingErrorMonitor:
         self._off = 0
 
     def check(self) -> None:
-        """Once a period; raises `Discrepancy` where a joint is not where it was told to be."""
+        """Once a period; raises `Discrepancy` where a joint is not where it was commanded to be."""
         arm = self._robot.backend.get(Arm)  # type: ignore[type-abstract]
         if arm is None:
             return
@@ -37,17 +37,17 @@ class TrackingErrorMonitor:
         if len(self._commands) < LATE:
             return
         joints = arm.joints().tolist()
-        told = [(min(each), max(each)) for each in zip(*self._commands, strict=True)]
+        commanded = [(min(each), max(each)) for each in zip(*self._commands, strict=True)]
         follows = all(
             low - joint <= BEHIND and joint - high <= BEHIND
-            for joint, (low, high) in zip(joints, told, strict=True)
+            for joint, (low, high) in zip(joints, commanded, strict=True)
         )  # NaN doesn't
         self._off = 0 if follows else self._off + 1
         if self._off >= IN_A_ROW:
             off = np.array(
                 [
                     np.maximum(low - joint, joint - high)
-                    for joint, (low, high) in zip(joints, told, strict=True)
+                    for joint, (low, high) in zip(joints, commanded, strict=True)
                 ]
             )
             number = int(np.argmax(off)) + 1

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Generator
 from collections.abc import Sequence as Several
+from contextlib import suppress
 from typing import Annotated, ClassVar
 
 import numpy as np
@@ -30,6 +31,7 @@ from handcart.robotics.manipulation.arms.scara import base_to_world, world_to_ba
 
 from .field import Field
 from .field_work import FieldWork
+from .scara_arm import scara_of
 from .sensor_arm import TOUCHES, SensorArm
 from .target import Laid, Target
 
@@ -168,6 +170,18 @@ class Deploy(TreePrimitive):
             return False
         yield from self._arm.slide(max(0.0, float(robot.arm.command()[2]) - LIFTED))
         return True
+
+    def base_room(self, robot: Robot, model: ModelView) -> float:
+        """As far as the arm still reaches the target from beside where the base is to stand for it."""
+        work = model.of(FieldWork)
+        if self.target not in work.targets:
+            return math.inf
+        target = work.targets[self.target]
+        beside = target.stand.inverse().apply(np.array([[target.x, target.y]])).reshape(2)
+        room = 0.0
+        with suppress(Discrepancy):
+            room = scara_of(robot).room_beside(beside, math.radians(robot.spec.tolerance.base_deg))
+        return room or math.inf  # what can't be reached from there anyway needs nothing
 
     def meant_contacts(self, model: WorldModel) -> Several[MeantContact]:
         """The sensor, and the ground that it is put on."""

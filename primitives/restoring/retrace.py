@@ -19,7 +19,7 @@ from .arm_command import command_moment as _command
 from .arm_command import moves_fingers
 from .arm_command import renew_arm as _renew_arm
 from .car_retrace import car_retrace, check_stands
-from .snapshot import Snapshot
+from .snapshot import Snapshot, limits, residuals, take_snapshot_since_start
 from .trace import Moment, Trace
 
 TOLERANCE = PoseTolerance(position=0.006, heading=0.004)
@@ -27,6 +27,8 @@ FINE = PoseTolerance(position=0.003, heading=0.002)
 COARSE = 0.02  # [m] between points of the way back
 SHORT = 0.05  # [m]: less travel than this is regulated, not tracked
 LONGEST_REACH = 60.0  # [s] that the base gets to a pose near by
+LONGEST_LOOK = 120.0  # [s] that a car stands to be sure where it does
+LOOK = 1.0  # [s] of it at a time
 SPEEDS_UP = 4  # periods in which the first of an arm's steps is made; each of the next in one less
 STOOD = 1e-4  # [m], [rad]: between two periods, less is no motion
 
@@ -74,6 +76,25 @@ def reach_pose(
             raise Discrepancy(f"the base doesn't come to stand where it is to{why}", measured=away)
         robot.base.drive(*regulator.command(robot.pose, robot.period))
         yield
+
+
+def reach_again(robot: Robot, start: Snapshot, room: float) -> Generator[None, None, None]:
+    """Bring the base to the snapshot once more, from near by.
+
+    A car can't be moved sideways: it stands until it is known well enough how far it came, within `room` [m].
+    """
+    if robot.spec.drive.kind != "ackermann":
+        yield from reach_pose(robot, start.pose)
+        return
+    end = robot.time + LONGEST_LOOK
+    while robot.time < end and not _sure_of(robot, start, room):
+        yield from robot.wait(LOOK)
+
+
+def _sure_of(robot: Robot, start: Snapshot, room: float) -> bool:
+    found = residuals(start, take_snapshot_since_start(robot, {}), robot.spec.joint_units.slides)
+    allowed = limits(robot, found, room)
+    return all(size <= allowed[name] for name, size in found.items() if "unsure" in name)
 
 
 def _stretches(moments: Sequence[Moment]) -> list[list[Moment]]:

@@ -13,7 +13,9 @@ from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.robot.robot import Robot
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.outdoors.watched_moment import Belief
 
+SURE = 3.0  # sigmas
 STILL = 5  # periods without any motion that count as rest
 PATIENCE = 5.0  # [s]
 KNOWN_AGAIN = 20  # more of them until the pose of a base that was pushed is known again
@@ -45,6 +47,10 @@ class Snapshot:
     """The objects that the primitive can touch."""
     dead_reckoned: bool = False
     """Whether nothing but the wheels told how the base moves."""
+    odometry_pose: Pose2 | None = None
+    """The base by what doesn't jump, where `pose` does (`Localization.odometry_pose`)."""
+    displacement: Belief | None = None
+    """Of the base since the start of the attempt, where that is known better than its pose is."""
 
 
 def settle(robot: Robot) -> Generator[None, None, bool]:
@@ -67,17 +73,24 @@ def take_snapshot(robot: Robot, seen: Seen) -> Snapshot:
     """Measure the robot as it stands now; `seen` are the objects it can touch."""
     arm, gripper = robot.backend.get(Arm), robot.backend.get(Gripper)  # type: ignore[type-abstract]
     width = gripper.width() if gripper else 0.0
+    where = robot.localization
     return Snapshot(
         pose=robot.pose,
-        pose_sigma=robot.localization.sigma,
+        pose_sigma=where.sigma,
         joints=arm.joints().copy() if arm else np.empty(0),
         joint_command=arm.command().copy() if arm else np.empty(0),
         gripper_command=gripper.command() if gripper else 0.0,
         gripper_width=width,
         holding=bool(gripper and gripper.closed_on_something() and width > 0.002),
         seen=dict(seen),
-        dead_reckoned=robot.localization.dead_reckoned,
+        dead_reckoned=where.dead_reckoned,
+        odometry_pose=where.odometry_pose if where.POSE_JUMPS else None,
     )
+
+
+def take_snapshot_since_start(robot: Robot, seen: Seen) -> Snapshot:
+    """The same, with how far the base has come since `Localization.set_origin`."""
+    return replace(take_snapshot(robot, seen), displacement=robot.localization.displacement)
 
 
 def residuals(start: Snapshot, now: Snapshot, slides: Sequence[bool] = ()) -> dict[str, float]:
@@ -91,11 +104,12 @@ def residuals(start: Snapshot, now: Snapshot, slides: Sequence[bool] = ()) -> di
         now: what is measured now.
         slides: which of the arm's joints slide; left out: none.
     """
+    (away, turned), unsure = _apart(start, now), _unsure(start, now)
     result = {
-        "base_mm": 1e3 * now.pose.distance(start.pose),
-        "base_deg": math.degrees(now.pose.turn(start.pose)),
-        "base_unsure_mm": 3e3 * _unsure(start, now, 0),
-        "base_unsure_deg": math.degrees(3.0 * _unsure(start, now, 1)),
+        "base_mm": 1e3 * away,
+        "base_deg": math.degrees(turned),
+        "base_unsure_mm": 1e3 * SURE * unsure[0],
+        "base_unsure_deg": math.degrees(SURE * unsure[1]),
         "gripper_mm": 1e3 * abs(now.gripper_width - start.gripper_width),
         "held": math.inf if start.holding != now.holding else 0.0,
     }
@@ -111,20 +125,46 @@ def residuals(start: Snapshot, now: Snapshot, slides: Sequence[bool] = ()) -> di
     return result
 
 
-def _unsure(start: Snapshot, now: Snapshot, which: int) -> float:
-    """Sigma of how far apart two poses are; by wheels alone it is what was added on the way between them."""
+def _apart(start: Snapshot, now: Snapshot) -> tuple[float, float]:
+    """How far the base is from where it was in [m], and by how much it is turned in [rad].
+
+    A pose that jumps as its sensors learn has come that far only as wheels or gyros felt it; or where it
+    has jumped further than it may have been off.
+    """
+    if now.displacement is not None:
+        x, y, turn = now.displacement.mean.tolist()
+        return math.hypot(x, y), abs(turn)
+    by_pose = now.pose.distance(start.pose), now.pose.turn(start.pose)
+    if now.odometry_pose is None or start.odometry_pose is None:
+        return by_pose
+    felt = now.odometry_pose.distance(start.odometry_pose), now.odometry_pose.turn(start.odometry_pose)
+    off = [SURE * math.hypot(*both) for both in zip(start.pose_sigma, now.pose_sigma, strict=True)]
+    return max(felt[0], by_pose[0] - off[0]), max(felt[1], by_pose[1] - off[1])
+
+
+def _unsure(start: Snapshot, now: Snapshot) -> tuple[float, float]:
+    """Sigma of how far apart two poses are in [m] and [rad]; by wheels alone it is what was added between."""
+    if now.displacement is not None:
+        covariance = now.displacement.covariance
+        worst = float(np.linalg.eigvalsh(covariance[:2, :2])[-1]), float(covariance[2, 2])
+        return math.sqrt(max(0.0, worst[0])), math.sqrt(max(0.0, worst[1]))
     if not now.dead_reckoned:
-        return now.pose_sigma[which]
-    return math.sqrt(max(0.0, now.pose_sigma[which] ** 2 - start.pose_sigma[which] ** 2))
+        return now.pose_sigma
+    added = [
+        math.sqrt(max(0.0, late**2 - early**2))
+        for late, early in zip(now.pose_sigma, start.pose_sigma, strict=True)
+    ]
+    return added[0], added[1]
 
 
-def limits(robot: Robot, names: Mapping[str, float]) -> dict[str, float]:
-    """The tolerance of the robot's file for each residual."""
+def limits(robot: Robot, names: Mapping[str, float], room: float = math.inf) -> dict[str, float]:
+    """The tolerance of the robot's file for each residual; for the base no more than `room` [m]."""
     tolerance = robot.spec.tolerance
+    base_mm = min(tolerance.base_mm, 1e3 * room)
     known = {
-        "base_mm": tolerance.base_mm,
+        "base_mm": base_mm,
         "base_deg": tolerance.base_deg,
-        "base_unsure_mm": tolerance.base_mm,
+        "base_unsure_mm": base_mm,
         "base_unsure_deg": tolerance.base_deg,
         "joints_deg": tolerance.joints_deg,
         "slides_mm": tolerance.slides_mm,
@@ -139,7 +179,8 @@ def moved(robot: Robot, stood: Snapshot, now: Snapshot) -> dict[str, float]:
 
     That a pose isn't surely known is no motion.
     """
-    found = residuals(stood, replace(now, pose_sigma=(0.0, 0.0)), robot.spec.joint_units.slides)
+    found = residuals(stood, now, robot.spec.joint_units.slides)
+    found = {name: size for name, size in found.items() if "unsure" not in name}
     allowed = limits(robot, found)
     return {name: size for name, size in found.items() if not size <= allowed[name]}
 

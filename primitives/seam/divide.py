@@ -83,11 +83,11 @@ class Divide(ActionPrimitive):
 
     def _divided(self, robot: Robot, rest: ToolPath, room: StandingRoom, tracked: int) -> Placements:
         spec, how = robot.spec, f"{self.placements} {self.move_m} {self.base}"
-        told = [each.encode() for each in (how, spec.model_dump_json(), spec.urdf_text())]
+        given = [each.encode() for each in (how, spec.model_dump_json(), spec.urdf_text())]
         path = [np.ascontiguousarray(each).tobytes() for each in rest]
         try:
             return _KEPT.division(
-                (*told, *path, *room.key), lambda: self.divided(placer_of(spec), rest, room)
+                (*given, *path, *room.key), lambda: self.divided(placer_of(spec), rest, room)
             )
         except Untrackable as error:
             line = error.index + tracked + 2

@@ -20,12 +20,12 @@ def compiled(function: Function) -> Function:
 @contextmanager
 def hearing_of_compiling(heard: Callable[[bool], None]) -> Iterator[None]:
     """Call `heard` with True as compiling begins, and with False as it is over; not for what is on disk."""
-    listener, told = _Listener(heard), cast(Any, event)
-    told.register(_COMPILE, listener)
+    listener, events = _Listener(heard), cast(Any, event)
+    events.register(_COMPILE, listener)
     try:
         yield
     finally:
-        told.unregister(_COMPILE, listener)
+        events.unregister(_COMPILE, listener)
 
 
 _COMPILE = "numba:compile"

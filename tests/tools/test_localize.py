@@ -41,10 +41,10 @@ def drive() -> FieldLog:
 
 def write(path: Path, log: FieldLog, header: str = "", columns: dict[str, str] | None = None) -> Path:
     """A log in CSV, its cells named as `COLUMNS`; `columns`: units of those that the header tells."""
-    told = COLUMNS if columns is None else columns
+    stated = COLUMNS if columns is None else columns
     fixes = dict(zip(log.fix_rows.tolist(), log.fixes, strict=True))
     lines = ["---", "format: handcart-log/1", *header.splitlines(), "columns:"]
-    lines += [f"  {name}: {{unit: {unit}}}" for name, unit in told.items()]
+    lines += [f"  {name}: {{unit: {unit}}}" for name, unit in stated.items()]
     lines += ["---", ",".join(COLUMNS)]
     for row, (pose, travel) in enumerate(zip(log.drive.poses, 1e3 * log.wheels, strict=True)):
         turn = math.degrees(log.rates[row, 2])
@@ -173,7 +173,7 @@ def test_a_heading_that_stays_unknown_is_no_good_sign(tmp_path: Path, drive: Fie
 
 
 def test_noise_is_fitted_to_a_log(tmp_path: Path, localized: Callable[..., dict[str, Any]]) -> None:
-    """The receiver is four times as good as told."""
+    """The receiver is four times as good as its file says."""
     log = record_course(straight_course(4), REFERENCE._replace(gps_white=0.25), 2)
     found = localized(
         write(tmp_path / "log.csv", log, "start: {x_m: 0.0, y_m: 0.0, heading_deg: 0.0}"), "--fit"

@@ -18,7 +18,7 @@ from handcart.backends.saved_state import NotAState
 from handcart.robotics.far import FarArray
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.localization.localizer import LEAST_INLIERS, Localizer, ScanLocalizer
-from handcart.robotics.navigation.outdoors.smoothing import Belief
+from handcart.robotics.navigation.outdoors.watched_moment import Belief
 
 STILL_SCANS = 20  # periods at rest after which further scans tell nothing new
 LOOK_AGAIN = 10  # periods at rest between scans that tell whether somebody moved the base
@@ -66,6 +66,8 @@ class Localization(ABC):
         "_seen_at": WheelTravel,
     }
     """Attributes that a checkpoint keeps, with their types."""
+    POSE_JUMPS: ClassVar[bool] = False
+    """Whether `pose` leaps by more than the base does, as more is learned; `odometry_pose` doesn't."""
 
     def __init__(self, backend: Backend, wheels: Localizer) -> None:
         """Of a robot that stands; `wheels` carries the pose on."""
@@ -94,6 +96,17 @@ class Localization(ABC):
     def odometry_pose(self) -> Pose2:
         """The base by what doesn't jump, where anything does: then in a frame of its own; else `pose`."""
         return self.pose
+
+    def set_origin(self) -> None:
+        """From here on `displacement` is measured."""
+
+    @property
+    def displacement(self) -> Belief | None:
+        """Of the base since `set_origin`, where that is known better than where the base is; else None.
+
+        x, y in [m] in the map's axes and turn in [rad]: mean (3,) and covariance (3, 3).
+        """
+        return None
 
     @property
     def covariance(self) -> NDArray[np.float64]:

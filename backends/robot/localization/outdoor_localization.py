@@ -16,7 +16,7 @@ from handcart.backends.plain_values import Kinds
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.localization.localizer import Localizer
 from handcart.robotics.navigation.outdoors.field_localizer import FieldLocalizer
-from handcart.robotics.navigation.outdoors.smoothing import Belief
+from handcart.robotics.navigation.outdoors.watched_moment import Belief
 
 from .localization import Localization, Lost, Sensed
 
@@ -31,6 +31,7 @@ class OutdoorLocalization(Localization):
     """A filter of all of them; what a range sensor sees tells of no map."""
 
     STATE: ClassVar[Kinds] = {**Localization.STATE, "_felt": Array, "_felt_at": WheelTravel}
+    POSE_JUMPS: ClassVar[bool] = True
 
     def __init__(self, backend: Backend, wheels: Localizer, filtering: FieldLocalizer) -> None:
         """Of a robot that stands, and has gyros."""
@@ -56,6 +57,15 @@ class OutdoorLocalization(Localization):
     def odometry_pose(self) -> Pose2:
         """See `Localization`: by wheels and gyros."""
         return self._filter.odometry.pose
+
+    def set_origin(self) -> None:
+        """See `Localization`."""
+        self._filter.set_origin()
+
+    @property
+    def displacement(self) -> Belief | None:
+        """See `Localization`: what is wrong with all fixes alike doesn't count."""
+        return self._filter.displacement
 
     @property
     def covariance(self) -> NDArray[np.float64]:

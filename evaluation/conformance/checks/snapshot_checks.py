@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
@@ -114,8 +113,7 @@ def _wait(rig: Rig, periods: int) -> None:
 
 def _plain(rig: Rig, start: Snapshot) -> dict[str, float]:
     """Residuals without how unsure the base's are."""
-    now = replace(take_snapshot(rig.robot, {}), pose_sigma=(0.0, 0.0))
-    found = residuals(start, now, rig.robot.spec.joint_units.slides)
+    found = residuals(start, take_snapshot(rig.robot, {}), rig.robot.spec.joint_units.slides)
     return {name: size for name, size in found.items() if "unsure" not in name}
 
 

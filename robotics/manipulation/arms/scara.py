@@ -16,6 +16,8 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import rotations
 
 Array = NDArray[np.float64]
+DIRECTIONS = 36  # in which a base may stand off
+ROOM_STEP = 0.005  # [m] to which it is told how far
 
 
 class Scara(NamedTuple):
@@ -98,6 +100,25 @@ class Scara(NamedTuple):
         if angles is None or not self.slide[0] <= lowered <= self.slide[1]:
             return None
         return np.array([*angles, lowered])
+
+    def room_beside(self, point: Array, turn: float) -> float:
+        """How far the base may stand from where it should, turned by up to `turn` [rad], in [m].
+
+        From anywhere there the tip still gets over a `point` (2,) in [m] of the base frame as it should be.
+        """
+        x, y, _, yaw = self.mount
+        arm_T_base = Pose2(x, y, yaw).inverse()
+        turned = np.vstack([Pose2(0.0, 0.0, angle).apply(point[None]) for angle in (-turn, 0.0, turn)])
+        angles = np.linspace(0.0, 2.0 * math.pi, DIRECTIONS, endpoint=False)
+        ways = np.column_stack([np.cos(angles), np.sin(angles)])
+        room = 0.0
+        while all(
+            self.inverse(place) is not None
+            for seen in turned
+            for place in arm_T_base.apply(seen + (room + ROOM_STEP) * ways)
+        ):
+            room += ROOM_STEP
+        return room
 
 
 def world_to_base(pose: Pose2, tilt: tuple[float, float], point: Array) -> Array:

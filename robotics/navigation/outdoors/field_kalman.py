@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from enum import Enum
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -16,7 +17,8 @@ from handcart.robotics.navigation.outdoors import field_model as states
 from handcart.robotics.navigation.outdoors.field_model import FieldModel, carried, corrected, field_step
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE, FieldNoise
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance, GyroOdometry
-from handcart.robotics.navigation.outdoors.smoothing import Belief, Branch, Entries, TrackRecord, mixed
+from handcart.robotics.navigation.outdoors.smoothing import Entries, TrackRecord
+from handcart.robotics.navigation.outdoors.watched_moment import Belief, Branch, WatchedMoment, mixed
 
 SEEN = [states.X, states.Y, states.GPS_X, states.GPS_Y, states.DELAY]  # by a fix, besides the heading
 ODD = math.log(0.001)  # logarithm of the share of fixes that begin to lie anywhere
@@ -32,6 +34,13 @@ _LEAPT = np.diag([0.0 if k in (states.GPS_X, states.GPS_Y) else 1.0 for k in ran
 Array = NDArray[np.float64]
 
 
+class _Asked(Enum):
+    """What was asked for between two steps."""
+
+    MARK = "mark"
+    ORIGIN = "origin"
+
+
 class _Moment(NamedTuple):
     """All that changes in the filter, before a fix."""
 
@@ -39,6 +48,7 @@ class _Moment(NamedTuple):
     rested: bool
     still: Array
     entries: Entries
+    origin: WatchedMoment | None
 
 
 class Fixed(NamedTuple):
@@ -86,9 +96,10 @@ class FieldKalman:
         "_unseen": float,
         "_lost": LostTrack,
         "_monitor": FixMonitor,
-        "_past": list[tuple[_Moment, list[Advance | None]]],
+        "_past": list[tuple[_Moment, list[Advance | _Asked]]],
         "_refused": Array,
         "_record": TrackRecord | None,
+        "_origin": WatchedMoment | None,
         "refused": int,
         "restarts": int,
     }
@@ -119,9 +130,12 @@ class FieldKalman:
         self._unseen = 0.0  # [s] since the last fix
         self._lost = LostTrack()
         self._monitor = FixMonitor()
-        self._past: list[tuple[_Moment, list[Advance | None]]] = []  # before each believed fix, and what came
+        self._past: list[
+            tuple[_Moment, list[Advance | _Asked]]
+        ] = []  # before each believed fix, and what came
         self._refused = np.zeros(3)  # sum (2,) of residuals of refused fixes that are off alike, and how many
         self._record = record
+        self._origin: WatchedMoment | None = None  # pose from which `change` is measured
         self.refused = 0
         """Fixes that were not believed."""
         self.restarts = 0
@@ -136,11 +150,23 @@ class FieldKalman:
 
     def mark(self) -> Belief:
         """This moment is wanted from the smoother; what the filter holds now."""
-        self._note(None)
+        self._note(_Asked.MARK)
         now = Belief(self._mean.copy(), self._spread.copy())
         if self._record is not None:
             self._record.mark(now)
         return now
+
+    def set_origin(self) -> None:
+        """From this moment on `change` is measured."""
+        self._note(_Asked.ORIGIN)
+        self._origin = WatchedMoment.of(self.belief, states=3)
+
+    @property
+    def change(self) -> Belief:
+        """Of x, y, heading since the origin, mean (3,) and covariance (3, 3); the heading isn't wrapped."""
+        if self._origin is None:
+            raise ValueError("no origin was set")
+        return self._origin.change(self.belief)
 
     def smoothed(self) -> list[Belief]:
         """The marked moments by all that was seen so far; none without a record."""
@@ -170,8 +196,7 @@ class FieldKalman:
         self._speed = advance.forward / advance.time
         self._unseen += advance.time
         self._still = self._still + np.array([advance.still, advance.rest])
-        if self._record is not None:
-            self._record.step(transition)
+        self._went_on(transition)
         if self._still[1] >= BIAS_PERIOD:
             self._see_bias()
 
@@ -230,8 +255,7 @@ class FieldKalman:
         """Fixes have been off together since they leapt: begin with this one to find out by how much."""
         self._monitor.reset()
         self._mean, self._spread = _LEAPT @ self._mean, self._leapt()
-        if self._record is not None:
-            self._record.step(_LEAPT)
+        self._went_on(_LEAPT)
         fixed = self.fix(position, sigma, odometry)
         leaps = LEAST_TIME / self.noise.jump_every
         return fixed._replace(log_likelihood=fixed.log_likelihood + math.log(leaps))
@@ -290,25 +314,36 @@ class FieldKalman:
             Belief(*corrected(mean, sky.spread, rows, sky.residual, variance))
             for mean, sky in zip(means, skies, strict=True)
         ]
+        branches = [
+            Branch(weight, sky.transition, sky.spread, sky.residual, one.mean)
+            for weight, sky, one in zip(weights.tolist(), skies, each, strict=True)
+        ]
         if self._record is not None:
-            branches = [
-                Branch(weight, sky.transition, sky.spread, sky.residual, one.mean)
-                for weight, sky, one in zip(weights.tolist(), skies, each, strict=True)
-            ]
             self._record.correct_either(branches, rows, variance)
+        if self._origin is not None:
+            self._origin = self._origin.corrected_either(branches, rows, variance)
         self._mean, self._spread = mixed(each, weights)
 
     def _correct(self, rows: Array, residual: Array, variance: float) -> None:
         if self._record is not None:
             self._record.correct(self._spread, rows, residual, variance)
+        if self._origin is not None:
+            self._origin = self._origin.corrected(self._spread, rows, residual, variance)
         self._mean, self._spread = corrected(self._mean, self._spread, rows, residual, variance)
+
+    def _went_on(self, transition: Array) -> None:
+        """The states did, by `transition` (13, 13): what is known of past moments goes with them."""
+        if self._record is not None:
+            self._record.step(transition)
+        if self._origin is not None:
+            self._origin = self._origin.stepped(transition)
 
     def _moment(self) -> _Moment:
         entries = Entries(0, 0, None) if self._record is None else self._record.entries
-        return _Moment(Belief(self._mean, self._spread), self._rested, self._still, entries)
+        return _Moment(Belief(self._mean, self._spread), self._rested, self._still, entries, self._origin)
 
-    def _note(self, event: Advance | None) -> None:
-        """Keep a step, or a mark (None), in case the fixes before it are taken back."""
+    def _note(self, event: Advance | _Asked) -> None:
+        """Keep a step, or what was asked for, in case the fixes before it are taken back."""
         if self._past:
             self._past[-1][1].append(event)
 
@@ -321,11 +356,14 @@ class FieldKalman:
         del self._past[-count:]
         moment = undone[0][0]
         (self._mean, self._spread), self._rested, self._still = moment.belief, moment.rested, moment.still
+        self._origin = moment.origin
         if self._record is not None:
             self._record.rewind(moment.entries)
         for event in [event for _, events in undone for event in events]:
-            if event is None:
+            if event is _Asked.MARK:
                 self.mark()
+            elif event is _Asked.ORIGIN:
+                self.set_origin()
             else:
                 self.advance(event)
         self.refused += count
@@ -338,6 +376,7 @@ class FieldKalman:
         mean[known], spread[np.ix_(known, known)] = self._mean[known], self._spread[np.ix_(known, known)]
         spread[:3, :3] = found.covariance
         self._mean, self._spread = mean, spread
+        self._origin = None if self._origin is None else self._origin.unrelated()
         self._past.clear()
         self._monitor.reset()
         if self._record is not None:

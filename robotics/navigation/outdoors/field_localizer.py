@@ -10,9 +10,9 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance, GyroOdometry
-from handcart.robotics.navigation.outdoors.smoothing import Belief
+from handcart.robotics.navigation.outdoors.watched_moment import Belief
 
 PERIOD = 0.1  # [s] of a filter's step; gyros and wheels are integrated with each reading
 Array = NDArray[np.float64]
@@ -33,7 +33,7 @@ class FieldLocalizer(ABC):
     Between two steps of the filter its pose is carried on by gyro odometry: there is a new one each period.
     """
 
-    STATE: ClassVar[Mapping[str, Any]] = {"_since": Pose2}
+    STATE: ClassVar[Mapping[str, Any]] = {"_since": Pose2, "_lead": Pose2 | None}
     """Attributes that change, besides the odometry's, with their types."""
     REST_PERIOD: ClassVar[float] = PERIOD
     """[s] of a step at rest."""
@@ -48,6 +48,7 @@ class FieldLocalizer(ABC):
         """Of all fixes; NaN where it isn't told."""
         self._odometry = GyroOdometry(start, euler)
         self._since = start  # dead reckoned, at the filter's last step
+        self._lead: Pose2 | None = None  # of the origin before the filter's step there; None without one
 
     @property
     def odometry(self) -> GyroOdometry:
@@ -89,6 +90,30 @@ class FieldLocalizer(ABC):
         """(3, n) x, y in [m], heading in [rad]; None where it isn't made of particles."""
         return None
 
+    def set_origin(self) -> None:
+        """From here on `displacement` is measured."""
+        self._lead = self._odometry.pose.relative_to(self._since)
+        self._set_origin()
+
+    @property
+    def displacement(self) -> Belief:
+        """Of the base since `set_origin`: x, y in [m] in the world's axes, turn in [rad]; (3,) and (3, 3).
+
+        Over some metres it is known far better than where the base is: what is wrong with both alike doesn't
+        count.
+
+        Raises:
+            ValueError: no origin was set.
+        """
+        if self._lead is None:
+            raise ValueError("no origin was set")
+        (x, y, turn), covariance = self._change()
+        heading = self._estimate().theta
+        ahead = Pose2(x, y, heading).compose(self._odometry.pose.relative_to(self._since))
+        behind = Pose2(0.0, 0.0, heading - turn).compose(self._lead)
+        apart = [ahead.x - behind.x, ahead.y - behind.y, wrap(ahead.theta - behind.theta)]
+        return Belief(np.array(apart), covariance)
+
     def predict(self, rates: Array, accelerations: Array, wheels: Array, dt: float) -> None:
         """Take in one period's readings (see `GyroOdometry.update`)."""
         self._odometry.update(rates, accelerations, wheels, dt)
@@ -122,6 +147,14 @@ class FieldLocalizer(ABC):
         if self._odometry.pending > 0.0:
             self._advance(self._odometry.take())
             self._since = self._odometry.pose
+
+    @abstractmethod
+    def _set_origin(self) -> None:
+        """The filter's last step is where `_change` is measured from."""
+
+    @abstractmethod
+    def _change(self) -> Belief:
+        """Of x, y, heading from the origin to the filter's last step, (3,) and (3, 3)."""
 
     @abstractmethod
     def _estimate(self) -> Pose2:

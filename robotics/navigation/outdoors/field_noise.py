@@ -104,4 +104,4 @@ ANY_VEHICLE = FieldNoise(
     gps_drift=2.0,
     gps_delay=0.5,
 )
-"""A vehicle of which nothing is told: a car's speedometer, a gyro for some coins, a receiver of a phone."""
+"""A vehicle of which nothing is given: a car's speedometer, a gyro for some coins, a receiver of a phone."""

@@ -16,8 +16,9 @@ from handcart.robotics.navigation.outdoors.field_localizer import FieldLocalizer
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE, FieldNoise
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance
 from handcart.robotics.navigation.outdoors.heading_search import HeadingSearch
-from handcart.robotics.navigation.outdoors.smoothing import Belief, TrackRecord
+from handcart.robotics.navigation.outdoors.smoothing import TrackRecord
 from handcart.robotics.navigation.outdoors.suppositions import Supposition, suppositions
+from handcart.robotics.navigation.outdoors.watched_moment import Belief
 
 CAUTION = (0.015, 0.3)  # of a weight: claims suppose a worse sky than what is as told, than anything else
 BECOMES = 1e-4  # with each fix a world may become a worse one; never a better one
@@ -152,6 +153,13 @@ class GpsFilter(FieldLocalizer):
         """The marked moments by all that was seen so far; none without a record."""
         each = [one.smoothed() for one in self.filters]
         return [self._mixed(list(moment)) for moment in zip(*each, strict=True)]
+
+    def _set_origin(self) -> None:
+        for each in self.filters:
+            each.set_origin()
+
+    def _change(self) -> Belief:
+        return self._mixed([each.change for each in self.filters])
 
     def _estimate(self) -> Pose2:
         if self._search is not None:

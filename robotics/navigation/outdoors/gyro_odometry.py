@@ -164,6 +164,75 @@ def _creeps(felt: Array, bias: float, known: bool, dt: float) -> bool:
 
 
 @compiled
+def _rest(state: Array, felt: Array, turning: Array, force: Array, dt: float) -> None:
+    """A period at rest: the gyros' mean is their bias, gravity gives roll and pitch."""
+    if state[10] == 0.0:  # it has come to rest: so have all readings that show it
+        state[10] = (len(felt) - 1) * dt
+        for axis in range(3):
+            state[6 + axis], force[axis] = felt[:, 5 + axis].mean(), felt[:, axis].mean()
+        state[4], state[5] = _levelled(force)
+    state[10] += dt
+    state[16] += dt
+    state[17] += dt * turning[2]
+    share = max(dt / state[10], dt / MEMORY)
+    for axis in range(3):
+        state[6 + axis] += share * (turning[axis] - state[6 + axis])
+    share = dt / state[10]
+    roll, pitch = _levelled(force)
+    state[4] += share * (roll - state[4])
+    state[5] += share * (pitch - state[5])
+
+
+@compiled
+def _creep(state: Array, travel: float) -> None:
+    """What wheels of a base at rest tell is way, too."""
+    state[0] += travel * math.cos(state[5]) * math.cos(state[3])
+    state[1] += travel * math.cos(state[5]) * math.sin(state[3])
+    state[12] += travel * math.cos(state[5])
+
+
+@compiled
+def _middle_rates(
+    state: Array, free: Array, dt: float, euler: bool
+) -> tuple[float, float, float, float, float]:
+    """Rates of roll, pitch and yaw at the middle of a period, the pitch there, and the yaw's by the third
+    gyro."""
+    if not euler:
+        return free[0], free[1], free[2], state[5], 1.0
+    roll_rate, pitch_rate, _, _ = _angle_rates(state[4], state[5], free)
+    pitch = state[5] + 0.5 * dt * pitch_rate
+    roll_rate, pitch_rate, yaw_rate, gain = _angle_rates(state[4] + 0.5 * dt * roll_rate, pitch, free)
+    return roll_rate, pitch_rate, yaw_rate, pitch, gain
+
+
+@compiled
+def _drive(state: Array, turning: Array, travel: float, dt: float, euler: bool) -> None:
+    """A period of driving."""
+    state[10] = 0.0
+    roll_rate, pitch_rate, yaw_rate, pitch, gain = _middle_rates(state, turning - state[6:9], dt, euler)
+    turn = dt * yaw_rate
+    heading = state[3] + 0.5 * turn
+    level = travel * math.cos(pitch)
+    state[0] += level * math.cos(heading)  # Ohki (2012), eqs. 1 to 3, at the middle of the period
+    state[1] += level * math.sin(heading)
+    state[2] -= travel * math.sin(pitch)
+    state[3] += turn
+    state[4] += dt * roll_rate
+    state[5] += dt * pitch_rate
+    state[12] += level
+    state[13] += turn
+    state[14] += dt * gain * state[8]
+
+
+@compiled
+def _stands(state: Array, felt: Array, dt: float) -> bool:
+    """Whether the base does, by the latest readings."""
+    still = state[9] >= len(felt)
+    known = state[6] != 0.0 or state[7] != 0.0 or state[8] != 0.0
+    return bool((still or (state[18] >= len(felt) and _creeps(felt, state[8], known, dt))) and _quiet(felt))
+
+
+@compiled
 def _update(
     state: Array,
     felt: Array,
@@ -186,46 +255,8 @@ def _update(
     state[9] = state[9] + 1 if rolled[0] == 0.0 and rolled[1] == 0.0 else 0.0
     state[18] += 1
     state[15] += dt
-    still = state[9] >= len(felt)
-    known = state[6] != 0.0 or state[7] != 0.0 or state[8] != 0.0
-    if (still or (state[18] >= len(felt) and _creeps(felt, state[8], known, dt))) and _quiet(felt):
-        state[0] += travel * math.cos(state[5]) * math.cos(state[3])
-        state[1] += travel * math.cos(state[5]) * math.sin(state[3])
-        state[12] += travel * math.cos(state[5])
-        if state[10] == 0.0:
-            state[10] = (len(felt) - 1) * dt
-            for axis in range(3):
-                state[6 + axis], force[axis] = felt[:, 5 + axis].mean(), felt[:, axis].mean()
-            state[4], state[5] = _levelled(force)
-        state[10] += dt
-        state[16] += dt
-        state[17] += dt * turning[2]
-        share = max(dt / state[10], dt / MEMORY)
-        for axis in range(3):
-            state[6 + axis] += share * (turning[axis] - state[6 + axis])
-        share = dt / state[10]
-        roll, pitch = _levelled(force)
-        state[4] += share * (roll - state[4])
-        state[5] += share * (pitch - state[5])
-        return
-    state[10] = 0.0
-    free = turning - state[6:9]
-    if euler:
-        roll_rate, pitch_rate, _, _ = _angle_rates(state[4], state[5], free)
-        middle = state[4] + 0.5 * dt * roll_rate, state[5] + 0.5 * dt * pitch_rate
-        roll_rate, pitch_rate, yaw_rate, gain = _angle_rates(middle[0], middle[1], free)
+    if _stands(state, felt, dt):
+        _creep(state, travel)
+        _rest(state, felt, turning, force, dt)
     else:
-        roll_rate, pitch_rate, yaw_rate, gain = free[0], free[1], free[2], 1.0
-        middle = state[4], state[5]
-    turn = dt * yaw_rate
-    heading = state[3] + 0.5 * turn
-    level = travel * math.cos(middle[1])
-    state[0] += level * math.cos(heading)  # Ohki (2012), eqs. 1 to 3, at the middle of the period
-    state[1] += level * math.sin(heading)
-    state[2] -= travel * math.sin(middle[1])
-    state[3] += turn
-    state[4] += dt * roll_rate
-    state[5] += dt * pitch_rate
-    state[12] += level
-    state[13] += turn
-    state[14] += dt * gain * state[8]
+        _drive(state, turning, travel, dt, euler)

@@ -1,4 +1,4 @@
-"""Which way a base heads that nobody has told: by fixes on the way that it drives."""
+"""Which way a base heads whose start heading is unknown: by fixes on the way that it drives."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ class HeadingSearch:
         """The pose now, once its heading is known; `odometry` now, at the latest fix.
 
         Args:
-            odometry: where wheels and gyros have the base now; they began at the start that was told.
+            odometry: where wheels and gyros have the base now; they began at the nominal start.
             sigma: of a fix, an axis, in [m].
             start_sigma: of the start's place, an axis, in [m].
             bias_sigma: of what the vertical gyro reads too much, in [rad/s].

@@ -15,6 +15,7 @@ from handcart.robotics.navigation.localization.lost_track import LostTrack
 from handcart.robotics.navigation.outdoors.field_localizer import FieldLocalizer
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance
 from handcart.robotics.navigation.outdoors.heading_search import KNOWN
+from handcart.robotics.navigation.outdoors.watched_moment import Belief
 from handcart.robotics.numerics.compiled import compiled
 
 Array = NDArray[np.float64]
@@ -75,9 +76,10 @@ class ParticleFilter(FieldLocalizer):
         heading = 0.0 if about else errors.start_heading
         spread = np.array([errors.start_position, errors.start_position, heading])
         drawn = self._rng.standard_normal((3, count))
-        self._particles = np.array(start)[:, None] + spread[:, None] * drawn
+        self._particles = np.array(start)[:, None] + spread[:, None] * drawn  # below them: at the origin
         if about:
             self._particles[2] = 2.0 * math.pi / count * np.arange(count)
+        self._particles = np.vstack([self._particles, self._particles])
         self._mean, self._covariance = _average(self._particles)
 
     @property
@@ -109,7 +111,13 @@ class ParticleFilter(FieldLocalizer):
     @property
     def particles(self) -> Array:
         """(3, n): x, y in [m], heading in [rad]."""
-        return self._particles.copy()
+        return self._particles[:3].copy()
+
+    def _set_origin(self) -> None:
+        self._particles[3:] = self._particles[:3]
+
+    def _change(self) -> Belief:
+        return Belief(*_average(self._particles[:3] - self._particles[3:]))
 
     def _estimate(self) -> Pose2:
         return Pose2(float(self._mean[0]), float(self._mean[1]), wrap(float(self._mean[2])))
@@ -145,9 +153,9 @@ class ParticleFilter(FieldLocalizer):
         found = self._lost.found(sigma, self._estimate(), math.sqrt(float(self._covariance[2, 2])))
         if found is None:
             return False
-        drawn = self._rng.standard_normal(self._particles.shape)
+        drawn = self._rng.standard_normal((3, self._particles.shape[1]))
         root = np.linalg.cholesky(found.covariance + 1e-9 * np.eye(3))
-        self._particles = np.array(found.pose)[:, None] + root @ drawn
+        self._particles[:3] = np.array(found.pose)[:, None] + root @ drawn
         self.restarts += 1
         self._monitor.reset()
         return True
@@ -157,7 +165,7 @@ class ParticleFilter(FieldLocalizer):
 def _predict(
     particles: Array, rng: np.random.Generator, forward: float, turn: float, along: float, across: float
 ) -> None:
-    """Phase 2: move each particle (3, n) by the odometry's step with random errors."""
+    """Phase 2: move each particle (6, n) by the odometry's step with random errors."""
     for i in range(particles.shape[1]):
         way = forward + along * rng.standard_normal()
         bend = turn + across * rng.standard_normal()

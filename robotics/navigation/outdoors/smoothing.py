@@ -8,50 +8,19 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from handcart.robotics.navigation.outdoors.watched_moment import Belief, Branch, WatchedMoment
+
 Array = NDArray[np.float64]
 LEAST = 1e-9  # of a state's variance before a gain is taken, relative to one: exactly known states have none
-
-
-class Belief(NamedTuple):
-    """What a filter or a smoother holds."""
-
-    mean: Array
-    """(n,) states."""
-    covariance: Array
-    """(n, n)."""
-
-
-class _Watched(NamedTuple):
-    """A moment of which more becomes known while the filter goes on (fixed-point smoothing)."""
-
-    belief: Belief
-    """Of the states then, by all that was seen so far."""
-    shared: Array
-    """(n, n) covariance of the states then (rows) with those now."""
 
 
 class _Link(NamedTuple):
     """From one wanted moment to the next."""
 
-    first: _Watched
+    first: WatchedMoment
     """As known at the second."""
     second: Belief
     """What the filter held there."""
-
-
-class Branch(NamedTuple):
-    """One way in which the states may have changed just before something was seen."""
-
-    weight: float
-    """How likely it is, by what was seen then; all of them are one."""
-    transition: Array
-    """(n, n), of the change."""
-    covariance: Array
-    """(n, n) of the states after it."""
-    residual: Array
-    """(m,) of the readings."""
-    mean: Array
-    """(n,) of the states once the readings were taken in."""
 
 
 class Entries(NamedTuple):
@@ -59,7 +28,7 @@ class Entries(NamedTuple):
 
     starts: int
     links: int
-    latest: _Watched | None
+    latest: WatchedMoment | None
 
 
 class TrackRecord:
@@ -72,7 +41,7 @@ class TrackRecord:
     STATE: ClassVar = {
         "_over": list[list[Belief]],
         "_links": list[_Link],
-        "_latest": _Watched | None,
+        "_latest": WatchedMoment | None,
         "_starts": int,
     }
     """Attributes that change, with their types."""
@@ -81,7 +50,7 @@ class TrackRecord:
         """Nothing taken down yet."""
         self._over: list[list[Belief]] = []  # smoothed, of runs that ended in a new beginning
         self._links: list[_Link] = []
-        self._latest: _Watched | None = None
+        self._latest: WatchedMoment | None = None
         self._starts = 0
 
     def start(self) -> None:
@@ -93,7 +62,7 @@ class TrackRecord:
     def step(self, transition: Array) -> None:
         """The filter went on by `transition` (n, n)."""
         if self._latest is not None:
-            self._latest = self._latest._replace(shared=self._latest.shared @ transition.T)
+            self._latest = self._latest.stepped(transition)
 
     def correct(self, covariance: Array, rows: Array, residual: Array, variance: float) -> None:
         """The filter is about to see something: readings with `residual` (m,), each of `variance`.
@@ -102,37 +71,18 @@ class TrackRecord:
         them.
         """
         if self._latest is not None:
-            self._latest = _after(self._latest, covariance, rows, residual, variance)
+            self._latest = self._latest.corrected(covariance, rows, residual, variance)
 
     def correct_either(self, branches: Sequence[Branch], rows: Array, variance: float) -> None:
         """The same where the states may have changed before, in one of several ways."""
-        latest = self._latest
-        if latest is None:
-            return
-        each = [
-            _after(
-                latest._replace(shared=latest.shared @ one.transition.T),
-                one.covariance,
-                rows,
-                one.residual,
-                variance,
-            )
-            for one in branches
-        ]
-        weights = np.array([one.weight for one in branches])
-        then = mixed([one.belief for one in each], weights)
-        now = weights @ np.array([one.mean for one in branches])
-        shared = sum(
-            one.weight * (seen.shared + np.outer(seen.belief.mean - then.mean, one.mean - now))
-            for one, seen in zip(branches, each, strict=True)
-        )
-        self._latest = _Watched(then, np.asarray(shared))
+        if self._latest is not None:
+            self._latest = self._latest.corrected_either(branches, rows, variance)
 
     def mark(self, now: Belief) -> None:
         """This moment is wanted."""
         if self._latest is not None:
             self._links.append(_Link(self._latest, now))
-        self._latest = _Watched(now, now.covariance)
+        self._latest = WatchedMoment.of(now)
 
     @property
     def entries(self) -> Entries:
@@ -161,22 +111,3 @@ class TrackRecord:
             spread = before.covariance + gain @ (out[-1].covariance - second.covariance) @ gain.T
             out.append(Belief(mean, 0.5 * (spread + spread.T)))
         return out[::-1]
-
-
-def mixed(beliefs: Sequence[Belief], weights: Array) -> Belief:
-    """Mean and covariance of one of several beliefs, by how likely each is (k,)."""
-    means = np.array([each.mean for each in beliefs])
-    mean = weights @ means
-    away = means - mean
-    within = np.einsum("k,kij->ij", weights, np.array([each.covariance for each in beliefs]))
-    return Belief(mean, within + np.einsum("k,ki,kj->ij", weights, away, away))
-
-
-def _after(watched: _Watched, covariance: Array, rows: Array, residual: Array, variance: float) -> _Watched:
-    """What is known of the watched moment once readings were seen; see `TrackRecord.correct`."""
-    (mean, spread), shared = watched
-    seen = rows @ covariance @ rows.T + variance * np.eye(len(residual))
-    gain = np.linalg.solve(seen, rows @ shared.T).T
-    spread = spread - gain @ seen @ gain.T
-    belief = Belief(mean + gain @ residual, 0.5 * (spread + spread.T))
-    return _Watched(belief, shared - gain @ rows @ covariance)

@@ -20,6 +20,7 @@ from handcart.primitives.contract.discrepancy import Discrepancy
 from handcart.primitives.contract.outcome import Fail, GiveUp, Success
 from handcart.primitives.field.deploy import Deploy, _spread
 from handcart.primitives.field.field_work import FieldWork
+from handcart.primitives.field.scara_arm import scara_of
 from handcart.primitives.field.sensor_arm import FARTHEST, SensorArm
 from handcart.primitives.field.target import Laid
 from handcart.robotics.geometry.pose2 import Pose2
@@ -205,3 +206,29 @@ def test_nothing_is_laid_while_the_fixes_contradict_what_is_claimed(
     assert isinstance(failed, Fail), failed
     assert failed.reason == f"it can't be told where the target is: {doubt.why}"
     assert rig.model.of(FieldWork).laid == ()
+
+
+def test_a_fail_leaves_the_target_within_reach(rig: Rig) -> None:
+    """From any place as far off as is allowed, heading as far off as is allowed, the arm gets there."""
+    robot, work = rig.robot, rig.model.of(FieldWork)
+    model: Any = rig.model
+    room = Deploy(target="here").base_room(robot, model)
+    assert 0.15 < room < 1e-3 * robot.spec.tolerance.base_mm
+    arm, target, turn = scara_of(robot), work.targets["here"], math.radians(robot.spec.tolerance.base_deg)
+    rng = np.random.default_rng(0)
+
+    def reached(off: float) -> list[bool]:
+        found = []
+        for angle, turned in rng.uniform((-math.pi, -turn), (math.pi, turn), (500, 2)).tolist():
+            stand = target.stand.compose(Pose2(off * math.cos(angle), off * math.sin(angle), turned))
+            place = (
+                Pose2(*arm.mount[:2], arm.mount[3])
+                .inverse()
+                .apply(stand.inverse().apply(np.array([[target.x, target.y]])))
+            )
+            found.append(arm.inverse(place[0]) is not None)
+        return found
+
+    assert all(reached(room))
+    assert not all(reached(room + 0.05))
+    assert Deploy(target="nowhere").base_room(robot, model) == math.inf

@@ -13,7 +13,8 @@ from handcart.robotics.navigation.outdoors import field_model as states
 from handcart.robotics.navigation.outdoors.field_kalman import FieldKalman, Fixed
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE, FieldNoise
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance, GyroOdometry
-from handcart.robotics.navigation.outdoors.smoothing import Belief, TrackRecord, mixed
+from handcart.robotics.navigation.outdoors.smoothing import TrackRecord
+from handcart.robotics.navigation.outdoors.watched_moment import Belief, mixed
 
 LEAPING = REFERENCE._replace(gps_drift=3.0, gps_drift_time=600.0, jump=3.0, jump_every=100.0)
 STANDS = Advance(0.0, 0.0, 0.0, 1.0, 1.0, 0.0)
@@ -42,12 +43,12 @@ def fixes(seed: int, count: int, off: tuple[float, float] = (0.0, 0.0)) -> NDArr
 @pytest.mark.parametrize("size", [2.5, 6.0, 9.0])
 def test_a_leap_is_believed_and_moves_nothing(size: float) -> None:
     """The one who supposes it goes on; the other one doubts for as long as it lasts."""
-    leaping, told = standing(LEAPING), standing(REFERENCE)
-    for filtering in (leaping, told):
+    leaping, nominal = standing(LEAPING), standing(REFERENCE)
+    for filtering in (leaping, nominal):
         seen(filtering, fixes(1, 30))
         seen(filtering, fixes(2, 30, (size, -size)))
     assert leaping.refused <= 8  # those by which a small leap shows
-    assert told.refused >= 28
+    assert nominal.refused >= 28
     off = leaping.belief.mean[[states.GPS_X, states.GPS_Y]]
     assert off == pytest.approx([size, -size], abs=1.2)
     assert math.hypot(*leaping.belief.mean[:2]) < 0.3
@@ -63,11 +64,11 @@ def test_a_leap_is_what_it_costs() -> None:
 
 
 def test_an_error_that_cannot_leap_has_one_sky() -> None:
-    told = standing(REFERENCE)
+    nominal = standing(REFERENCE)
     leaping = standing(REFERENCE._replace(jump=3.0, jump_every=1e12))
-    for one, other in zip(seen(told, fixes(3, 20)), seen(leaping, fixes(3, 20)), strict=True):
+    for one, other in zip(seen(nominal, fixes(3, 20)), seen(leaping, fixes(3, 20)), strict=True):
         assert one.log_likelihood == pytest.approx(other.log_likelihood, abs=1e-6)
-    assert np.allclose(told.belief.mean, leaping.belief.mean, atol=1e-6)
+    assert np.allclose(nominal.belief.mean, leaping.belief.mean, atol=1e-6)
 
 
 def test_what_is_known_of_a_moment_before_a_leap_stays() -> None:
@@ -93,9 +94,9 @@ def test_a_mixture_spreads_as_far_as_its_parts() -> None:
 
 def test_a_reflection_that_lasts_is_as_likely_as_its_first_fix_and_its_scatter() -> None:
     """Refused fixes are held against those before them, not each against nothing."""
-    told = standing(REFERENCE)
-    seen(told, fixes(1, 30))
-    off = [each.log_likelihood for each in seen(told, fixes(2, 30, (12.0, 12.0)))]
+    nominal = standing(REFERENCE)
+    seen(nominal, fixes(1, 30))
+    off = [each.log_likelihood for each in seen(nominal, fixes(2, 30, (12.0, 12.0)))]
     assert off[0] < -10.0
     assert np.mean(off[5:]) > -4.5
 

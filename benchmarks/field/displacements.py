@@ -1,0 +1,111 @@
+"""How well it is known how far a base has come: python -m benchmarks.field.displacements
+
+Straight courses are driven, and at each stop, where DEPLOY would lay, an origin is set; what the filter says
+at a later stop of the way since then is held against the truth. Beside it, what was known without the cloned
+pose: the difference of two poses, each as well known as it is claimed. The filter is always told `REFERENCE`;
+worlds are as told, and otherwise (see `benchmarks.field.mismatches`). NEES is 2 where claims are honest;
+`beyond` is the share that is further off than three claimed sigma along the worst direction.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from rich.console import Console
+from rich.progress import track
+from rich.table import Table
+
+from benchmarks.field.field_course import straight_course
+from benchmarks.field.field_drive import PERIOD
+from benchmarks.field.field_log import FieldLog, record_course
+from benchmarks.field.field_trial import start_pose
+from benchmarks.field.mismatches import WORLDS
+from handcart.robotics.navigation.outdoors.field_noise import REFERENCE
+from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
+from handcart.robotics.navigation.outdoors.placement_errors import nees
+
+LEGS = (0, 1, 2, 4)  # of ten metres, from stop to stop; 0: while it stands there
+Array = NDArray[np.float64]
+
+
+class Way(NamedTuple):
+    """From one stop to a later one."""
+
+    error: Array
+    """(2,) of what is said of it, in [m]."""
+    covariance: Array
+    """(2, 2) that is claimed of it, in [m²]."""
+    pose_error: Array
+    """(2,) of the difference of the two poses, in [m]."""
+
+
+def ways(log: FieldLog, legs: int) -> list[Way]:
+    """Of one drive, each `legs` legs long."""
+    localizer = GpsFilter(start_pose(log), REFERENCE)
+    fixes = dict(zip(log.fix_rows.tolist(), log.fixes, strict=True))
+    ends = log.drive.placings.tolist()[:: max(1, legs)] if legs else log.drive.placings.tolist()
+    begins = {row - round(9.0 / PERIOD) for row in ends} if legs == 0 else set(ends)
+    found: list[Way] = []
+    begun: tuple[int, Array] | None = None
+    for row in range(max(ends) + 1):
+        localizer.predict(log.rates[row], log.accelerations[row], log.wheels[row], PERIOD)
+        if row in fixes:
+            localizer.fix(fixes[row])
+        if begun is not None and row in ends:
+            found.append(_way(log, localizer, *begun, row))
+        if row in begins:
+            localizer.set_origin()
+            begun = row, np.array(localizer.pose)
+    return found
+
+
+def _way(log: FieldLog, localizer: GpsFilter, begun: int, pose: Array, row: int) -> Way:
+    true = log.drive.poses[row, :2] - log.drive.poses[begun, :2]
+    mean, covariance = localizer.displacement
+    return Way(mean[:2] - true, covariance[:2, :2], np.array(localizer.pose)[:2] - pose[:2] - true)
+
+
+def row_of(world: str, legs: int, found: list[Way]) -> list[str]:
+    """The table's line."""
+    errors = np.array([way.error for way in found])
+    covariances = np.array([way.covariance for way in found])
+    worst = np.sqrt(np.maximum(0.0, np.linalg.eigvalsh(covariances)[:, -1]))
+    away = np.hypot(*errors.T)
+    floor = 1e-6 * np.eye(2)  # a base that stands is known to have stood
+    return [
+        world,
+        f"{10 * legs} m" if legs else "0 m, 9 s",
+        str(len(found)),
+        f"{1e3 * math.sqrt((away**2).mean()):.0f}",
+        f"{1e3 * math.sqrt((np.array([way.pose_error for way in found]) ** 2).sum(axis=1).mean()):.0f}",
+        f"{3e3 * np.median(worst):.0f}",
+        f"{3e3 * np.quantile(worst, 0.95):.0f}",
+        f"{nees(errors, covariances + floor).mean():.2f}",
+        f"{100.0 * (away > 3.0 * worst + 1e-3).mean():.1f}",
+    ]
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--runs", type=int, default=20, help="of each world and length (default 20)")
+    parser.add_argument("--world", action="append", choices=WORLDS, help="this one alone")
+    chosen = parser.parse_args()
+    table = Table(
+        "world", "way", "ways", "RMS [mm]", "of poses [mm]", "3 sigma [mm]", "95 %", "NEES", "beyond [%]"
+    )
+    jobs = [(world, legs) for world in chosen.world or WORLDS for legs in LEGS]
+    for world, legs in track(jobs, "worlds", console=Console(stderr=True)):
+        logs = (record_course(straight_course(), WORLDS[world], seed) for seed in range(chosen.runs))
+        table.add_row(*row_of(world, legs, [way for log in logs for way in ways(log, legs)]))
+    Console(width=None if sys.stdout.isatty() else 120).print(table)
+
+
+if __name__ == "__main__":
+    main()

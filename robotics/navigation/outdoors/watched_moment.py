@@ -1,0 +1,108 @@
+"""A past moment of which a Kalman filter goes on to learn: its states then, cloned beside those of now.
+
+Roumeliotis and Burdick (2002), stochastic cloning; the same algebra is fixed-point smoothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+class Belief(NamedTuple):
+    """What a filter or a smoother holds."""
+
+    mean: Array
+    """(n,) states."""
+    covariance: Array
+    """(n, n)."""
+
+
+class Branch(NamedTuple):
+    """One way in which the states may have changed just before something was seen."""
+
+    weight: float
+    """How likely it is, by what was seen then; all of them are one."""
+    transition: Array
+    """(n, n), of the change."""
+    covariance: Array
+    """(n, n) of the states after it."""
+    residual: Array
+    """(m,) of the readings."""
+    mean: Array
+    """(n,) of the states once the readings were taken in."""
+
+
+class WatchedMoment(NamedTuple):
+    """Some k of the states as they were then, by all that was seen so far."""
+
+    belief: Belief
+    """Mean (k,) and covariance (k, k) of the states then."""
+    shared: Array
+    """(k, n) covariance of the states then (rows) with those now."""
+
+    @classmethod
+    def of(cls, now: Belief, states: int | None = None) -> Self:
+        """This moment; of its first `states` alone, if told."""
+        covariance = now.covariance[:states].copy()
+        return cls(Belief(now.mean[:states].copy(), covariance[:, :states].copy()), covariance)
+
+    def stepped(self, transition: Array) -> Self:
+        """The states went on by `transition` (n, n)."""
+        return self._replace(shared=self.shared @ transition.T)
+
+    def corrected(self, covariance: Array, rows: Array, residual: Array, variance: float) -> Self:
+        """Readings are seen with `residual` (m,), each of `variance`.
+
+        `rows` (m, n) is how they depend on the states now, `covariance` (n, n) that of those without them.
+        """
+        (mean, spread), shared = self
+        seen = rows @ covariance @ rows.T + variance * np.eye(len(residual))
+        gain = np.linalg.solve(seen, rows @ shared.T).T
+        spread = spread - gain @ seen @ gain.T
+        belief = Belief(mean + gain @ residual, 0.5 * (spread + spread.T))
+        return type(self)(belief, shared - gain @ rows @ covariance)
+
+    def corrected_either(self, branches: Sequence[Branch], rows: Array, variance: float) -> Self:
+        """The same where the states may have changed before, in one of several ways."""
+        each = [
+            self.stepped(one.transition).corrected(one.covariance, rows, one.residual, variance)
+            for one in branches
+        ]
+        weights = np.array([one.weight for one in branches])
+        then = mixed([one.belief for one in each], weights)
+        now = weights @ np.array([one.mean for one in branches])
+        shared = sum(
+            one.weight * (seen.shared + np.outer(seen.belief.mean - then.mean, one.mean - now))
+            for one, seen in zip(branches, each, strict=True)
+        )
+        return type(self)(then, np.asarray(shared))
+
+    def unrelated(self) -> Self:
+        """The states now come from elsewhere: what is seen from here on tells nothing of then."""
+        return self._replace(shared=np.zeros_like(self.shared))
+
+    def change(self, now: Belief) -> Belief:
+        """Of the k states from then to `now`, mean (k,) and covariance (k, k).
+
+        What is wrong with both alike doesn't count.
+        """
+        (mean, covariance), shared = self
+        count = len(mean)
+        both = shared[:, :count]
+        spread = now.covariance[:count, :count] + covariance - both - both.T
+        return Belief(now.mean[:count] - mean, 0.5 * (spread + spread.T))
+
+
+def mixed(beliefs: Sequence[Belief], weights: Array) -> Belief:
+    """Mean and covariance of one of several beliefs, by how likely each is (k,)."""
+    means = np.array([each.mean for each in beliefs])
+    mean = weights @ means
+    away = means - mean
+    within = np.einsum("k,kij->ij", weights, np.array([each.covariance for each in beliefs]))
+    return Belief(mean, within + np.einsum("k,ki,kj->ij", weights, away, away))

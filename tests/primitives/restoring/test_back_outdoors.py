@@ -1,0 +1,130 @@
+"""A Fail outdoors: how far the base came is measured, and held against what is needed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import ClassVar
+
+import numpy as np
+import pytest
+
+from handcart.backends.capabilities.base import Base
+from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.robot.robot import Robot
+from handcart.evaluation.trials.rig import Rig
+from handcart.networks.task.preparing import prepare
+from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.contract.discrepancy import Discrepancy
+from handcart.primitives.contract.outcome import Fail, GiveUp
+from handcart.primitives.driving.driving import ASTRAY, CAR_ROOM
+from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.restoring.snapshot import moved, take_snapshot
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.outdoors.watched_moment import Belief
+
+TASK = Path(__file__).parents[3] / "tasks" / "deploy_straight" / "task.yaml"
+
+
+class ComesBack(ActionPrimitive):
+    """Drives ahead for some seconds, then finds something wrong."""
+
+    seconds: float
+    needs: ClassVar = (Base,)
+
+    def motion(self, robot: Robot, model: ModelView) -> Periods:
+        end = robot.time + self.seconds
+        while robot.time < end:
+            robot.base.drive(0.4, 0.02)
+            yield
+        raise Discrepancy("it was for nothing")
+
+
+class Needs(ComesBack):
+    """The base must not be off by more than some metres."""
+
+    room: float
+
+    def base_room(self, robot: Robot, model: ModelView) -> float:
+        return self.room
+
+
+@pytest.fixture
+def rig() -> Iterator[Rig]:
+    """A robot whose gyros have learned their bias for ten seconds."""
+    with prepare(TASK, None, {}, 3) as prepared:
+        for _ in range(400):
+            prepared.robot.step()
+        yield Rig(prepared.robot, prepared.model, prepared.backend)
+
+
+def base(rig: Rig) -> Pose2:
+    truth = rig.backend.ground_truth()
+    assert truth is not None
+    return truth.base
+
+
+@pytest.mark.parametrize("seconds", [14.0, 38.0])
+def test_it_is_known_how_far_it_came_back(rig: Rig, seconds: float) -> None:
+    """Within what is needed, after standing for a while if it came far; where on the Earth it is, isn't."""
+    before = base(rig)
+    outcome = rig.do(ComesBack(seconds=seconds))
+    assert isinstance(outcome, Fail)
+    tolerance = rig.robot.spec.tolerance
+    assert outcome.residuals["base_unsure_mm"] < tolerance.base_mm
+    off = 1e3 * base(rig).distance(before)
+    assert abs(off - outcome.residuals["base_mm"]) < outcome.residuals["base_unsure_mm"] + 10.0
+    assert off < tolerance.base_mm
+
+
+def test_what_a_primitive_needs_is_held_against_what_was_measured(rig: Rig) -> None:
+    outcome = rig.do(Needs(seconds=20.0, room=0.01))
+    assert isinstance(outcome, GiveUp)
+    assert "(at most 10)" in outcome.reason
+    assert isinstance(rig.do(Needs(seconds=1.0, room=9.0)), Fail)
+
+
+def test_a_primitive_can_not_allow_itself_more_than_the_robot_s_file(rig: Rig) -> None:
+    limits = Needs(seconds=1.0, room=9.0)
+    assert isinstance(rig.do(limits), Fail)
+    assert limits.evidence.limits["base_mm"] == rig.robot.spec.tolerance.base_mm
+
+
+def test_fails_in_a_row_are_measured_from_where_the_first_began(rig: Rig) -> None:
+    """What each of them leaves adds up, and shows."""
+    begun = base(rig)
+    fails = []
+    for _ in range(3):
+        last = base(rig)
+        fails.append(rig.do(ComesBack(seconds=6.0)))
+    assert all(isinstance(each, Fail) for each in fails)
+    by_this, in_all = (1e3 * base(rig).distance(before) for before in (last, begun))
+    assert isinstance(fails[-1], Fail)
+    told = fails[-1].residuals["base_mm"]
+    assert abs(told - in_all) < abs(told - by_this)
+
+
+@pytest.mark.parametrize(("jump", "off"), [(0.6, set()), (3.0, {"base_mm"})])
+def test_a_pose_that_jumps_as_more_is_learned_is_no_motion(rig: Rig, jump: float, off: set[str]) -> None:
+    """As far as it may have been off: further, and somebody carried the base away."""
+    stood = replace(take_snapshot(rig.robot, {}), pose_sigma=(0.4, 0.1))
+    assert stood.odometry_pose is not None
+    now = replace(stood, pose=Pose2(stood.pose.x + jump, *stood.pose[1:]))
+    assert moved(rig.robot, stood, now).keys() == off
+    felt = Pose2(stood.odometry_pose.x + 0.6, *stood.odometry_pose[1:])
+    assert moved(rig.robot, stood, replace(now, odometry_pose=felt)).keys() == {"base_mm"}
+
+
+def test_what_is_unsure_is_told_along_the_worst_direction(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
+    """0.2 m of one sigma: three of them are more than what is needed, so nobody can say that all is back."""
+    unsure = Belief(np.zeros(3), np.diag([0.01, 0.2, 0.0]) ** 2)
+    monkeypatch.setattr(type(rig.robot.localization), "displacement", property(lambda self: unsure))
+    outcome = rig.do(ComesBack(seconds=1.0))
+    assert isinstance(outcome, GiveUp)
+    assert outcome.residuals["base_unsure_mm"] == pytest.approx(600.0)
+
+
+@pytest.mark.parametrize("name", ["el_verde", "el_verde/rtk"])
+def test_the_tolerance_is_what_a_planned_way_keeps_from_what_stands_there(name: str) -> None:
+    assert load_robot(name).tolerance.base_mm <= 1e3 * (ASTRAY + CAR_ROOM)
