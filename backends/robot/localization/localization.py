@@ -51,6 +51,8 @@ class Sensed(NamedTuple):
     rolled: NDArray[np.float64]
     """(2,) by the left and right wheel, in [m]."""
     fix: Fix | None
+    ranges: NDArray[np.float64] | None = None
+    """(k,) to the beacons, in [m]; NaN of those that weren't heard."""
 
 
 class Localization(ABC):

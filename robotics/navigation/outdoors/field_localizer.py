@@ -14,6 +14,10 @@ from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance, GyroOdometry
 from handcart.robotics.navigation.outdoors.watched_moment import Belief
 
+CONSISTENCY_WINDOW = 60.0  # [s] over which readings are held against what was expected of them
+FEWEST = 10  # readings to judge by
+SURE = 4.0  # standard deviations of a mean of squares, that of one is 1 where errors are normal
+REFUSED = 0.5  # share of readings: more, and it is the filter that may be wrong
 PERIOD = 0.1  # [s] of a filter's step; gyros and wheels are integrated with each reading
 Array = NDArray[np.float64]
 
@@ -39,6 +43,8 @@ class FieldLocalizer(ABC):
     """[s] of a step at rest."""
     TAKES_FIXES: ClassVar[bool] = True
     """Whether satellites tell it anything."""
+    TAKES_RANGES: ClassVar[bool] = False
+    """Whether beacons do."""
 
     def __init__(self, start: Pose2, euler: bool = True) -> None:
         """Start at a pose; for `euler` see `GyroOdometry`."""
@@ -132,6 +138,12 @@ class FieldLocalizer(ABC):
         self._flush()
         return self._fix(np.asarray(position, dtype=np.float64), sigma)
 
+    def ranges(self, distances: Array) -> None:
+        """Take in ranges (k,) in [m] to the beacons, measured now; NaN of those that weren't heard."""
+        if self.TAKES_RANGES:
+            self._flush()
+            self._ranges(distances)
+
     def mark(self) -> Belief | None:
         """This moment is one of those that `smoothed` tells of."""
         return None
@@ -147,6 +159,9 @@ class FieldLocalizer(ABC):
         if self._odometry.pending > 0.0:
             self._advance(self._odometry.take())
             self._since = self._odometry.pose
+
+    def _ranges(self, distances: Array) -> None:
+        """See `ranges`; all readings taken in."""
 
     @abstractmethod
     def _set_origin(self) -> None:
@@ -167,3 +182,20 @@ class FieldLocalizer(ABC):
     @abstractmethod
     def _fix(self, position: Array, sigma: float | None) -> bool:
         """See `fix`; position finite, all readings taken in."""
+
+
+def inconsistency_of(squares: Sequence[tuple[float, float | None]], axes: int = 2) -> Inconsistency | None:
+    """How the latest readings contradict what was expected of them; None while they don't.
+
+    `squares` are times in [s], and squared distances of readings of so many axes to where they were expected,
+    in sigmas; None of those that were refused.
+    """
+    if len(squares) < FEWEST:
+        return None
+    believed = [square for _, square in squares if square is not None]
+    refused = 1.0 - len(believed) / len(squares)
+    if refused > REFUSED:
+        return Inconsistency("share of them that can't be believed", refused, REFUSED)
+    mean, spread = sum(believed) / len(believed) / axes, math.sqrt(2.0 / axes / len(believed))
+    limit = 1.0 + SURE * spread
+    return Inconsistency("mean square of their errors, in sigmas", mean, limit) if mean > limit else None
