@@ -29,6 +29,8 @@ class BeaconsSpec(FileModel):
     """Of a range."""
     bias_m: NotNegative = 0.3
     """By which all ranges to one beacon are too long or too short: sigma."""
+    scale_percent: NotNegative = 1.0
+    """By which all ranges are too long or too short, the same of all beacons: sigma."""
     bias_walk_m_rt_s: NotNegative = 0.01
     """By which the robot supposes that this wanders off, after a second; it grows with the square root of
     time. What it does in a simulated world stands in the world's file."""

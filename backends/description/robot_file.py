@@ -335,7 +335,7 @@ class RobotFile(FileModel):
         if self.gps is not None:
             changed["gps"] = GpsSpec(period_s=self.gps.period_s, white_m=0.0)
         if self.beacons is not None:
-            sure = {"sigma_m": 0.0, "bias_m": 0.0, "bias_walk_m_rt_s": 0.0}
+            sure = dict.fromkeys(("sigma_m", "bias_m", "scale_percent", "bias_walk_m_rt_s"), 0.0)
             changed["beacons"] = self.beacons.model_copy(update=sure)
         if self.positioning is not None:
             exact = {"sigma_mm": 0.0, "heading_sigma_mrad": 0.0}

@@ -30,7 +30,7 @@ from handcart.robotics.navigation.outdoors.field_noise import REFERENCE
 from handcart.robotics.navigation.outdoors.placement_errors import nees
 
 PLACES = np.array([[-5.0, 20.0, 2.0], [75.0, 25.0, 2.5], [35.0, -20.0, 1.5]])
-ERRORS = BeaconErrors(PLACES, (0.0, 0.0, 1.0))
+ERRORS = BeaconErrors(PLACES, (0.0, 0.0, 1.0), scale=0.002)
 EVERY = 8  # periods between measurements
 Array = NDArray[np.float64]
 
@@ -74,7 +74,8 @@ def beacon_drive(seed: int, world: BeaconWorld = BeaconWorld(), stops: int = 7) 
     places = np.repeat(PLACES[None], len(rows), axis=0)
     places[len(rows) // 2 :, 0, 1] += world.moved
     ranges = np.full((len(poses), len(PLACES)), math.nan)
-    ranges[rows] = np.linalg.norm(places - tags[rows, None], axis=2) + biases
+    scale = 1.0 + ERRORS.scale * rng.standard_normal()
+    ranges[rows] = scale * np.linalg.norm(places - tags[rows, None], axis=2) + biases
     ranges[rows] += ERRORS.white * rng.standard_normal((len(rows), len(PLACES)))
     return BeaconDrive(log, ranges, biases[-1])
 

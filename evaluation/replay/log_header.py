@@ -17,7 +17,7 @@ UNITS: dict[str, dict[str, float]] = {
     "rate": {"rad/s": 1.0, "deg/s": math.radians(1.0)},
     "acceleration": {"m/s2": 1.0, "g": 9.80665},
     "length": {"m": 1.0, "mm": 1e-3},
-    "speed": {"m/s": 1.0, "mm/s": 1e-3, "km/h": 1.0 / 3.6},
+    "speed": {"m/s": 1.0, "mm/s": 1e-3, "km/h": 1.0 / 3.6, "mph": 0.44704},
     "angle": {"rad": 1.0, "deg": math.radians(1.0)},
     "degrees": {"deg": 1.0},
 }

@@ -66,6 +66,8 @@ class Replayed(NamedTuple):
     """Of the fixes; NaN for a localizer that doesn't tell."""
     clouds: list[tuple[float, Array]]
     """Particles (3, n) at some instants [s], of a localizer that has any."""
+    ranges: tuple[int, int] = (0, 0)
+    """Ranges to beacons that were played to a localizer that takes them, and how many of those it refused."""
 
     @property
     def errors(self) -> Array:
@@ -160,4 +162,11 @@ def replay(
         fixes,
         localizer.log_likelihood,
         clouds,
+        _ranges(log, localizer),
     )
+
+
+def _ranges(log: DriveLog, localizer: FieldLocalizer) -> tuple[int, int]:
+    if log.beacons is None or not isinstance(localizer, BeaconFilter):
+        return 0, 0
+    return int(np.isfinite(log.beacons.ranges).sum()), localizer.refused

@@ -78,6 +78,7 @@ def beacon_errors(beacons: BeaconsSpec) -> BeaconErrors:
         beacons.tag_m,
         max(LEAST_RANGE, beacons.sigma_m),
         max(LEAST_RANGE, beacons.bias_m),
+        beacons.scale_percent / 100,
         beacons.bias_walk_m_rt_s,
     )
 

@@ -16,8 +16,8 @@ from handcart.backends.simulation.world.world_file import BeaconsThere
 
 
 class SimulatedBeacons(Beacons):
-    """White noise and a bias of each beacon by the robot's file; where they really stand, and whether their
-    bias wanders, by the world's. Nothing stands in their way."""
+    """White noise, a bias of each beacon and a scale of all ranges by the robot's file; where they really stand,
+    and whether their bias wanders, by the world's. Nothing stands in their way."""
 
     STATE: ClassVar = {"_ranges": BeaconRanges | None, "_bias": NDArray[np.float64]}
 
@@ -31,6 +31,7 @@ class SimulatedBeacons(Beacons):
         self._nominal = np.array(list(spec.places_m.values()))
         self._moved = np.array([there.places_m.get(name, place) for name, place in spec.places_m.items()])
         self._bias = spec.bias_m * keyed(seed, "beacon biases").standard_normal(len(self._nominal))
+        self._scale = 1.0 + spec.scale_percent / 100 * keyed(seed, "beacon scale").standard_normal()
         self._ranges: BeaconRanges | None = None
 
     def ranges(self) -> BeaconRanges | None:
@@ -48,4 +49,4 @@ class SimulatedBeacons(Beacons):
         tag = (self._scene.world_T_base @ np.array([*self._spec.tag_m, 1.0]))[:3]
         true = np.linalg.norm(places - tag, axis=1)
         heard = np.where(true <= self._spec.reach_m, true, math.nan)
-        self._ranges = BeaconRanges(heard + self._bias + self._spec.sigma_m * draws[1])
+        self._ranges = BeaconRanges(self._scale * heard + self._bias + self._spec.sigma_m * draws[1])

@@ -40,7 +40,7 @@ def beacons(bench: Bench, finding: CheckResult) -> None:
                 true = np.linalg.norm(places - (scene.world_T_base @ tag)[:3], axis=1)
                 off.append(np.abs(heard.distances - true)[true < spec.reach_m])
         finding.expect(abs(len(off) - TIMES) <= 1, f"{len(off)} times, not {TIMES}")
-        most = SIGMAS * math.hypot(spec.sigma_m, spec.bias_m) + 1e-3
+        most = SIGMAS * math.hypot(spec.sigma_m, spec.bias_m, spec.scale_percent / 100 * spec.reach_m) + 1e-3
         finding.at_most("off", float(np.concatenate(off).max(initial=0.0)) if off else math.inf, most, "m")
 
 

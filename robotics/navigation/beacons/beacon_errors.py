@@ -19,5 +19,7 @@ class BeaconErrors(NamedTuple):
     """Of each range, in [m]."""
     bias: float = 0.3
     """By which all ranges to one beacon are too long or too short: another of each beacon, in [m]."""
+    scale: float = 0.01
+    """By which all ranges are too long or too short, relative: the same of all beacons."""
     bias_walk: float = 0.01
     """Random walk of that, in [m/√s]: with none, claims are far too good where a bias isn't constant."""

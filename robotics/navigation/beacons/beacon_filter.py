@@ -33,7 +33,7 @@ Array = NDArray[np.float64]
 
 class BeaconFilter(FieldLocalizer):
     """An extended Kalman filter: the errors of wheels and gyros are states as in `FieldModel`, and so is the
-    bias of each beacon (augmented state: Friedland, 1969).
+    bias of each beacon (augmented state: Friedland, 1969), and a scale of all ranges.
 
     Where the start is known, the first ranges tell the biases; from there on they tell the place. A range
     that its own covariance can't explain is refused: of a beacon that was moved, or behind a wall, that is
@@ -70,12 +70,10 @@ class BeaconFilter(FieldLocalizer):
         model, count = FieldModel(noise), len(errors.places)
         self._figures = model.figures
         mean, spread = model.start(np.array(start), start_position)
-        self._mean = np.concatenate([mean, np.zeros(count)])
-        self._spread = np.zeros((states.SIZE + count, states.SIZE + count))
+        own = np.array([errors.bias] * count + [errors.scale])
+        self._mean = np.concatenate([mean, np.zeros(count + 1)])
+        self._spread = np.diag(np.concatenate([np.zeros(states.SIZE), own**2]))
         self._spread[: states.SIZE, : states.SIZE] = spread
-        self._spread[range(states.SIZE, len(self._mean)), range(states.SIZE, len(self._mean))] = (
-            errors.bias**2
-        )
         self._rested = True
         self._still = np.zeros(2)  # turn and time since the gyro's bias was seen, at rest
         self._origin: WatchedMoment | None = None
@@ -87,7 +85,8 @@ class BeaconFilter(FieldLocalizer):
     @property
     def biases(self) -> Belief:
         """(k,) of the beacons, in [m], and (k, k)."""
-        return Belief(self._mean[states.SIZE :].copy(), self._spread[states.SIZE :, states.SIZE :].copy())
+        own = slice(states.SIZE, -1)
+        return Belief(self._mean[own].copy(), self._spread[own, own].copy())
 
     @property
     def covariance(self) -> Array:
@@ -123,12 +122,13 @@ class BeaconFilter(FieldLocalizer):
         x, y, height = self._errors.places[beacon].tolist()
         away = np.array([x, y]) - self._mean[:2] - lever
         distance = math.hypot(*away, height - self._errors.tag[2])
+        scale = 1.0 + float(self._mean[-1])
         row = np.zeros((1, len(self._mean)))
         if distance > NEAREST:
-            row[0, [states.X, states.Y]] = -away / distance
-            row[0, states.HEADING] = (away[0] * lever[1] - away[1] * lever[0]) / distance
-        row[0, states.SIZE + beacon] = 1.0
-        return distance + float(self._mean[states.SIZE + beacon]), row
+            row[0, [states.X, states.Y]] = -scale * away / distance
+            row[0, states.HEADING] = scale * (away[0] * lever[1] - away[1] * lever[0]) / distance
+        row[0, states.SIZE + beacon], row[0, -1] = 1.0, distance
+        return scale * distance + float(self._mean[states.SIZE + beacon]), row
 
     def _correct(self, rows: Array, residual: Array, variance: float) -> None:
         if self._origin is not None:
@@ -144,8 +144,8 @@ class BeaconFilter(FieldLocalizer):
         self._mean = np.concatenate([mean, self._mean[size:]])
         transition = np.eye(len(self._mean))
         transition[:size, :size] = step
-        walked = np.full(len(self._mean) - size, self._errors.bias_walk**2 * advance.time)
-        self._spread = carried(self._spread, transition, np.concatenate([added, walked]))
+        walked = np.full(len(self._mean) - size - 1, self._errors.bias_walk**2 * advance.time)
+        self._spread = carried(self._spread, transition, np.concatenate([added, walked, [0.0]]))
         if self._origin is not None:
             self._origin = self._origin.stepped(transition)
         self._rested = advance.rest > 0.0

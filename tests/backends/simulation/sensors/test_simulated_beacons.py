@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -19,6 +20,7 @@ from handcart.evaluation.conformance.rig.bench import Bench
 from handcart.evaluation.replay.csv_log import read_csv_log
 from handcart.evaluation.replay.drive_recorder import DriveRecorder
 from handcart.evaluation.replay.replay import NoRanges, localizer_for, replay
+from handcart.evaluation.replay.replay_words import in_words
 from handcart.evaluation.trials.rig import RigFiles
 from handcart.files.errors import FileError
 from handcart.networks.task.preparing import prepare
@@ -90,6 +92,7 @@ def test_a_robot_knows_where_it_is_by_them_and_its_log_tells_it_again(
     played = replay(log, localizer_for(log, REFERENCE, "beacons"))
     assert np.hypot(*(played.poses[-1, :2] - np.array(pose)[:2])) < 0.05
     assert np.hypot(*played.errors[-1, :2]) < 0.2
+    assert re.match(r"40 s, 600 ranges, 0 of them refused\n", in_words(played))
     with pytest.raises(NoRanges, match="the log has no ranges"):
         localizer_for(log._replace(beacons=None), REFERENCE, "beacons")
     with pytest.raises(NoRanges, match="heading_deg"):
