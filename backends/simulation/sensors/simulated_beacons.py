@@ -16,8 +16,8 @@ from handcart.backends.simulation.world.world_file import BeaconsThere
 
 
 class SimulatedBeacons(Beacons):
-    """White noise, a bias of each beacon and a scale of all ranges by the robot's file; where they really stand,
-    and whether their bias wanders, by the world's. Nothing stands in their way."""
+    """White noise, a bias of each beacon and a scale of all ranges by the robot's file; where they really
+    stand, and whether their bias wanders, by the world's. Nothing stands in their way."""
 
     STATE: ClassVar = {"_ranges": BeaconRanges | None, "_bias": NDArray[np.float64]}
 
