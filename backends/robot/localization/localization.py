@@ -105,7 +105,7 @@ class Localization(ABC):
     def displacement(self) -> Belief | None:
         """Of the base since `set_origin`, where that is known better than where the base is; else None.
 
-        x, y in [m] in the map's axes and turn in [rad]: mean (3,) and covariance (3, 3).
+        Ahead and left in [m], and turn in [rad]: mean (3,) and covariance (3, 3).
         """
         return None
 

@@ -171,9 +171,9 @@ class BeaconFilter(FieldLocalizer):
     def _set_origin(self) -> None:
         self._origin = WatchedMoment.of(Belief(self._mean, self._spread), states=3)
 
-    def _change(self) -> Belief:
+    def _relative_pose(self) -> Belief:
         assert self._origin is not None
-        return self._origin.change(Belief(self._mean, self._spread))
+        return self._origin.relative_pose(Belief(self._mean, self._spread))
 
     def _estimate(self) -> Pose2:
         x, y, heading = self._mean[:3].tolist()

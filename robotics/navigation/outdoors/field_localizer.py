@@ -103,22 +103,20 @@ class FieldLocalizer(ABC):
 
     @property
     def displacement(self) -> Belief:
-        """Of the base since `set_origin`: x, y in [m] in the world's axes, turn in [rad]; (3,) and (3, 3).
+        """origin_T_base since `set_origin`: x ahead, y left in [m], turn in [rad]; (3,) and (3, 3).
 
         Over some metres it is known far better than where the base is: what is wrong with both alike doesn't
-        count.
+        count, nor does it which way it headed on the Earth.
 
         Raises:
             ValueError: no origin was set.
         """
         if self._lead is None:
             raise ValueError("no origin was set")
-        (x, y, turn), covariance = self._change()
-        heading = self._estimate().theta
-        ahead = Pose2(x, y, heading).compose(self._odometry.pose.relative_to(self._since))
-        behind = Pose2(0.0, 0.0, heading - turn).compose(self._lead)
-        apart = [ahead.x - behind.x, ahead.y - behind.y, wrap(ahead.theta - behind.theta)]
-        return Belief(np.array(apart), covariance)
+        mean, covariance = self._relative_pose()
+        now = Pose2(*mean.tolist()).compose(self._odometry.pose.relative_to(self._since))
+        x, y, turn = now.relative_to(self._lead)
+        return Belief(np.array([x, y, wrap(turn)]), covariance)
 
     def predict(self, rates: Array, accelerations: Array, wheels: Array, dt: float) -> None:
         """Take in one period's readings (see `GyroOdometry.update`)."""
@@ -165,11 +163,11 @@ class FieldLocalizer(ABC):
 
     @abstractmethod
     def _set_origin(self) -> None:
-        """The filter's last step is where `_change` is measured from."""
+        """The filter's last step is where `_relative_pose` is measured from."""
 
     @abstractmethod
-    def _change(self) -> Belief:
-        """Of x, y, heading from the origin to the filter's last step, (3,) and (3, 3)."""
+    def _relative_pose(self) -> Belief:
+        """From the origin to the filter's last step: x, y, heading, (3,) and (3, 3)."""
 
     @abstractmethod
     def _estimate(self) -> Pose2:

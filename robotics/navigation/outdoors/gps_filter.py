@@ -152,8 +152,8 @@ class GpsFilter(FieldLocalizer):
         for each in self.filters:
             each.set_origin()
 
-    def _change(self) -> Belief:
-        return self._mixed([each.change for each in self.filters])
+    def _relative_pose(self) -> Belief:
+        return self._mixed([each.relative_pose for each in self.filters])
 
     def _estimate(self) -> Pose2:
         if self._search is not None:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from benchmarks.field.beacons import ERRORS, BeaconDrive, BeaconWorld, beacon_drive, try_beacons
+from benchmarks.field.displacements import true_way
 from benchmarks.field.field_drive import PERIOD
 from handcart.backends.plain_values import attributes, set_attributes
 from handcart.robotics.geometry.pose2 import Pose2
@@ -117,7 +118,7 @@ def test_how_far_it_came_and_a_checkpoint_that_keeps_it(drives: list[BeaconDrive
         first.predict(log.rates[row], log.accelerations[row], log.wheels[row], PERIOD)
         first.ranges(drive.ranges[row])
     mean, covariance = first.displacement
-    off = mean[:2] - (log.drive.poses[end - 1, :2] - log.drive.poses[begin, :2])
+    off = mean[:2] - true_way(log, begin, end - 1)[:2]
     assert nees(off[None], covariance[None, :2, :2])[0] < 14.0
     for before, after in ((first, second), (first.odometry, second.odometry)):
         set_attributes(after, after.STATE, attributes(before, before.STATE))
