@@ -21,7 +21,7 @@ EXAMPLES = re.findall(r"```python\n(.*?)```", TEXT, re.S)
 FACE = {
     *("run", "check", "load_task", "load_run", "campaign", "conformance", "Result"),
     *("ActionPrimitive", "Discrepancy", "NeedsPerson", "Success", "Fail", "GiveUp"),
-    *("Backend", "Base", "Arm", "Gripper", "Camera", "RangeSensor", "Imu", "Gps", "Positioning"),
+    *("Backend", "Base", "Arm", "Gripper", "Camera", "RangeSensor", "Imu", "Gps", "Beacons", "Positioning"),
 }
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from .arm import Arm
 from .base import Base
+from .beacons import Beacons
 from .camera import Camera
 from .capability import Capability
 from .gps import Gps
@@ -21,5 +22,6 @@ CAPABILITIES: tuple[type[Capability], ...] = (
     Positioning,
     Imu,
     Gps,
+    Beacons,
 )
 """The conformance kit tries each of them."""

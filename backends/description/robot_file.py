@@ -22,6 +22,7 @@ from handcart.robotics.kinematics.urdf_contents import joints_of, link_names
 from handcart.robotics.kinematics.urdf_frames import base_T_frame
 from handcart.robotics.manipulation.suspension.suspension_model import SuspensionModel
 
+from .beacons_spec import BeaconsSpec
 from .can_spec import CanSpec
 from .ground_spec import GpsSpec, GroundSpec
 from .joint_units import JointUnits
@@ -166,9 +167,10 @@ class RobotFile(FileModel):
     """The control period."""
     footprint_radius_m: Positive
     """Of the circle about the base's centre that holds base, arm in its travelling posture and load."""
-    localizer: Literal["scan", "odometry", "positioning", "gyro", "particle", "gps_filter"]
+    localizer: Literal["scan", "odometry", "positioning", "gyro", "particle", "gps_filter", "beacons"]
     """How it finds out where it is: ranges against the map; wheels alone; outdoors wheels and gyros alone,
-    the particle filter of Ohki et al. (2012), or a Kalman filter that knows the errors of all three."""
+    the particle filter of Ohki et al. (2012), or a Kalman filter that knows the errors of all three; or one
+    of wheels, gyros and ranges to radio beacons."""
     drive: Drive
     can: CanSpec | None = None
     """Where the backend `can` finds the robot's drives."""
@@ -179,6 +181,7 @@ class RobotFile(FileModel):
     imu: ImuSpec | None = None
     positioning: PositioningSpec | None = None
     gps: GpsSpec | None = None
+    beacons: BeaconsSpec | None = None
     ground: GroundSpec = GroundSpec()
     """What the robot takes open ground to be like."""
     tool: ToolSpec | None = None
@@ -331,6 +334,9 @@ class RobotFile(FileModel):
             changed["imu"] = ImuSpec(angle_random_walk_deg_rt_s=0.0, accelerometer_sigma_m_s2=0.0)
         if self.gps is not None:
             changed["gps"] = GpsSpec(period_s=self.gps.period_s, white_m=0.0)
+        if self.beacons is not None:
+            sure = dict.fromkeys(("sigma_m", "bias_m", "scale_percent", "bias_walk_m_rt_s"), 0.0)
+            changed["beacons"] = self.beacons.model_copy(update=sure)
         if self.positioning is not None:
             exact = {"sigma_mm": 0.0, "heading_sigma_mrad": 0.0}
             changed["positioning"] = self.positioning.model_copy(update=exact)

@@ -59,13 +59,16 @@ def _positioning_findings(robot: RobotFile, document: Document) -> list[Finding]
     if robot.localizer == "positioning" and robot.positioning is None:
         wrong = "the robot has no positioning; needed: the section `positioning`, or scan or odometry"
         return [document.finding(("localizer",), wrong)]
+    if robot.localizer == "beacons" and robot.beacons is None:
+        wrong = "the robot hears no beacons; needed: the section `beacons`, or another localizer"
+        return [document.finding(("localizer",), wrong)]
     if robot.localizer in OUTDOORS and robot.imu is None:
         wrong = f"{robot.localizer} asks the gyros; needed: the section `imu`, or scan or odometry"
         return [document.finding(("localizer",), wrong)]
-    if robot.localizer == "gyro" and robot.gps is not None and robot.gps.start_heading_deg == "unknown":
-        wrong = (
-            "unknown, and the localizer gyro looks at no fix that could tell it; needed: a number of degrees"
-        )
+    blind = robot.localizer in ("gyro", "beacons")
+    if blind and robot.gps is not None and robot.gps.start_heading_deg == "unknown":
+        looks = f"the localizer {robot.localizer} looks at no fix that could tell it"
+        wrong = f"unknown, and {looks}; needed: a number of degrees"
         return [document.finding(("gps", "start_heading_deg"), wrong)]
     return []
 

@@ -107,7 +107,8 @@ class KinematicBackend(SimulatedBackend):
             self._lean()
             if self._arm.swung:
                 self._move_base(Pose2(0.0, 0.0, self._arm.swing_yaw()))
-        for sensor in (self._camera, self._range, self._imu, self._gps, self._positioning):
+        outside = self._gps, self._beacons, self._positioning
+        for sensor in (self._camera, self._range, self._imu, *outside):
             if sensor is not None:
                 sensor.advance(self._periods)
         self.scene.touch(touching)

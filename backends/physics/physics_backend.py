@@ -239,10 +239,9 @@ class PhysicsBackend(SimulatedBackend):
             self.scene.lean = self._springs.lean
         if self._imu is not None:
             self._imu.advance(self._periods)
-        if self._gps is not None:
-            self._gps.advance(self._periods)
-        if self._positioning is not None:
-            self._positioning.advance(self._periods)
+        for outside in (self._gps, self._beacons, self._positioning):
+            if outside is not None:
+                outside.advance(self._periods)
         if self._gripper is not None:
             self._gripper.end()
             self._held = self._find_held()

@@ -15,6 +15,7 @@ from handcart.backends.ground_truth import GroundTruth
 from handcart.backends.plain_values import Kinds, attributes, set_attributes
 from handcart.backends.saved_state import NotAState
 from handcart.backends.simulation.body.simulated_parts import CommandedBase, SimulatedArm, SimulatedGripper
+from handcart.backends.simulation.sensors.simulated_beacons import SimulatedBeacons
 from handcart.backends.simulation.sensors.simulated_camera import SimulatedCamera
 from handcart.backends.simulation.sensors.simulated_gps import SimulatedGps
 from handcart.backends.simulation.sensors.simulated_imu import SimulatedImu
@@ -62,6 +63,7 @@ class SimulatedBackend(Backend):
         self._range: SimulatedRangeSensor | None = None
         self._imu: SimulatedImu | None = None
         self._gps: SimulatedGps | None = None
+        self._beacons: SimulatedBeacons | None = None
         self._positioning: SimulatedPositioning | None = None
         self._by_kind: dict[type[Capability], Capability] = {}
 
@@ -83,10 +85,13 @@ class SimulatedBackend(Backend):
         return world if isinstance(world, WorldFile) else load_world(world)
 
     def _receive(self) -> None:
-        """Build what tells where the base is from outside: satellites."""
+        """Build what tells where the base is from outside: satellites, beacons."""
         if self._robot.gps is not None:
             sky = self._world_file.sky
             self._gps = SimulatedGps(self._robot.gps, sky, self.scene, self.period, self._seed)
+        if self._robot.beacons is not None:
+            spec, there = self._robot.beacons, self._world_file.beacons
+            self._beacons = SimulatedBeacons(spec, there, self.scene, self.period, self._seed)
 
     def _position(self) -> None:
         """Build the indoor positioning: it measures at once."""
@@ -105,7 +110,7 @@ class SimulatedBackend(Backend):
 
     def capabilities(self) -> tuple[Capability, ...]:
         """See `Backend`."""
-        sensors = (self._camera, self._range, self._imu, self._gps, self._positioning)
+        sensors = (self._camera, self._range, self._imu, self._gps, self._beacons, self._positioning)
         parts = (self._base, self._arm, self._gripper, *sensors)
         return tuple(part for part in parts if part is not None)
 
@@ -132,6 +137,7 @@ class SimulatedBackend(Backend):
             "range": self._range,
             "imu": self._imu,
             "gps": self._gps,
+            "beacons": self._beacons,
             "positioning": self._positioning,
             **self._own_parts(),
         }

@@ -25,6 +25,7 @@ from benchmarks.field.field_drive import PERIOD
 from benchmarks.field.field_log import FieldLog, record_course
 from benchmarks.field.field_trial import start_pose
 from benchmarks.field.mismatches import WORLDS
+from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE
 from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
 from handcart.robotics.navigation.outdoors.placement_errors import nees
@@ -65,9 +66,16 @@ def ways(log: FieldLog, legs: int) -> list[Way]:
 
 
 def _way(log: FieldLog, localizer: GpsFilter, begun: int, pose: Array, row: int) -> Way:
-    true = log.drive.poses[row, :2] - log.drive.poses[begun, :2]
+    way = log.drive.poses[row, :2] - log.drive.poses[begun, :2]
     mean, covariance = localizer.displacement
-    return Way(mean[:2] - true, covariance[:2, :2], np.array(localizer.pose)[:2] - pose[:2] - true)
+    error = mean[:2] - true_way(log, begun, row)[:2]
+    return Way(error, covariance[:2, :2], np.array(localizer.pose)[:2] - pose[:2] - way)
+
+
+def true_way(log: FieldLog, begun: int, row: int) -> Array:
+    """(3,) x ahead, y left in [m], turn in [rad], from one row to a later one."""
+    begin, end = (Pose2(*log.drive.poses[each].tolist()) for each in (begun, row))
+    return np.array(end.relative_to(begin))
 
 
 def row_of(world: str, legs: int, found: list[Way]) -> list[str]:

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from handcart.backends.robot.localization.noise_model import beacon_errors
 from handcart.files.csv_table import number_in
 from handcart.files.errors import FileError, Finding
 from handcart.files.findings import Findings
@@ -18,8 +19,8 @@ from handcart.files.suggest import listed
 from handcart.files.yaml.yaml_document import parse_document
 from handcart.robotics.geometry.earth_frame import EarthFrame
 
-from .drive_log import DriveLog
-from .log_header import QUANTITIES, UNITS, LogHeader
+from .drive_log import BeaconLog, DriveLog
+from .log_header import UNITS, LogHeader
 
 MAX_BYTES = 1 << 28
 MARK = "---"
@@ -50,13 +51,13 @@ def read_csv_log(path: Path) -> DriveLog:
 
 def _scales(header: Loaded[LogHeader]) -> dict[str, float]:
     """By which each column's numbers are multiplied to have them in SI units."""
-    findings, scales = Findings(), {}
+    findings, scales, quantities = Findings(), {}, header.value.quantities
     for quantity, column in header.value.columns.items():
-        if quantity not in QUANTITIES:
-            allowed = f"no such quantity: {quantity!r}; allowed: {listed(QUANTITIES)}"
+        if quantity not in quantities:
+            allowed = f"no such quantity: {quantity!r}; allowed: {listed(quantities)}"
             findings.add(header.finding(("columns", quantity), allowed, at_key=True))
             continue
-        units = {unit: scale for what in QUANTITIES[quantity] for unit, scale in UNITS[what].items()}
+        units = {unit: scale for what in quantities[quantity] for unit, scale in UNITS[what].items()}
         if column.unit not in units:
             allowed = f"no unit of {quantity}: {column.unit!r}; allowed: {listed(units)}"
             findings.add(header.finding(("columns", quantity, "unit"), allowed))
@@ -156,7 +157,15 @@ def _log(values: dict[str, Array], header: LogHeader) -> DriveLog:
         (x, y, heading),
         header.antenna_m,
         steered,
+        _ranges(values, header, nothing),
     )
+
+
+def _ranges(values: dict[str, Array], header: LogHeader, nothing: Array) -> BeaconLog | None:
+    if header.beacons is None or not header.columns.keys() & set(header.range_columns):
+        return None
+    ranges = np.stack([values.get(name, nothing) for name in header.range_columns], axis=1)
+    return BeaconLog(beacon_errors(header.beacons), ranges)
 
 
 def _take_out_held(values: dict[str, Array], header: LogHeader) -> None:

@@ -7,8 +7,19 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from handcart.robotics.navigation.beacons.beacon_errors import BeaconErrors
+
 NEARLY = 0.8  # of a receiver's period: fixes don't come to the millisecond
 Array = NDArray[np.float64]
+
+
+class BeaconLog(NamedTuple):
+    """What radio beacons told."""
+
+    errors: BeaconErrors
+    """Where they are, and how wrong."""
+    ranges: Array
+    """(n, k) in [m]."""
 
 
 class DriveLog(NamedTuple):
@@ -37,6 +48,8 @@ class DriveLog(NamedTuple):
     """In the base frame, in [m]; None: as the robot's file says."""
     steered: bool = False
     """Whether `rates` are those of a steering angle: there is no gyro."""
+    beacons: BeaconLog | None = None
+    """None where there were none."""
 
     def thinned(self, period: float) -> DriveLog:
         """With fixes about `period` [s] apart at least: those in between mostly err alike."""
@@ -56,6 +69,9 @@ class DriveLog(NamedTuple):
         travel = np.add.reduceat(np.nan_to_num(self.wheels), starts)
         ends = np.append(starts[1:], len(self.times))
         latest: dict[str, Any] = {name: _latest(getattr(self, name), starts, ends) for name in _READINGS}
+        if self.beacons is not None:
+            each = [_latest(column, starts, ends) for column in self.beacons.ranges.T]
+            latest["beacons"] = self.beacons._replace(ranges=np.stack(each, axis=1))
         return self._replace(times=self.times[starts], wheels=travel, **latest)
 
 

@@ -93,6 +93,9 @@ def _row(robot: Robot) -> str:
     place = (math.nan,) * 3 if sensed.fix is None else (*sensed.fix.position.tolist(), sensed.fix.sigma)
     true = (math.nan,) * 3 if base is None else tuple(base)
     values = [*sensed.rates.tolist(), *sensed.accelerations.tolist(), *sensed.rolled.tolist(), *place, *true]
+    if robot.spec.beacons is not None:
+        nothing = np.full(len(robot.spec.beacons.places_m), math.nan)
+        values += (nothing if sensed.ranges is None else sensed.ranges).tolist()
     cells = ["" if math.isnan(value) else f"{value:.6g}" for value in values]
     return ",".join([f"{robot.time:.4f}", *cells]) + "\n"
 
@@ -110,14 +113,19 @@ def _header(robot: Robot) -> str:
     start, antenna = robot.pose, robot.spec.antenna
     sigma = float(np.sqrt(robot.localization.covariance[2, 2]))
     heading = f", heading_deg: {math.degrees(start.theta):.4f}" if sigma < 1.0 else ""
+    columns, beacons = dict(COLUMNS), list[str]()
+    if robot.spec.beacons is not None:
+        columns |= {f"range_{name}": "m" for name in robot.spec.beacons.places_m}
+        beacons = [f"beacons: {robot.spec.beacons.model_dump_json()}"]  # JSON is YAML
     lines = [
         "---",
         "format: handcart-log/1",
         f"start: {{x_m: {start.x:.4f}, y_m: {start.y:.4f}{heading}}}",
         f"antenna_m: [{', '.join(f'{each:.4f}' for each in antenna)}]",
+        *beacons,
         "columns:",
-        *(f"  {name}: {{unit: {unit}}}" for name, unit in COLUMNS.items()),
+        *(f"  {name}: {{unit: {unit}}}" for name, unit in columns.items()),
         "---",
-        ",".join(COLUMNS),
+        ",".join(columns),
     ]
     return "\n".join(lines) + "\n"

@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from handcart.backends.description.beacons_spec import BeaconsSpec
 from handcart.files.models.model import FileModel
 
 Positive = Annotated[float, Field(gt=0.0, le=1e6)]
@@ -16,7 +17,7 @@ UNITS: dict[str, dict[str, float]] = {
     "rate": {"rad/s": 1.0, "deg/s": math.radians(1.0)},
     "acceleration": {"m/s2": 1.0, "g": 9.80665},
     "length": {"m": 1.0, "mm": 1e-3},
-    "speed": {"m/s": 1.0, "mm/s": 1e-3, "km/h": 1.0 / 3.6},
+    "speed": {"m/s": 1.0, "mm/s": 1e-3, "km/h": 1.0 / 3.6, "mph": 0.44704},
     "angle": {"rad": 1.0, "deg": math.radians(1.0)},
     "degrees": {"deg": 1.0},
 }
@@ -77,3 +78,15 @@ class LogHeader(FileModel):
     """Between left and right wheel: needed where there is no vertical gyro."""
     wheelbase_m: Positive | None = None
     """Between front and rear axle: needed for `steering`."""
+    beacons: BeaconsSpec | None = None
+    """Needed for ranges; as in a robot's file."""
+
+    @property
+    def range_columns(self) -> tuple[str, ...]:
+        """What columns of ranges are called, in the order of the beacons."""
+        return () if self.beacons is None else tuple(f"range_{name}" for name in self.beacons.places_m)
+
+    @property
+    def quantities(self) -> dict[str, tuple[str, ...]]:
+        """`QUANTITIES`, and a range to each beacon."""
+        return dict.fromkeys(self.range_columns, ("length",)) | QUANTITIES

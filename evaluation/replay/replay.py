@@ -9,7 +9,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from handcart.files.errors import InputError
 from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.navigation.beacons.beacon_filter import BeaconFilter
 from handcart.robotics.navigation.outdoors.field_localizer import FieldLocalizer
 from handcart.robotics.navigation.outdoors.field_noise import FieldNoise
 from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
@@ -28,6 +30,10 @@ STEERED: dict[str, Any] = {
 }
 """What is supposed of turns where wheels or steering tell them, and no gyro."""
 Array = NDArray[np.float64]
+
+
+class NoRanges(InputError):
+    """A log that beacons tell nothing of."""
 
 
 class ReplayedFix(NamedTuple):
@@ -60,6 +66,8 @@ class Replayed(NamedTuple):
     """Of the fixes; NaN for a localizer that doesn't tell."""
     clouds: list[tuple[float, Array]]
     """Particles (3, n) at some instants [s], of a localizer that has any."""
+    ranges: tuple[int, int] = (0, 0)
+    """Ranges to beacons that were played to a localizer that takes them, and how many of those it refused."""
 
     @property
     def errors(self) -> Array:
@@ -77,7 +85,7 @@ def localizer_for(
     Args:
         log: what will be played.
         noise: what to believe of wheels, gyros and receiver.
-        kind: `gps_filter` or `particle`.
+        kind: `gps_filter`, `particle` or `beacons`.
         alone: `gps_filter` supposes that noise and nothing else.
     """
     if log.antenna is not None:
@@ -93,6 +101,8 @@ def localizer_for(
     if not math.isfinite(heading):
         heading, noise = 0.0, noise._replace(start_heading=math.inf)
     start = Pose2(x, y, wrap(heading))
+    if kind == "beacons":
+        return _by_beacons(log, noise, start, position)
     if kind == "gps_filter":
         supposed = [suppositions(noise)[0]._replace(share=1.0, worse=0)] if alone else None
         return GpsFilter(start, noise, position, supposed=supposed)
@@ -100,6 +110,15 @@ def localizer_for(
         gps=max(noise.gps_white, 0.05), start_position=position, start_heading=noise.start_heading
     )
     return ParticleFilter(start, errors)
+
+
+def _by_beacons(log: DriveLog, noise: FieldNoise, start: Pose2, position: float) -> BeaconFilter:
+    """Raises `NoRanges` where there are none, or nobody knows where the log begins."""
+    if log.beacons is None:
+        raise NoRanges("the log has no ranges; needed: `beacons` in its header, and columns range_NAME")
+    if math.isinf(noise.start_heading):
+        raise NoRanges("ranges tell no heading; needed: `start` with `heading_deg` in the log's header")
+    return BeaconFilter(start, noise, log.beacons.errors, position)
 
 
 def replay(
@@ -116,6 +135,8 @@ def replay(
     for row in range(len(log.times)):
         if row:  # before the first one nobody knows since when
             localizer.predict(log.rates[row], log.accelerations[row], log.wheels[row], float(steps[row]))
+        if log.beacons is not None and np.isfinite(log.beacons.ranges[row]).any():
+            localizer.ranges(log.beacons.ranges[row])
         if known_rows[row]:
             sigma = float(log.sigmas[row])
             believed = localizer.fix(log.fixes[row], sigma if sigma > 0.0 else None)
@@ -141,4 +162,11 @@ def replay(
         fixes,
         localizer.log_likelihood,
         clouds,
+        _ranges(log, localizer),
     )
+
+
+def _ranges(log: DriveLog, localizer: FieldLocalizer) -> tuple[int, int]:
+    if log.beacons is None or not isinstance(localizer, BeaconFilter):
+        return 0, 0
+    return int(np.isfinite(log.beacons.ranges).sum()), localizer.refused

@@ -21,6 +21,8 @@ def figures(replayed: Replayed) -> dict[str, Any]:
         "seconds": round(float(replayed.times[-1] - replayed.times[0]), 1),
         "fixes": len(replayed.fixes),
         "refused": [{"time_s": fix.time, "why": fix.why} for fix in refused],
+        "ranges": replayed.ranges[0],
+        "ranges_refused": replayed.ranges[1],
         "heading_known_after_s": _known_after(replayed),
         "claimed_m_median": round(float(np.median(claimed)), 3),
         "claimed_m_last": round(float(claimed[-1]), 3),
@@ -48,7 +50,7 @@ def in_words(replayed: Replayed) -> str:
     found = figures(replayed)
     refused = [fix for fix in replayed.fixes if not fix.believed]
     lines = [
-        f"{found['seconds']:.0f} s, {found['fixes']} fixes, {len(refused)} of them refused",
+        f"{found['seconds']:.0f} s, {_heard(replayed)}",
         _of_heading(found["heading_known_after_s"]),
         f"claimed: {found['claimed_m_median']:.2f} m in the median, "
         f"{found['claimed_m_last']:.2f} m in the end",
@@ -66,6 +68,15 @@ def in_words(replayed: Replayed) -> str:
         more = ", ".join(f"{count} {kind}" for kind, count in kinds.most_common())
         lines.append(f"  and {len(refused) - SHOWN} more: {more}")
     return "\n".join(lines)
+
+
+def _heard(replayed: Replayed) -> str:
+    """What was heard from outside, and how much of it was refused."""
+    refused = sum(not fix.believed for fix in replayed.fixes)
+    said = [f"{len(replayed.fixes)} fixes, {refused} of them refused"] if replayed.fixes else []
+    if replayed.ranges[0]:
+        said.append(f"{replayed.ranges[0]} ranges, {replayed.ranges[1]} of them refused")
+    return "; ".join(said) or "neither fixes nor ranges"
 
 
 def _kind(why: str) -> str:

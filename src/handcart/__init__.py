@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from handcart.backends.backend import Backend
     from handcart.backends.capabilities.arm import Arm
     from handcart.backends.capabilities.base import Base
+    from handcart.backends.capabilities.beacons import Beacons
     from handcart.backends.capabilities.camera import Camera
     from handcart.backends.capabilities.gps import Gps
     from handcart.backends.capabilities.gripper import Gripper
@@ -34,6 +35,7 @@ _FROM = {
     "Arm": "backends.capabilities.arm:Arm",
     "Backend": "backends.backend:Backend",
     "Base": "backends.capabilities.base:Base",
+    "Beacons": "backends.capabilities.beacons:Beacons",
     "Camera": "backends.capabilities.camera:Camera",
     "Discrepancy": "primitives.contract.discrepancy:Discrepancy",
     "Fail": "primitives.contract.outcome:Fail",
@@ -58,6 +60,7 @@ __all__ = [
     "Arm",
     "Backend",
     "Base",
+    "Beacons",
     "Camera",
     "Discrepancy",
     "Fail",

@@ -32,7 +32,7 @@ def localize(
             "left out: as the run's robot, else as any vehicle's"
         ),
     ] = None,
-    localizer: Annotated[str, typer.Option(help="gps_filter or particle")] = "gps_filter",
+    localizer: Annotated[str, typer.Option(help="gps_filter, particle or beacons")] = "gps_filter",
     reference: Annotated[
         str | None, typer.Option(help="topic of a ROS bag on which the true poses are")
     ] = None,
@@ -83,7 +83,7 @@ def localize(
         print(orjson.dumps(found, option=orjson.OPT_INDENT_2).decode())
 
 
-KINDS = ("gps_filter", "particle")
+KINDS = ("gps_filter", "particle", "beacons")
 
 
 def _robot_of(log: Path) -> str | None:

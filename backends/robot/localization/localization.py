@@ -52,6 +52,8 @@ class Sensed(NamedTuple):
     rolled: NDArray[np.float64]
     """(2,) by the left and right wheel, in [m]."""
     fix: Fix | None
+    ranges: NDArray[np.float64] | None = None
+    """(k,) to the beacons, in [m]; NaN of those that weren't heard."""
 
 
 class Localization(ABC):
@@ -104,7 +106,7 @@ class Localization(ABC):
     def displacement(self) -> Belief | None:
         """Of the base since `set_origin`, where that is known better than where the base is; else None.
 
-        x, y in [m] in the map's axes and turn in [rad]: mean (3,) and covariance (3, 3).
+        Ahead and left in [m], and turn in [rad]: mean (3,) and covariance (3, 3).
         """
         return None
 

@@ -5,7 +5,11 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.beacons.beacon_errors import BeaconErrors
+from handcart.robotics.navigation.beacons.beacon_filter import BeaconFilter
 from handcart.robotics.navigation.outdoors.field_localizer import FieldLocalizer
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE, FieldNoise
 from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
@@ -13,11 +17,13 @@ from handcart.robotics.navigation.outdoors.gyro_only import GyroOnly
 from handcart.robotics.navigation.outdoors.particle_filter import ParticleErrors, ParticleFilter
 
 if TYPE_CHECKING:
+    from handcart.backends.description.beacons_spec import BeaconsSpec
     from handcart.backends.description.ground_spec import GpsSpec
     from handcart.backends.description.robot_file import RobotFile
 
 START = 0.05  # [m] an axis: how well a task says where the robot starts
 LEAST_GPS = 0.003  # [m]: a receiver without errors is believed no better
+LEAST_RANGE = 0.005  # [m]: nor are beacons
 LEAST_GYRO = math.radians(1e-4)  # [rad/√s]
 
 
@@ -65,6 +71,18 @@ def _start_heading(gps: GpsSpec) -> float:
     return math.inf if isinstance(given, str) else math.radians(given)
 
 
+def beacon_errors(beacons: BeaconsSpec) -> BeaconErrors:
+    """Where they are, and how wrong."""
+    return BeaconErrors(
+        np.array(list(beacons.places_m.values())),
+        beacons.tag_m,
+        max(LEAST_RANGE, beacons.sigma_m),
+        max(LEAST_RANGE, beacons.bias_m),
+        beacons.scale_percent / 100,
+        beacons.bias_walk_m_rt_s,
+    )
+
+
 def field_localizer(robot: RobotFile, start: Pose2, antenna: tuple[float, float, float]) -> FieldLocalizer:
     """The one that the robot's file names, starting at world_T_base; see `ground_spec.OUTDOORS`."""
     noise = field_noise(robot, antenna)
@@ -72,6 +90,9 @@ def field_localizer(robot: RobotFile, start: Pose2, antenna: tuple[float, float,
         start = Pose2(start.x, start.y, 0.0)
     if robot.localizer == "gps_filter":
         return GpsFilter(start, noise, START, record=True)
+    if robot.localizer == "beacons":
+        assert robot.beacons is not None, "checked when the file was read"
+        return BeaconFilter(start, noise, beacon_errors(robot.beacons), START)
     if robot.localizer == "particle":
         errors = ParticleErrors(gps=max(noise.gps_white, 0.05), start_heading=noise.start_heading)
         return ParticleFilter(start, errors)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from handcart.backends.backend import Backend
 from handcart.backends.capabilities.base import WheelTravel
+from handcart.backends.capabilities.beacons import Beacons
 from handcart.backends.capabilities.gps import Gps
 from handcart.backends.capabilities.imu import Imu
 from handcart.backends.plain_values import Kinds
@@ -41,6 +42,7 @@ class OutdoorLocalization(Localization):
         assert imu is not None, "outdoors gyros are asked"
         self._imu = imu
         self._gps = backend.get(Gps)  # type: ignore[type-abstract]
+        self._beacons = backend.get(Beacons)  # type: ignore[type-abstract]
         self._sensed = Sensed(np.zeros(3), np.zeros(3), np.zeros(2), None)
         self._felt, self._felt_at = np.zeros(6), self.travel
         self._here: Pose2 | None = None
@@ -90,7 +92,8 @@ class OutdoorLocalization(Localization):
     @property
     def dead_reckoned(self) -> bool:
         """See `Localization`."""
-        return self._gps is None or not self._filter.TAKES_FIXES
+        by_fixes = self._gps is not None and self._filter.TAKES_FIXES
+        return not by_fixes and (self._beacons is None or not self._filter.TAKES_RANGES)
 
     @property
     def lost(self) -> Lost | None:
@@ -112,8 +115,9 @@ class OutdoorLocalization(Localization):
         found = self._filter.inconsistency
         if self.lost is not None or found is None:
             return self.lost
-        why = "the fixes of the last minute contradict what is claimed"
-        return Lost(why, "Gps", found.what, found.value, found.limit)
+        what, sensor = ("ranges", "Beacons") if self._filter.TAKES_RANGES else ("fixes", "Gps")
+        why = f"the {what} of the last minute contradict what is claimed"
+        return Lost(why, sensor, found.what, found.value, found.limit)
 
     @property
     def sensed(self) -> Sensed:
@@ -140,9 +144,13 @@ class OutdoorLocalization(Localization):
             self._felt, self._felt_at = felt, self.travel
         self._filter.predict(rates, accelerations, rolled, self._period)
         fix = self._gps.fix() if self._gps else None
-        self._sensed = Sensed(rates, accelerations, rolled, fix)
+        ranges = self._beacons.ranges() if self._beacons else None
+        distances = None if ranges is None else ranges.distances
+        self._sensed = Sensed(rates, accelerations, rolled, fix, distances)
         if fix is not None:
             self._filter.fix(fix.position)
+        if distances is not None:
+            self._filter.ranges(distances)
 
     def _correct(self) -> None:
         """A fix is taken when it comes."""

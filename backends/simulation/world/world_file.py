@@ -8,6 +8,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
+from handcart.backends.description.beacons_spec import BeaconPlace
 from handcart.backends.description.ground_spec import GroundSpec
 from handcart.files.errors import InputError
 from handcart.files.maps.map_file import MapPlace
@@ -113,6 +114,17 @@ class SkySpec(FileModel):
     outages: tuple[OutageSpec, ...] = ()
 
 
+class BeaconsThere(FileModel):
+    """How radio beacons are otherwise than the robot's file says."""
+
+    places_m: dict[str, BeaconPlace] = Field(default_factory=dict)
+    """Where some of them really stand, by their names: somebody moved them."""
+    moved_at_s: Seconds = 0.0
+    """From when on they do."""
+    bias_walk_m_rt_s: Annotated[float, Field(ge=0.0)] = 0.0
+    """By which each one's bias wanders off, after a second; it grows with the square root of time."""
+
+
 class WorldFile(FileModel):
     """The surroundings of the robot: what every world may have.
 
@@ -131,6 +143,7 @@ class WorldFile(FileModel):
     ground: GroundSpec | None = None
     """Open ground, rough; left out: a level floor."""
     sky: SkySpec = SkySpec()
+    beacons: BeaconsThere = BeaconsThere()
     camera: Literal["scene", "engine"] = "scene"
     """Who draws what the robot's camera sees: the same painter for all simulated backends, or the renderer of
     the physics engine, where there is one."""

@@ -9,6 +9,7 @@ from types import MappingProxyType
 from handcart.tasks.domain import domains, imported
 
 from . import (
+    beacon_checks,
     capability_checks,
     command_checks,
     geometry_checks,
@@ -29,6 +30,7 @@ MODULES = (
     positioning_checks,
     imu_checks,
     gps_checks,
+    beacon_checks,
 )
 
 

@@ -135,7 +135,7 @@ class FieldKalman:
         ] = []  # before each believed fix, and what came
         self._refused = np.zeros(3)  # sum (2,) of residuals of refused fixes that are off alike, and how many
         self._record = record
-        self._origin: WatchedMoment | None = None  # pose from which `change` is measured
+        self._origin: WatchedMoment | None = None  # pose from which `relative_pose` is measured
         self.refused = 0
         """Fixes that were not believed."""
         self.restarts = 0
@@ -157,16 +157,16 @@ class FieldKalman:
         return now
 
     def set_origin(self) -> None:
-        """From this moment on `change` is measured."""
+        """From this moment on `relative_pose` is measured."""
         self._note(_Asked.ORIGIN)
         self._origin = WatchedMoment.of(self.belief, states=3)
 
     @property
-    def change(self) -> Belief:
-        """Of x, y, heading since the origin, mean (3,) and covariance (3, 3); the heading isn't wrapped."""
+    def relative_pose(self) -> Belief:
+        """origin_T_base: x, y, heading, mean (3,) and covariance (3, 3); the heading isn't wrapped."""
         if self._origin is None:
             raise ValueError("no origin was set")
-        return self._origin.change(self.belief)
+        return self._origin.relative_pose(self.belief)
 
     def smoothed(self) -> list[Belief]:
         """The marked moments by all that was seen so far; none without a record."""

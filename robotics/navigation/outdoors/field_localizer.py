@@ -14,6 +14,10 @@ from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance, GyroOdometry
 from handcart.robotics.navigation.outdoors.watched_moment import Belief
 
+CONSISTENCY_WINDOW = 60.0  # [s] over which readings are held against what was expected of them
+FEWEST = 10  # readings to judge by
+SURE = 4.0  # standard deviations of a mean of squares, that of one is 1 where errors are normal
+REFUSED = 0.5  # share of readings: more, and it is the filter that may be wrong
 PERIOD = 0.1  # [s] of a filter's step; gyros and wheels are integrated with each reading
 Array = NDArray[np.float64]
 
@@ -39,6 +43,8 @@ class FieldLocalizer(ABC):
     """[s] of a step at rest."""
     TAKES_FIXES: ClassVar[bool] = True
     """Whether satellites tell it anything."""
+    TAKES_RANGES: ClassVar[bool] = False
+    """Whether beacons do."""
 
     def __init__(self, start: Pose2, euler: bool = True) -> None:
         """Start at a pose; for `euler` see `GyroOdometry`."""
@@ -97,22 +103,20 @@ class FieldLocalizer(ABC):
 
     @property
     def displacement(self) -> Belief:
-        """Of the base since `set_origin`: x, y in [m] in the world's axes, turn in [rad]; (3,) and (3, 3).
+        """origin_T_base since `set_origin`: x ahead, y left in [m], turn in [rad]; (3,) and (3, 3).
 
         Over some metres it is known far better than where the base is: what is wrong with both alike doesn't
-        count.
+        count, nor does it which way it headed on the Earth.
 
         Raises:
             ValueError: no origin was set.
         """
         if self._lead is None:
             raise ValueError("no origin was set")
-        (x, y, turn), covariance = self._change()
-        heading = self._estimate().theta
-        ahead = Pose2(x, y, heading).compose(self._odometry.pose.relative_to(self._since))
-        behind = Pose2(0.0, 0.0, heading - turn).compose(self._lead)
-        apart = [ahead.x - behind.x, ahead.y - behind.y, wrap(ahead.theta - behind.theta)]
-        return Belief(np.array(apart), covariance)
+        mean, covariance = self._relative_pose()
+        now = Pose2(*mean.tolist()).compose(self._odometry.pose.relative_to(self._since))
+        x, y, turn = now.relative_to(self._lead)
+        return Belief(np.array([x, y, wrap(turn)]), covariance)
 
     def predict(self, rates: Array, accelerations: Array, wheels: Array, dt: float) -> None:
         """Take in one period's readings (see `GyroOdometry.update`)."""
@@ -132,6 +136,12 @@ class FieldLocalizer(ABC):
         self._flush()
         return self._fix(np.asarray(position, dtype=np.float64), sigma)
 
+    def ranges(self, distances: Array) -> None:
+        """Take in ranges (k,) in [m] to the beacons, measured now; NaN of those that weren't heard."""
+        if self.TAKES_RANGES:
+            self._flush()
+            self._ranges(distances)
+
     def mark(self) -> Belief | None:
         """This moment is one of those that `smoothed` tells of."""
         return None
@@ -148,13 +158,16 @@ class FieldLocalizer(ABC):
             self._advance(self._odometry.take())
             self._since = self._odometry.pose
 
-    @abstractmethod
-    def _set_origin(self) -> None:
-        """The filter's last step is where `_change` is measured from."""
+    def _ranges(self, distances: Array) -> None:
+        """See `ranges`; all readings taken in."""
 
     @abstractmethod
-    def _change(self) -> Belief:
-        """Of x, y, heading from the origin to the filter's last step, (3,) and (3, 3)."""
+    def _set_origin(self) -> None:
+        """The filter's last step is where `_relative_pose` is measured from."""
+
+    @abstractmethod
+    def _relative_pose(self) -> Belief:
+        """From the origin to the filter's last step: x, y, heading, (3,) and (3, 3)."""
 
     @abstractmethod
     def _estimate(self) -> Pose2:
@@ -167,3 +180,20 @@ class FieldLocalizer(ABC):
     @abstractmethod
     def _fix(self, position: Array, sigma: float | None) -> bool:
         """See `fix`; position finite, all readings taken in."""
+
+
+def inconsistency_of(squares: Sequence[tuple[float, float | None]], axes: int = 2) -> Inconsistency | None:
+    """How the latest readings contradict what was expected of them; None while they don't.
+
+    `squares` are times in [s], and squared distances of readings of so many axes to where they were expected,
+    in sigmas; None of those that were refused.
+    """
+    if len(squares) < FEWEST:
+        return None
+    believed = [square for _, square in squares if square is not None]
+    refused = 1.0 - len(believed) / len(squares)
+    if refused > REFUSED:
+        return Inconsistency("share of them that can't be believed", refused, REFUSED)
+    mean, spread = sum(believed) / len(believed) / axes, math.sqrt(2.0 / axes / len(believed))
+    limit = 1.0 + SURE * spread
+    return Inconsistency("mean square of their errors, in sigmas", mean, limit) if mean > limit else None

@@ -12,7 +12,12 @@ from numpy.typing import NDArray
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.localization.lost_track import FoundTrack
 from handcart.robotics.navigation.outdoors.field_kalman import FieldKalman, level_lever, log_normal
-from handcart.robotics.navigation.outdoors.field_localizer import FieldLocalizer, Inconsistency
+from handcart.robotics.navigation.outdoors.field_localizer import (
+    CONSISTENCY_WINDOW,
+    FieldLocalizer,
+    Inconsistency,
+    inconsistency_of,
+)
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE, FieldNoise
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance
 from handcart.robotics.navigation.outdoors.heading_search import HeadingSearch
@@ -22,10 +27,6 @@ from handcart.robotics.navigation.outdoors.watched_moment import Belief
 
 CAUTION = (0.015, 0.3)  # of a weight: claims suppose a worse sky than what is as told, than anything else
 BECOMES = 1e-4  # with each fix a world may become a worse one; never a better one
-WINDOW = 60.0  # [s] over which fixes are held against what was expected of them
-FEWEST = 10  # fixes to judge by
-SURE = 4.0  # standard deviations of a mean of squares, that of one is 1 where errors are normal
-REFUSED = 0.5  # share of fixes: more, and it is the filter that may be wrong
 UNKNOWN = 1.0  # [rad] of a start heading's sigma: more, and it isn't told at all
 LEAST = 1e-130  # of a weight: two hours of good fixes bring it back
 Array = NDArray[np.float64]
@@ -120,14 +121,7 @@ class GpsFilter(FieldLocalizer):
     @property
     def inconsistency(self) -> Inconsistency | None:
         """See `FieldLocalizer`."""
-        if len(self._squares) < FEWEST:
-            return None
-        believed = [square for _, square in self._squares if square is not None]
-        refused = 1.0 - len(believed) / len(self._squares)
-        if refused > REFUSED:
-            return Inconsistency("share of them that can't be believed", refused, REFUSED)
-        mean, limit = sum(believed) / len(believed) / 2.0, 1.0 + SURE / math.sqrt(len(believed))
-        return Inconsistency("mean square of their errors, in sigmas", mean, limit) if mean > limit else None
+        return inconsistency_of(self._squares)
 
     @property
     def parts(self) -> list[FieldKalman]:
@@ -158,8 +152,8 @@ class GpsFilter(FieldLocalizer):
         for each in self.filters:
             each.set_origin()
 
-    def _change(self) -> Belief:
-        return self._mixed([each.change for each in self.filters])
+    def _relative_pose(self) -> Belief:
+        return self._mixed([each.relative_pose for each in self.filters])
 
     def _estimate(self) -> Pose2:
         if self._search is not None:
@@ -193,7 +187,7 @@ class GpsFilter(FieldLocalizer):
         self.refusal = best.why
         self.log_likelihood += best.log_likelihood
         self._squares.append((self._clock, best.square if best.believed else None))
-        while self._squares[0][0] < self._clock - WINDOW:
+        while self._squares[0][0] < self._clock - CONSISTENCY_WINDOW:
             del self._squares[0]
         return best.believed
 

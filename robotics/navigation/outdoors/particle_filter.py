@@ -116,8 +116,10 @@ class ParticleFilter(FieldLocalizer):
     def _set_origin(self) -> None:
         self._particles[3:] = self._particles[:3]
 
-    def _change(self) -> Belief:
-        return Belief(*_average(self._particles[:3] - self._particles[3:]))
+    def _relative_pose(self) -> Belief:
+        x, y, turn = self._particles[:3] - self._particles[3:]
+        cos, sin = np.cos(self._particles[5]), np.sin(self._particles[5])
+        return Belief(*_average(np.stack([cos * x + sin * y, cos * y - sin * x, turn])))
 
     def _estimate(self) -> Pose2:
         return Pose2(float(self._mean[0]), float(self._mean[1]), wrap(float(self._mean[2])))

@@ -5,6 +5,7 @@ Roumeliotis and Burdick (2002), stochastic cloning; the same algebra is fixed-po
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import NamedTuple, Self
 
@@ -87,16 +88,21 @@ class WatchedMoment(NamedTuple):
         """The states now come from elsewhere: what is seen from here on tells nothing of then."""
         return self._replace(shared=np.zeros_like(self.shared))
 
-    def change(self, now: Belief) -> Belief:
-        """Of the k states from then to `now`, mean (k,) and covariance (k, k).
+    def relative_pose(self, now: Belief) -> Belief:
+        """Of `now` in the frame of then, where x, y, heading are the first states: (3,) and (3, 3).
 
-        What is wrong with both alike doesn't count.
+        What is wrong with both alike doesn't count; nor does it which way the base headed on the Earth.
         """
-        (mean, covariance), shared = self
-        count = len(mean)
-        both = shared[:, :count]
-        spread = now.covariance[:count, :count] + covariance - both - both.T
-        return Belief(now.mean[:count] - mean, 0.5 * (spread + spread.T))
+        x, y, heading = self.belief.mean[:3].tolist()
+        cos, sin = math.cos(heading), math.sin(heading)
+        turned = np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]])
+        mean = turned @ (now.mean[:3] - (x, y, heading))
+        by_then = -turned
+        by_then[:2, 2] = mean[1], -mean[0]
+        both = by_then @ self.shared[:3, :3] @ turned.T
+        spread = turned @ now.covariance[:3, :3] @ turned.T
+        spread = spread + by_then @ self.belief.covariance[:3, :3] @ by_then.T + both + both.T
+        return Belief(mean, 0.5 * (spread + spread.T))
 
 
 def mixed(beliefs: Sequence[Belief], weights: Array) -> Belief:

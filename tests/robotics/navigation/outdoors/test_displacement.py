@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from benchmarks.field.displacements import Way, ways
+from benchmarks.field.displacements import Way, true_way, ways
 from benchmarks.field.field_course import straight_course
 from benchmarks.field.field_drive import PERIOD
 from benchmarks.field.field_log import FieldLog, record_course
@@ -43,10 +43,6 @@ def play(log: FieldLog, localizer: FieldLocalizer, begin: int, end: int) -> None
             localizer.fix(fixes[row])
 
 
-def true_way(log: FieldLog, begin: int, end: int) -> np.ndarray:
-    return np.asarray(log.drive.poses[end - 1] - log.drive.poses[begin - 1])
-
-
 @pytest.mark.parametrize("number", range(3))
 def test_while_it_stands_it_has_come_nowhere_whatever_fixes_say(log: FieldLog, number: int) -> None:
     localizer = localizers(log)[number]
@@ -61,7 +57,7 @@ def test_while_it_stands_it_has_come_nowhere_whatever_fixes_say(log: FieldLog, n
 
 
 @pytest.mark.parametrize("number", range(3))
-def test_it_is_the_way_that_was_driven_in_the_world_s_axes(log: FieldLog, number: int) -> None:
+def test_it_is_the_way_that_was_driven(log: FieldLog, number: int) -> None:
     """Between two steps of the filter as well."""
     localizer = localizers(log)[number]
     end = int(log.drive.placings[0]) - 800  # it still drives
@@ -70,7 +66,7 @@ def test_it_is_the_way_that_was_driven_in_the_world_s_axes(log: FieldLog, number
     play(log, localizer, STANDS, end + 1)
     play(log, localizer, end + 1, end + 3)
     mean, covariance = localizer.displacement
-    off = mean - true_way(log, STANDS, end + 3)
+    off = mean - true_way(log, STANDS - 1, end + 2)
     assert (np.abs(off) < 4.0 * np.sqrt(covariance.diagonal()) + 0.01).all()
     assert np.hypot(*mean[:2]) > 3.0
 
@@ -115,9 +111,23 @@ def test_after_a_restart_nothing_is_known_to_cancel(log: FieldLog) -> None:
     play(log, localizer, STANDS, end)
     assert localizer.restarts > 0
     mean, covariance = localizer.displacement
-    off = mean[:2] - true_way(log, STANDS, end)[:2]
-    assert np.hypot(*off) < 4.0 * math.sqrt(np.trace(covariance[:2, :2]))
-    assert covariance[0, 0] > localizer.covariance[0, 0]
+    far = np.hypot(*mean[:2]) - np.hypot(*true_way(log, STANDS - 1, end - 1)[:2])
+    assert abs(far) < 4.0 * math.sqrt(np.trace(covariance[:2, :2]))
+    assert covariance[0, 0] > localizer.covariance[:2, :2].diagonal().min()
+
+
+def test_before_the_heading_is_known_the_way_is(log: FieldLog) -> None:
+    """It is the way from where it stood, whichever way that headed."""
+    localizer = GpsFilter(Pose2(0.0, 0.0, 0.0), REFERENCE._replace(start_heading=math.inf))
+    play(log, localizer, 0, STANDS)
+    localizer.set_origin()
+    play(log, localizer, STANDS, STANDS + 300)
+    assert not localizer.heading_known
+    mean, covariance = localizer.displacement
+    off = mean - true_way(log, STANDS - 1, STANDS + 299)
+    assert (np.abs(off) < 4.0 * np.sqrt(covariance.diagonal()) + 0.01).all()
+    assert mean[0] > 2.0
+    assert math.sqrt(np.linalg.eigvalsh(covariance[:2, :2])[-1]) < 0.15
 
 
 def test_a_checkpoint_keeps_the_origin(log: FieldLog) -> None:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.outdoors.field_model import corrected
 from handcart.robotics.navigation.outdoors.watched_moment import Belief, Branch, WatchedMoment
 
-SIZE, KEPT = 4, 2
+SIZE, KEPT = 4, 3
 ROWS = np.array([[1.0, 0.0, 0.3, 0.0], [0.0, 1.0, 0.0, -0.2]])
 
 
@@ -20,6 +21,13 @@ def doubled(belief: Belief) -> Belief:
     """States now, and the first of them as a clone."""
     pick = np.vstack([np.eye(SIZE), np.eye(SIZE)[:KEPT]])
     return Belief(pick @ belief.mean, pick @ belief.covariance @ pick.T)
+
+
+def apart(states: np.ndarray) -> np.ndarray:
+    """(3,) of the pose now in the frame of the cloned one."""
+    now, then = Pose2(*states[:3].tolist()), Pose2(*states[SIZE:].tolist())
+    x, y, _ = now.relative_to(then)
+    return np.array([x, y, now.theta - then.theta])
 
 
 def test_it_learns_what_a_filter_with_cloned_states_learns() -> None:
@@ -43,10 +51,11 @@ def test_it_learns_what_a_filter_with_cloned_states_learns() -> None:
         whole = Belief(*corrected(whole.mean, whole.covariance, rows, residual, 0.5))
     assert np.allclose(moment.belief.mean, whole.mean[SIZE:])
     assert np.allclose(moment.belief.covariance, whole.covariance[SIZE:, SIZE:])
-    apart = np.hstack([np.eye(KEPT), np.zeros((KEPT, SIZE - KEPT)), -np.eye(KEPT)])
-    change = moment.change(now)
-    assert np.allclose(change.mean, apart @ whole.mean)
-    assert np.allclose(change.covariance, apart @ whole.covariance @ apart.T)
+    relative = moment.relative_pose(now)
+    assert np.allclose(relative.mean, apart(whole.mean))
+    nudges = 1e-6 * np.eye(len(whole.mean))
+    J = np.array([(apart(whole.mean + each) - apart(whole.mean - each)) / 2e-6 for each in nudges]).T
+    assert np.allclose(relative.covariance, J @ whole.covariance @ J.T, atol=1e-6)
 
 
 def test_of_two_ways_that_are_the_same_it_learns_what_one_tells() -> None:
@@ -64,5 +73,6 @@ def test_of_two_ways_that_are_the_same_it_learns_what_one_tells() -> None:
 def test_after_a_new_beginning_nothing_cancels() -> None:
     now = some_belief(np.random.default_rng(2))
     moment = WatchedMoment.of(now, KEPT)
-    assert np.allclose(moment.change(now).covariance, 0.0)
-    assert np.allclose(moment.unrelated().change(now).covariance, 2.0 * now.covariance[:KEPT, :KEPT])
+    assert np.allclose(moment.relative_pose(now).covariance, 0.0)
+    unrelated = moment.unrelated().relative_pose(now).covariance
+    assert np.allclose(np.trace(unrelated), 2.0 * np.trace(now.covariance[:3, :3]))

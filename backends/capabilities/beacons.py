@@ -1,0 +1,29 @@
+"""Radio beacons: ranges from the robot's own radio to some places that are known."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import ClassVar, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .capability import Capability, Reading
+
+
+class BeaconRanges(NamedTuple):
+    """How far the beacons are from the tag, the robot's own radio."""
+
+    distances: NDArray[np.float64]
+    """(k,) in [m], in the order of the robot's file; NaN of a beacon that wasn't heard."""
+
+
+class Beacons(Capability):
+    """Beacons that tell ranges, as ultra-wideband radio does."""
+
+    READINGS: ClassVar = {"ranges": Reading("beacons", ("distances",))}
+    FILE_KEY = "beacons"
+
+    @abstractmethod
+    def ranges(self) -> BeaconRanges | None:
+        """What was measured during this period; None where nothing was."""

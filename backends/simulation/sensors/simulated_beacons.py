@@ -1,0 +1,52 @@
+"""The radio beacons of a simulated robot."""
+
+from __future__ import annotations
+
+import math
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.capabilities.beacons import BeaconRanges, Beacons
+from handcart.backends.description.beacons_spec import BeaconsSpec
+from handcart.backends.simulation.keyed_noise import keyed
+from handcart.backends.simulation.scene import Scene
+from handcart.backends.simulation.world.world_file import BeaconsThere
+
+
+class SimulatedBeacons(Beacons):
+    """White noise, a bias of each beacon and a scale of all ranges by the robot's file; where they really
+    stand, and whether their bias wanders, by the world's. Nothing stands in their way."""
+
+    STATE: ClassVar = {"_ranges": BeaconRanges | None, "_bias": NDArray[np.float64]}
+
+    def __init__(
+        self, spec: BeaconsSpec, there: BeaconsThere, scene: Scene, period: float, seed: int
+    ) -> None:
+        """Told every `period`, in [s], that time passes."""
+        self._spec, self._there, self._scene, self._seed = spec, there, scene, seed
+        self._every = max(1, round(spec.period_s / period))
+        self._walk = there.bias_walk_m_rt_s * math.sqrt(self._every * period)
+        self._nominal = np.array(list(spec.places_m.values()))
+        self._moved = np.array([there.places_m.get(name, place) for name, place in spec.places_m.items()])
+        self._bias = spec.bias_m * keyed(seed, "beacon biases").standard_normal(len(self._nominal))
+        self._scale = 1.0 + spec.scale_percent / 100 * keyed(seed, "beacon scale").standard_normal()
+        self._ranges: BeaconRanges | None = None
+
+    def ranges(self) -> BeaconRanges | None:
+        """See `Beacons`."""
+        return self._ranges
+
+    def advance(self, period: int) -> None:
+        """A period has passed."""
+        self._ranges = None
+        if period % self._every:
+            return
+        draws = keyed(self._seed, "beacons", period).standard_normal((2, len(self._nominal)))
+        self._bias = self._bias + self._walk * draws[0]
+        places = self._moved if self._scene.time >= self._there.moved_at_s else self._nominal
+        tag = (self._scene.world_T_base @ np.array([*self._spec.tag_m, 1.0]))[:3]
+        true = np.linalg.norm(places - tag, axis=1)
+        heard = np.where(true <= self._spec.reach_m, true, math.nan)
+        self._ranges = BeaconRanges(self._scale * heard + self._bias + self._spec.sigma_m * draws[1])

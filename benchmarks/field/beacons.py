@@ -1,0 +1,160 @@
+"""How well ranges to beacons tell the place, and the biases: python -m benchmarks.field.beacons
+
+Three beacons stand beside the zigzag course; each has a bias of its own. The filter estimates the biases,
+which may wander or not; or it supposes that there are none. Worlds: biases that are constant; that wander; a
+beacon that somebody moves half way through. Errors are those of all places where a sensor is laid; NEES is 2
+where claims are honest, `beyond` the share of those laid that are more than three claimed sigma off.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from rich.console import Console
+from rich.progress import track
+from rich.table import Table
+
+from benchmarks.field.field_course import zigzag_course
+from benchmarks.field.field_drive import PERIOD
+from benchmarks.field.field_log import FieldLog, record_course
+from benchmarks.field.field_trial import start_pose
+from handcart.robotics.geometry.transform import rotations
+from handcart.robotics.navigation.beacons.beacon_errors import BeaconErrors
+from handcart.robotics.navigation.beacons.beacon_filter import BeaconFilter
+from handcart.robotics.navigation.outdoors.field_noise import REFERENCE
+from handcart.robotics.navigation.outdoors.placement_errors import nees
+
+PLACES = np.array([[-5.0, 20.0, 2.0], [75.0, 25.0, 2.5], [35.0, -20.0, 1.5]])
+ERRORS = BeaconErrors(PLACES, (0.0, 0.0, 1.0), scale=0.002)
+EVERY = 8  # periods between measurements
+Array = NDArray[np.float64]
+
+
+class BeaconWorld(NamedTuple):
+    """How beacons really are."""
+
+    bias_walk: float = 0.0
+    """Of each one's bias, in [m/√s]."""
+    moved: float = 0.0
+    """How far the first one is moved half way through, in [m]."""
+
+
+WORLDS = {
+    "constant biases": BeaconWorld(),
+    "biases wander, 10 mm/√s": BeaconWorld(bias_walk=0.010),
+    "a beacon is moved by 0.5 m": BeaconWorld(moved=0.5),
+    "a beacon is moved by 3 m": BeaconWorld(moved=3.0),
+}
+
+
+class BeaconDrive(NamedTuple):
+    """A drive, and what beacons told of it."""
+
+    log: FieldLog
+    ranges: Array
+    """(n, k) in [m]; NaN in rows without a measurement."""
+    biases: Array
+    """(k,) in the end, in [m]."""
+
+
+def beacon_drive(seed: int, world: BeaconWorld = BeaconWorld(), stops: int = 7) -> BeaconDrive:
+    """The zigzag course, driven."""
+    log, rng = record_course(zigzag_course(stops), REFERENCE, seed), np.random.default_rng([seed, 77])
+    poses, tilts = log.drive.poses, log.drive.tilts
+    tags = rotations(tilts[:, 0], tilts[:, 1], poses[:, 2]) @ np.array(ERRORS.tag)
+    tags[:, :2] += poses[:, :2]
+    rows = np.arange(0, len(poses), EVERY)
+    steps = world.bias_walk * math.sqrt(EVERY * PERIOD) * rng.standard_normal((len(rows), len(PLACES)))
+    biases = ERRORS.bias * rng.standard_normal(len(PLACES)) + np.cumsum(steps, axis=0)
+    places = np.repeat(PLACES[None], len(rows), axis=0)
+    places[len(rows) // 2 :, 0, 1] += world.moved
+    ranges = np.full((len(poses), len(PLACES)), math.nan)
+    scale = 1.0 + ERRORS.scale * rng.standard_normal()
+    ranges[rows] = scale * np.linalg.norm(places - tags[rows, None], axis=2) + biases
+    ranges[rows] += ERRORS.white * rng.standard_normal((len(rows), len(PLACES)))
+    return BeaconDrive(log, ranges, biases[-1])
+
+
+class BeaconTrial(NamedTuple):
+    """What a filter made of a drive."""
+
+    errors: Array
+    """(m, 2) in [m] of the places where sensors are laid."""
+    covariances: Array
+    """(m, 2, 2) of them, as claimed."""
+    biases: Array
+    """(k,) error of the biases in the end, in [m]."""
+    refused: float
+    """Share of the ranges."""
+    consistent: list[bool]
+    """(m,) whether ranges didn't contradict the claim."""
+
+
+def try_beacons(drive: BeaconDrive, errors: BeaconErrors = ERRORS) -> BeaconTrial:
+    """Play a drive to a filter that believes `errors` of the ranges."""
+    log, filtering = drive.log, BeaconFilter(start_pose(drive.log), REFERENCE, errors)
+    found, spreads, consistent = [], [], []
+    placings = set(log.drive.placings.tolist())
+    for row in range(len(log.rates)):
+        filtering.predict(log.rates[row], log.accelerations[row], log.wheels[row], PERIOD)
+        if np.isfinite(drive.ranges[row]).any():
+            filtering.ranges(drive.ranges[row])
+        if row in placings:
+            found.append(np.array(filtering.pose)[:2] - log.drive.poses[row, :2])
+            spreads.append(filtering.covariance[:2, :2])
+            consistent.append(filtering.inconsistency is None)
+    refused = filtering.refused / float(np.isfinite(drive.ranges).sum())
+    off = filtering.biases.mean - drive.biases
+    return BeaconTrial(np.array(found), np.array(spreads), off, refused, consistent)
+
+
+def row_of(world: str, filtering: str, trials: list[BeaconTrial]) -> list[str]:
+    """The table's line."""
+    errors = np.concatenate([trial.errors for trial in trials])
+    squares = nees(errors, np.concatenate([trial.covariances for trial in trials]))
+    laid = np.concatenate([trial.consistent for trial in trials])
+    biases = np.concatenate([trial.biases for trial in trials])
+    return [
+        world,
+        filtering,
+        f"{1e3 * np.quantile(np.hypot(*errors.T), 0.95):.0f}",
+        f"{squares.mean():.2f}",
+        f"{1e3 * math.sqrt((biases**2).mean()):.0f}",
+        f"{100.0 * np.mean([trial.refused for trial in trials]):.1f}",
+        f"{100.0 * laid.mean():.0f}",
+        f"{100.0 * (squares[laid] > 9.0).mean() if laid.any() else 0.0:.1f}",
+    ]
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--runs", type=int, default=40, help="of each world (default 40)")
+    chosen = parser.parse_args()
+    ways = {
+        "biases that may wander": ERRORS,
+        "constant biases": ERRORS._replace(bias_walk=0.0),
+        "no biases": ERRORS._replace(bias=0.005, bias_walk=0.0),
+    }
+    table = Table(
+        "world", "supposed", "r95 [mm]", "NEES", "bias [mm]", "refused [%]", "laid [%]", "beyond [%]"
+    )
+    trials: dict[tuple[str, str], list[BeaconTrial]] = {}
+    jobs = [(world, seed) for world in WORLDS for seed in range(chosen.runs)]
+    for world, seed in track(jobs, "runs", console=Console(stderr=True)):
+        drive = beacon_drive(seed, WORLDS[world])
+        for way, errors in ways.items():
+            trials.setdefault((world, way), []).append(try_beacons(drive, errors))
+    for (world, way), found in trials.items():
+        table.add_row(*row_of(world, way, found))
+    Console(width=None if sys.stdout.isatty() else 130).print(table)
+
+
+if __name__ == "__main__":
+    main()

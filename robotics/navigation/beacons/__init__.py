@@ -1,0 +1,1 @@
+"""Positions by ranges to radio beacons whose places are known."""

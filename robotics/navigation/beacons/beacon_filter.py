@@ -1,0 +1,180 @@
+"""Wheels, gyros and ranges to beacons, by a Kalman filter that finds out each beacon's bias."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.navigation.outdoors import field_model as states
+from handcart.robotics.navigation.outdoors.field_kalman import level_lever
+from handcart.robotics.navigation.outdoors.field_localizer import (
+    CONSISTENCY_WINDOW,
+    FieldLocalizer,
+    Inconsistency,
+    inconsistency_of,
+)
+from handcart.robotics.navigation.outdoors.field_model import FieldModel, carried, corrected, field_step
+from handcart.robotics.navigation.outdoors.field_noise import FieldNoise
+from handcart.robotics.navigation.outdoors.gyro_odometry import Advance
+from handcart.robotics.navigation.outdoors.watched_moment import Belief, WatchedMoment
+
+from .beacon_errors import BeaconErrors
+
+BELIEVED = 5.0  # sigmas within which a range lies that is believed
+NEAREST = 0.3  # [m] to a beacon, from where a range tells a direction
+BIAS_PERIOD = 1.0  # [s] at rest over which the gyro is averaged into one reading
+Array = NDArray[np.float64]
+
+
+class BeaconFilter(FieldLocalizer):
+    """An extended Kalman filter: the errors of wheels and gyros are states as in `FieldModel`, and so is the
+    bias of each beacon (augmented state: Friedland, 1969), and a scale of all ranges.
+
+    Where the start is known, the first ranges tell the biases; from there on they tell the place. A range
+    that its own covariance can't explain is refused: of a beacon that was moved, or behind a wall, that is
+    most of them. No satellite is asked.
+    """
+
+    TAKES_FIXES: ClassVar[bool] = False
+    TAKES_RANGES: ClassVar[bool] = True
+    STATE: ClassVar[Mapping[str, Any]] = {
+        **FieldLocalizer.STATE,
+        "_mean": Array,
+        "_spread": Array,
+        "_rested": bool,
+        "_still": Array,
+        "_origin": WatchedMoment | None,
+        "_clock": float,
+        "_squares": list[tuple[float, float | None]],
+        "refused": int,
+    }
+
+    def __init__(
+        self, start: Pose2, noise: FieldNoise, errors: BeaconErrors, start_position: float = 0.05
+    ) -> None:
+        """Start at a pose whose position is right to `start_position` [m] an axis.
+
+        Args:
+            start: world_T_base.
+            noise: what to believe of wheels and gyros.
+            errors: what to believe of the ranges.
+            start_position: sigma in [m].
+        """
+        super().__init__(start)
+        self._noise, self._errors = noise, errors
+        model, count = FieldModel(noise), len(errors.places)
+        self._figures = model.figures
+        mean, spread = model.start(np.array(start), start_position)
+        own = np.array([errors.bias] * count + [errors.scale])
+        self._mean = np.concatenate([mean, np.zeros(count + 1)])
+        self._spread = np.diag(np.concatenate([np.zeros(states.SIZE), own**2]))
+        self._spread[: states.SIZE, : states.SIZE] = spread
+        self._rested = True
+        self._still = np.zeros(2)  # turn and time since the gyro's bias was seen, at rest
+        self._origin: WatchedMoment | None = None
+        self._clock = 0.0
+        self._squares: list[tuple[float, float | None]] = []  # times of ranges, and their squares as below
+        self.refused = 0
+        """Ranges that were not believed."""
+
+    @property
+    def biases(self) -> Belief:
+        """(k,) of the beacons, in [m], and (k, k)."""
+        own = slice(states.SIZE, -1)
+        return Belief(self._mean[own].copy(), self._spread[own, own].copy())
+
+    @property
+    def covariance(self) -> Array:
+        """See `FieldLocalizer`."""
+        return self._spread[:3, :3].copy()
+
+    @property
+    def inconsistency(self) -> Inconsistency | None:
+        """See `FieldLocalizer`."""
+        return inconsistency_of(self._squares, axes=1)
+
+    def _ranges(self, distances: Array) -> None:
+        for beacon in np.flatnonzero(np.isfinite(distances)).tolist():
+            self._take_range(beacon, float(distances[beacon]))
+
+    def _take_range(self, beacon: int, distance: float) -> None:
+        expected, row = self._forecast(beacon)
+        residual = np.array([distance - expected])
+        variance = self._errors.white**2
+        square = float(residual[0] ** 2 / ((row @ self._spread @ row.T)[0, 0] + variance))
+        believed = square <= BELIEVED**2
+        self._squares.append((self._clock, square if believed else None))
+        while self._squares[0][0] < self._clock - CONSISTENCY_WINDOW:
+            del self._squares[0]
+        if believed:
+            self._correct(row, residual, variance)
+        else:
+            self.refused += 1
+
+    def _forecast(self, beacon: int) -> tuple[float, Array]:
+        """A range in [m], and how it depends on the states (1, n)."""
+        lever = level_lever(self._errors.tag, self.tilt, float(self._mean[states.HEADING]))
+        x, y, height = self._errors.places[beacon].tolist()
+        away = np.array([x, y]) - self._mean[:2] - lever
+        distance = math.hypot(*away, height - self._errors.tag[2])
+        scale = 1.0 + float(self._mean[-1])
+        row = np.zeros((1, len(self._mean)))
+        if distance > NEAREST:
+            row[0, [states.X, states.Y]] = -scale * away / distance
+            row[0, states.HEADING] = scale * (away[0] * lever[1] - away[1] * lever[0]) / distance
+        row[0, states.SIZE + beacon], row[0, -1] = 1.0, distance
+        return scale * distance + float(self._mean[states.SIZE + beacon]), row
+
+    def _correct(self, rows: Array, residual: Array, variance: float) -> None:
+        if self._origin is not None:
+            self._origin = self._origin.corrected(self._spread, rows, residual, variance)
+        self._mean, self._spread = corrected(self._mean, self._spread, rows, residual, variance)
+
+    def _advance(self, advance: Advance) -> None:
+        size = states.SIZE
+        if advance.rest < advance.time:
+            self._see_gyro_bias()
+        new_leg = self._rested and advance.rest < advance.time
+        mean, step, added = field_step(self._mean[:size], np.array(advance), new_leg, self._figures)
+        self._mean = np.concatenate([mean, self._mean[size:]])
+        transition = np.eye(len(self._mean))
+        transition[:size, :size] = step
+        walked = np.full(len(self._mean) - size - 1, self._errors.bias_walk**2 * advance.time)
+        self._spread = carried(self._spread, transition, np.concatenate([added, walked, [0.0]]))
+        if self._origin is not None:
+            self._origin = self._origin.stepped(transition)
+        self._rested = advance.rest > 0.0
+        self._clock += advance.time
+        self._still = self._still + np.array([advance.still, advance.rest])
+        if self._still[1] >= BIAS_PERIOD:
+            self._see_gyro_bias()
+
+    def _see_gyro_bias(self) -> None:
+        """At rest the vertical gyro reads nothing but its bias."""
+        turned, time = self._still.tolist()
+        if time <= 0.0:
+            return
+        row = np.zeros((1, len(self._mean)))
+        row[0, [states.BIAS, states.WARM_UP]] = 1.0
+        residual = turned / time - self._mean[states.BIAS] - self._mean[states.WARM_UP]
+        self._correct(row, np.array([residual]), self._noise.gyro_white**2 / time)
+        self._still = np.zeros(2)
+
+    def _fix(self, position: Array, sigma: float | None) -> bool:
+        return False
+
+    def _set_origin(self) -> None:
+        self._origin = WatchedMoment.of(Belief(self._mean, self._spread), states=3)
+
+    def _relative_pose(self) -> Belief:
+        assert self._origin is not None
+        return self._origin.relative_pose(Belief(self._mean, self._spread))
+
+    def _estimate(self) -> Pose2:
+        x, y, heading = self._mean[:3].tolist()
+        return Pose2(x, y, wrap(heading))

@@ -1,0 +1,127 @@
+"""Ranges to beacons: the place and each beacon's bias, also where a bias isn't what is supposed."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from benchmarks.field.beacons import ERRORS, BeaconDrive, BeaconWorld, beacon_drive, try_beacons
+from benchmarks.field.displacements import true_way
+from benchmarks.field.field_drive import PERIOD
+from handcart.backends.plain_values import attributes, set_attributes
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.beacons.beacon_filter import BeaconFilter
+from handcart.robotics.navigation.outdoors.field_noise import REFERENCE
+from handcart.robotics.navigation.outdoors.placement_errors import nees
+
+CONSTANT = ERRORS._replace(bias_walk=0.0)
+
+
+@pytest.fixture(scope="module")
+def drives() -> list[BeaconDrive]:
+    return [beacon_drive(seed, stops=3) for seed in range(8)]
+
+
+def test_the_place_is_known_although_each_beacon_is_off(drives: list[BeaconDrive]) -> None:
+    trials = [try_beacons(drive, CONSTANT) for drive in drives]
+    errors = np.concatenate([trial.errors for trial in trials])
+    squares = nees(errors, np.concatenate([trial.covariances for trial in trials]))
+    assert np.quantile(np.hypot(*errors.T), 0.95) < 0.10
+    assert 1.0 < squares.mean() < 3.2
+    assert all(all(trial.consistent) for trial in trials)
+    assert max(trial.refused for trial in trials) < 0.001
+
+
+def test_who_supposes_no_bias_is_wrong_and_hears_so(drives: list[BeaconDrive]) -> None:
+    trials = [try_beacons(drive, ERRORS._replace(bias=0.005, bias_walk=0.0)) for drive in drives]
+    errors = np.concatenate([trial.errors for trial in trials])
+    assert np.quantile(np.hypot(*errors.T), 0.95) > 0.15
+    assert not all(all(trial.consistent) for trial in trials)
+
+
+def test_biases_are_found_as_well_as_is_claimed(drives: list[BeaconDrive]) -> None:
+    squares = []
+    for drive in drives:
+        filtering = BeaconFilter(Pose2(0.0, 0.0, drive.log.start_heading), REFERENCE, CONSTANT)
+        for row in range(len(drive.log.rates)):
+            readings = drive.log.rates[row], drive.log.accelerations[row], drive.log.wheels[row]
+            filtering.predict(*readings, PERIOD)
+            filtering.ranges(drive.ranges[row])
+        mean, covariance = filtering.biases
+        off = mean - drive.biases
+        squares.append(off @ np.linalg.solve(covariance, off))
+        assert np.abs(off).max() < 0.2
+    assert 1.2 < np.mean(squares) < 6.0  # 3 on average
+
+
+def test_a_scale_of_all_ranges_is_found() -> None:
+    """As of the radios of a lawn mower that told 7 % too much."""
+    drive = beacon_drive(3)
+    long = drive._replace(ranges=1.07 * drive.ranges)
+    wary, sure = (try_beacons(long, ERRORS._replace(scale=scale)) for scale in (0.1, 0.002))
+    assert np.hypot(*wary.errors.T).max() < 0.4
+    assert nees(wary.errors, wary.covariances).mean() < 6.0
+    assert np.hypot(*sure.errors.T).max() > 2.0 * np.hypot(*wary.errors.T).max()
+
+
+@pytest.mark.parametrize("world", [BeaconWorld(bias_walk=0.01), BeaconWorld(moved=0.5)])
+def test_claims_hold_where_a_bias_is_not_constant(world: BeaconWorld) -> None:
+    """Wandering, or as a beacon is moved a little; without the walk that is supposed they don't."""
+    sure, wary = list[np.ndarray](), list[np.ndarray]()
+    for seed in range(4):
+        drive = beacon_drive(seed, world)
+        for errors, found in ((ERRORS, wary), (CONSTANT, sure)):
+            trial = try_beacons(drive, errors)
+            found.append(nees(trial.errors, trial.covariances))
+    assert np.mean(wary) < 4.0
+    assert np.mean(sure) > 5.0
+
+
+def test_a_beacon_that_was_carried_off_is_not_believed(drives: list[BeaconDrive]) -> None:
+    """By more than anything explains, from the start on; two of three are enough beside wheels and gyros."""
+    drive = drives[0]
+    ranges = drive.ranges.copy()
+    ranges[:, 0] += 15.0
+    trial = try_beacons(drive._replace(ranges=ranges))
+    assert trial.refused == pytest.approx(1.0 / 3.0, abs=0.01)
+    assert np.hypot(*trial.errors.T).max() < 0.4
+    ranges[:, 1] -= 15.0
+    assert not all(try_beacons(drive._replace(ranges=ranges)).consistent)
+
+
+def test_what_is_not_heard_tells_nothing(drives: list[BeaconDrive]) -> None:
+    """Ranges that aren't finite, and a tag right below a beacon, from where no direction is told."""
+    log = drives[0].log
+    errors = ERRORS._replace(places=np.array([[0.0, 0.0, 2.0]]))
+    one, other = (BeaconFilter(Pose2(0.0, 0.0, 0.0), REFERENCE, errors) for _ in range(2))
+    for row in range(200):
+        for each in (one, other):
+            each.predict(log.rates[row], log.accelerations[row], log.wheels[row], PERIOD)
+        one.ranges(np.array([math.nan if row % 2 else math.inf]))
+    assert np.allclose(one.covariance, other.covariance)
+    other.ranges(np.array([1.2]))
+    assert np.isfinite(other.covariance).all()
+    assert one.pose.distance(other.pose) < 0.1
+    assert one.fix(np.zeros(2)) is False
+
+
+def test_how_far_it_came_and_a_checkpoint_that_keeps_it(drives: list[BeaconDrive]) -> None:
+    drive, begin = drives[1], 2400
+    end = int(drive.log.drive.placings[0])
+    log = drive.log
+    first, second = (BeaconFilter(Pose2(0.0, 0.0, log.start_heading), REFERENCE, ERRORS) for _ in range(2))
+    for row in range(end):
+        if row == begin:
+            first.set_origin()
+        first.predict(log.rates[row], log.accelerations[row], log.wheels[row], PERIOD)
+        first.ranges(drive.ranges[row])
+    mean, covariance = first.displacement
+    off = mean[:2] - true_way(log, begin, end - 1)[:2]
+    assert nees(off[None], covariance[None, :2, :2])[0] < 14.0
+    for before, after in ((first, second), (first.odometry, second.odometry)):
+        set_attributes(after, after.STATE, attributes(before, before.STATE))
+    assert first.pose == second.pose
+    for one, other in zip(first.displacement, second.displacement, strict=True):
+        assert np.array_equal(one, other)
