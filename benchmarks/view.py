@@ -8,6 +8,7 @@ while somebody scrubs through it.
 
 from __future__ import annotations
 
+import argparse
 import http.client
 import os
 import re
@@ -30,12 +31,15 @@ PERIOD = 1.0 / 25.0  # [s] of a frame that doesn't stutter
 
 def main() -> None:
     """One of the two."""
-    what, path = sys.argv[1], Path(sys.argv[2])
-    if what == "cost":
-        cost(path)
+    words = argparse.ArgumentParser(description=__doc__)
+    words.add_argument("what", choices=("cost", "open"))
+    words.add_argument("path", type=Path, help="of a task file to run, or of a recorded run's folder")
+    wanted = words.parse_args()
+    if wanted.what == "cost":
+        cost(wanted.path)
     else:
-        opening(path)
-        scrubbing(path)
+        opening(wanted.path)
+        scrubbing(wanted.path)
 
 
 def cost(task: Path) -> None:
@@ -77,7 +81,7 @@ def opening(run: Path) -> None:
         command = [sys.executable, "-m", "handcart", "view", str(run), "--port", "0"]
         with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
             assert process.stdout is not None
-            found = re.search(r"http://([\d.]+):(\d+)", process.stdout.readline())
+            found = re.search(r"http://([\d.]+):(\d+)/#token=\S+", process.stdout.readline())
             assert found
             page = http.client.HTTPConnection(found[1], int(found[2]))
             page.request("GET", "/")
@@ -113,7 +117,7 @@ def scrubbing(run: Path) -> None:
 
     playback = Playback.read(run)
     times = np.random.default_rng(0).uniform(playback.start, playback.end, FRAMES)
-    with open_server(0, "benchmark") as server:
+    with open_server(0, "benchmark") as (server, _):
         replay = Replay(server, playback)
         took = []
         for each in times.tolist():
