@@ -14,6 +14,21 @@ from handcart.robotics.geometry.transform import Transform
 
 Uvs = Sequence[tuple[float, float]]
 """Where a face's corners lie in the picture: u to the right, v up, both from 0 to 1."""
+BOX_FACES = np.array(
+    (
+        ((-1, 1, -1), (-1, -1, -1), (-1, -1, 1), (-1, 1, 1)),
+        ((1, -1, -1), (1, 1, -1), (1, 1, 1), (1, -1, 1)),
+        ((-1, -1, -1), (1, -1, -1), (1, -1, 1), (-1, -1, 1)),
+        ((1, 1, -1), (-1, 1, -1), (-1, 1, 1), (1, 1, 1)),
+        ((-1, -1, 1), (1, -1, 1), (1, 1, 1), (-1, 1, 1)),
+        ((-1, 1, -1), (1, 1, -1), (1, -1, -1), (-1, -1, -1)),
+    ),
+    dtype=float,
+)
+"""(6, 4, 3): corners of the sides of a box that is 2 wide, counter-clockwise from outside; sides in the
+order of `ThingForm.uvs`."""
+BOX_NORMALS = np.array(((-1, 0, 0), (1, 0, 0), (0, -1, 0), (0, 1, 0), (0, 0, 1), (0, 0, -1)), dtype=float)
+"""(6, 3), outwards."""
 
 
 Portrait = NDArray[np.uint8]
