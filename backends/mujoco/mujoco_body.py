@@ -16,7 +16,7 @@ from handcart.backends.physics.body.robot_body import RobotBody, held_still, sou
 from handcart.backends.physics.body.surface import Surface
 from handcart.backends.urdf.driven_wheels import driven_wheels
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.geometry.transform import Transform, inverse, transform
+from handcart.robotics.geometry.transform import Transform, inverse
 
 from .mujoco_engine import MujocoEngine
 from .mujoco_joints import GIVING, MujocoJoints
@@ -221,6 +221,6 @@ def _without_a_world(urdf: str) -> str:
 
 
 def _pose(position: Any, turn: Any) -> Transform:
-    pose = transform(tuple(position.tolist()))
-    pose[:3, :3] = turn.reshape(3, 3)
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = turn.reshape(3, 3), position
     return pose

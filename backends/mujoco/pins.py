@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -41,8 +42,8 @@ class Pins:
 
     def pull(self, data: Any) -> float:
         """What a point bears, on the mean over all, in [N]."""
-        forces = data.efc_force[self._first : self._first + 3 * MOST].reshape(MOST, 3)
-        return float(np.sqrt((forces * forces).sum(axis=1)).sum()) / MOST
+        forces = data.efc_force[self._first : self._first + 3 * MOST].tolist()
+        return sum(math.hypot(*forces[row : row + 3]) for row in range(0, 3 * MOST, 3)) / MOST
 
     def open(self, data: Any) -> None:
         """Hold nothing."""

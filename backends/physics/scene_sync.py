@@ -24,8 +24,8 @@ class SceneSync:
     def base(self) -> None:
         """Where the base stands, and how it leans."""
         scene = self._scene
-        scene.tilted_base = self._body.base_pose()
         standing = self._body.standing_pose()
+        scene.tilted_base = self._body.link_pose("base") if self._body.sprung else standing
         heading = float(np.arctan2(standing[1, 0], standing[0, 0]))
         scene.base = Pose2(float(standing[0, 3]), float(standing[1, 3]), heading)
 

@@ -36,7 +36,7 @@ def box_mesh(client: int, size: Sequence[float], uvs: Sequence[Uvs]) -> int:
 
 def _obj(half: NDArray[np.float64], uvs: Sequence[Uvs]) -> str:
     """The box as Wavefront OBJ: Bullet's EGL renderer takes meshes from files only."""
-    lines = [f"v {x} {y} {z}" for face in BOX_FACES for x, y, z in half * np.array(face)]
+    lines = [f"v {x} {y} {z}" for face in BOX_FACES for x, y, z in half * face]
     lines += [f"vt {u} {v}" for face in uvs for u, v in face]
     lines += [f"vn {x} {y} {z}" for x, y, z in BOX_NORMALS]
     for number in range(len(BOX_FACES)):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import traceback
 from collections.abc import Callable, Generator
-from contextlib import suppress
 from dataclasses import replace
 from typing import TypeVar
 
@@ -26,6 +25,7 @@ from handcart.primitives.restoring.trace import Trace
 from .action_primitive import ActionPrimitive, Periods
 from .cause import FRAMEWORK, Cause
 from .discrepancy import Discrepancy, NeedsPerson
+from .halt import halt
 from .intents import UNKEPT, Intents
 from .outcome import Fail, GiveUp, Outcome, Success, fail_if_restored
 from .standstill_monitor import StandstillMonitor
@@ -96,7 +96,7 @@ def attempt(
         return Success(dict(primitive.facts))
     except NeedsPerson as need:
         primitive.evidence.blame(need)
-        yield from _halt(robot)
+        yield from halt(robot)
         return GiveUp(need.reason)
     except Discrepancy as discrepancy:
         primitive.evidence.blame(discrepancy)
@@ -144,13 +144,6 @@ def _think(primitive: ActionPrimitive, robot: Robot, view: ModelView) -> Generat
         return fail_if_restored(_words(error), False, {}, {})
 
 
-def _halt(robot: Robot) -> Periods:
-    """Stop, and wait until nothing moves any more; where that can't be read, there is nothing to wait for."""
-    robot.stop()
-    with suppress(Exception):
-        yield from settle(robot)
-
-
 def _recorded(periods: Generator[None, None, T], trace: Trace) -> Generator[None, None, T]:
     """Take every period down for the way back."""
     trace.record()
@@ -190,7 +183,7 @@ def _finish(
     except Exception as error:
         primitive.evidence.blame(error, restoring=True)
         reason = f"{reason}; and withdrawing: {_words(error)}"
-    yield from _halt(robot)
+    yield from halt(robot)
     return GiveUp(f"{reason}; after a point of no return ({primitive._no_return})")
 
 
@@ -215,15 +208,16 @@ def _restore(
             now = take_snapshot_since_start(robot, seen)
         except Exception as error:  # no second restore on top of a fault in restoring
             primitive.evidence.blame(error, restoring=True)
-            yield from _halt(robot)
+            yield from halt(robot)
             return GiveUp(f"{reason}; and restoring failed: {_words(error)}")
         found = residuals(start, now, robot.spec.joint_units.slides)
         primitive.evidence.limits = limits(robot, found, room)
         verdict = fail_if_restored(reason, permanent, found, primitive.evidence.limits)
         if isinstance(verdict, Fail):
             robot.failed_from = start.pose
-            break
-    robot.stop()
+            robot.stop()
+            return verdict
+    yield from halt(robot)
     return verdict
 
 

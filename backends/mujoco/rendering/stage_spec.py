@@ -115,6 +115,7 @@ class StageSpec:
     def _floor(self) -> None:
         plane = mujoco().mjtGeom.mjGEOM_PLANE
         floor = self._shape(self.spec.worldbody, type=plane, size=(0.0, 0.0, 1.0))
+        floor.castshadow = 0  # none falls on it but its own, as specks
         if not self._style.coloured:
             floor.rgba, floor.material = (*(_FLOOR_GREY / 255,) * 3, 1.0), self._dull()
             return
@@ -135,6 +136,7 @@ class StageSpec:
         )
         kind, (x, y) = mujoco().mjtGeom.mjGEOM_HFIELD, tile.corner + half
         ground = self._shape(self.spec.worldbody, type=kind, hfieldname=f"{number}", pos=(x, y, low))
+        ground.castshadow = 0  # hills are so low that theirs are specks
         if not self._style.coloured:
             ground.rgba, ground.material = (*(_GROUND_GREY / 255,) * 3, 1.0), self._dull()
             return
@@ -188,8 +190,8 @@ class StageSpec:
         texcoord = np.array([[u, 1.0 - v] for face in uvs for u, v in face])
         self.spec.add_mesh(
             name=name,
-            uservert=(np.array(BOX_FACES) * np.array(size) / 2).ravel(),
-            usernormal=np.repeat(np.array(BOX_NORMALS, dtype=float), 4, axis=0).ravel(),
+            uservert=(BOX_FACES * np.array(size) / 2).ravel(),
+            usernormal=np.repeat(BOX_NORMALS, 4, axis=0).ravel(),
             usertexcoord=texcoord.ravel(),
             userface=triangles.ravel(),
         )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ from handcart.backends.simulation.body.arm_contact import HELD
 from .robot_body import RobotBody
 
 Pairs = frozenset[tuple[str, str]]
+Asked = tuple[Collection[Touching], Collection[Touching], int | None, Collection[int]]
 FINGERS = ("left_finger", "right_finger")
 _ACROSS = 0.7  # of a contact's normal; less is a push with the tips
 
@@ -27,6 +28,9 @@ class Touch:
         self._rolling = {*body.casters, *body.rolling}
         self._fingers = [body.link_index[name] for name in FINGERS if name in body.link_index]
         self._read: dict[int, Collection[Touching]] = {}
+        self._asked: Asked | None = None
+        """Of what the pairs below are: as a rule, the next step of the engine changes nothing of it."""
+        self._pairs: Pairs = frozenset()
 
     def stepped(self) -> None:
         """The engine has moved on: what was read of it is old."""
@@ -69,19 +73,27 @@ class Touch:
             held: the body in the hand.
             riding: bodies that stand on the robot.
         """
-        found = set()
-        for point in self._touching(self._body.id):
+        its = self._touching(held) if held is not None else ()
+        asked = self._touching(self._body.id), its, held, riding
+        if asked != self._asked:
+            self._asked, self._pairs = asked, frozenset(self._named(*asked))
+        return self._pairs
+
+    def _named(
+        self, mine: Collection[Touching], its: Collection[Touching], held: int | None, riding: Collection[int]
+    ) -> Iterator[tuple[str, str]]:
+        """Pairs of what the robot, and what it holds, touches."""
+        for point in mine:
             link, other = self._body.link_names[point.link], point.other
             if other in (held, self._body.id) or (
                 link in self._rolling and self._world.names[other] == "floor"
             ):
                 continue
             if other not in riding or point.link in self._hand:
-                found.add((link, self._world.names[other]))
-        for point in self._touching(held) if held is not None else ():
+                yield link, self._world.names[other]
+        for point in its:
             if point.other != self._body.id:
-                found.add((HELD, self._world.names[point.other]))
-        return frozenset(found)
+                yield HELD, self._world.names[point.other]
 
     def _touching(self, body: int) -> Collection[Touching]:
         if body not in self._read:

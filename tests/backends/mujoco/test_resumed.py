@@ -11,6 +11,7 @@ import pytest
 
 from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.mujoco.mujoco_backend import MujocoBackend
+from handcart.backends.mujoco.mujoco_module import mujoco
 from handcart.backends.saved_state import NotAState, pack, unpack
 from handcart.backends.simulation.blocks.block_props import BlockProps
 from handcart.backends.simulation.world.world_model import world_model
@@ -123,7 +124,7 @@ def test_what_sleeps_where_the_arm_would_be_at_its_zero_sleeps_on() -> None:
     engine = again._engine
     sleepers = engine.data.tree_asleep >= 0
     assert sleepers.sum() == len(blocks)
-    engine.mj.mj_step(engine.model, engine.data)
+    mujoco().mj_step(engine.model, engine.data)
     assert (engine.data.tree_asleep[sleepers] >= 0).all()
     for each in made:
         each.close()

@@ -1,0 +1,64 @@
+"""How far beams are free in MuJoCo's world."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.geometry.boxes_ahead import boxes_ahead
+
+from .mujoco_module import mujoco
+from .world_spec import ROBOT_GROUP
+
+_FAR = 1e10  # [m], whatever the ways are long: what is beyond it MuJoCo does not look at
+
+Array = NDArray[np.float64]
+
+
+class Beams:
+    """Beams of a range sensor, which no part of the robot stops.
+
+    `mj_multiRay` looks at each body for each beam, which with a library takes as long as eight steps of the
+    solver. Next to all that stands about are boxes, and few are at the height of a level sensor: those are
+    tried alone. Where something else is among them, ground or a wedge, MuJoCo is asked.
+    """
+
+    def __init__(self, model: Any) -> None:
+        """Of a compiled model."""
+        self._model, kinds = model, mujoco().mjtGeom
+        seen = model.geom_group != ROBOT_GROUP
+        self._planes = np.flatnonzero(seen & (model.geom_type == kinds.mjGEOM_PLANE))
+        self._others = np.flatnonzero(seen & (model.geom_type != kinds.mjGEOM_PLANE))
+        self._boxes = model.geom_type[self._others] == kinds.mjGEOM_BOX
+        self._reach = model.geom_rbound[self._others, None]
+
+    def free_shares(self, data: Any, start: Array, ends: Array) -> Array:
+        """See `Engine`; poses in `data` are those of now."""
+        middles = data.geom_xpos[self._others]
+        low, high = np.minimum(ends.min(axis=0), start), np.maximum(ends.max(axis=0), start)
+        near = ((middles + self._reach >= low) & (middles - self._reach <= high)).all(axis=1)
+        if not self._boxes[near].all():
+            return self._asked(data, start, ends)
+        boxes, ways = self._others[near], np.ascontiguousarray(ends - start)
+        turns, halves = data.geom_xmat[boxes].reshape(-1, 3, 3), self._model.geom_size[boxes]
+        shares = boxes_ahead(np.ascontiguousarray(start), ways, middles[near], turns, halves)
+        for plane in self._planes:
+            up = data.geom_xmat[plane, 2::3]
+            above, sinks = float((start - data.geom_xpos[plane]) @ up), -(ways @ up)
+            if above >= 0.0 and sinks.max() >= above:
+                met = sinks >= max(above, 1e-12)
+                shares[met] = np.minimum(shares[met], above / sinks[met])
+        return shares
+
+    def _asked(self, data: Any, start: Array, ends: Array) -> Array:
+        """The same, of MuJoCo."""
+        ways = np.ascontiguousarray(ends - start)
+        met, share = np.full(len(ways), -1, np.int32), np.zeros(len(ways))
+        groups = np.ones(6, np.uint8)
+        groups[ROBOT_GROUP] = 0
+        mujoco().mj_multiRay(
+            self._model, data, start, ways.ravel(), groups, True, -1, met, share, None, len(ways), _FAR
+        )
+        return np.where((met >= 0) & (share <= 1.0), share, np.inf)

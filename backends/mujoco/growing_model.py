@@ -1,0 +1,66 @@
+"""MuJoCo's model of a world that grows, and its data."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from .mujoco_module import mujoco
+from .world_spec import WorldSpec
+
+_KEPT = ("actuator_gainprm", "actuator_biasprm", "actuator_forcerange")
+"""What of a model drives are told by."""
+
+
+class GrowingModel:
+    """Compiled when it is first asked for.
+
+    What is added later has it compiled anew, and all that was there goes on as it was.
+    """
+
+    def __init__(self, step: float, compiled: Callable[[Any], None]) -> None:
+        """Of a world with steps of the solver as long, in [s]; `compiled` hears of each model that is new."""
+        self.world = WorldSpec(step)
+        self._compiled: tuple[Any, Any] | None = None
+        self._tell, self._grown, self._stale = compiled, True, True
+
+    def both(self) -> tuple[Any, Any]:
+        """Model and data, as of now; poses in the data may be those of before, see `links`."""
+        if self._grown or self._compiled is None:
+            return self._compile()
+        return self._compiled
+
+    def changed(self) -> None:
+        """What is in `world` was changed."""
+        self._grown = True
+
+    def links(self) -> Any:
+        """The data, with poses of all links as of now."""
+        model, data = self.both()
+        if self._stale:
+            mujoco().mj_kinematics(model, data)
+            self._stale = False
+        return data
+
+    def displaced(self) -> None:
+        """Coordinates have changed: poses follow when they are asked for."""
+        self._stale = True
+
+    def forget(self) -> None:
+        """Let go of both."""
+        self._compiled, self._grown = None, True
+
+    def _compile(self) -> tuple[Any, Any]:
+        before = self._compiled
+        if before is None:
+            model = self.world.spec.compile()
+            made = model, mujoco().MjData(model)
+        else:
+            made = self.world.spec.recompile(*before)
+            for name in _KEPT:
+                old, new = getattr(before[0], name), getattr(made[0], name)
+                if old.shape == new.shape:
+                    new[:] = old
+        self._compiled, self._grown, self._stale = made, False, True
+        self._tell(made[0])
+        return made

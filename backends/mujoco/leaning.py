@@ -1,0 +1,57 @@
+"""What leans on the robot, and so may not sleep."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .mujoco_module import mujoco
+
+_NO_ISLAND = -2
+
+
+class Leaning:
+    """Lets nothing sleep that leans on the robot: it would not fall when the robot goes away.
+
+    All else sleeps when it comes to rest; a robot never does.
+    """
+
+    def __init__(self) -> None:
+        """No model is there yet."""
+        self._robot: int | None = None
+        """Its tree of bodies."""
+        self.trees = np.zeros(0, np.bool_)
+        """(trees,): what touches the robot, by what is between them."""
+        self._seen = b""
+        """Islands when it was last looked."""
+
+    def compiled(self, model: Any, link: int | None) -> None:
+        """A model has more trees than that before, beside those that it had; `link` is one of a robot's."""
+        leaned, self.trees = self.trees, np.zeros(int(model.ntree), np.bool_)
+        self._robot = None if link is None else int(model.body_treeid[link])
+        if self._robot is not None:
+            self.set(model, np.pad(leaned, (0, len(self.trees) - len(leaned))))
+
+    def look(self, model: Any, data: Any) -> None:
+        """Time has passed: find anew what leans."""
+        if self._robot is None:
+            return
+        island = data.tree_island
+        seen = island.tobytes()
+        if seen == self._seen:
+            return
+        mine = island[self._robot]
+        leans = island == (mine if mine >= 0 else _NO_ISLAND)
+        if (leans != self.trees).any():
+            self.set(model, leans)
+        self._seen = seen
+
+    def set(self, model: Any, leans: NDArray[np.bool_]) -> None:
+        """Have those trees stay awake, and all others sleep when they come to rest."""
+        kinds, policy = mujoco().mjtSleepPolicy, model.tree_sleep_policy
+        policy[self.trees] = kinds.mjSLEEP_ALLOWED
+        policy[leans] = kinds.mjSLEEP_NEVER
+        policy[self._robot] = kinds.mjSLEEP_NEVER
+        self.trees, self._seen = leans, b""

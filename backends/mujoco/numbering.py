@@ -1,0 +1,60 @@
+"""Where bodies of the engine's stand in MuJoCo's arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+_NOBODY = (-1, -1)
+
+
+class ThingNumbers(NamedTuple):
+    """Where a thing's numbers stand."""
+
+    body: int
+    position: int
+    """Of its seven coordinates."""
+    velocity: int
+    geometries: tuple[int, ...]
+
+
+class Numbering:
+    """Whose a compiled model's geometries are, and where coordinates of things stand.
+
+    Geometries of bodies other than the robot's are named by the engine's numbers: `7`, `7.1`.
+    """
+
+    def __init__(self, model: Any, links: Mapping[int, tuple[int, int]], things: Collection[int]) -> None:
+        """Of a model.
+
+        Args:
+            model: MuJoCo's.
+            links: bodies of the robot's and their links, by MuJoCo's numbers.
+            things: the engine's numbers of those that move as they will.
+        """
+        self.owners: list[tuple[int, int]] = [_NOBODY] * int(model.ngeom)
+        """Body and link of each geometry; what is no link's has -1."""
+        mine: dict[int, list[int]] = {}
+        for geometry in range(model.ngeom):
+            body, name = int(model.geom_bodyid[geometry]), model.geom(geometry).name.partition(".")[0]
+            if body in links:
+                self.owners[geometry] = links[body]
+            elif name.isdigit():
+                self.owners[geometry] = int(name), -1
+                mine.setdefault(int(name), []).append(geometry)
+        self.things: dict[int, ThingNumbers] = {}
+        for number in things:
+            joint = model.joint(f"{number}")
+            self.things[number] = ThingNumbers(
+                int(joint.bodyid[0]), int(joint.qposadr[0]), int(joint.dofadr[0]), tuple(mine[number])
+            )
+        self._numbers = np.array(list(self.things), np.int64)
+        first = np.array([each.position for each in self.things.values()], np.int64)
+        self._where: NDArray[np.int64] = first[:, None] + np.arange(7)
+
+    def moved(self, changed: NDArray[np.bool_]) -> frozenset[int]:
+        """Things of which some of all coordinates (n,) have `changed`."""
+        return frozenset(self._numbers[changed[self._where].any(axis=1)].tolist())

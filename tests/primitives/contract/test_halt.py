@@ -1,0 +1,50 @@
+"""What holds still until a person comes pushes nothing aside."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, ClassVar
+
+import numpy as np
+import pytest
+
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.robot.robot import Robot
+from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.contract.discrepancy import NeedsPerson
+from handcart.primitives.contract.outcome import GiveUp
+from handcart.primitives.knowledge.world_model import ModelView
+from tests.primitives.conftest import Rig
+
+GOES = 0.01  # [rad]
+
+
+class Pushes(ActionPrimitive):
+    """Turns the arm's first joint, and needs a person."""
+
+    needs: ClassVar = (Arm,)
+
+    def motion(self, robot: Robot, model: ModelView) -> Periods:
+        for _ in range(10):
+            robot.arm.move(robot.arm.command() + np.array([GOES / 10, 0.0, 0.0, 0.0, 0.0, 0.0]))
+            yield
+        raise NeedsPerson("it squeaks")
+
+
+@pytest.mark.parametrize(("stiffness", "follows"), [(3000.0, False), (0.0, True)], ids=["jammed", "encoders"])
+def test_an_arm_that_is_jammed_holds_where_it_stands(
+    make_rig: Callable[..., Rig], monkeypatch: pytest.MonkeyPatch, stiffness: float, follows: bool
+) -> None:
+    """One whose encoders alone stand still stays where it was told to be."""
+    rig = make_rig()
+    arm: Any = rig.robot.backend.get(Arm)
+    stands, began = arm.joints().copy(), arm.command().copy()
+    monkeypatch.setattr(arm, "joints", lambda: stands.copy())
+
+    def force() -> Any:
+        return np.array([0.0, -stiffness * (arm.command()[0] - stands[0]), 0.0])
+
+    monkeypatch.setattr(arm, "hand_force", force)
+    assert rig.run(Pushes()) == GiveUp("it squeaks")
+    began[0] += GOES
+    assert arm.command() == pytest.approx(began if follows else stands, abs=1e-9)
