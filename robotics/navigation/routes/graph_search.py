@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import heapq
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -127,6 +125,9 @@ def cheapest_nodes(
 ) -> tuple[int, float, NDArray[np.int64]]:
     """Dijkstra from many starts to many goals.
 
+    The next node is looked for among all that are open: of a Voronoi graph's few hundred that takes less than
+    a heap takes to be compiled.
+
     Args:
         slots: incidence as in `EdgeTable`.
         slot_first: (n + 1,) as in `EdgeTable`.
@@ -142,22 +143,23 @@ def cheapest_nodes(
     """
     cost = start_cost.copy()
     back = np.full(len(cost), -1, dtype=np.int64)
-    queue = [(cost[node], node) for node in range(len(cost)) if cost[node] < np.inf]
-    heapq.heapify(queue)
+    done = np.zeros(len(cost), dtype=np.bool_)
     best, last = limit, -1
-    while queue:
-        so_far, node = heapq.heappop(queue)
-        if so_far >= best:
+    while True:
+        so_far, node = np.inf, -1
+        for other in range(len(cost)):
+            if cost[other] < so_far and not done[other]:
+                so_far, node = cost[other], other
+        if node < 0 or so_far >= best:
             break
-        if so_far > cost[node]:
-            continue
+        done[node] = True
         if so_far + goal_cost[node] < best:
             best, last = so_far + goal_cost[node], node
-        for slot in slots[slot_first[node] : slot_first[node + 1]]:
+        for place in range(slot_first[node], slot_first[node + 1]):
+            slot = slots[place]
             other = ends[slot // 2, 1 - slot % 2]
             new = so_far + length[slot // 2]
             if new < cost[other]:
                 cost[other] = new
                 back[other] = slot ^ 1
-                heapq.heappush(queue, (new, other))
     return last, best, back
