@@ -70,11 +70,12 @@ def _read(
 ) -> NDArray[np.float64]:
     """Distance, its bilinear slopes along x and y per cell, 1 in solids: (n, 4); inf and zeros outside."""
     height, width = distance.shape
-    out = np.zeros((len(at), 4))
+    out = np.empty((len(at), 4))
     for i in range(len(at)):
         column, row = math.floor(at[i, 0]), math.floor(at[i, 1])
         if not (0 <= column < width - 1 and 0 <= row < height - 1):
-            out[i, 0] = np.inf  # a whole row at once would take two seconds more to compile
+            # A whole row at once would take two seconds more to compile.
+            out[i, 0], out[i, 1], out[i, 2], out[i, 3] = np.inf, 0.0, 0.0, 0.0
             continue
         u, v = at[i, 0] - column, at[i, 1] - row
         a, b = distance[row, column], distance[row, column + 1]
@@ -101,9 +102,11 @@ def _normal_equations(
     The points (n, 2) are those of the map, `middle` the base on it, `origin` the map's corner, all in [m].
     A point inside a solid that would be drawn on along its beam is left out: that way is the wall's back.
     """
-    hessian = np.zeros((3, 3))
-    gradient = np.zeros(3)
-    slope = np.empty(3)
+    hessian, gradient, slope = np.empty((3, 3)), np.empty(3), np.empty(3)
+    for j in range(3):
+        gradient[j] = 0.0
+        for k in range(3):
+            hessian[j, k] = 0.0
     at = np.empty((len(points), 2))
     for i in range(len(points)):
         at[i, 0] = (points[i, 0] - origin[0]) / resolution - 0.5
@@ -186,8 +189,9 @@ def _descend(
     noise: float,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Gauss-Newton at one robust scale: the pose (3,) and its information (3, 3)."""
-    pose, off = start.copy(), np.empty(3)
-    moved, total = np.empty((len(points), 2)), information.copy()
+    pose, off = np.empty(3), np.empty(3)
+    moved, total = np.empty((len(points), 2)), np.empty((3, 3))
+    pose[0], pose[1], pose[2] = start[0], start[1], start[2]
     for _ in range(12):
         cos, sin = math.cos(pose[2]), math.sin(pose[2])
         for i in range(len(points)):

@@ -113,7 +113,6 @@ def in_sight(
     return _first_seen(squares, need, cells, edge_of, order, cell[0], cell[1], edges)
 
 
-@compiled
 def cheapest_nodes(
     slots: NDArray[np.int64],
     slot_first: NDArray[np.int64],
@@ -141,9 +140,25 @@ def cheapest_nodes(
         The last node (-1 if there is no way below the limit), the total, and for each node the slot of the
         edge that leads back from it (-1 where the way begins).
     """
-    cost = start_cost.copy()
-    back = np.full(len(cost), -1, dtype=np.int64)
-    done = np.zeros(len(cost), dtype=np.bool_)
+    back = np.full(len(start_cost), -1, dtype=np.int64)
+    done = np.zeros(len(start_cost), dtype=np.bool_)
+    last, total = _spread(slots, slot_first, ends, length, start_cost.copy(), back, done, goal_cost, limit)
+    return last, total, back
+
+
+@compiled
+def _spread(
+    slots: NDArray[np.int64],
+    slot_first: NDArray[np.int64],
+    ends: NDArray[np.int64],
+    length: NDArray[np.float64],
+    cost: NDArray[np.float64],
+    back: NDArray[np.int64],
+    done: NDArray[np.bool_],
+    goal_cost: NDArray[np.float64],
+    limit: float,
+) -> tuple[int, float]:
+    """Bring `cost`, `back` and `done` of each node up to date, until the best last node is sure."""
     best, last = limit, -1
     while True:
         so_far, node = np.inf, -1
@@ -162,4 +177,4 @@ def cheapest_nodes(
             if new < cost[other]:
                 cost[other] = new
                 back[other] = slot ^ 1
-    return last, best, back
+    return last, best
