@@ -16,6 +16,10 @@ class WheelTravel(NamedTuple):
     right: float
     """[m]"""
 
+    def away(self, other: WheelTravel) -> float:
+        """The farthest that either wheel has rolled since `other`, in [m]."""
+        return max(abs(self.left - other.left), abs(self.right - other.right))
+
 
 class Base(Capability):
     """A mobile base."""

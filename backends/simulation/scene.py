@@ -95,6 +95,8 @@ class Scene:
     """world_T_base (4, 4) where physics lets the base tilt; None: it stands level."""
     changes: int = 0
     """Counts the times that a thing was moved: what is derived from their poses asks it."""
+    _leant: tuple[tuple[Pose2, tuple[float, float]], Transform] | None = field(default=None, repr=False)
+    """The last base and lean asked for, and world_T_base (4, 4): it is asked many times in a period."""
 
     @cached_property
     def body_plan(self) -> FloorPlan:
@@ -131,8 +133,12 @@ class Scene:
 
     def leaning_at(self, base: Pose2) -> Transform:
         """world_T_base (4, 4) of a base elsewhere that leans as it does now, on its suspension."""
-        pose = base.lift()
-        return pose if self.lean == (0.0, 0.0) else pose @ leaning(self.lean, self.robot.errors.lean_pivot_m)
+        if self._leant is None or self._leant[0] != (base, self.lean):
+            pose = base.lift()
+            if self.lean != (0.0, 0.0):
+                pose = pose @ leaning(self.lean, self.robot.errors.lean_pivot_m)
+            self._leant = (base, self.lean), pose
+        return self._leant[1].copy()
 
     def world_T(self, frame: str) -> Transform:
         """True pose (4, 4) of a frame of the robot."""

@@ -63,6 +63,8 @@ class ArmModel:
         self.upper: Vector = self._model.upperPositionLimit[self._order]
         self.velocity: Vector = self._model.velocityLimit[self._order]
         self._data = self._model.createData()
+        self._last_poses: dict[tuple[bytes, int], Transform] = {}  # asked several times in a period
+        self._frames: dict[str, int] = {}
         self._tip_id = self._frame(tip)
         self._root_T_base = self._fixed_placement(self._frame(base))
         self._base_T_root = self._root_T_base.inverse()
@@ -89,12 +91,16 @@ class ArmModel:
 
     def forward(self, q: Vector, frame: str | None = None) -> Transform:
         """base_T_frame (4, 4) at the joint angles `q` (n,) in [rad]; `frame` is any link, else the tip."""
-        pin.forwardKinematics(self._model, self._data, self.ordered(q))
         index = self._tip_id if frame is None else self._frame(frame)
-        placement: Transform = (
-            self._base_T_root * pin.updateFramePlacement(self._model, self._data, index)
-        ).homogeneous
-        return placement
+        key = q.tobytes(), index
+        placement = self._last_poses.get(key)
+        if placement is None:
+            pin.forwardKinematics(self._model, self._data, self.ordered(q))
+            placed = self._base_T_root * pin.updateFramePlacement(self._model, self._data, index)
+            if len(self._last_poses) >= _POSES:
+                del self._last_poses[next(iter(self._last_poses))]
+            placement = self._last_poses[key] = placed.homogeneous
+        return placement.copy()
 
     def jacobian(self, q: Vector) -> NDArray[np.float64]:
         """(6, n): velocity of the tip [m/s; rad/s], in the axes of `base`, for each joint's [rad/s]."""
@@ -175,10 +181,11 @@ class ArmModel:
         return result
 
     def _frame(self, name: str) -> int:
-        if not self._model.existFrame(name, pin.FrameType.BODY):
-            raise ValueError(f"the URDF has no link {name!r}")
-        index: int = self._model.getFrameId(name, pin.FrameType.BODY)
-        return index
+        if name not in self._frames:
+            if not self._model.existFrame(name, pin.FrameType.BODY):
+                raise ValueError(f"the URDF has no link {name!r}")
+            self._frames[name] = self._model.getFrameId(name, pin.FrameType.BODY)
+        return self._frames[name]
 
     def _fixed_placement(self, index: int) -> pin.SE3:
         frame = self._model.frames[index]
@@ -225,6 +232,7 @@ class ArmModel:
 
 
 _GRAVITY = 9.81  # [m/s²]
+_POSES = 4  # of frames at postures that are kept
 _ALIKE = 32  # models with other joints elsewhere that are kept
 _ITERATIONS = 40
 _DRAWN = 8

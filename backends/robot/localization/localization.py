@@ -170,12 +170,12 @@ class Localization(ABC):
             driven: speed in [m/s] and turn rate in [rad/s] that the base was commanded in it.
         """
         travel = self._base.wheel_travel()
-        if not np.isfinite(travel).all():
+        if not (math.isfinite(travel.left) and math.isfinite(travel.right)):
             travel = self.travel  # the next sound reading has it all
         left, right = travel.left - self.travel.left, travel.right - self.travel.right
         self.travel = travel
         self._predict(left, right)
-        if np.abs(np.subtract(travel, self._stood)).max() <= STANDS:
+        if travel.away(self._stood) <= STANDS:
             self.still += 1
             if self.still == STILL_SCANS:
                 self._stood = travel  # it has come to rest
@@ -228,8 +228,7 @@ class Localization(ABC):
         scan = self._range_sensor.scan()
         if not np.array_equal(scan.ranges, self._ranges):
             self._ranges, self._seen_at = scan.ranges.copy(), self.travel
-        rolled = np.abs(np.subtract(self.travel, self._seen_at)).max()
-        return np.empty((0, 2)) if rolled > STALE else scan.points()
+        return np.empty((0, 2)) if self.travel.away(self._seen_at) > STALE else scan.points()
 
     # For a checkpoint
 

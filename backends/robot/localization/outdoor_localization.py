@@ -98,7 +98,7 @@ class OutdoorLocalization(Localization):
     @property
     def lost(self) -> Lost | None:
         """See `Localization`: by its wheels alone the base doesn't know how it turns."""
-        rolled = float(np.abs(np.subtract(self.travel, self._felt_at)).max())
+        rolled = self.travel.away(self._felt_at)
         if rolled <= BLIND:
             return None
         why = "its gyros read nothing, or the same again and again"

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.simulation.scene import Scene
-from handcart.backends.simulation.world.thing import Rest
+from handcart.backends.simulation.world.thing import Rest, Thing
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, inverse
 from handcart.robotics.kinematics.arm_model import ArmModel
@@ -86,6 +86,7 @@ class ArmContact:
         self._mounted_reach = max(out, default=0.0)
         self._fixed = [solid.box for solid in scene.solids]
         self._boxes: list[Box] = []
+        self._stood: dict[str, tuple[Transform, Box]] = {}
         self._changes = -1
         self._reach: tuple[object, float] = (None, 0.0)
         self._last_poses: dict[bytes, NDArray[np.float64]] = {}
@@ -232,9 +233,8 @@ class ArmContact:
         if key == self._changes:
             return
         self._changes = key
-        standing = [
-            thing.box() for thing in self._scene.things() if thing.rest not in (Rest.HAND, Rest.FLOOR)
-        ]
+        things = [thing for thing in self._scene.things() if thing.rest not in (Rest.HAND, Rest.FLOOR)]
+        standing = [self._box(thing) for thing in things]
         self._boxes = [*self._fixed, *standing]
         sizes = np.array([box.size for box in self._boxes]).reshape(-1, 3)
         self._solids = [RigidBody.box(size) for size in sizes - _GIVE]
@@ -242,6 +242,14 @@ class ArmContact:
         always = np.zeros(len(standing))
         self._appears = np.append([solid.appears for solid in self._scene.solids], always)
         self._leaves = np.append([solid.leaves for solid in self._scene.solids], always + np.inf)
+
+    def _box(self, thing: Thing) -> Box:
+        """The solid of a thing, posed; made anew where it has been moved."""
+        pose, box = self._stood.get(thing.name, (None, None))
+        if box is None or pose is not thing.pose:
+            box = thing.box()
+            self._stood[thing.name] = thing.pose, box
+        return box
 
 
 def _still(arm: ArmModel, shapes: Collection[Shape]) -> set[str]:

@@ -8,7 +8,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.pose2 import Pose2, wrap
 
 _LEAST = 1e-12 * np.eye(3)  # [m², rad²] of a pose that is certain: it can be divided by
 
@@ -74,6 +74,9 @@ class Odometry:
 
     def predict(self, left: float, right: float) -> None:
         """Move by the travel of both wheels since the last call, in [m]."""
+        if left == 0.0 and right == 0.0:
+            self.pose = self.pose._replace(theta=wrap(self.pose.theta))
+            return
         left_scale, right_scale, tread_scale = self._scales.tolist()
         moved_left, moved_right = left * (1.0 + left_scale), right * (1.0 + right_scale)
         tread = self.tread * (1.0 + tread_scale)

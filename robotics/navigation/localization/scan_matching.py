@@ -15,13 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.robotics.far import FarArray
-from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.numerics.compiled import compiled
 
 INLIER = 3.0  # scales within which a point counts as explained by the map
 CELL_BIAS = 0.25  # of a cell: what a pose is wrong by because surfaces lie anywhere in their cells
-_LEAST = 1e-6 * np.eye(3)  # of an information: what is seen may not tell all of a pose
+LEAST = 1e-6  # of an information: what is seen may not tell all of a pose
 ANNEALED = (0.5, 0.35, 0.25, 0.17, 0.12)  # scales in [m] tried before the final one from a bad start
 
 
@@ -72,11 +72,12 @@ def _read(
 ) -> NDArray[np.float64]:
     """Distance, its bilinear slopes along x and y per cell, 1 in solids: (n, 4); inf and zeros outside."""
     height, width = distance.shape
-    out = np.zeros((len(at), 4))
+    out = np.empty((len(at), 4))
     for i in range(len(at)):
         column, row = math.floor(at[i, 0]), math.floor(at[i, 1])
         if not (0 <= column < width - 1 and 0 <= row < height - 1):
-            out[i, 0] = np.inf  # a whole row at once would take two seconds more to compile
+            # A whole row at once would take two seconds more to compile.
+            out[i, 0], out[i, 1], out[i, 2], out[i, 3] = np.inf, 0.0, 0.0, 0.0
             continue
         u, v = at[i, 0] - column, at[i, 1] - row
         a, b = distance[row, column], distance[row, column + 1]
@@ -103,9 +104,11 @@ def _normal_equations(
     The points (n, 2) are those of the map, `middle` the base on it, `origin` the map's corner, all in [m].
     A point inside a solid that would be drawn on along its beam is left out: that way is the wall's back.
     """
-    hessian = np.zeros((3, 3))
-    gradient = np.zeros(3)
-    slope = np.empty(3)
+    hessian, gradient, slope = np.empty((3, 3)), np.empty(3), np.empty(3)
+    for j in range(3):
+        gradient[j] = 0.0
+        for k in range(3):
+            hessian[j, k] = 0.0
     at = np.empty((len(points), 2))
     for i in range(len(points)):
         at[i, 0] = (points[i, 0] - origin[0]) / resolution - 0.5
@@ -152,42 +155,86 @@ def match_scan(
     )  # a uniform place in a cell has 0.29 cells of spread
     final = 2.5 * noise
     information = np.asarray(np.linalg.inv(prior_covariance + 1e-12 * np.eye(3)), dtype=np.float64)
-    pose = prior
+    grid, near, points = field.map, np.array(prior), np.ascontiguousarray(points)
+    found = near
     for scale in (*ANNEALED, final) if anneal else (3.0 * final, final):
         trust = information if scale <= final or not anneal else 0.0 * information
-        pose, hessian = _descend(field, points, pose, prior, trust, scale, noise)
+        found, hessian = _descend(
+            field.distance,
+            grid.occupied,
+            points,
+            found,
+            near,
+            trust,
+            (grid.origin_x, grid.origin_y),
+            grid.resolution,
+            scale,
+            noise,
+        )
+    pose = Pose2(*found.tolist())
     residuals = field.read(pose.apply(points)) if len(points) else np.empty(0)
     inliers = float(np.mean(residuals < INLIER * noise)) if len(points) else 0.0
     spread = np.asarray(np.linalg.inv(hessian + 1e-9 * np.eye(3)), dtype=np.float64)
     return ScanMatch(pose, spread + _cells(points, field.map.resolution), spread, inliers, residuals)
 
 
+@compiled
 def _descend(
-    field: LikelihoodField,
+    distance: NDArray[np.float32],
+    occupied: NDArray[np.bool_],
     points: NDArray[np.float64],
-    pose: Pose2,
-    prior: Pose2,
+    start: NDArray[np.float64],
+    prior: NDArray[np.float64],
     information: NDArray[np.float64],
+    origin: tuple[float, float],
+    resolution: float,
     scale: float,
     noise: float,
-) -> tuple[Pose2, NDArray[np.float64]]:
-    """Gauss-Newton at one robust scale: the pose and its information (3, 3)."""
-    resolution, origin = field.map.resolution, (field.map.origin_x, field.map.origin_y)
-    total: NDArray[np.float64] = information
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Gauss-Newton at one robust scale: the pose (3,) and its information (3, 3)."""
+    pose, off = np.empty(3), np.empty(3)
+    moved, total = np.empty((len(points), 2)), np.empty((3, 3))
+    pose[0], pose[1], pose[2] = start[0], start[1], start[2]
     for _ in range(12):
-        moved = pose.apply(points)
-        middle = float(pose.x), float(pose.y)
+        cos, sin = math.cos(pose[2]), math.sin(pose[2])
+        for i in range(len(points)):
+            moved[i, 0] = points[i, 0] * cos - points[i, 1] * sin + pose[0]
+            moved[i, 1] = points[i, 0] * sin + points[i, 1] * cos + pose[1]
         hessian, gradient = _normal_equations(
-            field.distance, field.map.occupied, moved, middle, origin, resolution, scale
+            distance, occupied, moved, (pose[0], pose[1]), origin, resolution, scale
         )
-        off = np.array([pose.x - prior.x, pose.y - prior.y, wrap(pose.theta - prior.theta)])
-        total = hessian / noise**2 + information
-        step = -np.linalg.solve(total + _LEAST, gradient / noise**2 + information @ off)
-        x, y, turn = step.tolist()
-        pose = Pose2(pose.x + x, pose.y + y, wrap(pose.theta + turn))
+        off[0], off[1], off[2] = pose[0] - prior[0], pose[1] - prior[1], _wrapped(pose[2] - prior[2])
+        for j in range(3):
+            gradient[j] /= noise**2
+            for k in range(3):
+                total[j, k] = hessian[j, k] / noise**2 + information[j, k]
+                gradient[j] += information[j, k] * off[k]
+        x, y, turn = _solved(total, gradient)
+        pose[0], pose[1], pose[2] = pose[0] - x, pose[1] - y, _wrapped(pose[2] - turn)
         if abs(x) + abs(y) < 1e-5 and abs(turn) < 1e-5:
             break
     return pose, total
+
+
+@compiled
+def _wrapped(angle: float) -> float:
+    return -((math.pi - angle) % (2.0 * math.pi) - math.pi)
+
+
+@compiled
+def _solved(matrix: NDArray[np.float64], right: NDArray[np.float64]) -> tuple[float, float, float]:
+    """The x of (matrix + LEAST) x = right, the matrix (3, 3) symmetric: Cholesky, by hand because numba takes
+    two seconds to compile a call of LAPACK."""
+    a = math.sqrt(matrix[0, 0] + LEAST)
+    b, c = matrix[1, 0] / a, matrix[2, 0] / a
+    d = math.sqrt(matrix[1, 1] + LEAST - b * b)
+    e = (matrix[2, 1] - b * c) / d
+    f = math.sqrt(matrix[2, 2] + LEAST - c * c - e * e)
+    x = right[0] / a
+    y = (right[1] - b * x) / d
+    z = (right[2] - c * x - e * y) / f / f
+    y = (y - e * z) / d
+    return (x - b * y - c * z) / a, y, z
 
 
 def _cells(points: NDArray[np.float64], resolution: float) -> NDArray[np.float64]:

@@ -24,10 +24,13 @@ def unexpected_points(
     Returns:
         (m, 2) in [m], in the order of `points`.
     """
-    inside = points[field.map.inside(points)] if len(points) else np.empty((0, 2))
-    rows, columns = field.map.to_cell(inside).T
-    free = ~field.map.blocked[rows, columns]
-    unexplained: NDArray[np.float64] = inside[free & (field.read(inside) > margin)]
+    if len(points) == 0:
+        return np.empty((0, 2))
+    grid = field.map
+    away = points[field.read(points) > margin]  # few of them: the rest is asked of no more
+    there = away[grid.inside(away)]
+    rows, columns = grid.to_cell(there).T
+    unexplained: NDArray[np.float64] = there[~(grid.occupied[rows, columns] | grid.unknown[rows, columns])]
     return unexplained
 
 

@@ -135,8 +135,9 @@ class GpsFilter(FieldLocalizer):
             away = self._start_position**2 + self._estimate().distance(self._begun) ** 2
             return np.diag([away, away, math.pi**2 / 3.0])
         if self._spread is None:
-            self._spread = self._mixed([each.belief for each in self.filters]).covariance[:3, :3]
-        return self._spread.copy()
+            self._spread = self._mixed([each.belief for each in self.filters], 3).covariance
+            self._spread.flags.writeable = False
+        return self._spread
 
     def mark(self) -> Belief:
         """See `FieldLocalizer`."""
@@ -191,19 +192,21 @@ class GpsFilter(FieldLocalizer):
             del self._squares[0]
         return best.believed
 
-    def _mixed(self, beliefs: list[Belief]) -> Belief:
-        """The mixture's mean and covariance.
+    def _mixed(self, beliefs: list[Belief], first: int | None = None) -> Belief:
+        """The mixture's mean and covariance, of all states or of the `first` few.
 
         For want of evidence a sky that is worse looks like the one before it for long: claims are on the safe
         side.
         """
-        mean = _mean([each.mean for each in beliefs], self._weights)
-        away = np.array([each.mean for each in beliefs]) - mean
+        mean = _mean([each.mean for each in beliefs], self._weights)[:first]
+        away = np.array([each.mean[:first] for each in beliefs]) - mean
         away[:, 2] = (away[:, 2] + math.pi) % (2.0 * math.pi) - math.pi
         moved = self._weights * np.where(np.arange(len(beliefs)) == 0, *CAUTION)
         cautious = self._weights - moved
         np.add.at(cautious, self._worse, moved)
-        within = np.einsum("k,kij->ij", cautious, np.array([each.covariance for each in beliefs]))
+        within = np.einsum(
+            "k,kij->ij", cautious, np.array([each.covariance[:first, :first] for each in beliefs])
+        )
         return Belief(mean, within + np.einsum("k,ki,kj->ij", self._weights, away, away))
 
     def _find_heading(self, search: HeadingSearch, position: Array, sigma: float) -> None:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import heapq
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -115,7 +113,6 @@ def in_sight(
     return _first_seen(squares, need, cells, edge_of, order, cell[0], cell[1], edges)
 
 
-@compiled
 def cheapest_nodes(
     slots: NDArray[np.int64],
     slot_first: NDArray[np.int64],
@@ -126,6 +123,9 @@ def cheapest_nodes(
     limit: float,
 ) -> tuple[int, float, NDArray[np.int64]]:
     """Dijkstra from many starts to many goals.
+
+    The next node is looked for among all that are open: of a Voronoi graph's few hundred that takes less than
+    a heap takes to be compiled.
 
     Args:
         slots: incidence as in `EdgeTable`.
@@ -140,24 +140,41 @@ def cheapest_nodes(
         The last node (-1 if there is no way below the limit), the total, and for each node the slot of the
         edge that leads back from it (-1 where the way begins).
     """
-    cost = start_cost.copy()
-    back = np.full(len(cost), -1, dtype=np.int64)
-    queue = [(cost[node], node) for node in range(len(cost)) if cost[node] < np.inf]
-    heapq.heapify(queue)
+    back = np.full(len(start_cost), -1, dtype=np.int64)
+    done = np.zeros(len(start_cost), dtype=np.bool_)
+    last, total = _spread(slots, slot_first, ends, length, start_cost.copy(), back, done, goal_cost, limit)
+    return last, total, back
+
+
+@compiled
+def _spread(
+    slots: NDArray[np.int64],
+    slot_first: NDArray[np.int64],
+    ends: NDArray[np.int64],
+    length: NDArray[np.float64],
+    cost: NDArray[np.float64],
+    back: NDArray[np.int64],
+    done: NDArray[np.bool_],
+    goal_cost: NDArray[np.float64],
+    limit: float,
+) -> tuple[int, float]:
+    """Bring `cost`, `back` and `done` of each node up to date, until the best last node is sure."""
     best, last = limit, -1
-    while queue:
-        so_far, node = heapq.heappop(queue)
-        if so_far >= best:
+    while True:
+        so_far, node = np.inf, -1
+        for other in range(len(cost)):
+            if cost[other] < so_far and not done[other]:
+                so_far, node = cost[other], other
+        if node < 0 or so_far >= best:
             break
-        if so_far > cost[node]:
-            continue
+        done[node] = True
         if so_far + goal_cost[node] < best:
             best, last = so_far + goal_cost[node], node
-        for slot in slots[slot_first[node] : slot_first[node + 1]]:
+        for place in range(slot_first[node], slot_first[node + 1]):
+            slot = slots[place]
             other = ends[slot // 2, 1 - slot % 2]
             new = so_far + length[slot // 2]
             if new < cost[other]:
                 cost[other] = new
                 back[other] = slot ^ 1
-                heapq.heappush(queue, (new, other))
-    return last, best, back
+    return last, best

@@ -23,7 +23,6 @@ def _apart(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
     return math.sqrt((one[0] - other[0]) ** 2 + (one[1] - other[1]) ** 2)
 
 
-@compiled
 def _jumps(count: int) -> NDArray[np.int64]:
     """How many samples a shortcut may leap over: each number at first, then every next a quarter larger."""
     jumps = [1]
@@ -32,54 +31,46 @@ def _jumps(count: int) -> NDArray[np.int64]:
     return np.array(jumps)
 
 
-@compiled
+def _stretches(path: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Lengths (n - 1,) of the stretches of a path (n, 2)."""
+    ways = path[1:] - path[:-1]
+    return np.asarray(np.sqrt(ways[:, 0] * ways[:, 0] + ways[:, 1] * ways[:, 1]))
+
+
 def path_length(path: NDArray[np.float64]) -> float:
     """Of a path (n, 2)."""
     total = 0.0
-    for i in range(len(path) - 1):
-        total += _apart(path[i], path[i + 1])
+    for length in _stretches(path).tolist():
+        total += length
     return total
 
 
-@compiled
 def sampled(path: NDArray[np.float64], spacing: float) -> NDArray[np.float64]:
     """The path (n, 2) with points between its own, so that none is farther than `spacing` from the next.
 
     Points that are there twice are left out.
     """
-    parts = np.empty(max(len(path) - 1, 0), dtype=np.int64)
-    count = 1
-    for i in range(len(parts)):
-        parts[i] = math.ceil(_apart(path[i], path[i + 1]) / spacing)
-        count += parts[i]
-    points = np.empty((count, 2))
-    points[0, 0], points[0, 1] = path[0, 0], path[0, 1]
-    count = 1
-    for i in range(len(parts)):
-        for k in range(1, parts[i] + 1):
-            share = k / parts[i]
-            points[count, 0] = path[i, 0] + share * (path[i + 1, 0] - path[i, 0])
-            points[count, 1] = path[i, 1] + share * (path[i + 1, 1] - path[i, 1])
-            if k == parts[i]:
-                points[count, 0], points[count, 1] = path[i + 1, 0], path[i + 1, 1]
-            count += 1
-    return points
+    parts = np.ceil(_stretches(path) / spacing).astype(np.int64)
+    of = np.repeat(np.arange(len(parts)), parts)
+    number = np.arange(1, len(of) + 1) - np.repeat(np.cumsum(parts) - parts, parts)
+    points = path[of] + (number / parts[of])[:, None] * (path[of + 1] - path[of])
+    ends = number == parts[of]
+    points[ends] = path[of[ends] + 1]
+    return np.vstack([path[:1], points])
 
 
-@compiled
 def _evenly(path: NDArray[np.float64], spacing: float) -> NDArray[np.int64]:
     """About every `spacing` one point of a path (n, 2), first and last included."""
     chosen = [0]
     along = 0.0
-    for i in range(1, len(path)):
-        along += _apart(path[i - 1], path[i])
+    for i, length in enumerate(_stretches(path).tolist(), start=1):
+        along += length
         if along >= spacing * (1.0 - 1e-9) or i == len(path) - 1:
             chosen.append(i)
             along = 0.0
     return np.array(chosen)
 
 
-@compiled
 def straightened(
     price: NDArray[np.float32], haste: float, squares: BlockedSquares, need: float, path: NDArray[np.float64]
 ) -> NDArray[np.float64]:
@@ -97,19 +88,40 @@ def straightened(
     """
     path = sampled(path, SAMPLE)
     samples = _evenly(path, SAMPLE)
+    jumps = _jumps(min(len(samples) - 1, LONGEST_LEAP))
+    back, walked = _leaps(price, haste, squares, need, path, samples, jumps)
+    kept = [samples[-1]]
+    j = len(samples) - 1
+    while j > 0:
+        if walked[j]:
+            kept.extend(range(samples[j] - 1, samples[j - 1], -1))
+        j = back[j]
+        kept.append(samples[j])
+    return path[kept[::-1]]
+
+
+@compiled
+def _leaps(
+    price: NDArray[np.float32],
+    haste: float,
+    squares: BlockedSquares,
+    need: float,
+    path: NDArray[np.float64],
+    samples: NDArray[np.int64],
+    jumps: NDArray[np.int64],
+) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+    """For each sample (s,), the number of the one that it is reached from, and whether the way is walked."""
     count = len(samples)
-    cost = np.full(count, np.inf)
-    cost[0] = 0.0
-    back = np.arange(-1, count - 1)
+    cost, back = np.empty(count), np.empty(count, dtype=np.int64)
+    cost[0], back[0] = 0.0, -1
     walked = np.zeros(count, dtype=np.bool_)
-    jumps = _jumps(min(count - 1, LONGEST_LEAP))
     for j in range(1, count):
         end = path[samples[j]]
         walk = 0.0
         for k in range(samples[j - 1], samples[j]):
             step = haste * _apart(path[k], path[k + 1])
             walk += line_price(price, path[k], path[k + 1], np.inf) + step
-        cost[j], walked[j] = cost[j - 1] + walk, True
+        cost[j], back[j], walked[j] = cost[j - 1] + walk, j - 1, True
         for jump in jumps:
             if jump > j:
                 break
@@ -119,18 +131,7 @@ def straightened(
             line = line_price(price, begin, end, cost[j] - so_far)
             if so_far + line <= cost[j] and is_clear(squares, begin, end, need):
                 cost[j], back[j], walked[j] = so_far + line, i, False
-    kept = [samples[count - 1]]
-    j = count - 1
-    while j > 0:
-        if walked[j]:
-            kept.extend(range(samples[j] - 1, samples[j - 1], -1))
-        j = back[j]
-        kept.append(samples[j])
-    corners = np.empty((len(kept), 2))
-    for k in range(len(kept)):
-        corner = kept[len(kept) - 1 - k]
-        corners[k, 0], corners[k, 1] = path[corner, 0], path[corner, 1]
-    return corners
+    return back, walked
 
 
 @compiled

@@ -88,15 +88,13 @@ def _walk_all(
 ) -> int:
     """Walk from every node, then around what is left: plain loops, each given a node of its own."""
     edges = 0
-    filled = 0
     for loops in range(2):
         for cell in cells:
             if loops and links[cell]:
                 is_node[cell] = 1
             while is_node[cell] and links[cell]:
-                filled = _walk(links, is_node, cell, steps, out, filled)
+                first[edges + 1] = _walk(links, is_node, cell, steps, out, first[edges])
                 edges += 1
-                first[edges] = filled
     return edges
 
 

@@ -49,41 +49,29 @@ def neighbour_steps(width: int) -> NDArray[np.int64]:
     return np.array([1, width + 1, width, width - 1, -1, -width - 1, -width, -width + 1], dtype=np.int64)
 
 
-@compiled
 def _nearest_first(distance: NDArray[np.float32], free: NDArray[np.uint8], levels: int) -> NDArray[np.int32]:
-    """Flat indices of the free cells by growing distance, ties in raster order (counting sort)."""
-    first = np.zeros(levels + 1, dtype=np.int64)
-    for cell in range(free.size):
-        if free[cell]:
-            first[int(distance[cell] * LEVELS_PER_CELL) + 1] += 1
-    for level in range(levels):
-        first[level + 1] += first[level]
-    order = np.empty(first[levels], dtype=np.int32)
-    for cell in range(free.size):
-        if free[cell]:
-            level = int(distance[cell] * LEVELS_PER_CELL)
-            order[first[level]] = cell
-            first[level] += 1
-    return order
+    """Flat indices of the free cells by growing distance, ties in raster order."""
+    cells = np.flatnonzero(free).astype(np.int32)
+    # NumPy sorts numbers of 16 bits in one pass.
+    kind = np.uint16 if levels <= np.iinfo(np.uint16).max else np.int64
+    level = (distance[cells].astype(np.float64) * LEVELS_PER_CELL).astype(kind)
+    return cells[np.argsort(level, kind="stable")]
 
 
-@compiled
 def _ridges(distance: NDArray[np.float32], free: NDArray[np.uint8], width: int) -> NDArray[np.uint8]:
     """Where distance climbs less than `RIDGE` towards every neighbour: between obstacles on two sides."""
+    inner = slice(width + 1, free.size - width - 1)
+
+    def steepest(*steps: int) -> NDArray[np.float64]:
+        beside = [distance[inner.start + step : inner.stop + step] for step in steps]
+        return (np.maximum.reduce(beside) - distance[inner]).astype(np.float64)
+
     ridges = np.zeros(free.size, dtype=np.uint8)
-    for cell in range(width + 1, free.size - width - 1):
-        if not free[cell]:
-            continue
-        here = distance[cell]
-        straight = max(distance[cell + 1], distance[cell - 1], distance[cell + width], distance[cell - width])
-        oblique = max(
-            distance[cell + width + 1],
-            distance[cell + width - 1],
-            distance[cell - width + 1],
-            distance[cell - width - 1],
-        )
-        if straight - here < RIDGE and oblique - here < RIDGE * ROOT2:
-            ridges[cell] = 1
+    ridges[inner] = (
+        (free[inner] != 0)
+        & (steepest(1, -1, width, -width) < RIDGE)
+        & (steepest(width + 1, width - 1, 1 - width, -1 - width) < RIDGE * ROOT2)
+    )
     return ridges
 
 

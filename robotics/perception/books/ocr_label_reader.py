@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cached_property
+from functools import cached_property, lru_cache
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -30,7 +30,8 @@ class OcrLabelReader(LabelReader):
     """PP-OCR's recogniser on own crops, its outputs decoded as call numbers only.
 
     rapidocr's own pipeline adds a detector (four times the work) and chooses among 18,000 characters. Its
-    model is run here as it is, on the processor, `threads` wide. The session is made at the first reading.
+    model is run here as it is, on the processor, `threads` wide. The session is made at the first reading,
+    for all readers.
     """
 
     def __init__(self, catalogue: Sequence[CallNumber] | None = None, threads: int = 1) -> None:
@@ -46,20 +47,26 @@ class OcrLabelReader(LabelReader):
         decoded = self._decoder.decode(probabilities)
         return Reading("", 0.0) if decoded is None else Reading(*decoded)
 
-    @cached_property
+    @property
     def _session(self) -> onnxruntime.InferenceSession:
-        import onnxruntime
-
-        options = onnxruntime.SessionOptions()
-        options.intra_op_num_threads = self._threads
-        options.inter_op_num_threads = 1
-        options.log_severity_level = 4
-        return onnxruntime.InferenceSession(str(_model_file()), options, providers=["CPUExecutionProvider"])
+        return _session(self._threads)
 
     @cached_property
     def _decoder(self) -> CallNumberDecoder:
         known = self._session.get_modelmeta().custom_metadata_map["character"].splitlines()
         return CallNumberDecoder(["", *known, " "])
+
+
+@lru_cache(maxsize=2)
+def _session(threads: int) -> onnxruntime.InferenceSession:
+    """One for all readers of a process: making it takes as long as reading a label."""
+    import onnxruntime
+
+    options = onnxruntime.SessionOptions()
+    options.intra_op_num_threads = threads
+    options.inter_op_num_threads = 1
+    options.log_severity_level = 4
+    return onnxruntime.InferenceSession(str(_model_file()), options, providers=["CPUExecutionProvider"])
 
 
 def _model_file() -> Path:
