@@ -1,7 +1,10 @@
-"""Screenshots of a run's page and a campaign's for docs: `python scripts/pictures_of_report.py RUN [CAMPAIGN]`.
+"""Screenshots of a run's page and a campaign's for docs.
+
+python scripts/pictures_of_report.py RUN [CAMPAIGN]
 
 RUN is the folder of the run that scripts/pictures draws as docs/return_book.svg. CAMPAIGN is that of
-`handcart campaign tasks/stack_blocks/task.yaml --trials 40 --faults benchmarks/campaigns/faults.yaml --out DIR`.
+`handcart campaign tasks/stack_blocks/task.yaml --trials 40 --faults benchmarks/campaigns/faults.yaml
+--out DIR`.
 """
 
 from __future__ import annotations
