@@ -20,6 +20,7 @@ from .trace import Moment, Trace
 ROLLS = 1e-5  # [m] between two periods, less is no motion
 COARSE = 0.05  # [m] between points of the way back
 SHORT = 0.10  # [m]: a way that is not worth driving back
+SLOW = 0.1  # [m/s] straight on, in the end
 
 
 def car_retrace(robot: Robot, start: Snapshot, trace: Trace) -> Generator[None, None, None]:
@@ -35,7 +36,21 @@ def car_retrace(robot: Robot, start: Snapshot, trace: Trace) -> Generator[None, 
                 yield from command_moment(robot, moment)
         else:
             yield from _drive_back(robot, stretch, forward > 0.0)
+    yield from _straight_to(robot, start)
     yield from command_moment(robot, Moment(start.pose, start.joint_command, start.gripper_command))
+
+
+def _straight_to(robot: Robot, start: Snapshot) -> Generator[None, None, None]:
+    """By as much as it stands ahead of or behind where it is to: what short ways leave would add up, else."""
+    came = robot.localization.displacement
+    begin = start.pose.relative_to(robot.pose)
+    left = begin.x if came is None else Pose2(*came.mean.tolist()).inverse().x
+    if abs(left) < SHORT:
+        return
+    begun = robot.localization.odometry_pose
+    while abs(robot.localization.odometry_pose.relative_to(begun).x) < abs(left) - SLOW * robot.period:
+        robot.base.drive(math.copysign(SLOW, left), 0.0)
+        yield
 
 
 def check_stands(robot: Robot, goal: Pose2) -> None:

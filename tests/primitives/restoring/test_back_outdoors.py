@@ -105,6 +105,13 @@ def test_fails_in_a_row_are_measured_from_where_the_first_began(rig: Rig) -> Non
     assert abs(told - in_all) < abs(told - by_this)
 
 
+def test_short_ways_that_are_not_driven_back_do_not_add_up(rig: Rig) -> None:
+    begun = base(rig)
+    for _ in range(8):
+        assert isinstance(rig.do(ComesBack(seconds=0.2)), Fail)
+    assert base(rig).distance(begun) < 0.15
+
+
 @pytest.mark.parametrize(("jump", "off"), [(0.6, set()), (3.0, {"base_mm"})])
 def test_a_pose_that_jumps_as_more_is_learned_is_no_motion(rig: Rig, jump: float, off: set[str]) -> None:
     """As far as it may have been off: further, and somebody carried the base away."""

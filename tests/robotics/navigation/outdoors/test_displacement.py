@@ -82,22 +82,23 @@ def test_claims_of_ten_metres_are_honest_and_better_than_those_of_two_poses() ->
     assert (errors**2).sum() < 0.7 * (np.array([way.pose_error for way in found]) ** 2).sum()
 
 
-def test_fixes_that_are_taken_back_are_taken_back_of_the_way_too(log: FieldLog) -> None:
-    """The origin is set among fixes that are reflected, which shows only later: as if they hadn't come."""
+@pytest.mark.parametrize("origin", [1400, 1700])
+def test_fixes_that_are_taken_back_are_taken_back_of_the_way_too(log: FieldLog, origin: int) -> None:
+    """Set before, or among, fixes that are reflected, which shows only later: as if they hadn't come."""
     rows = (log.fix_rows > 1600) & (log.fix_rows < 2300)
     wrong = log._replace(fixes=log.fixes + 1.5 * rows[:, None])
     first, second = (GpsFilter(start_pose(log), supposed=[Supposition(REFERENCE, 1.0, 0)]) for _ in range(2))
-    play(wrong, first, 0, 1700)
+    play(wrong, first, 0, origin)
     first.set_origin()
     assert first.refused == 0
-    play(wrong, first, 1700, 1900)
+    play(wrong, first, origin, 1900)
     assert first.refused > 4
     play(wrong, first, 1900, 3000)
     none = rows | ((log.fix_rows >= 2300) & (log.fix_rows < 2440))  # waits until some are as expected
     heard = log._replace(fix_rows=log.fix_rows[~none], fixes=log.fixes[~none])
-    play(heard, second, 0, 1700)
+    play(heard, second, 0, origin)
     second.set_origin()
-    play(heard, second, 1700, 3000)
+    play(heard, second, origin, 3000)
     for one, other in zip(first.displacement, second.displacement, strict=True):
         assert np.allclose(one, other, atol=1e-9)
 
