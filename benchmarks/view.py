@@ -77,7 +77,7 @@ def opening(run: Path) -> None:
         command = [sys.executable, "-m", "handcart", "view", str(run), "--port", "0"]
         with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
             assert process.stdout is not None
-            found = re.search(r"http://([\d.]+):(\d+)", process.stdout.readline())
+            found = re.search(r"http://([\d.]+):(\d+)/#token=\S+", process.stdout.readline())
             assert found
             page = http.client.HTTPConnection(found[1], int(found[2]))
             page.request("GET", "/")
@@ -113,7 +113,7 @@ def scrubbing(run: Path) -> None:
 
     playback = Playback.read(run)
     times = np.random.default_rng(0).uniform(playback.start, playback.end, FRAMES)
-    with open_server(0, "benchmark") as server:
+    with open_server(0, "benchmark") as (server, _):
         replay = Replay(server, playback)
         took = []
         for each in times.tolist():

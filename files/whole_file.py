@@ -11,7 +11,7 @@ from pathlib import Path
 _FLAGS = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC | os.O_NOFOLLOW
 
 
-def write_whole(path: Path, content: bytes | str, *, sync: bool = True) -> None:
+def write_whole(path: Path, content: bytes | str, *, sync: bool = True, private: bool = False) -> None:
     """Put a file where the name points, all at once: whoever looks, and whatever ends this process, finds the
     old content or the new.
 
@@ -21,6 +21,7 @@ def write_whole(path: Path, content: bytes | str, *, sync: bool = True) -> None:
         path: its name.
         content: its bytes, or its text, written as UTF-8.
         sync: whether a power cut, too, leaves one of the two; that takes a moment.
+        private: whether nobody but its owner may read a new file.
 
     Raises:
         OSError: it can't be written, or what stands there is no regular file; nothing has changed.
@@ -30,7 +31,7 @@ def write_whole(path: Path, content: bytes | str, *, sync: bool = True) -> None:
     new = path.with_name(f".{path.name[:40]}.{os.getpid()}.new")
     new.unlink(missing_ok=True)  # of a process that had the same number, and was killed
     try:
-        with open(os.open(new, _FLAGS, 0o666), "wb") as file:
+        with open(os.open(new, _FLAGS, 0o600 if private else 0o666), "wb") as file:
             if mode is not None:
                 os.fchmod(file.fileno(), mode)
             file.write(raw)

@@ -19,12 +19,12 @@ def main() -> None:
     sys.path.insert(0, str(ROOT))  # for what tests have of browsers
     from handcart.evaluation.playback.playback import Playback
     from handcart.evaluation.view.replay import Replay
-    from handcart.evaluation.view.server import address, open_server
+    from handcart.evaluation.view.server import open_server
     from tests.browser import DESK, PHONE, browsing
 
     playback, time = Playback.read(Path(sys.argv[1])), float(sys.argv[2])
     stop = threading.Event()
-    with open_server(0, "handcart view") as server:
+    with open_server(0, "handcart view") as (server, address):
         replay = Replay(server, playback)
         replay.go_to(time)
         replay.step(0.0)
@@ -35,7 +35,7 @@ def main() -> None:
             server.initial_camera.position = (x + EYE[0], y + EYE[1], EYE[2])
             server.initial_camera.look_at = (x + 0.3, y - 0.3, low)
             with browsing(size) as seen:
-                seen.page.goto(address(server))
+                seen.page.goto(address)
                 seen.page.wait_for_timeout(DRAWN)
                 notice = seen.page.get_by_text("Software WebGL rendering detected")
                 if notice.count():  # where it is drawn without a GPU, the library says so

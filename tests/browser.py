@@ -54,6 +54,14 @@ def _launched(playwright: Playwright) -> Browser:
     return playwright.chromium.launch(executable_path=str(CHROMIUM), args=list(FLAGS))
 
 
+def axe_findings(page: Page) -> list[str]:
+    """What axe-core finds on a page, of whatever impact: rule, impact, and the first element of each."""
+    from axe_playwright_python.sync_playwright import Axe  # type: ignore[import-untyped]
+
+    found = Axe().run(page).response["violations"]
+    return [f"{each['id']} ({each['impact']}): {each['nodes'][0]['html']}" for each in found]
+
+
 @contextmanager
 def browsing(size: tuple[int, int]) -> Iterator[Seen]:
     """An empty page of that width and height in [px]."""

@@ -124,8 +124,8 @@ def run(
 def _shown(port: int | None, progress: RunObserver) -> Iterator[RunObserver]:
     """Who shows a run while it goes on."""
     from handcart.evaluation.view.live_view import LiveView
-    from handcart.evaluation.view.server import address, open_server
+    from handcart.evaluation.view.server import open_server
 
-    with open_server(port, "handcart run --view") as server:
-        progress.say(f"{address(server)} shows it")
-        yield LiveView(server)
+    with open_server(port, "handcart run --view") as opened:
+        progress.say(f"{opened.address} shows it")
+        yield LiveView(opened.server, opened.address)

@@ -24,7 +24,6 @@ from handcart.primitives.contract.action_primitive import ActionPrimitive
 from .frame import Frame
 from .live_frames import LiveFrames
 from .page import Page
-from .server import address
 
 if TYPE_CHECKING:
     import viser
@@ -42,9 +41,9 @@ class LiveView(RunObserver):
     never waited for. Nothing is read that the run doesn't read anyway, so it isn't changed.
     """
 
-    def __init__(self, server: viser.ViserServer) -> None:
-        """Onto the page of that server."""
-        self._server = server
+    def __init__(self, server: viser.ViserServer, address: str) -> None:
+        """Onto the page of that server, which is at that address."""
+        self._server, self._address = server, address
         self._page: Page | None = None
         self._folder: Path | None = None
         self._frames: LiveFrames | None = None
@@ -76,7 +75,7 @@ class LiveView(RunObserver):
         self._page.add_layers()
         self._since = (clock.monotonic(), prepared.robot.time)
         self._take()
-        note_address(run_dir, address(self._server))
+        note_address(run_dir, self._address)
         self._folder = run_dir
         self._drawing = threading.Thread(target=self._draw, daemon=True)
         self._drawing.start()

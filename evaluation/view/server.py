@@ -6,10 +6,12 @@ import socket
 from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stdout
 from io import StringIO
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from handcart.files.errors import InputError
 from handcart.files.extras import lack
+
+from .gate import Gate
 
 if TYPE_CHECKING:
     import viser
@@ -23,38 +25,46 @@ class NoView(InputError):
     """A run can't be shown."""
 
 
+class Opened(NamedTuple):
+    """A server, and where its page is."""
+
+    server: viser.ViserServer
+    address: str
+    """With the token behind `#`, which no browser sends or logs."""
+
+
 @contextmanager
-def open_server(port: int | None, title: str) -> Iterator[viser.ViserServer]:
-    """Serve, to this machine alone, as long as it is wanted.
+def open_server(port: int | None, title: str) -> Iterator[Opened]:
+    """Serve, to this machine alone, to who has the token, as long as it is wanted.
 
     Args:
         port: which; None: 8080, or the next one that is free; 0: any.
         title: over the page's panel.
 
     Raises:
-        NoView: the port is taken, or the library isn't installed.
+        NoView: the port is taken, or the library isn't installed, or can't be guarded.
     """
     if wrong := lack("the view", "view"):
         raise NoView(wrong)
     import viser
 
     chosen = _free(port)
-    with redirect_stdout(StringIO()):  # it greets
+    gate = Gate(f"{HOST}:{chosen}")
+    with gate.before_servers(), redirect_stdout(StringIO()):  # it greets
         server = viser.ViserServer(host=HOST, port=chosen, label=title, verbose=False)
     try:
+        if not gate.guards:
+            raise NoView(f"viser {viser.__version__} can't be guarded against strangers; known: 1.1")
+        if server.get_port() != chosen:
+            raise NoView(f"the port {chosen} was taken meanwhile; try again")
         # Sharing would lead the page out of this machine.
         server.gui.configure_theme(control_width="large", show_logo=False, show_share_button=False)
         server.gui.main_panel.dock_right()
         server.scene.set_up_direction("+z")
-        yield server
+        yield Opened(server, f"http://{HOST}:{chosen}/#token={gate.token}")
     finally:
         with redirect_stdout(StringIO()):
             server.stop()
-
-
-def address(server: viser.ViserServer) -> str:
-    """Where the page is."""
-    return f"http://{HOST}:{server.get_port()}"
 
 
 def _free(port: int | None) -> int:

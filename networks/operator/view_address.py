@@ -11,12 +11,12 @@ from handcart.networks.runs.run_folder import read_file
 
 NAME = "view_address"
 MOST = 100  # [bytes]
-_OURS = re.compile(r"http://127\.0\.0\.1:\d{1,5}")
+_OURS = re.compile(r"http://127\.0\.0\.1:\d{1,5}/#token=[\w-]+", re.ASCII)
 
 
 def note_address(folder: Path, address: str) -> None:
-    """Write it down; raises `OSError` where the disk takes no more."""
-    write_whole(folder / NAME, address.encode())
+    """Write it down for its owner alone: the token is in it. Raises `OSError` where the disk takes no more."""
+    write_whole(folder / NAME, address, private=True)
 
 
 def forget_address(folder: Path) -> None:

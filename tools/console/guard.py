@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import hmac
-import secrets
-from collections.abc import Awaitable, Callable, Collection
+from collections.abc import Awaitable, Callable
 
 from aiohttp import hdrs, web
+
+from handcart.networks.operator import own_page
+from handcart.networks.operator.own_page import OwnPage
 
 Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
 
@@ -14,28 +15,15 @@ POLICY = (
     "default-src 'self'; img-src 'self' blob:; object-src 'none'; base-uri 'none'; form-action 'none'; "
     "frame-ancestors 'none'"
 )
-HEADERS = {
-    "Content-Security-Policy": POLICY,
-    "X-Content-Type-Options": "nosniff",
-    "Referrer-Policy": "no-referrer",
-    "Cross-Origin-Opener-Policy": "same-origin",
-    "Cross-Origin-Resource-Policy": "same-origin",
-    "Cache-Control": "no-store",
-}
+HEADERS = {"Content-Security-Policy": POLICY, **own_page.HEADERS}
 OPEN = ("/", "/console.js", "/console.css", "/favicon.ico")
 """What holds no secret: the page itself, which asks for the token."""
 TICKETS = "/ticket/"
 """Below it are files that a ticket opens once, instead of the token."""
-_OWN_SITE = ("same-origin", "none")
 
 
-class Guard:
+class Guard(OwnPage):
     """Refuses before anything is done, with a status and a reason in words."""
-
-    def __init__(self, hosts: Collection[str]) -> None:
-        """Let those names of this machine pass, with their ports, as browsers send them."""
-        self.hosts = frozenset(hosts)
-        self.token = secrets.token_urlsafe(24)
 
     @web.middleware
     async def check(self, request: web.Request, handler: Handler) -> web.StreamResponse:
@@ -57,13 +45,10 @@ class Guard:
         return answer
 
     def _refused(self, request: web.Request) -> web.Response | None:
-        if request.headers.get(hdrs.HOST, "") not in self.hosts:
-            return said(421, "another host's name: this page is reached by the address that was printed")
-        origin = request.headers.get(hdrs.ORIGIN)
-        if origin is not None and origin not in {f"http://{host}" for host in self.hosts}:
-            return said(403, "another site asks for this")
-        if request.headers.get("Sec-Fetch-Site", "none") not in _OWN_SITE:
-            return said(403, "another site asks for this")
+        sent = request.headers
+        refused = self.stranger(sent.get(hdrs.HOST), sent.get(hdrs.ORIGIN), sent.get("Sec-Fetch-Site"))
+        if refused is not None:
+            return said(*refused)
         if request.headers.get(hdrs.UPGRADE):
             return said(403, "there are no sockets here")
         if request.path in OPEN or request.path.startswith(TICKETS):
@@ -78,11 +63,7 @@ class Guard:
 
     def _known(self, authorization: str) -> bool:
         kind, _, token = authorization.partition(" ")
-        return kind == "Bearer" and hmac.compare_digest(
-            # Bytes that are no text come as they are.
-            token.encode(errors="surrogateescape"),
-            self.token.encode(),
-        )
+        return kind == "Bearer" and self.knows(token)
 
 
 def said(status: int, words: str) -> web.Response:

@@ -17,15 +17,15 @@ def view(
     """Show a recorded run in the browser, on this machine alone, until Ctrl-C."""
     from handcart.evaluation.playback.playback import Playback
     from handcart.evaluation.view.replay import Replay
-    from handcart.evaluation.view.server import address, open_server
+    from handcart.evaluation.view.server import open_server
     from handcart.files.printable import printable
     from handcart.networks.runs.run_names import latest_run
     from handcart.tools.terminal.asked_to_end import AskedToEnd
 
     playback = Playback.read(run or latest_run(Path("runs")))
     over = AskedToEnd()
-    with open_server(port, "handcart view") as server:
-        replay = Replay(server, playback)
-        print(printable(f"{playback.run.folder}: {address(server)} shows it; Ctrl-C ends that"), flush=True)
+    with open_server(port, "handcart view") as opened:
+        replay = Replay(opened.server, playback)
+        print(printable(f"{playback.run.folder}: {opened.address} shows it; Ctrl-C ends that"), flush=True)
         replay.run(lambda: bool(over))
     raise typer.Exit(over.status)

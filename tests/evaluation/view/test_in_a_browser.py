@@ -19,7 +19,7 @@ from PIL import Image
 
 pytest.importorskip("viser", reason="the extra view isn't installed")
 
-from tests.browser import DESK, PHONE, Seen, browsing, needs_browser
+from tests.browser import DESK, PHONE, Seen, axe_findings, browsing, needs_browser
 
 COMMAND = [sys.executable, "-m", "handcart", "view"]
 
@@ -31,7 +31,7 @@ def viewing(folder: Path) -> Iterator[tuple[subprocess.Popen[str], str]]:
         try:
             assert process.stdout is not None
             said = process.stdout.readline()
-            found = re.search(r"http://127\.0\.0\.1:\d+", said)
+            found = re.search(r"http://127\.0\.0\.1:\d+/#token=\S+", said)
             assert found, said
             yield process, found.group()
         finally:
@@ -73,5 +73,29 @@ def test_it_opens_draws_and_goes_to_another_time(toured: Path, size: tuple[int, 
     assert before[world].std() > 5.0, "nothing is drawn"
     assert (np.abs(after - before).max(axis=2) > 40).sum() > 200, "nothing has moved"
     assert seen.errors == []
-    leaving = [each for each in seen.requests if not each.startswith((url, f"blob:{url}", "data:"))]
+    own = url.partition("#")[0]
+    leaving = [each for each in seen.requests if not each.startswith((own, f"blob:{own}", "data:"))]
     assert leaving == []
+    assert "token" not in "".join(seen.requests)
+
+
+@needs_browser
+@pytest.mark.slow
+@pytest.mark.parametrize("size", [PHONE, DESK])
+def test_axe_finds_nothing(toured: Path, size: tuple[int, int]) -> None:
+    """Controls that viser leaves unnamed are named before."""
+    with viewing(toured) as (_, url), browsing(size) as seen:
+        seen.page.goto(url)
+        seen.page.get_by_text("MOVE_TO").first.wait_for(timeout=60_000)
+        seen.page.get_by_role("button", name="Show").click()
+        seen.page.wait_for_timeout(1000)
+        assert axe_findings(seen.page) == []
+        assert seen.page.get_by_role("slider", name="time [s]").count() == 1
+
+
+@needs_browser
+@pytest.mark.slow
+def test_without_the_token_the_page_says_so(toured: Path) -> None:
+    with viewing(toured) as (_, url), browsing(DESK) as seen:
+        seen.page.goto(url.partition("#")[0])
+        seen.page.get_by_text("The token is missing").wait_for(timeout=20_000)

@@ -40,8 +40,8 @@ class Hurry(RunObserver):
 
 def test_a_run_that_is_recorded_and_watched_is_the_same_to_the_bit(toured: Path, tmp_path: Path) -> None:
     bare, _ = run_task(TOUR, tmp_path, RunOptions(settings=SETTINGS))
-    with open_server(0, "test") as server:
-        view = LiveView(server)
+    with open_server(0, "test") as opened:
+        view = LiveView(*opened)
         hurry = Hurry(view)
         watched, _ = run_task(
             TOUR, tmp_path, RunOptions(settings=SETTINGS, playback=True, observers=(hurry, view))

@@ -19,7 +19,7 @@ from handcart.evaluation.view.server import HOST, NoView, open_server
 @pytest.fixture
 def server() -> Iterator[viser.ViserServer]:
     with open_server(0, "test") as opened:
-        yield opened
+        yield opened.server
 
 
 @pytest.fixture

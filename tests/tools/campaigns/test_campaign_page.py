@@ -15,6 +15,7 @@ from handcart.evaluation.campaign_page.campaign_page import CampaignPage
 from handcart.evaluation.campaign_report.campaign_report import CampaignReport
 from handcart.evaluation.campaigns.campaign_folder import CampaignFolder
 from handcart.evaluation.campaigns.trial import ActionEnd, Trial
+from tests.browser import DESK, PHONE, axe_findings, browsing, needs_browser
 from tests.tools.conftest import Said
 
 ASKED: dict[str, Any] = {
@@ -143,3 +144,16 @@ def test_trials_lead_to_their_runs_also_from_parts_that_were_put_together(
     links = re.findall(r'<a href="(.*?)">\d', page)
     assert links == [f"runs/tour-{seed}/report.html" for seed in (0, 1)]
     assert all((tmp_path / "all" / each).is_file() for each in links)
+
+
+@needs_browser
+@pytest.mark.slow
+@pytest.mark.parametrize("size", [PHONE, DESK])
+def test_axe_finds_nothing(tmp_path: Path, size: tuple[int, int]) -> None:
+    """On a page with Fails, GiveUps, metrics and worst seeds."""
+    folder = CampaignFolder.made(tmp_path / "out", {**ASKED, "trials": 40})
+    page = CampaignPage(folder, CampaignReport([long_trial(seed) for seed in range(40)]), None).write()
+    with browsing(size) as seen:
+        seen.page.goto(page.resolve().as_uri())
+        assert axe_findings(seen.page) == []
+        assert seen.errors == []

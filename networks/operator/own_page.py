@@ -1,0 +1,49 @@
+"""Whose requests a page of this machine answers: its own, with the token that it was opened with."""
+
+from __future__ import annotations
+
+import hmac
+import secrets
+from collections.abc import Collection
+from typing import NamedTuple
+
+HEADERS = {
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Cache-Control": "no-store",
+}
+"""Of every answer."""
+_OWN_SITE = ("same-origin", "none")
+
+
+class Refusal(NamedTuple):
+    """An answer's status, and why."""
+
+    status: int
+    words: str
+
+
+class OwnPage:
+    """Tells strangers, before anything is done for them."""
+
+    def __init__(self, hosts: Collection[str]) -> None:
+        """Let those names of this machine pass, with their ports, as browsers send them."""
+        self.hosts = frozenset(hosts)
+        self.token = secrets.token_urlsafe(24)
+
+    def stranger(self, host: str | None, origin: str | None, site: str | None) -> Refusal | None:
+        """Why a request isn't the page's own, by its headers Host, Origin and Sec-Fetch-Site (rows U2, U3)."""
+        if host not in self.hosts:
+            return Refusal(421, "another host's name: this page is reached by the address that was printed")
+        if origin is not None and origin not in {f"http://{each}" for each in self.hosts}:
+            return Refusal(403, "another site asks for this")
+        if site is not None and site not in _OWN_SITE:
+            return Refusal(403, "another site asks for this")
+        return None
+
+    def knows(self, token: str) -> bool:
+        """Whether it is the token, in a time that doesn't depend on where it differs (row U5)."""
+        # Bytes that are no text come as they are.
+        return hmac.compare_digest(token.encode(errors="surrogateescape"), self.token.encode())
