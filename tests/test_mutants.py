@@ -41,6 +41,11 @@ def test_each_bug_can_be_planted_and_has_its_tests(mutants: Any) -> None:
         assert all((ROOT / test.split("::")[0]).is_file() for test in each.tests), each.tests
 
 
+def test_each_row_of_operators_and_pages_has_a_bug_of_its_own(mutants: Any) -> None:
+    names = [each.name.partition(":")[0] for each in mutants.read_table()]
+    assert [f"U{number}" for number in range(1, 15) if f"U{number}" not in names] == []
+
+
 def test_a_text_that_is_not_there_once_is_told(mutants: Any) -> None:
     bug = mutants.Mutant("twice", "a.py", "x", "y", ("test_a.py",))
     with pytest.raises(ValueError, match=r"a\.py: twice: the text is there 2 times; needed: once"):

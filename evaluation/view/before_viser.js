@@ -1,4 +1,5 @@
-// Runs before viser's own script: hands the token on to its socket, and names for screen readers what has no name.
+// Runs before viser's own script: hands the token on to its socket, names for screen readers what has no name, and
+// lets the keyboard reach what only the mouse could.
 "use strict";
 (() => {
   const given = new URLSearchParams(location.hash.slice(1)).get("token");
@@ -42,11 +43,29 @@
     }
   }
 
+  // Titles of folders are no buttons.
+  const press = (event) => {
+    if (event.key !== "Enter" && event.key !== " ") return;
+    event.preventDefault();
+    event.currentTarget.click();
+  };
+
+  function reachFolders() {
+    for (const icon of document.querySelectorAll(".tabler-icon-chevron-down, .tabler-icon-chevron-up")) {
+      const title = icon.parentElement;
+      if (title.closest("button")) continue;
+      if (!title.hasAttribute("role")) title.addEventListener("keydown", press);
+      title.setAttribute("role", "button");
+      title.setAttribute("tabindex", "0");
+      title.setAttribute("aria-expanded", icon.classList.contains("tabler-icon-chevron-up"));
+    }
+  }
+
   let asked = false;
   const changed = () => {
     if (asked) return;
     asked = true;
-    requestAnimationFrame(() => { asked = false; nameAll(); });
+    requestAnimationFrame(() => { asked = false; nameAll(); reachFolders(); });
   };
   new MutationObserver(changed).observe(document, { childList: true, subtree: true });
 })();

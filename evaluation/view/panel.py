@@ -91,7 +91,8 @@ class Panel:
             if frame.moment.restoring:
                 doing += f' <b style="color:{OUTCOMES["Fail"]}">restoring</b>'
         return (
-            f'{_READABLE}<div style="{_HEAD}"><h1 style="font-size:1em;font-weight:600;margin:0">{escape(self._title)}</h1>'
+            f'{_READABLE}<div style="{_HEAD}">'
+            f'<h1 style="font-size:1em;font-weight:600;margin:0">{escape(self._title)}</h1>'
             f'<div style="color:#4a5868">{escape(self.ended)}</div>'
             f'<div style="margin-top:0.3em"><span style="font-variant-numeric:tabular-nums">'
             f"{frame.moment.time:.1f} s</span> &nbsp;{doing}</div></div>"

@@ -34,7 +34,7 @@ class OwnPage:
         self.token = secrets.token_urlsafe(24)
 
     def stranger(self, host: str | None, origin: str | None, site: str | None) -> Refusal | None:
-        """Why a request isn't the page's own, by its headers Host, Origin and Sec-Fetch-Site (rows U2, U3)."""
+        """Why a request isn't the page's own, by its headers Host, Origin, Sec-Fetch-Site (rows U2, U3)."""
         if host not in self.hosts:
             return Refusal(421, "another host's name: this page is reached by the address that was printed")
         if origin is not None and origin not in {f"http://{each}" for each in self.hosts}:

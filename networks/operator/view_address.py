@@ -15,7 +15,7 @@ _OURS = re.compile(r"http://127\.0\.0\.1:\d{1,5}/#token=[\w-]+", re.ASCII)
 
 
 def note_address(folder: Path, address: str) -> None:
-    """Write it down for its owner alone: the token is in it. Raises `OSError` where the disk takes no more."""
+    """Write it down for its owner alone, with its token; raises `OSError` where the disk takes no more."""
     write_whole(folder / NAME, address, private=True)
 
 

@@ -6,7 +6,7 @@ import pytest
 
 from handcart.evaluation.trials.running import run_task
 from handcart.networks.run_options import RunOptions
-from tests.browser import DESK, PHONE, axe_findings, browsing, needs_browser
+from tests.browser import DESK, PHONE, browsing, needs_browser
 
 TOUR = Path(__file__).parents[3] / "tasks" / "drive_map" / "task.yaml"
 
@@ -38,13 +38,3 @@ def test_it_asks_for_nothing_complains_of_nothing_and_never_scrolls_sideways(
     assert wide <= size[0]
     assert pictures
     assert all(pictures)
-
-
-@needs_browser
-@pytest.mark.slow
-@pytest.mark.parametrize("size", [PHONE, DESK])
-def test_axe_finds_nothing(page: Path, size: tuple[int, int]) -> None:
-    with browsing(size) as seen:
-        seen.page.goto(page.as_uri())
-        seen.page.evaluate("document.querySelectorAll('details').forEach(each => each.open = true)")
-        assert axe_findings(seen.page) == []

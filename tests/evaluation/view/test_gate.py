@@ -1,4 +1,4 @@
-"""Who is let in to a run's page in three dimensions: rows U1, U2, U3, U5 and U11 of the faults, as strangers try."""
+"""Who is let in to a run's page in three dimensions, as strangers try it: rows U1 to U3, U5, U10 and U11."""
 
 from __future__ import annotations
 
@@ -81,9 +81,22 @@ def test_who_has_the_token_sees_the_run(opened: Opened) -> None:
         assert line.recv(timeout=20)
 
 
+def test_u1_it_listens_on_this_machine_s_one_address(opened: Opened) -> None:
+    """Whoever listened at all of them would be reached by another one of loopback, too."""
+    socket.create_connection((HOST, port_of(opened)), timeout=20).close()
+    with pytest.raises(ConnectionRefusedError):
+        socket.create_connection(("127.0.0.2", port_of(opened)), timeout=20)
+
+
 def test_u2_a_foreign_origin_gets_no_socket(opened: Opened) -> None:
     """With the token as well; browsers tell the origin always, so that one without is no page."""
-    for origin in ("http://evil.example", "null", f"https://{HOST}:{port_of(opened)}", f"http://{HOST}:1", None):
+    for origin in (
+        "http://evil.example",
+        "null",
+        f"https://{HOST}:{port_of(opened)}",
+        f"http://{HOST}:1",
+        None,
+    ):
         assert refused(opened, token=token_of(opened), origin=origin) == 403
 
 

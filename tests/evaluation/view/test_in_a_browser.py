@@ -83,12 +83,15 @@ def test_it_opens_draws_and_goes_to_another_time(toured: Path, size: tuple[int, 
 @pytest.mark.slow
 @pytest.mark.parametrize("size", [PHONE, DESK])
 def test_axe_finds_nothing(toured: Path, size: tuple[int, int]) -> None:
-    """Controls that viser leaves unnamed are named before."""
+    """Controls that viser leaves unnamed are named, and all are reached with the keyboard."""
     with viewing(toured) as (_, url), browsing(size) as seen:
         seen.page.goto(url)
         seen.page.get_by_text("MOVE_TO").first.wait_for(timeout=60_000)
-        seen.page.get_by_role("button", name="Show").click()
-        seen.page.wait_for_timeout(1000)
+        folder = seen.page.get_by_role("button", name="Show")
+        folder.focus()
+        seen.page.keyboard.press("Enter")
+        seen.page.get_by_role("checkbox", name="driven path").wait_for(timeout=20_000)
+        assert folder.get_attribute("aria-expanded") == "true"
         assert axe_findings(seen.page) == []
         assert seen.page.get_by_role("slider", name="time [s]").count() == 1
 

@@ -1,19 +1,22 @@
 from __future__ import annotations
 
-import http.client
 import socket
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 pytest.importorskip("viser", reason="the extra view isn't installed")
 
 import viser
 
-from handcart.evaluation.playback.playback import Playback
+from handcart.evaluation.playback.playback import Moment, Playback
+from handcart.evaluation.view.frame import Frame
+from handcart.evaluation.view.panel import Panel
 from handcart.evaluation.view.replay import Replay
 from handcart.evaluation.view.server import HOST, NoView, open_server
+from handcart.networks.journal.past_run import PastAction
 
 
 @pytest.fixture
@@ -49,16 +52,16 @@ def test_any_time_can_be_gone_to(replay: Replay, toured: Path) -> None:
         assert replay.time == pytest.approx(shown)
 
 
-def test_it_is_served_to_this_machine_alone(server: viser.ViserServer) -> None:
-    port = server.get_port()
-    page = http.client.HTTPConnection(HOST, port, timeout=10)
-    page.request("GET", "/")
-    assert page.getresponse().status == 200
-    page.close()
-    everywhere = socket.gethostbyname(socket.gethostname())
-    if not everywhere.startswith("127."):
-        with pytest.raises(OSError):
-            socket.create_connection((everywhere, port), timeout=5).close()
+def test_u10_names_that_are_programs_are_text_in_the_panel(server: viser.ViserServer) -> None:
+    """Viser takes its content as HTML."""
+    bad = "<img src=x onerror=alert(1)>"
+    panel = Panel(server, bad, bad)
+    moment = Moment(0.5, 0.5, np.zeros(3), None, np.zeros(0), 0.0, np.zeros((3, 3)), 1, True)
+    action = PastAction(1, 0, bad, bad, bad, {}, 0.0, 1.0, None, "")
+    frame = Frame(moment, bad, {})
+    for each in (panel._words(frame, action, True), panel._words(frame, action, False)):
+        assert "<img" not in each
+        assert each.count("&lt;img src=x onerror=alert(1)&gt;") >= 3
 
 
 def test_a_taken_port_is_told() -> None:

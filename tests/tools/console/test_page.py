@@ -152,7 +152,12 @@ def test_the_live_view_of_a_run_that_has_one_is_led_to(served: Served, live: Liv
         choose(seen.page, served, OVER)
         seen.page.get_by_text(f"handcart view {served.runs / OVER}").wait_for(timeout=20_000)
     ours = "http://127.0.0.1:8123/#token=a-_9"
-    for wrong in ("http://evil.example", "javascript:alert(1)", ours.replace("/#", ".evil.example/#"), ours + "<"):
+    for wrong in (
+        "http://evil.example",
+        "javascript:alert(1)",
+        ours.replace("/#", ".evil.example/#"),
+        ours + "<",
+    ):
         address.write_text(wrong, encoding="utf-8")
         assert served.ask("GET", f"/api/runs/{LIVE}").json["view"] is None
     address.write_text(ours, encoding="utf-8")
