@@ -5,8 +5,8 @@ Each shape has about SIZE situations, with a probability for each action. CPU ti
 
 from __future__ import annotations
 
+import argparse
 import random
-import sys
 import time
 from collections.abc import Callable, Iterator
 
@@ -112,7 +112,9 @@ def network(shape: str, size: int, seed: int = 0) -> ActionNetwork:
 
 def main() -> None:
     """Print a table."""
-    sizes = [int(each) for each in sys.argv[1:]] or [100, 1000, 8670]
+    words = argparse.ArgumentParser(description=__doc__)
+    words.add_argument("size", nargs="*", type=int, default=[100, 1000, 8670])
+    sizes: list[int] = words.parse_args().size
     print(f"{'shape':<12}{'situations':>11}{'actions':>9}{'worst cases':>14}{'figures':>14}  what is known")
     for shape in SHAPES:
         for size in sizes:

@@ -8,6 +8,7 @@ is.
 
 from __future__ import annotations
 
+import argparse
 import http.client
 import re
 import socket
@@ -32,6 +33,7 @@ PERIOD_S = 0.05
 
 def main() -> None:
     """Both."""
+    argparse.ArgumentParser(description=__doc__).parse_args()
     with TemporaryDirectory() as name:
         runs = Path(name) / "runs"
         console = subprocess.Popen(

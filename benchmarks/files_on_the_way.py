@@ -6,6 +6,7 @@ they are printed. What a reader has to follow grows with them.
 
 from __future__ import annotations
 
+import argparse
 import sys
 import tempfile
 from collections import Counter
@@ -49,7 +50,9 @@ def files() -> list[str]:
 
 
 if __name__ == "__main__":
-    listed = "--list" in sys.argv
+    words = argparse.ArgumentParser(description=__doc__)
+    words.add_argument("--list", action="store_true", help="print them")
+    listed = words.parse_args().list
     found = files()
     if listed:
         print("\n".join(found))

@@ -6,6 +6,7 @@ Each is run in processes of its own; told is the median of their user and system
 
 from __future__ import annotations
 
+import argparse
 import os
 import subprocess
 import sys
@@ -48,5 +49,6 @@ def beyond_bare_ms(
 
 
 if __name__ == "__main__":
+    argparse.ArgumentParser(description=__doc__).parse_args()
     for name, took in beyond_bare_ms().items():
         print(f"{name:<16} {took:6.1f} ms, at most {MOST_MS[name]:.0f}")

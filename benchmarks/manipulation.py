@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import time
 from collections.abc import Callable, Sequence
 from itertools import pairwise
@@ -42,6 +43,7 @@ def report(name: str, work: Callable[[Any], object], inputs: Sequence[Any]) -> N
 
 def main() -> None:
     """Prints the table."""
+    argparse.ArgumentParser(description=__doc__).parse_args()
     arm = ArmModel(ROBOT.read_text(), [f"joint_{number}" for number in range(1, 7)])
     rng = np.random.default_rng(1)
     postures = rng.uniform(arm.lower, arm.upper, (1000, 6))

@@ -7,7 +7,7 @@ a whole period (drives, noise, contacts, ground truth) and of a step of the solv
 
 from __future__ import annotations
 
-import sys
+import argparse
 import time
 from collections.abc import Callable
 from typing import Any
@@ -37,7 +37,9 @@ class Clock:
 
 def main() -> None:
     """Print a table."""
-    periods = int(sys.argv[1]) if len(sys.argv) > 1 else PERIODS
+    words = argparse.ArgumentParser(description=__doc__)
+    words.add_argument("periods", nargs="?", type=int, default=PERIODS)
+    periods = words.parse_args().periods
     print("loose boxes  engine     ms a period   us a step   wrapper")
     for boxes in BOXES:
         backends = {name: _build(name, boxes) for name in ENGINES}

@@ -7,6 +7,7 @@ No pictures are taken: they are rendered only when somebody asks.
 
 from __future__ import annotations
 
+import argparse
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -39,6 +40,7 @@ class Clock:
 
 def main() -> None:
     """Print the ratio, and how many times faster than real time both are."""
+    argparse.ArgumentParser(description=__doc__).parse_args()
     backend = PyBulletBackend(load_robot("librarian"), load_world(WORLD), 0)
     engine: Any = backend._engine
     base, arm = backend.capabilities()[:2]

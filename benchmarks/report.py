@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import sys
+import argparse
 import time
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -14,8 +14,11 @@ from handcart.evaluation.report.report import write_report
 
 def main() -> None:
     """A line for each run's folder."""
+    words = argparse.ArgumentParser(description=__doc__)
+    words.add_argument("runs", nargs="+", type=Path, help="folders of runs")
+    runs: list[Path] = words.parse_args().runs
     with TemporaryDirectory() as there:
-        for folder in map(Path, sys.argv[1:]):
+        for folder in runs:
             spent = []
             for _ in range(5):
                 before = time.process_time()

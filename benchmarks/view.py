@@ -8,6 +8,7 @@ while somebody scrubs through it.
 
 from __future__ import annotations
 
+import argparse
 import http.client
 import os
 import re
@@ -30,12 +31,15 @@ PERIOD = 1.0 / 25.0  # [s] of a frame that doesn't stutter
 
 def main() -> None:
     """One of the two."""
-    what, path = sys.argv[1], Path(sys.argv[2])
-    if what == "cost":
-        cost(path)
+    words = argparse.ArgumentParser(description=__doc__)
+    words.add_argument("what", choices=("cost", "open"))
+    words.add_argument("path", type=Path, help="of a task file to run, or of a recorded run's folder")
+    wanted = words.parse_args()
+    if wanted.what == "cost":
+        cost(wanted.path)
     else:
-        opening(path)
-        scrubbing(path)
+        opening(wanted.path)
+        scrubbing(wanted.path)
 
 
 def cost(task: Path) -> None:

@@ -9,6 +9,7 @@ cornerSubPix.
 
 from __future__ import annotations
 
+import argparse
 import math
 import sys
 import timeit
@@ -123,7 +124,9 @@ def errors(find: Finder, images: list[GreyImage], poses: list[Pose2]) -> tuple[l
 
 def main() -> None:
     cv2.setNumThreads(1)
-    count = int(sys.argv[1]) if len(sys.argv) > 1 else 30
+    words = argparse.ArgumentParser(description=__doc__)
+    words.add_argument("images", nargs="?", type=int, default=30)
+    count = words.parse_args().images
     looking = rays()
     sheets = {"landmark": table_with(draw_landmark()), "tag": table_with(tag_sheet())}
     finders: list[tuple[str, str, Finder]] = [

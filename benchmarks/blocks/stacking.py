@@ -8,7 +8,7 @@ one's largest error. ROW is a part of a row's name.
 
 from __future__ import annotations
 
-import sys
+import argparse
 import tempfile
 from pathlib import Path
 from typing import NamedTuple
@@ -60,11 +60,13 @@ ROWS = {
 
 def main() -> None:
     """Print the table."""
-    words = sys.argv[1:]
-    plots = Path(words[words.index("--plots") + 1]) if "--plots" in words else None
-    words = words[: words.index("--plots")] if plots else words
-    count = int(words[0]) if words else 10
-    chosen = {name: row for name, row in ROWS.items() if not words[1:] or any(w in name for w in words[1:])}
+    words = argparse.ArgumentParser(description=__doc__)
+    words.add_argument("experiments", nargs="?", type=int, default=10)
+    words.add_argument("row", nargs="*", help="parts of rows' names; default: all")
+    words.add_argument("--plots", type=Path, help="folder for drawings")
+    wanted = words.parse_args()
+    plots, count = wanted.plots, wanted.experiments
+    chosen = {name: row for name, row in ROWS.items() if any(each in name for each in wanted.row or [""])}
     head = f"{'|E| in mm, experiments: ' + str(count):42}{'mean':>7}{'max':>7}{'processed':>11}"
     print(head + f"{'E_x, E_y grow':>15}{'frames':>8}{'s':>6}{'lost':>6}")
     for name, row in chosen.items():

@@ -5,7 +5,7 @@ python -m benchmarks.blocks.stacking_speed [TRIALS]
 
 from __future__ import annotations
 
-import sys
+import argparse
 import tempfile
 import time
 from collections.abc import Callable
@@ -36,7 +36,9 @@ def least(work: Callable[[], object], times: int = 50) -> float:
 def main() -> None:
     """Print the table."""
     cv2.setNumThreads(1)
-    trials = int(sys.argv[1]) if len(sys.argv) > 1 else 3
+    words = argparse.ArgumentParser(description=__doc__)
+    words.add_argument("trials", nargs="?", type=int, default=3)
+    trials = words.parse_args().trials
     files = RigFiles(
         TASK / "unload_world.yaml",
         TASK / "map.yaml",

@@ -9,8 +9,8 @@ the largest distance of a block from where it is drawn, by the ground truth, ove
 
 from __future__ import annotations
 
+import argparse
 import math
-import sys
 import tempfile
 import time
 from pathlib import Path
@@ -106,8 +106,11 @@ def plan_drawn(folder: Path, robot: str) -> WallPlan:
 
 def main() -> None:
     """Print a line for each wall, and the row."""
-    count = int(sys.argv[1]) if len(sys.argv) > 1 else WALLS
-    robot = sys.argv[2] if len(sys.argv) > 2 else "toyama/h1"
+    words = argparse.ArgumentParser(description=__doc__)
+    words.add_argument("walls", nargs="?", type=int, default=WALLS)
+    words.add_argument("robot", nargs="?", default="toyama/h1")
+    wanted = words.parse_args()
+    count, robot = wanted.walls, wanted.robot
     print(f"{'wall':>4}{'rows':>5}{'stops':>6}{'plan s':>7}{'blocks':>7}{'mean mm':>8}{'max mm':>7}  ended")
     built, errors, touched = 0, list[NDArray[np.float64]](), 0
     with tempfile.TemporaryDirectory() as folder:

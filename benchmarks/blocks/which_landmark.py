@@ -10,7 +10,7 @@ the plan would go on, and with the landmark covered that is looked for. PLAN is 
 
 from __future__ import annotations
 
-import sys
+import argparse
 import tempfile
 from collections import Counter
 from collections.abc import Sequence
@@ -125,11 +125,13 @@ def _mark(at: Sequence[float]) -> dict[str, float | str]:
 
 def main() -> None:
     """Print the table."""
-    count = int(sys.argv[1]) if len(sys.argv) > 1 else 20
+    words = argparse.ArgumentParser(description=__doc__)
+    words.add_argument("trials", nargs="?", type=int, default=20)
+    words.add_argument("plan", nargs="*", help="parts of plans' names; default: all")
+    wanted = words.parse_args()
+    count = wanted.trials
     print(f"{'plan':30}{'fault':16}{'right':>6}{'said':>6}{'wrong':>6}")
-    chosen = {
-        name: plan for name, plan in PLANS.items() if any(word in name for word in sys.argv[2:] or [""])
-    }
+    chosen = {name: plan for name, plan in PLANS.items() if any(word in name for word in wanted.plan or [""])}
     for name, plan in chosen.items():
         for fault in FAULTS:
             with tempfile.TemporaryDirectory() as folder:

@@ -5,7 +5,7 @@ python -m benchmarks.books.ablations [TRIALS]
 
 from __future__ import annotations
 
-import sys
+import argparse
 import tempfile
 from pathlib import Path
 
@@ -42,7 +42,9 @@ def robot(folder: Path, name: str, changes: dict[str, str]) -> str:
 
 def main() -> None:
     """Print the table."""
-    trials = int(sys.argv[1]) if len(sys.argv) > 1 else 20
+    words = argparse.ArgumentParser(description=__doc__)
+    words.add_argument("trials", nargs="?", type=int, default=20)
+    trials = words.parse_args().trials
     with tempfile.TemporaryDirectory() as folder:
         gives = robot(Path(folder), "gives", GIVES)
         rows = {

@@ -7,6 +7,7 @@ label's.
 
 from __future__ import annotations
 
+import argparse
 import sys
 import time
 from collections import Counter
@@ -119,7 +120,9 @@ def verdict(read: CallNumber | None, truth: CallNumber) -> str:
 
 def main() -> None:
     cv2.setNumThreads(1)
-    per_face = int(sys.argv[1]) if len(sys.argv) > 1 else 60
+    words = argparse.ArgumentParser(description=__doc__)
+    words.add_argument("labels", nargs="?", type=int, default=60, help="of each face")
+    per_face = words.parse_args().labels
     rng = np.random.default_rng(7)
     source = call_numbers(rng)
     catalogue = [next(source) for _ in range(CATALOGUE_SIZE)]

@@ -5,7 +5,7 @@ python -m benchmarks.books.return_book [RUNS]
 
 from __future__ import annotations
 
-import sys
+import argparse
 import tempfile
 import time
 from pathlib import Path
@@ -18,7 +18,9 @@ TASK = Path(__file__).parent.parent.parent / "tasks" / "return_book" / "task.yam
 
 def main() -> None:
     """Print the table; the first run, which compiles and draws textures, stands apart."""
-    runs = int(sys.argv[1]) if len(sys.argv) > 1 else 5
+    words = argparse.ArgumentParser(description=__doc__)
+    words.add_argument("runs", nargs="?", type=int, default=5)
+    runs = words.parse_args().runs
     print(f"{'run':<8}{'simulated':>12}{'wall':>10}{'CPU':>10}{'times real time':>18}")
     with tempfile.TemporaryDirectory() as folder:
         for number in range(runs + 1):

@@ -12,9 +12,9 @@ the ground truth.
 
 from __future__ import annotations
 
+import argparse
 import math
 import re
-import sys
 import tempfile
 from collections import Counter
 from collections.abc import Sequence
@@ -133,9 +133,13 @@ def _return(rig: Rig, shelf: str) -> tuple[Outcome, str]:
 
 def main() -> None:
     """Print the table."""
-    first, _, end = (sys.argv[1] if len(sys.argv) > 1 else "200").rpartition(":")
+    words = argparse.ArgumentParser(description=__doc__)
+    words.add_argument("libraries", nargs="?", default="200", metavar="LIBRARIES|FIRST:END")
+    words.add_argument("factors", nargs="*", metavar="FACTOR=LEVEL")
+    wanted = words.parse_args()
+    first, _, end = wanted.libraries.rpartition(":")
     seeds = range(int(first or 0), int(end))
-    asked = [(pair.split("=")[0], float(pair.split("=")[1])) for pair in sys.argv[2:]]
+    asked = [(pair.split("=")[0], float(pair.split("=")[1])) for pair in wanted.factors]
     rows = asked or [("none", 0.0), *((f, v) for f in (*FACTORS, "camera") for v in LEVELS)]
     rows = rows if asked else [*rows, *(("all", level) for level in LEVELS)]
     print(f"{'':16}{'level':>6}{'solvable':>10}{'Success':>9}{'':>7}{'refused':>12}{'hurt':>6}   other ends")

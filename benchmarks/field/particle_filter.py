@@ -7,6 +7,7 @@ filterpy only our own is measured: pip install filterpy.
 
 from __future__ import annotations
 
+import argparse
 import importlib
 import math
 import sys
@@ -80,6 +81,7 @@ def steps() -> dict[str, Step]:
 
 def main() -> None:
     """Prints the table."""
+    argparse.ArgumentParser(description=__doc__).parse_args()
     ways = steps()
     least = dict.fromkeys(ways, math.inf)
     for step in ways.values():

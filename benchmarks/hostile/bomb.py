@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import tempfile
 import time
 from pathlib import Path
@@ -21,6 +22,7 @@ def bomb() -> bytes:
 
 def main() -> None:
     """Print the time of each of 20 tries, at most."""
+    argparse.ArgumentParser(description=__doc__).parse_args()
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "bomb.yaml"
         path.write_bytes(bomb())

@@ -5,6 +5,7 @@ Then how long `handcart stop` takes to be heard with 50 idle lines, half message
 
 from __future__ import annotations
 
+import argparse
 import json
 import socket
 import subprocess
@@ -27,8 +28,11 @@ PATIENCE = 30.0  # [s] for one answer
 
 def main() -> None:
     """Print progress, and each message that got no answer."""
-    count = int(sys.argv[1]) if len(sys.argv) > 1 else 10_000
-    seed = int(sys.argv[2]) if len(sys.argv) > 2 else 0
+    words = argparse.ArgumentParser(description=__doc__)
+    words.add_argument("number", nargs="?", type=int, default=10_000)
+    words.add_argument("seed", nargs="?", type=int, default=0)
+    wanted = words.parse_args()
+    count, seed = wanted.number, wanted.seed
     with tempfile.TemporaryDirectory() as runs:
         failures = _fuzzed(Path(runs) / "fuzzed", count, seed)
         print(f"\r{count} messages, {failures} without an answer")

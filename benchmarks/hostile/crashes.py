@@ -8,6 +8,7 @@ lost, finished actions that are done again, and ends that differ from those of a
 
 from __future__ import annotations
 
+import argparse
 import json
 import random
 import subprocess
@@ -66,8 +67,11 @@ def last_json(text: str) -> dict[str, Any]:
 
 def main() -> None:
     """Print what was lost, repeated, or ended otherwise."""
-    trials = int(sys.argv[1]) if len(sys.argv) > 1 else 100
-    rng, count = random.Random(int(sys.argv[2]) if len(sys.argv) > 2 else 0), Counter[str]()
+    words = argparse.ArgumentParser(description=__doc__)
+    words.add_argument("number", nargs="?", type=int, default=100)
+    words.add_argument("seed", nargs="?", type=int, default=0)
+    wanted = words.parse_args()
+    trials, rng, count = wanted.number, random.Random(wanted.seed), Counter[str]()
     with tempfile.TemporaryDirectory() as folder:
         said = subprocess.run(
             command("run", TASK, "--runs", Path(folder) / "whole", "--json"),

@@ -5,6 +5,7 @@ Half of them are YAML files; half pictures, maps, URDFs and tables, within a lim
 
 from __future__ import annotations
 
+import argparse
 import sys
 import tempfile
 from collections.abc import Iterator
@@ -18,8 +19,11 @@ from handcart.tools.commands.check_file import check_quietly
 
 def main() -> None:
     """Print progress, and each failure with the file that caused it."""
-    count = int(sys.argv[1]) if len(sys.argv) > 1 else 10_000
-    seed = int(sys.argv[2]) if len(sys.argv) > 2 else 0
+    words = argparse.ArgumentParser(description=__doc__)
+    words.add_argument("number", nargs="?", type=int, default=10_000)
+    words.add_argument("seed", nargs="?", type=int, default=0)
+    wanted = words.parse_args()
+    count, seed = wanted.number, wanted.seed
     failures = 0
     with tempfile.TemporaryDirectory() as texts, tempfile.TemporaryDirectory() as binaries:
         tried: Iterator[Failure | None] = chain(

@@ -9,7 +9,7 @@ seconds. The tray's book of `tasks/return_book`.
 
 from __future__ import annotations
 
-import sys
+import argparse
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -115,13 +115,17 @@ class HeldBook:
 
 def main() -> None:
     """Print a line every ten seconds."""
-    kind = backend_class(sys.argv[1] if len(sys.argv) > 1 else "mujoco")
+    words = argparse.ArgumentParser(description=__doc__)
+    words.add_argument("backend", nargs="?", default="mujoco")
+    words.add_argument("seconds", nargs="?", type=int, default=60)
+    wanted = words.parse_args()
+    kind = backend_class(wanted.backend)
     assert issubclass(kind, PhysicsBackend)
     held = HeldBook(kind)
     held.take()
     print("after s   off mm   mrad, at most so far")
     worst = Slid(0.0, 0.0)
-    for done in range(10, int(sys.argv[2] if len(sys.argv) > 2 else 60) + 1, 10):
+    for done in range(10, wanted.seconds + 1, 10):
         slid = held.drive(10.0)
         worst = Slid(max(worst.mm, slid.mm), max(worst.mrad, slid.mrad))
         print(f"{done:7d}  {worst.mm:7.4f}  {worst.mrad:5.3f}", flush=True)

@@ -9,7 +9,7 @@ run took of the processor on each backend, as a median without pictures and repo
 
 from __future__ import annotations
 
-import sys
+import argparse
 import tempfile
 import time
 from pathlib import Path
@@ -42,9 +42,13 @@ def outcomes(task: Path, backend: str, seed: int) -> tuple[Outcomes, list[str], 
 
 def main() -> None:
     """Print a line for each seed, and the sum."""
-    task = Path(sys.argv[1]) if len(sys.argv) > 1 else TASK
-    seeds = int(sys.argv[2]) if len(sys.argv) > 2 else 20
-    one, other = (sys.argv[3] if len(sys.argv) > 3 else BACKENDS).split(",")
+    words = argparse.ArgumentParser(description=__doc__)
+    words.add_argument("task", nargs="?", type=Path, default=TASK)
+    words.add_argument("seeds", nargs="?", type=int, default=20)
+    words.add_argument("backends", nargs="?", default=BACKENDS)
+    wanted = words.parse_args()
+    task, seeds = wanted.task, wanted.seeds
+    one, other = wanted.backends.split(",")
     spent: list[tuple[float, float]] = []
     same = 0
     for seed in range(seeds):

@@ -7,6 +7,7 @@ the run was `LATER` periods after: engine and ground truth equal to the last bit
 
 from __future__ import annotations
 
+import argparse
 import sys
 import tempfile
 from pathlib import Path
@@ -74,7 +75,9 @@ def goes_on(kept: Kept, begins: int) -> bool:
 
 def main() -> None:
     """Print how many do."""
-    task, kept = Path(sys.argv[1]) if len(sys.argv) > 1 else TASK, Kept()
+    words = argparse.ArgumentParser(description=__doc__)
+    words.add_argument("task", nargs="?", type=Path, default=TASK)
+    task, kept = words.parse_args().task, Kept()
     with tempfile.TemporaryDirectory() as folder:
         options = RunOptions(backend="mujoco", around=kept.around, draw=False, report=False, playback=False)
         summary, _ = run_task(task, Path(folder), options)

@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+
+import pytest
 
 from benchmarks.__main__ import listed
 
@@ -25,3 +30,18 @@ def test_a_word_chooses() -> None:
     assert all("campaign" in f"{name} {about}".lower() for name, about in listed("Campaign"))
     assert "benchmarks.campaigns.kills" in dict(listed("killed"))
     assert list(listed("no such thing")) == []
+
+
+@pytest.mark.slow
+def test_each_tells_how_it_is_called() -> None:
+    """And begins nothing."""
+
+    def asked(name: str) -> tuple[str, int, bool]:
+        words = [sys.executable, "-m", name, "--help"]
+        said = subprocess.run(words, capture_output=True, text=True, cwd=ROOT, check=False)
+        return name, said.returncode, said.stdout.lower().lstrip().startswith("usage")
+
+    with ThreadPoolExecutor(2) as pool:
+        found = list(pool.map(asked, [name for name, _ in listed()]))
+    assert len(found) > 40
+    assert [each for each in found if each[1:] != (0, True)] == []

@@ -13,7 +13,7 @@ from handcart.backends.capabilities.arm import Arm
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.kinematic.kinematic_backend import KinematicBackend
-from handcart.evaluation.bringup.jog import HAND_SPEED, LEASE, Jogger, Lease, UnknownAxis
+from handcart.evaluation.bringup.jog import HAND_SPEED, Jogger, Lease, UnknownAxis
 from handcart.evaluation.trials.rig import LIBRARY
 from tests.conftest import Clock
 from tests.tools.conftest import Said
