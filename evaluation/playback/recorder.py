@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from io import BytesIO
 from pathlib import Path
@@ -10,7 +10,6 @@ from typing import Any
 
 import cv2
 import numpy as np
-import orjson
 from numpy.typing import NDArray
 
 from handcart.backends.capabilities.arm import Arm
@@ -26,8 +25,8 @@ from handcart.networks.coordination.run_end import RunEnd
 from handcart.networks.run_observer import RunObserver
 from handcart.networks.task.preparing import Prepared
 
-from .part import FOLDER, NAME, SCENERY, millimetres
-from .scenery import scenery_of, thing_shape
+from .part import FOLDER, NAME, SCENERY, SHAPES, millimetres
+from .scenery import ThingShape, scenery_of, thing_shapes
 from .seven import sevens
 
 EVERY, SCANS, PICTURES = 0.1, 0.2, 0.5  # [s] of the robot's time between rows, scans and clouds, pictures
@@ -53,10 +52,11 @@ class PlaybackRecorder(RunObserver):
         self.lost: str | None = None
         """Why nothing more is kept; the run goes on without."""
         self._part = self._changes = 0
+        self._riding: Sequence[Thing] = ()
         self._due = self._scan_due = self._picture_due = 0.0
         self._begun = 0.0
         self._shown: NDArray[np.uint8] | None = None
-        self._at: dict[str, NDArray[np.float64]] = {}
+        self._at: dict[str, bytes] = {}
         self._clear()
 
     def begin(self, prepared: Prepared, run_dir: Path) -> None:
@@ -162,17 +162,20 @@ class PlaybackRecorder(RunObserver):
         self._pictures.append(jpeg_of(picture))
 
     def _take_things(self, time: float, scene: Scene) -> None:
-        carried: Iterable[Thing] = scene.things()
         if scene.changes == self._changes:
-            carried = [*scene.riding(), *([] if scene.held is None else [scene.held])]
-        self._changes = scene.changes
+            carried = [*self._riding, *([] if scene.held is None else [scene.held])]
+        else:
+            carried = scene.things()
+            self._riding, self._changes = scene.riding(), scene.changes
+        new: list[Thing] = []
         for thing in carried:
-            before = self._at.get(thing.name)
+            before, stands = self._at.get(thing.name), thing.pose.tobytes()
             if before is None:
-                self._shapes.append(thing_shape(thing).model_dump(mode="json"))
-            if before is None or not np.array_equal(before, thing.pose):
-                pose = self._at[thing.name] = thing.pose.copy()
-                self._moved.append((time, thing.name, pose))
+                new.append(thing)
+            if before != stands:
+                self._at[thing.name] = stands
+                self._moved.append((time, thing.name, thing.pose.copy()))
+        self._shapes += thing_shapes(new)
 
     # A part
 
@@ -185,7 +188,7 @@ class PlaybackRecorder(RunObserver):
         self._picture_times: list[float] = []
         self._pictures: list[bytes] = []
         self._moved: list[tuple[float, str, NDArray[np.float64]]] = []
-        self._shapes: list[dict[str, Any]] = []
+        self._shapes: list[ThingShape] = []
 
     def _write(self) -> None:
         if self._folder is None or not self._rows["time"]:
@@ -230,7 +233,7 @@ class PlaybackRecorder(RunObserver):
             "moved_name": np.array([index[name] for _, name, _ in self._moved], dtype=np.int32),
             "moved_pose": sevens(np.array([pose for _, _, pose in self._moved]).reshape(-1, 4, 4)),
             "names": np.array(names, dtype=np.str_),
-            "shapes": np.frombuffer(orjson.dumps(self._shapes), np.uint8),
+            "shapes": np.frombuffer(SHAPES.dump_json(self._shapes), np.uint8),
         }
 
 

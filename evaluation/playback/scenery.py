@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import base64
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import cv2
@@ -14,7 +14,7 @@ from pydantic import Field
 from handcart.files.models.model import FileModel
 from handcart.robotics.geometry.pose2 import Pose2
 
-from .seven import Seven, seven
+from .seven import Seven, seven, sevens
 
 if TYPE_CHECKING:
     from handcart.backends.simulation.scene import Scene
@@ -119,10 +119,13 @@ def scenery_of(prepared: Prepared, scene: Scene | None) -> Scenery:
     )
 
 
-def thing_shape(thing: Thing) -> ThingShape:
-    """How a thing is drawn."""
-    middle = seven(thing.thing_T_middle)
-    return ThingShape(name=thing.name, size_m=thing.size, middle=middle, grey=thing.grey)
+def thing_shapes(things: Sequence[Thing]) -> list[ThingShape]:
+    """How things are drawn."""
+    middles = sevens(np.array([each.thing_T_middle for each in things]).reshape(-1, 4, 4)).tolist()
+    return [
+        ThingShape(name=each.name, size_m=each.size, middle=middle, grey=each.grey)
+        for each, middle in zip(things, middles, strict=True)
+    ]
 
 
 def _robot(prepared: Prepared) -> RobotShape:

@@ -14,7 +14,7 @@ from handcart.backends.robot.robot import Robot
 from handcart.backends.simulation.scene import Scene
 from handcart.evaluation.playback.playback import Moment
 from handcart.evaluation.playback.recorder import jpeg_of
-from handcart.evaluation.playback.scenery import Scenery, ThingShape, thing_shape
+from handcart.evaluation.playback.scenery import Scenery, ThingShape, thing_shapes
 from handcart.evaluation.playback.seven import sevens
 
 from .frame import Frame
@@ -96,6 +96,6 @@ class LiveFrames:
         for each in things:
             if each.name not in self._known:
                 self._known.add(each.name)
-                self._new.append(thing_shape(each))
+                self._new += thing_shapes([each])
         poses = sevens(np.array([each.pose for each in things]).reshape(-1, 4, 4))
         return {each.name: pose for each, pose in zip(things, poses, strict=True)}

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.robot.robot import Robot
-from handcart.evaluation.playback.scenery import scenery_of, thing_shape
+from handcart.evaluation.playback.scenery import scenery_of, thing_shapes
 from handcart.evaluation.truth.survey import simulated_world
 from handcart.networks.coordination.events import Ended, Event, Planned, Restoring, RunEnded, Started
 from handcart.networks.journal.past_run import PastAction
@@ -61,7 +61,7 @@ class LiveView(RunObserver):
         """See `RunObserver`."""
         scene = simulated_world(prepared.backend)
         scenery = scenery_of(prepared, scene)
-        things = [] if scene is None else [thing_shape(each) for each in scene.things()]
+        things = [] if scene is None else thing_shapes(scene.things())
         task = prepared.task
         self._page = Page(self._server, scenery, things, task.file.title, "goes on")
         self._network = task.network
