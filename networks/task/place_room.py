@@ -135,11 +135,12 @@ def _warnings(
     loaded: Loaded[Places], rooms: Collection[PlaceRoom], task: Task, any_driven: bool
 ) -> Iterator[Finding]:
     for each in rooms:
+        if each.way.route is not None:  # tasks share their places: one that isn't used is only told
+            continue
         if not each.used:
-            allowed = "allowed, if that is meant" if each.way.route else each.way.reason
-            words = f"no action uses the place {each.name!r}; {allowed}"
+            words = f"no action uses the place {each.name!r}; {each.way.reason}"
             yield loaded.finding((PLACES, each.name), words, at_key=True)
-        elif each.way.route is None and not each.driven_to and (any_driven or not each.way.fits):
+        elif not each.driven_to and (any_driven or not each.way.fits):
             yield _cant(loaded, each, task)
 
 

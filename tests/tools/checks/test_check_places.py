@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -94,6 +95,15 @@ def test_a_place_that_nothing_drives_to_is_a_warning_alone(task: Callable[..., P
     unused = "5:3: no action uses the place 'near'; something at (1.00, 0.05) m leaves 0.310 m"
     assert warnings[0].startswith(unused)
     assert [each[:4] for each in warnings] == ["5:3:", "6:3:", "7:3:"]
+
+
+def test_a_place_that_nothing_uses_is_told_and_no_warning(
+    handcart: Callable[..., Said], task: Callable[..., Path]
+) -> None:
+    """Tasks share a file of places."""
+    said = handcart("check", task("home"))
+    assert re.search(r"place desk: .* no action uses it", said.out)
+    assert "place 'desk'" not in said.out + said.err
 
 
 def test_errors_say_at_the_line_of_the_place_what_is_too_little(task: Callable[..., Path]) -> None:
