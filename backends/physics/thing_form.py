@@ -12,6 +12,17 @@ from handcart.backends.simulation.world.material import PALE_WOOD, Material
 from handcart.backends.simulation.world.thing import GreyImage
 from handcart.robotics.geometry.transform import Transform
 
+BOX_FACES = (
+    ((-1, 1, -1), (-1, -1, -1), (-1, -1, 1), (-1, 1, 1)),
+    ((1, -1, -1), (1, 1, -1), (1, 1, 1), (1, -1, 1)),
+    ((-1, -1, -1), (1, -1, -1), (1, -1, 1), (-1, -1, 1)),
+    ((1, 1, -1), (-1, 1, -1), (-1, 1, 1), (1, 1, 1)),
+    ((-1, -1, 1), (1, -1, 1), (1, 1, 1), (-1, 1, 1)),
+    ((-1, 1, -1), (1, 1, -1), (1, -1, -1), (-1, -1, -1)),
+)
+"""Of a box from -1 to 1: -x, +x, -y, +y, +z, -z; corners counter-clockwise from outside."""
+BOX_NORMALS = ((-1, 0, 0), (1, 0, 0), (0, -1, 0), (0, 1, 0), (0, 0, 1), (0, 0, -1))
+"""Of the same faces."""
 Uvs = Sequence[tuple[float, float]]
 """Where a face's corners lie in the picture: u to the right, v up, both from 0 to 1."""
 

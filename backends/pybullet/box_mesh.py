@@ -9,20 +9,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.physics.thing_form import Uvs
+from handcart.backends.physics.thing_form import BOX_FACES, BOX_NORMALS, Uvs
 
 from .bullet import bullet, quiet
-
-_FACES = (
-    # -x, +x, -y, +y, +z, -z: corners counter-clockwise from outside
-    ((-1, 1, -1), (-1, -1, -1), (-1, -1, 1), (-1, 1, 1)),
-    ((1, -1, -1), (1, 1, -1), (1, 1, 1), (1, -1, 1)),
-    ((-1, -1, -1), (1, -1, -1), (1, -1, 1), (-1, -1, 1)),
-    ((1, 1, -1), (-1, 1, -1), (-1, 1, 1), (1, 1, 1)),
-    ((-1, -1, 1), (1, -1, 1), (1, 1, 1), (-1, 1, 1)),
-    ((-1, 1, -1), (1, 1, -1), (1, -1, -1), (-1, -1, -1)),
-)
-_NORMALS = ((-1, 0, 0), (1, 0, 0), (0, -1, 0), (0, 1, 0), (0, 0, 1), (0, 0, -1))
 
 
 def box_mesh(client: int, size: Sequence[float], uvs: Sequence[Uvs]) -> int:
@@ -47,10 +36,10 @@ def box_mesh(client: int, size: Sequence[float], uvs: Sequence[Uvs]) -> int:
 
 def _obj(half: NDArray[np.float64], uvs: Sequence[Uvs]) -> str:
     """The box as Wavefront OBJ: Bullet's EGL renderer takes meshes from files only."""
-    lines = [f"v {x} {y} {z}" for face in _FACES for x, y, z in half * np.array(face)]
+    lines = [f"v {x} {y} {z}" for face in BOX_FACES for x, y, z in half * np.array(face)]
     lines += [f"vt {u} {v}" for face in uvs for u, v in face]
-    lines += [f"vn {x} {y} {z}" for x, y, z in _NORMALS]
-    for number in range(len(_FACES)):
+    lines += [f"vn {x} {y} {z}" for x, y, z in BOX_NORMALS]
+    for number in range(len(BOX_FACES)):
         a, b, c, d = (f"{4 * number + i}/{4 * number + i}/{number + 1}" for i in (1, 2, 3, 4))
         lines += [f"f {a} {b} {c}", f"f {a} {c} {d}"]
     return "\n".join(lines) + "\n"

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from handcart.backends.mujoco.mujoco_module import mujoco
 from handcart.backends.mujoco.world_spec import ROBOT, where
-from handcart.backends.physics.thing_form import ThingForm, Uvs
+from handcart.backends.physics.thing_form import BOX_FACES, BOX_NORMALS, ThingForm, Uvs
 from handcart.backends.simulation.world.material import Material
 from handcart.backends.simulation.world.sheet import Sheet
 from handcart.robotics.geometry.transform import transform
@@ -30,20 +30,6 @@ _NO_SKY = ((150 / 255,) * 3,) * 2
 _FLAT = ((0.5, 0.5),) * 4
 _WHOLE = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
 _SHEET_LEVEL = 1
-
-# -x, +x, -y, +y, +z, -z: corners counter-clockwise from outside, as `ThingForm.uvs` has them
-_FACES = np.array(
-    (
-        ((-1, 1, -1), (-1, -1, -1), (-1, -1, 1), (-1, 1, 1)),
-        ((1, -1, -1), (1, 1, -1), (1, 1, 1), (1, -1, 1)),
-        ((-1, -1, -1), (1, -1, -1), (1, -1, 1), (-1, -1, 1)),
-        ((1, 1, -1), (-1, 1, -1), (-1, 1, 1), (1, 1, 1)),
-        ((-1, -1, 1), (1, -1, 1), (1, 1, 1), (-1, 1, 1)),
-        ((-1, 1, -1), (1, 1, -1), (1, -1, -1), (-1, -1, -1)),
-    ),
-    dtype=float,
-)
-_NORMALS = np.array(((-1, 0, 0), (1, 0, 0), (0, -1, 0), (0, 1, 0), (0, 0, 1), (0, 0, -1)), dtype=float)
 
 
 class StageSpec:
@@ -197,13 +183,13 @@ class StageSpec:
         self, body: Any, name: str, size: Sequence[float], uvs: Sequence[Uvs], placed: dict[str, Any]
     ) -> None:
         """A box with a picture on it, its material of that name."""
-        corners = 4 * np.arange(len(_FACES))[:, None]
+        corners = 4 * np.arange(len(BOX_FACES))[:, None]
         triangles = np.concatenate([corners + half for half in np.array(((0, 1, 2), (0, 2, 3)))])
         texcoord = np.array([[u, 1.0 - v] for face in uvs for u, v in face])
         self.spec.add_mesh(
             name=name,
-            uservert=(_FACES * np.array(size) / 2).ravel(),
-            usernormal=np.repeat(_NORMALS, 4, axis=0).ravel(),
+            uservert=(np.array(BOX_FACES) * np.array(size) / 2).ravel(),
+            usernormal=np.repeat(np.array(BOX_NORMALS, dtype=float), 4, axis=0).ravel(),
             usertexcoord=texcoord.ravel(),
             userface=triangles.ravel(),
         )

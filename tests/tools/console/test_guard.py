@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import socket
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
 from time import monotonic, sleep
@@ -44,8 +44,8 @@ def test_u2_a_foreign_origin_is_refused_before_any_upgrade(served: Served, metho
         asked = served.ask(method, "/api/lease", {} if method == "POST" else None, Origin=origin)
         assert (asked.status, asked.json["error"]) == (403, "another site asks for this")
         web_socket = {"Connection": "Upgrade", "Upgrade": "websocket", "Sec_WebSocket_Version": "13"}
-        assert served.ask("GET", "/api/events", Origin=origin, **web_socket).status == 403
-    assert served.ask("GET", "/api/events", Upgrade="websocket", Connection="Upgrade").status == 403
+        assert served.ask("GET", f"/api/runs/{OVER}", Origin=origin, **web_socket).status == 403
+    assert served.ask("GET", f"/api/runs/{OVER}", Upgrade="websocket", Connection="Upgrade").status == 403
 
 
 @pytest.mark.parametrize(
@@ -242,14 +242,8 @@ def test_u11_of_a_crowd_that_comes_at_once_few_are_let_in(served: Served) -> Non
         line = socket.create_connection(("127.0.0.1", served.server.port), timeout=20)
         with suppress(OSError):
             line.sendall(b"GET / HTTP/1.1\r\nHost: ")
-        line.setblocking(False)
         many.append(line)
-    end = monotonic() + 20.0
-    while sum(_closed(each) for each in many) < 80:
-        assert monotonic() < end
-        sleep(0.05)
-    for each in many:
-        each.close()
+    _until_closed(80, many)
     assert served.ask("GET", "/").status == 200
 
 
@@ -265,15 +259,20 @@ def test_u11_who_says_nothing_is_hung_up_on(served: Served, monkeypatch: pytest.
             assert each.recv(100) == b""
     monkeypatch.setattr(connections, "SILENT_S", 30.0)
     many = [socket.create_connection(("127.0.0.1", served.server.port), timeout=20) for _ in range(60)]
+    _until_closed(40, many)
+    assert served.ask("GET", "/").status == 200
+
+
+def _until_closed(count: int, many: Sequence[socket.socket]) -> None:
+    """Until so many of them are hung up on; then hang up on the others."""
     for each in many:
         each.setblocking(False)
     end = monotonic() + 20.0
-    while sum(_closed(each) for each in many) < 40:
+    while sum(_closed(each) for each in many) < count:
         assert monotonic() < end
         sleep(0.05)
     for each in many:
         each.close()
-    assert served.ask("GET", "/").status == 200
 
 
 def _closed(line: socket.socket) -> bool:
