@@ -1,34 +1,68 @@
-"""Screenshots of a run's page for docs: `python scripts/pictures_of_report.py RUN`.
+"""Screenshots of a run's page and a campaign's for docs: `python scripts/pictures_of_report.py RUN [CAMPAIGN]`.
 
-RUN is the folder of the run that scripts/pictures draws as docs/return_book.svg.
+RUN is the folder of the run that scripts/pictures draws as docs/return_book.svg. CAMPAIGN is that of
+`handcart campaign tasks/stack_blocks/task.yaml --trials 40 --faults benchmarks/campaigns/faults.yaml --out DIR`.
 """
 
 from __future__ import annotations
 
+import argparse
 import sys
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Page
 
 ROOT = Path(__file__).resolve().parents[1]
 HIGH = {"desk": 1500, "phone": 1300}  # [px]
 
 
 def main() -> None:
-    """Make the page anew, and take both pictures from its top and of the first action that failed."""
+    """Make the pages anew, and take pictures at both sizes."""
+    words = argparse.ArgumentParser(description=__doc__)
+    words.add_argument("run", type=Path)
+    words.add_argument("campaign", type=Path, nargs="?")
+    wanted = words.parse_args()
     sys.path.insert(0, str(ROOT))  # for what tests have of browsers
+    with TemporaryDirectory() as folder:
+        of_run(wanted.run, Path(folder) / "report.html")
+        if wanted.campaign is not None:
+            of_campaign(wanted.campaign, Path(folder) / "campaign.html")
+
+
+def of_run(run: Path, page: Path) -> None:
+    """From its top, and of the first action that failed."""
     from handcart.evaluation.report.report import write_report
     from tests.browser import DESK, PHONE, browsing
 
-    with TemporaryDirectory() as folder:
-        page = write_report(Path(sys.argv[1]), Path(folder) / "report.html")
-        for size, (width, _) in (("desk", DESK), ("phone", PHONE)):
-            with browsing((width, HIGH[size])) as seen:
-                seen.page.goto(page.as_uri())
-                for part, where in (("", "h1"), ("_fail", "details[open]")):
-                    seen.page.locator(where).first.evaluate("each => each.scrollIntoView()")
-                    path = ROOT / "docs" / f"report_{size}{part}.png"
-                    seen.page.screenshot(path=path, timeout=120_000)
-                    print(f"written: {path}")
+    write_report(run, page)
+    for size, (width, _) in (("desk", DESK), ("phone", PHONE)):
+        with browsing((width, HIGH[size])) as seen:
+            seen.page.goto(page.as_uri())
+            for part, where in (("", "h1"), ("_fail", "details[open]")):
+                seen.page.locator(where).first.evaluate("each => each.scrollIntoView()")
+                take(seen.page, f"report_{size}{part}")
+
+
+def of_campaign(campaign: Path, page: Path) -> None:
+    """From its top."""
+    from handcart.evaluation.campaign_page.campaign_page import CampaignPage
+    from tests.browser import PHONE, browsing
+
+    CampaignPage.of(campaign).write(page)
+    for name, size in (("campaign_page", (1000, 2290)), ("campaign_page_phone", (PHONE[0], 1500))):
+        with browsing(size) as seen:
+            seen.page.goto(page.as_uri())
+            take(seen.page, name)
+
+
+def take(page: Page, name: str) -> None:
+    """A picture of what is seen now."""
+    path = ROOT / "docs" / f"{name}.png"
+    page.screenshot(path=path, timeout=120_000)
+    print(f"written: {path}")
 
 
 if __name__ == "__main__":
