@@ -134,15 +134,17 @@ def test_u14_only_runs_that_are_listed_have_names(served: Served, name: str) -> 
         "evidence/sub/x.png",
         "/etc/passwd",
         "evidence/passwd",
+        "evidence/003_MOVE_TO_Fail.npz",
     ],
 )
 def test_u14_only_pictures_are_files(served: Served, file: str, tmp_path: Path) -> None:
-    secret = tmp_path / "secret.png"
-    secret.write_bytes(b"secret")
-    (served.runs / OVER / "evidence" / "link.png").symlink_to(secret)
+    there, secret = served.runs / OVER / "evidence", tmp_path / "secret.png"
+    for each in (secret, there / "passwd", there / "003_MOVE_TO_Fail.npz"):
+        each.write_bytes(b"for nobody's eyes")
+    (there / "link.png").symlink_to(secret)
     asked = served.ask("GET", f"/api/runs/{OVER}/files/{file}")
     assert asked.status in (403, 404, 409)
-    assert b"secret" not in asked.body or b"link.png" in asked.body
+    assert b"for nobody's eyes" not in asked.body
 
 
 def test_u14_nothing_can_be_sent_there(served: Served) -> None:
