@@ -113,7 +113,7 @@ def _loaded(url: str) -> float | None:
 def scrubbing(run: Path) -> None:
     """Frames at random times, as by a hand that pulls the slider: until each is handed to the browser."""
     from handcart.evaluation.view.replay import Replay
-    from handcart.evaluation.view.server import open_server
+    from handcart.evaluation.view.serving.server import open_server
 
     playback = Playback.read(run)
     times = np.random.default_rng(0).uniform(playback.start, playback.end, FRAMES)

@@ -1,10 +1,7 @@
-"""Screenshots of a run's page and a campaign's for docs.
+"""Screenshots of pages for docs: `python scripts/pictures_of_report.py RUN [CAMPAIGN]`.
 
-python scripts/pictures_of_report.py RUN [CAMPAIGN]
-
-RUN is the folder of the run that scripts/pictures draws as docs/return_book.svg. CAMPAIGN is that of
-`handcart campaign tasks/stack_blocks/task.yaml --trials 40 --faults benchmarks/campaigns/faults.yaml
---out DIR`.
+RUN is the folder of the run that scripts/pictures draws as docs/return_book.svg. CAMPAIGN is one of 40 trials
+of tasks/stack_blocks/task.yaml with `--faults benchmarks/campaigns/faults.yaml`.
 """
 
 from __future__ import annotations

@@ -19,7 +19,7 @@ def main() -> None:
     sys.path.insert(0, str(ROOT))  # for what tests have of browsers
     from handcart.evaluation.playback.playback import Playback
     from handcart.evaluation.view.replay import Replay
-    from handcart.evaluation.view.server import open_server
+    from handcart.evaluation.view.serving.server import open_server
     from tests.browser import DESK, PHONE, browsing
 
     playback, time = Playback.read(Path(sys.argv[1])), float(sys.argv[2])

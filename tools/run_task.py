@@ -124,7 +124,7 @@ def run(
 def _shown(port: int | None, progress: RunObserver) -> Iterator[RunObserver]:
     """Who shows a run while it goes on."""
     from handcart.evaluation.view.live_view import LiveView
-    from handcart.evaluation.view.server import open_server
+    from handcart.evaluation.view.serving.server import open_server
 
     with open_server(port, "handcart run --view") as opened:
         progress.say(f"{opened.address} shows it")

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from handcart.evaluation.drawing.figure_file import save_figure
 from handcart.evaluation.drawing.legend import add_legend
-from handcart.evaluation.drawing.palette import BLUE, GREY, VERMILION
+from handcart.evaluation.drawing.palette import BLUE, GREY, SERIES, VERMILION
 from handcart.files.errors import HandcartError
 from handcart.networks.runs.flight_recorder import Readings, load_arrays, load_readings
 from handcart.robotics.geometry.pose2 import Pose2
@@ -23,7 +23,6 @@ from .explanation import Explanation
 from .explanation_words import cause_words, measured_words
 
 COMMAND, READING, RESTORED, LIMIT, SENSED = "#999999", BLUE, "#fbe8cf", VERMILION, VERMILION
-JOINTS = "tab10"
 WIDE = 90  # characters of a line of words
 AROUND = 2.0  # [m] about the robot that is drawn
 AHEAD = np.radians(20.0)  # to both sides of the robot's nose, where the nearest range is told apart
@@ -286,22 +285,21 @@ def _explained(axis: Any, readings: Readings) -> None:
 
 
 def _joints(axis: Any, readings: Readings) -> None:
-    import matplotlib
-
-    colours = matplotlib.colormaps[JOINTS](range(10))
     angles = readings["joints_rad"]
     slides = readings.get("joint_slides", np.zeros(angles.shape[1], dtype=bool))
     scale = np.where(slides, 1e3, np.degrees(1.0))
     axis.plot(readings["time_s"], scale * readings["joints_command_rad"], color=COMMAND, lw=2.5)
     for number, joint in enumerate((scale * angles).T):
-        colour, name = colours[number % len(colours)], f"{number + 1}{' [mm]' if slides[number] else ''}"
-        axis.plot(readings["time_s"], joint, color=colour, lw=1.0, label=name)
+        turn, place = divmod(number, len(SERIES))
+        style = ("-", "--", ":")[turn % 3]
+        name = f"{number + 1}{' [mm]' if slides[number] else ''}"
+        axis.plot(readings["time_s"], joint, style, color=SERIES[place], lw=1.0, label=name)
     _key(axis)
 
 
 def _force(axis: Any, readings: Readings) -> None:
-    for name, column in zip("xyz", readings["hand_force_n"].T, strict=True):
-        axis.plot(readings["time_s"], column, lw=1.0, label=name)
+    for name, colour, column in zip("xyz", SERIES, readings["hand_force_n"].T, strict=False):
+        axis.plot(readings["time_s"], column, color=colour, lw=1.0, label=name)
     _key(axis)
 
 

@@ -103,6 +103,7 @@ def _unheard() -> logging.Logger:
     logger = logging.getLogger(__name__)
     logger.addHandler(logging.NullHandler())
     logger.propagate = False
+    logger.setLevel(logging.CRITICAL)
     return logger
 
 

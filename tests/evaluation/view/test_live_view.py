@@ -10,7 +10,7 @@ pytest.importorskip("viser", reason="the extra view isn't installed")
 from handcart.backends.robot.robot import Robot
 from handcart.evaluation.trials.running import run_task
 from handcart.evaluation.view.live_view import LiveView
-from handcart.evaluation.view.server import open_server
+from handcart.evaluation.view.serving.server import open_server
 from handcart.networks.operator.view_address import view_address
 from handcart.networks.run_observer import RunObserver
 from handcart.networks.run_options import RunOptions

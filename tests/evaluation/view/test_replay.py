@@ -15,7 +15,7 @@ from handcart.evaluation.playback.playback import Moment, Playback
 from handcart.evaluation.view.frame import Frame
 from handcart.evaluation.view.panel import Panel
 from handcart.evaluation.view.replay import Replay
-from handcart.evaluation.view.server import HOST, NoView, open_server
+from handcart.evaluation.view.serving.server import HOST, NoView, open_server
 from handcart.networks.journal.past_run import PastAction
 
 

@@ -180,6 +180,18 @@ def test_u12_an_acknowledgement_quotes_the_cause_that_was_read(served: Served, g
     assert read_journal(gave_up / "journal.jsonl").records[-1]["kind"] == "ACK"
 
 
+def test_u13_a_robot_that_was_moved_by_hand_is_shown_before_and_after(served: Served, live: LiveRun) -> None:
+    from handcart.networks.journal.journal import Journal
+
+    path = live.folder / "journal.jsonl"
+    with Journal.go_on(path, read_journal(path), "always") as journal:
+        found = {"situation": None, "expected": None, "residuals": {"base_mm": 31.5}, "unknown": ["the tray"]}
+        journal.append("RECON", 9.0, found)
+    served.wait_for()
+    (moved,) = served.ask("GET", f"/api/runs/{LIVE}").json["moved"]
+    assert (moved["residuals"], moved["unknown"]) == ({"base_mm": 31.5}, ["the tray"])
+
+
 def test_u9_stop_goes_through_while_everybody_asks(console: Served, live: LiveRun) -> None:
     """50 that listen and ask for all there is; how long it takes: `python -m benchmarks.console`."""
     over = threading.Event()

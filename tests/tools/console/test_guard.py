@@ -208,14 +208,14 @@ NONSENSE = {
 
 @pytest.mark.parametrize("sent", NONSENSE.values(), ids=NONSENSE)
 def test_u11_nonsense_is_refused_and_prints_nothing(
-    served: Served, sent: bytes, capfd: pytest.CaptureFixture[str]
+    served: Served, sent: bytes, capfd: pytest.CaptureFixture[str], caplog: pytest.LogCaptureFixture
 ) -> None:
     """What strangers send would else fill the operator's terminal with tracebacks."""
     named = sent.replace(b"{host}", served.host.encode()).replace(b"{token}", served.token.encode())
     assert said_by(served, named).split()[1] == b"400"
     assert served.ask("GET", "/").status == 200
     printed = capfd.readouterr()
-    assert printed.out + printed.err == ""
+    assert printed.out + printed.err + caplog.text == ""
 
 
 def said_by(served: Served, sent: bytes) -> bytes:
@@ -249,10 +249,10 @@ def test_u11_of_a_crowd_that_comes_at_once_few_are_let_in(served: Served) -> Non
     assert served.ask("GET", "/").status == 200
 
 
+@pytest.mark.usefixtures("few")
 def test_u11_who_says_nothing_is_hung_up_on(served: Served, monkeypatch: pytest.MonkeyPatch) -> None:
     """Slow heads, too; and of very many connections the last ones."""
     monkeypatch.setattr(connections, "SILENT_S", 0.3)
-    monkeypatch.setattr(connections, "MOST", 20)
     slow = [socket.create_connection(("127.0.0.1", served.server.port), timeout=20) for _ in range(10)]
     for each in slow:
         each.sendall(b"GET / HTTP/1.1\r\nHost: ")

@@ -17,7 +17,7 @@ from websockets.exceptions import InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 from websockets.typing import Subprotocol
 
-from handcart.evaluation.view.server import HOST, NoView, Opened, open_server
+from handcart.evaluation.view.serving.server import HOST, NoView, Opened, open_server
 
 SECRET = "what only the operator sees"
 OURS = f"viser-v{viser.__version__}"
@@ -183,18 +183,18 @@ NONSENSE = {
 
 @pytest.mark.parametrize("sent", NONSENSE.values(), ids=NONSENSE)
 def test_u11_nonsense_is_refused_and_prints_nothing(
-    opened: Opened, sent: bytes, capfd: pytest.CaptureFixture[str]
+    opened: Opened, sent: bytes, capfd: pytest.CaptureFixture[str], caplog: pytest.LogCaptureFixture
 ) -> None:
     own = f"{HOST}:{port_of(opened)}"
     assert said_by(opened, sent.replace(b"{host}", own.encode()))[:13].split()[1:2] != [b"200"]
     assert page_of(opened, Host=own).split()[1] == b"200"
     heard = capfd.readouterr()
-    assert heard.out + heard.err == ""
+    assert heard.out + heard.err + caplog.text == ""
 
 
 def test_a_library_that_lets_nobody_guard_it_serves_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     """Its server is made from elsewhere, say, in another version."""
-    from handcart.evaluation.view.gate import Gate
+    from handcart.evaluation.view.serving.gate import Gate
 
     monkeypatch.setattr(Gate, "before_servers", lambda self: nullcontext())
     with pytest.raises(NoView, match="can't be guarded against strangers"), open_server(0, "test"):

@@ -1,0 +1,1 @@
+"""The server behind the page, and who is let in."""
