@@ -248,15 +248,18 @@ class MujocoEngine(Engine):
 
     def touching(self, body: int) -> Collection[Touching]:
         """See `Engine`."""
-        return self._pressing.touching(self.data, body)
+        data = self.data  # what is numbered below may be numbered anew by it
+        return self._pressing.touching(data, body)
 
     def contacts(self, body: int) -> list[ContactPoint]:
         """See `Engine`."""
-        return self._pressing.contacts(self.data, body)
+        data = self.data
+        return self._pressing.contacts(data, body)
 
     def free_shares(self, start: Array, ends: Array) -> Array:
         """See `Engine`."""
-        return self._beams.free_shares(self.links(), start, ends)
+        data = self.links()
+        return self._beams.free_shares(data, start, ends)
 
     # States
 
