@@ -64,7 +64,7 @@ def _ridges(distance: NDArray[np.float32], free: NDArray[np.uint8], width: int) 
 
     def steepest(*steps: int) -> NDArray[np.float64]:
         beside = [distance[inner.start + step : inner.stop + step] for step in steps]
-        return (np.maximum.reduce(beside) - distance[inner]).astype(np.float64)
+        return np.asarray(np.maximum.reduce(beside) - distance[inner], dtype=np.float64)
 
     ridges = np.zeros(free.size, dtype=np.uint8)
     ridges[inner] = (
