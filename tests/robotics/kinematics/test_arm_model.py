@@ -83,6 +83,16 @@ def test_camera_looks_along_the_hand(arm: ArmModel) -> None:
     np.testing.assert_allclose(hand_T_camera, expected, atol=1e-8)
 
 
+def test_a_posture_asked_again_is_the_same_for_each_frame(arm: ArmModel) -> None:
+    q = 0.5 * (arm.lower + arm.upper)
+    hand, base = arm.forward(q).copy(), arm.forward(q, "base")
+    assert np.allclose(base, np.eye(4))
+    taken = arm.forward(q)
+    taken[:] = 0.0
+    assert np.array_equal(arm.forward(q), hand)
+    assert not np.array_equal(arm.forward(q + 0.1), hand)
+
+
 def test_jacobian_matches_differences(arm: ArmModel) -> None:
     h = 1e-5
     for q in _random(arm, 20, seed=2):

@@ -41,6 +41,17 @@ def test_turning_in_place_stays_in_place() -> None:
     assert odometry.pose == pytest.approx((0.0, 0.0, 0.4))
 
 
+def test_a_base_turns_about_a_wheel_that_stands() -> None:
+    odometry = Odometry(Pose2(0, 0, 0), TREAD, EXACT)
+    odometry.predict(0.0, 0.0)
+    assert odometry.pose == Pose2(0, 0, 0)
+    odometry.predict(0.0, 0.1)
+    assert odometry.pose.theta == pytest.approx(0.2)
+    odometry.predict(0.1, 0.0)
+    assert odometry.pose.theta == pytest.approx(0.0)
+    assert odometry.pose.x == pytest.approx(0.1, abs=0.01)
+
+
 def worn_wheels(
     rng: np.random.Generator, errors: OdometryErrors, steps: np.ndarray
 ) -> tuple[Pose2, Odometry]:
