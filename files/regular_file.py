@@ -9,6 +9,7 @@ from handcart.files.errors import FileError, Finding
 
 MAX_LINE = 20_000
 """[characters]. The YAML parser takes 8 s for a tag that fills a line of 1 MiB: quadratic."""
+ALLOWED = "a regular file that can be read"
 BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 """In UTF-8: what some programs begin a text with."""
 _MARKS = (
@@ -35,6 +36,8 @@ def read_regular_file(path: Path | str, max_bytes: int) -> bytes:
             if not stat.S_ISREG(status.st_mode):
                 raise _refused(path, f"is {_kind(status.st_mode)}")
             content = stream.read(max_bytes + 1) if status.st_size <= max_bytes else None
+    except IsADirectoryError:
+        raise _refused(path, "is a directory", _inside(Path(path))) from None
     except OSError as error:
         raise _refused(path, _cause(error)) from None
     if content is None or len(content) > max_bytes:
@@ -71,7 +74,13 @@ def _at_end_of(before: str, file: str, message: str) -> Finding:
     return Finding(file, len(lines), len(lines[-1]) + 1, message)
 
 
-def _refused(path: Path | str, wrong: str, allowed: str = "a regular file that can be read") -> FileError:
+def _inside(folder: Path) -> str:
+    """What may have been meant: a task's file first, else the first of its YAML files."""
+    found = sorted(folder.glob("*.yaml"), key=lambda path: (path.name != "task.yaml", path.name))
+    return f"a file, such as {found[0]}" if found else ALLOWED
+
+
+def _refused(path: Path | str, wrong: str, allowed: str = ALLOWED) -> FileError:
     return FileError([Finding(str(path), 1, 1, f"the file {wrong}; allowed: {allowed}")])
 
 

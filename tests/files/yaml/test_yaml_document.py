@@ -51,6 +51,13 @@ def test_t01_no_regular_file(tmp_path: Path, name: str, said: str) -> None:
     assert ":1:1: the file " in str(caught.value)
 
 
+def test_t01_of_a_folder_the_file_that_was_meant_is_named(tmp_path: Path) -> None:
+    for name in ("a.yaml", "task.yaml"):
+        (tmp_path / name).touch()
+        with pytest.raises(FileError, match=f"is a directory; allowed: a file, such as .*/{name}"):
+            read_document(tmp_path)
+
+
 def test_t01_fifo_does_not_block(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe.yaml")
     program = (
