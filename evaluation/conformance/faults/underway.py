@@ -152,8 +152,8 @@ class Underway:
 
     def _unquiet(self, outcome: Outcome) -> list[str]:
         """What moves although the attempt has ended."""
-        if self.backend.stay() or self._no_return:
-            steps(self.backend, SETTLES)  # a slide of the kit's own is braked, what was let go falls
+        if self.backend.stay():
+            steps(self.backend, SETTLES)  # a slide of the kit's own that a drive brakes
         ended = TrueState.of(self.backend.inner)
         for _ in range(round(QUIET / self.robot.period)):
             self.backend.step()
