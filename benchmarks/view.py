@@ -91,9 +91,9 @@ def opening(run: Path) -> None:
             process.send_signal(signal.SIGINT)
             _, status, used = os.wait4(process.pid, 0)
             process.returncode = os.waitstatus_to_exitcode(status)
-        told = "" if loaded is None else f"; then drawn by a chromium without a GPU in {loaded:.2f} s"
+        drawn = "" if loaded is None else f"; then drawn by a chromium without a GPU in {loaded:.2f} s"
         cpu = used.ru_utime + used.ru_stime
-        print(f"  served whole after {served:.2f} s{told}; the command took {cpu:.2f} s of CPU in all")
+        print(f"  served whole after {served:.2f} s{drawn}; the command took {cpu:.2f} s of CPU in all")
 
 
 def _loaded(url: str) -> float | None:

@@ -136,8 +136,8 @@ def test_a_base_that_gives_way_under_its_arm_stands_and_one_that_creeps_does_not
     def places(a_period: float) -> int:
         seen = set()
         for period in range(60):
-            told = WheelTravel(travel.left + a_period * period, travel.right + 2e-5 * (period % 3))
-            monkeypatch.setattr(base, "wheel_travel", lambda told=told: told)
+            read = WheelTravel(travel.left + a_period * period, travel.right + 2e-5 * (period % 3))
+            monkeypatch.setattr(base, "wheel_travel", lambda read=read: read)
             robot.step()
             seen.add(tuple(np.round(robot.pose, 4).tolist()))
         return len(seen)

@@ -102,3 +102,4 @@ def test_without_the_token_the_page_says_so(toured: Path) -> None:
     with viewing(toured) as (_, url), browsing(DESK) as seen:
         seen.page.goto(url.partition("#")[0])
         seen.page.get_by_text("The token is missing").wait_for(timeout=20_000)
+        assert seen.page.get_by_text("MOVE_TO").count() == 0, "it shows the run all the same"

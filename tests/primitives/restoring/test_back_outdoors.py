@@ -101,8 +101,8 @@ def test_fails_in_a_row_are_measured_from_where_the_first_began(rig: Rig) -> Non
     assert all(isinstance(each, Fail) for each in fails)
     by_this, in_all = (1e3 * base(rig).distance(before) for before in (last, begun))
     assert isinstance(fails[-1], Fail)
-    told = fails[-1].residuals["base_mm"]
-    assert abs(told - in_all) < abs(told - by_this)
+    measured = fails[-1].residuals["base_mm"]
+    assert abs(measured - in_all) < abs(measured - by_this)
 
 
 def test_short_ways_that_are_not_driven_back_do_not_add_up(rig: Rig) -> None:
