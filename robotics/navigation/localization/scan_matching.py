@@ -20,6 +20,7 @@ from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.numerics.compiled import compiled
 
 INLIER = 3.0  # scales within which a point counts as explained by the map
+OF_SIGMA = 0.6745  # of a normal error's sigma: half of the errors are smaller
 CELL_BIAS = 0.25  # of a cell: what a pose is wrong by because surfaces lie anywhere in their cells
 LEAST = 1e-6  # of an information: what is seen may not tell all of a pose
 ANNEALED = (0.5, 0.35, 0.25, 0.17, 0.12)  # scales in [m] tried before the final one from a bad start
@@ -59,7 +60,8 @@ class ScanMatch(NamedTuple):
     covariance: NDArray[np.float64]
     """(3, 3) of x, y in [m] and heading in [rad]; prior, sensor noise and the map's cells all in it."""
     spread: NDArray[np.float64]
-    """(3, 3), the same without the map's cells: how far matches from one place lie apart."""
+    """(3, 3), the same without the map's cells, and with the noise that the scan shows where that is more:
+    how far matches from one place lie apart."""
     inliers: float
     """Share of the points that the map explains, 0 to 1."""
     residuals: FarArray
@@ -174,8 +176,9 @@ def match_scan(
     pose = Pose2(*found.tolist())
     residuals = field.read(pose.apply(points)) if len(points) else np.empty(0)
     inliers = float(np.mean(residuals < INLIER * noise)) if len(points) else 0.0
-    spread = np.asarray(np.linalg.inv(hessian + 1e-9 * np.eye(3)), dtype=np.float64)
-    return ScanMatch(pose, spread + _cells(points, field.map.resolution), spread, inliers, residuals)
+    fit = np.asarray(np.linalg.inv(hessian + 1e-9 * np.eye(3)), dtype=np.float64)
+    spread = _excess(residuals, noise) * fit
+    return ScanMatch(pose, fit + _cells(points, field.map.resolution), spread, inliers, residuals)
 
 
 @compiled
@@ -235,6 +238,14 @@ def _solved(matrix: NDArray[np.float64], right: NDArray[np.float64]) -> tuple[fl
     z = (right[2] - c * x - e * y) / f / f
     y = (y - e * z) / d
     return (x - b * y - c * z) / a, y, z
+
+
+def _excess(residuals: NDArray[np.float64], noise: float) -> float:
+    """By how much a scan varies more than it should, at least 1: a sensor may be noisier than is supposed."""
+    if not len(residuals):
+        return 1.0
+    middle = float(np.median(np.minimum(residuals, INLIER * noise)))
+    return max(1.0, (middle / OF_SIGMA / noise) ** 2)
 
 
 def _cells(points: NDArray[np.float64], resolution: float) -> NDArray[np.float64]:

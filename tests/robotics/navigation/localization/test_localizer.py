@@ -195,8 +195,10 @@ def test_what_fits_nowhere_is_no_push(
     assert localizer.pose == before
 
 
-def test_along_a_wall_the_beam_that_tells_is_not_taken_for_a_push() -> None:
-    """S12: one beam tells how far along a corridor it stands, so poses by scans differ by more than 10 mm."""
+@pytest.mark.parametrize(("noise", "most"), [(0.01, 0), (0.03, 50)])
+def test_along_a_wall_the_beam_that_tells_is_not_taken_for_a_push(noise: float, most: int) -> None:
+    """S12: one beam tells how far along a corridor it stands, so poses by scans differ by more than 10 mm,
+    and by more still where the sensor is three times as noisy as is supposed (a hundred of 400)."""
     walls = [(0.0, 1.05, 0.0, 20.0, 0.1), (0.0, -1.05, 0.0, 20.0, 0.1), (4.05, 0.5, 0.0, 0.1, 1.0)]
     field = LikelihoodField(from_boxes(walls, 0.02, (-10.2, -1.4), (20.4, 2.8)))
     along, rng = np.linspace(-3.0, 3.0, 80), np.random.default_rng(5)
@@ -205,7 +207,7 @@ def test_along_a_wall_the_beam_that_tells_is_not_taken_for_a_push() -> None:
     )
     localizer = ScanLocalizer(field, Pose2(0.0, 0.0, 0.0), TREAD, covariance=0.05**2 * np.eye(3))
     localizer.correct(seen)
-    noisy = [seen + rng.normal(0.0, 0.01, seen.shape) for _ in range(400)]
-    assert not any(localizer.find_again(points) for points in noisy)
-    assert localizer.find_again(noisy[0] - (0.0, 0.02))  # across it, hundreds tell
-    assert abs(localizer.pose.y - 0.02) < 0.004
+    noisy = [seen + rng.normal(0.0, noise, seen.shape) for _ in range(400)]
+    assert sum(localizer.find_again(points) for points in noisy) <= most
+    assert localizer.find_again(noisy[0] - (0.0, 0.03))  # across it, hundreds tell
+    assert abs(localizer.pose.y - 0.03) < 0.01
