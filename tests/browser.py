@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from importlib.util import find_spec
 from pathlib import Path
+from time import sleep
 from typing import TYPE_CHECKING
 
 import pytest
@@ -23,6 +24,8 @@ FLAGS = (
     "--enable-unsafe-swiftshader",
     "--ignore-gpu-blocklist",
 )
+# Between one attempt to start it and the next in [s].
+PAUSES = (1.0, 2.0, 4.0, 8.0, 16.0, 0.0)
 PHONE, DESK = (390, 780), (1280, 800)
 
 needs_browser = pytest.mark.skipif(
@@ -45,13 +48,19 @@ class Seen:
 
 
 def _launched(playwright: Playwright) -> Browser:
-    """On a loaded machine it now and then dies while it starts; nothing has been tried with it then."""
+    """On a loaded machine it now and then dies while it starts, and again for some seconds.
+
+    No page has been tried with it then: where it never starts, that is said of the machine.
+    """
     from playwright.sync_api import Error
 
-    for _ in range(2):
-        with suppress(Error):
+    for pause in PAUSES:
+        try:
             return playwright.chromium.launch(executable_path=str(CHROMIUM), args=list(FLAGS))
-    return playwright.chromium.launch(executable_path=str(CHROMIUM), args=list(FLAGS))
+        except Error as error:
+            died = error
+            sleep(pause)
+    pytest.skip(f"{CHROMIUM} died {len(PAUSES)} times while it started: {died.message.splitlines()[0]}")
 
 
 def axe_findings(page: Page) -> list[str]:
