@@ -86,6 +86,7 @@ class Deploy(TreePrimitive):
 
     _arm: SensorArm = PrivateAttr()
     _target: Target = PrivateAttr()
+    _let_go_whole: bool = PrivateAttr(default=False)
 
     def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
         """No such target, or it is laid already."""
@@ -128,8 +129,12 @@ class Deploy(TreePrimitive):
         self.point_of_no_return("the sensor is let go")
         robot.localization.mark()
         work.laid = (*work.laid, self._laid(robot, arm))
+        yield from self._release(robot, field)
+
+    def _release(self, robot: Robot, field: Field) -> Periods:
         yield from self._loosen(robot, field.sensor_mm[1] / 1e3 + ROOM)
-        yield from arm.give_way()
+        yield from self._arm.give_way()
+        self._let_go_whole = True
 
     def _loosen(self, robot: Robot, wide: float) -> Periods:
         """Open the fingers to `wide` [m] so that the sensor comes to lie on a slope without a swing.
@@ -190,8 +195,11 @@ class Deploy(TreePrimitive):
         )
 
     def finish(self, robot: Robot, model: ModelView) -> Periods:
-        """Lift the slide and bring the arm back."""
+        """Let the sensor go to the end, for half open fingers let it slide; lift the slide, stow the arm."""
         yield from settle(robot)
+        if not self._let_go_whole:
+            field, _ = self._field_and_target(model)
+            yield from self._release(robot, field)
         yield from self._arm.stow()
 
     def _field_and_target(self, model: ModelView) -> tuple[Field, Target]:

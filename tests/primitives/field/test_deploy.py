@@ -16,6 +16,7 @@ from handcart.backends.robot.localization.localization import Lost
 from handcart.backends.simulation.field.field_props import FieldProps
 from handcart.evaluation.trials.rig import Rig
 from handcart.networks.task.preparing import prepare
+from handcart.primitives.contract.attempt import attempt
 from handcart.primitives.contract.discrepancy import Discrepancy
 from handcart.primitives.contract.outcome import Fail, GiveUp, Success
 from handcart.primitives.field.deploy import Deploy, _spread
@@ -106,6 +107,34 @@ def test_a_sensor_that_falls_over_when_it_is_let_go_is_no_success(
     assert ended.reason.startswith("the sensor fell over")
     joints = np.array(rig.robot.spec.posture("home"))
     assert np.allclose(rig.robot.arm.command(), joints)
+
+
+@pytest.mark.parametrize("after", [1, 20, 60])
+def test_cancelled_as_the_fingers_open_it_lets_the_sensor_go_to_the_end(rig: Rig, after: int) -> None:
+    """Half open they would let it slide; the arm isn't to carry off what they still hold."""
+    deploy, robot = Deploy(target="here"), rig.robot
+    periods = attempt(deploy, robot, rig.model)
+    while deploy._no_return is None:
+        next(periods)
+        robot.step()
+    for _ in range(after):
+        next(periods)
+        robot.step()
+    where = lying(rig).pose.copy()
+    periods.throw(Discrepancy("cancelled by the operator"))
+    ended = None
+    while ended is None:
+        robot.step()
+        try:
+            next(periods)
+        except StopIteration as end:
+            ended = end.value
+    assert isinstance(ended, GiveUp), ended
+    assert ended.reason.startswith("cancelled by the operator; after a point of no return")
+    assert lying(rig).rest.value == "table"
+    assert np.linalg.norm(lying(rig).pose[:3, 3] - where[:3, 3]) < 0.01
+    assert robot.gripper.width() > 0.025
+    assert robot.arm.command() == pytest.approx(robot.spec.posture("home"), abs=1e-3)
 
 
 @pytest.mark.parametrize("pushed", [-0.8, 0.8])
