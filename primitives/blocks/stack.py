@@ -30,6 +30,7 @@ from handcart.robotics.kinematics.shapes import Box
 from handcart.robotics.manipulation.suspension.fixation import placing_posture, split_goal
 from handcart.robotics.manipulation.suspension.suspension_model import SuspensionModel, base_motion
 
+from .base_lean import felt_tilt, unmodelled_lean
 from .base_turn import fused, turn_by_gyros, turn_by_model
 from .block_view import see_block
 from .building import Building, LandmarkPlan
@@ -52,6 +53,7 @@ FIX_AGAIN = ("fix_again", "fix_again_model", "fix_again_imu")
 FEEL = ("imu", "fix_again_imu")
 FUSE = ("fix_again_model", "fix_again_imu")
 LEAN_BY_MODEL = ("model", *FUSE)
+FEEL_LEAN = "fix_again_imu"
 
 
 class Stack(ActionPrimitive):
@@ -63,7 +65,8 @@ class Stack(ActionPrimitive):
     nothing, as in the paper. `model`: what the suspension's model says (eq. 12). `imu`: what the inertial
     sensors felt. `fix_again`: the landmark is looked at once more, with the block in hand. `fix_again_model`:
     that, and the model from there on, and what was found before. `fix_again_imu`: the same, but for the turn,
-    which the gyros feel. `servo`: a landmark beside the goal is looked at.
+    which the gyros feel, and for how the accelerometers feel that the base leans beside the model. `servo`: a
+    landmark beside the goal is looked at.
     """
 
     number: BlockNumber
@@ -82,6 +85,10 @@ class Stack(ActionPrimitive):
     writes: ClassVar = ("fixed", "placed")
 
     _placed: Placed | None = PrivateAttr(default=None)
+    _fixed_beside: Transform = PrivateAttr(default_factory=lambda: np.eye(4))
+    """How the base leaned beside what its model says, when it was fixed."""
+    _beside: Transform = PrivateAttr(default_factory=lambda: np.eye(4))
+    """How it leans beside that now."""
 
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         plan = building(model)
@@ -98,6 +105,8 @@ class Stack(ActionPrimitive):
         yield from move_straight(robot, _raised(grip, ABOVE), held)
         if self.onto == "goal" and self.method in FEEL:
             yield from settle(robot)
+            if self.method == FEEL_LEAN:
+                self._beside = yield from self._felt_beside(robot)
             grip = gripping(robot, plan.block, self._corrected(robot, model, plan, goal))
         yield from self._lower(robot, grip)
         yield from self.intend("the fingers let the block go")
@@ -153,12 +162,19 @@ class Stack(ActionPrimitive):
             raise Discrepancy("no landmark was seen from here", permanent=True)
         if self.method in LEAN_BY_MODEL:
             known, turn = robot.spec.suspension.model, self._turned(robot, fixed, swings_to_come)
-            upright = _upright(fixed, known, landmark_of(model, fixed.landmark).height_m)
-            turned = upright.compose(Pose2(0.0, 0.0, turn))
-            return known.corrected(inverse(turned.lift()) @ goal.pose, np.eye(4), 0)
+            height = landmark_of(model, fixed.landmark).height_m
+            upright = _upright(fixed, known, height, self._fixed_beside)
+            turned = upright.compose(Pose2(0.0, 0.0, turn)).lift() @ self._beside
+            return known.corrected(inverse(turned) @ goal.pose, np.eye(4), 0)
         if self.method == "imu" and swings_to_come == 0:
             return inverse(_felt(robot, fixed)) @ base_T_block
         return base_T_block
+
+    def _felt_beside(self, robot: Robot) -> Generator[None, None, Transform]:
+        """How the base leans beside what its model says, with the hand where it is."""
+        tilt = yield from felt_tilt(robot)
+        x, y = robot.base_T("hand")[:2, 3].tolist()
+        return unmodelled_lean(robot, tilt, (x, y))
 
     def _turned(self, robot: Robot, fixed: Fixed, swings_to_come: int) -> float:
         """By how much the base has turned since it was fixed, and is still to turn, in [rad]."""
@@ -223,6 +239,8 @@ class Stack(ActionPrimitive):
         )
         self.found(frames=found.frames)
         blocks.fixed = fixed_by(robot, name, place, planned, found)
+        if self.method == FEEL_LEAN:
+            self._fixed_beside = yield from self._felt_beside(robot)
         if self.method in FUSE and before is not None:
             if self.method in FEEL:
                 turned = turn_by_gyros(robot, before, blocks.fixed)
@@ -269,10 +287,13 @@ def _is_swing(robot: Robot, base_T_hand: Transform) -> int:
     return int(across >= robot.spec.suspension.swing_from_mm / 1e3)
 
 
-def _upright(fixed: Fixed, known: SuspensionModel, height: float) -> Pose2:
-    """map_T_base as it would stand if it didn't lean: a landmark at that height in [m] is seen displaced."""
+def _upright(fixed: Fixed, known: SuspensionModel, height: float, beside: Transform) -> Pose2:
+    """map_T_base as it would stand if it didn't lean: a landmark at that height in [m] is seen displaced.
+
+    It leaned as its model says, and by `beside` (4, 4) more.
+    """
     hand = transform((*fixed.reach, height))
-    seen = known.displaced(hand, np.eye(4), 0)
+    seen = beside @ known.displaced(hand, np.eye(4), 0)
     x, y = (hand - seen)[:2, 3].tolist()
     return fixed.pose.compose(Pose2(x, y, 0.0))
 

@@ -32,9 +32,12 @@ def on_level(pose: Transform) -> Pose2:
 
 
 def gripping(robot: Robot, size: Size, base_T_thing: Transform) -> Transform:
-    """base_T_hand (4, 4) about a thing, whose origin is the middle of its foot: the pads cover its top."""
-    height = float(base_T_thing[2, 3]) + size[2] - BITE + hand_to_tips(robot)
-    return pointing_down(on_level(base_T_thing), height)
+    """base_T_hand (4, 4) about a thing, whose origin is the middle of its foot: the pads cover its top.
+
+    The hand leans as the thing does: on a base that leans, what stands upright is to be held upright.
+    """
+    above = size[2] - BITE + hand_to_tips(robot)
+    return np.asarray(base_T_thing @ pointing_down(Pose2(0.0, 0.0, 0.0), above))
 
 
 def gripped(robot: Robot, size: Size) -> Box:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import shutil
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -20,6 +22,8 @@ from handcart.primitives.contract.outcome import Fail, GiveUp, Success
 from handcart.robotics.geometry.transform import inverse
 
 from .stacking import at_the_wall, do_with, scene_of, with_block
+
+ROBOT = Path(__file__).parents[3] / "backends" / "robots" / "toyama"
 
 
 def building_of(rig: Rig) -> Building:
@@ -103,6 +107,21 @@ def test_each_method_puts_a_block_where_it_goes(method: Any) -> None:
         seen_x_mm = outcome.evidence["seen_x_mm"]
         assert not isinstance(seen_x_mm, str)
         assert abs(seen_x_mm) < 2.0
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_lean_that_the_model_has_wrong_is_felt(seed: int, tmp_path: Path) -> None:
+    """Five times as much as it leans: by the model alone the block is brought down beside its support."""
+    shutil.copytree(ROBOT, tmp_path, dirs_exist_ok=True)
+    file = tmp_path / "h1.yaml"
+    known = file.read_text(encoding="utf-8")
+    wrong = known.replace("roll_mrad_per_m: -8.494", "roll_mrad_per_m: -40").replace("7.012", "35")
+    file.write_text(wrong, encoding="utf-8")
+    for method, stands in (("fix_again_model", False), ("fix_again_imu", True)):
+        with with_block(at_the_wall(robot=str(file), seed=seed), 5) as rig:
+            outcome = rig.do(Stack(number=5, onto="goal", method=method))  # type: ignore[arg-type]
+            assert isinstance(outcome, Success if stands else Fail), outcome
+            assert (error_mm(rig, 5) < 0.6) == stands
 
 
 def test_a_seat_on_the_robot_is_taken_too() -> None:

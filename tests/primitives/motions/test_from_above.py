@@ -13,6 +13,7 @@ from handcart.primitives.knowledge.level_pose import LevelPose
 from handcart.primitives.motions.from_above import BITE, gripped, gripping, pointing_down
 from handcart.primitives.motions.grip import holds, width_off
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import inverse, transform
 
 TIP = 0.11
 SIZE = (0.05, 0.03, 0.08)
@@ -33,11 +34,15 @@ def test_the_hand_points_down_and_its_fingers_close_along_the_place() -> None:
     assert pose[:3, 1] == pytest.approx((-np.cos(np.radians(30.0)), -0.5, 0.0), abs=1e-12)
 
 
-def test_the_pads_cover_the_top_and_the_body_in_the_hand_is_the_one_that_stands_there() -> None:
-    base_T_hand = gripping(robot(), SIZE, STANDS.pose)
-    tips = base_T_hand @ (TIP, 0.0, 0.0, 1.0)
+@pytest.mark.parametrize("leans", [(0.0, 0.0, 0.0), (0.01, -0.02, 0.0)])
+def test_the_pads_cover_the_top_and_the_body_in_the_hand_is_the_one_that_stands_there(leans: Any) -> None:
+    """On a base that leans, what stands upright leans in the base's frame, and the hand as well."""
+    lean = STANDS.pose @ transform(rpy=leans) @ inverse(STANDS.pose)
+    base_T_hand = gripping(robot(), SIZE, lean @ STANDS.pose)
+    tips = inverse(lean) @ base_T_hand @ (TIP, 0.0, 0.0, 1.0)
     assert tips[:3] == pytest.approx((0.4, -0.1, 0.7 + SIZE[2] - BITE))
-    standing, held = STANDS.body(SIZE, "it"), gripped(robot(), SIZE).seen_from(base_T_hand)
+    standing = STANDS.body(SIZE, "it")
+    held = gripped(robot(), SIZE).seen_from(inverse(lean) @ base_T_hand)
     corners = np.array([[x, y, z, 1.0] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
 
     def places(pose: Any, size: Any) -> Any:
