@@ -13,6 +13,7 @@ from handcart.primitives.restoring.snapshot import settle
 
 from .tracking_error_monitor import BEHIND
 
+EASED = 5  # times that a hand which presses is told to stay where it stands, until it hardly presses
 PRESSES = 5.0  # [N] on the hand: less is none, for a reading that is off
 
 
@@ -20,13 +21,16 @@ def halt(robot: Robot) -> Generator[None, None, None]:
     """Stop, and wait until nothing moves any more; where that can't be read, there is nothing to wait for.
 
     A hand that presses is told to stay where it stands: jammed by a base that slid, say, an arm that goes on
-    to where it was told to be pushes the base aside, little by little.
+    to where it was told to be pushes the base aside, little by little. What it was jammed in follows, so it
+    is told so again.
     """
     robot.stop()
     with suppress(Exception):
         yield from settle(robot)
         arm = robot.backend.get(Arm)  # type: ignore[type-abstract]
-        if arm is not None and _presses(arm):
+        for _ in range(EASED):
+            if arm is None or not _presses(arm):
+                return
             arm.move(arm.joints())
             yield from settle(robot)
 

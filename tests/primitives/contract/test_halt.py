@@ -12,6 +12,7 @@ from handcart.backends.capabilities.arm import Arm
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.contract.discrepancy import NeedsPerson
+from handcart.primitives.contract.halt import PRESSES
 from handcart.primitives.contract.outcome import GiveUp
 from handcart.primitives.knowledge.world_model import ModelView
 from tests.primitives.conftest import Rig
@@ -48,3 +49,21 @@ def test_an_arm_that_is_jammed_holds_where_it_stands(
     assert rig.run(Pushes()) == GiveUp("it squeaks")
     began[0] += GOES
     assert arm.command() == pytest.approx(began if follows else stands, abs=1e-9)
+
+
+def test_what_an_arm_is_jammed_in_may_follow(
+    make_rig: Callable[..., Rig], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Told once to stay where it stands, the arm presses with half of what it did."""
+    rig = make_rig()
+    arm: Any = rig.robot.backend.get(Arm)
+    free = arm.command().copy()
+    monkeypatch.setattr(arm, "joints", lambda: (arm.command() + free) / 2)
+
+    def force() -> Any:
+        return np.array([0.0, -6000.0 * (arm.joints()[0] - free[0]), 0.0])
+
+    monkeypatch.setattr(arm, "hand_force", force)
+    assert rig.run(Pushes()) == GiveUp("it squeaks")
+    assert np.linalg.norm(arm.hand_force()) <= PRESSES
+    assert arm.command()[0] > free[0]
