@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from handcart.robotics.geometry.boxes_ahead import boxes_ahead
+from handcart.robotics.geometry.ground_ahead import ground_ahead
 
 from .mujoco_module import mujoco
 from .world_spec import ROBOT_GROUP
@@ -17,12 +18,35 @@ _FAR = 1e10  # [m], whatever the ways are long: what is beyond it MuJoCo does no
 Array = NDArray[np.float64]
 
 
+class _Field(NamedTuple):
+    """What `ground_ahead` is told of rough ground that lies level."""
+
+    corner: Array
+    cell: float
+    heights: Array
+    top: float
+
+    @classmethod
+    def of(cls, model: Any, geometry: int) -> _Field:
+        number = int(model.geom_dataid[geometry])
+        rows, columns = int(model.hfield_nrow[number]), int(model.hfield_ncol[number])
+        half_x, half_y, span, _ = model.hfield_size[number]
+        first = int(model.hfield_adr[number])
+        raw = model.hfield_data[first : first + rows * columns].reshape(rows, columns)
+        x, y, low = model.geom_pos[geometry]
+        heights = np.ascontiguousarray(low + span * raw.astype(np.float64))
+        return cls(
+            np.array([x - half_x, y - half_y]), 2 * half_x / (columns - 1), heights, float(heights.max())
+        )
+
+
 class Beams:
     """Beams of a range sensor, which no part of the robot stops.
 
     `mj_multiRay` looks at each body for each beam, which with a library takes as long as eight steps of the
-    solver. Next to all that stands about are boxes, and few are at the height of a level sensor: those are
-    tried alone. Where something else is among them, ground or a wedge, MuJoCo is asked.
+    solver, and at all cells of rough ground that lie in a beam's bounding box, as long as fifty. Next to all
+    that stands about are boxes, and few are at the height of a level sensor: those are tried alone, as is the
+    ground. Where something else is among them, a wedge say, MuJoCo is asked.
     """
 
     def __init__(self, model: Any) -> None:
@@ -32,18 +56,23 @@ class Beams:
         self._planes = np.flatnonzero(seen & (model.geom_type == kinds.mjGEOM_PLANE))
         self._others = np.flatnonzero(seen & (model.geom_type != kinds.mjGEOM_PLANE))
         self._boxes = model.geom_type[self._others] == kinds.mjGEOM_BOX
+        self._grounds = model.geom_type[self._others] == kinds.mjGEOM_HFIELD
         self._reach = model.geom_rbound[self._others, None]
+        self._fields = {int(each): _Field.of(model, int(each)) for each in self._others[self._grounds]}
 
     def free_shares(self, data: Any, start: Array, ends: Array) -> Array:
         """See `Engine`; poses in `data` are those of now."""
         middles = data.geom_xpos[self._others]
         low, high = np.minimum(ends.min(axis=0), start), np.maximum(ends.max(axis=0), start)
         near = ((middles + self._reach >= low) & (middles - self._reach <= high)).all(axis=1)
-        if not self._boxes[near].all():
+        if not (self._boxes | self._grounds)[near].all():
             return self._asked(data, start, ends)
-        boxes, ways = self._others[near], np.ascontiguousarray(ends - start)
+        start, ways = np.ascontiguousarray(start), np.ascontiguousarray(ends - start)
+        boxes = self._others[near & self._boxes]
         turns, halves = data.geom_xmat[boxes].reshape(-1, 3, 3), self._model.geom_size[boxes]
-        shares = boxes_ahead(np.ascontiguousarray(start), ways, middles[near], turns, halves)
+        shares = boxes_ahead(start, ways, data.geom_xpos[boxes], turns, halves)
+        for ground in self._others[near & self._grounds].tolist():
+            shares = np.minimum(shares, ground_ahead(start, ways, *self._fields[ground]))
         for plane in self._planes:
             up = data.geom_xmat[plane, 2::3]
             above, sinks = float((start - data.geom_xpos[plane]) @ up), -(ways @ up)

@@ -30,6 +30,12 @@ WORLD = {
         "grey": 90,
     },
 }
+ROUGH = {
+    "format": "handcart-world/1",
+    "start": {"x_m": 0.0, "y_m": 0.0},
+    "ground": {"roughness_deg": 2.5},
+    "sensors": {"count": 1},
+}
 
 
 @pytest.fixture(scope="module")
@@ -78,3 +84,35 @@ def test_what_is_no_box_is_left_to_mujoco(engine: Any, monkeypatch: pytest.Monke
         start = beside + np.array([0.0, 0.0, height])
         engine.free_shares(start, start + np.array([[-0.6, 0.0, 0.0], [0.6, 0.0, 0.0]]))
     assert asked == [float(beside[2])]
+
+
+@pytest.fixture(scope="module")
+def outdoors() -> Iterator[Any]:
+    world = {**ROUGH, "furniture": [{"name": "rock", "x_m": 3.0, "y_m": 0.5, "size_m": [0.5, 0.5, 1.2]}]}
+    backend = MujocoBackend(load_robot("el_verde"), world_model().model_validate(world), 3)
+    yield backend._engine
+    backend.close()
+
+
+@pytest.mark.parametrize("height", [0.15, 0.5, 1.5])
+@pytest.mark.parametrize("tilt", [0.0, 0.1, -0.4])
+def test_beams_end_at_rough_ground_where_mujoco_has_them_end(
+    outdoors: Any, height: float, tilt: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Across tiles as well; ground is bilinear here, and of two triangles a cell in MuJoCo."""
+    turned = np.linspace(-np.pi, np.pi, 360, endpoint=False)
+    pose = transform((0.3, -0.4, height), (0.5 * tilt, tilt, 0.0))
+    start, long = pose[:3, 3], 8.0
+    ends = start + long * np.c_[np.cos(turned), np.sin(turned), 0 * turned] @ pose[:3, :3].T
+    expected = long * outdoors._beams._asked(outdoors.links(), start, ends)
+    monkeypatch.setattr(Beams, "_asked", None)
+    shares = long * outdoors.free_shares(start, ends)
+    met = np.isfinite(expected)
+    assert met.any() == (height < 1.0 or tilt < 0.0)
+    if not met.any():
+        assert np.isinf(shares).all()
+        return
+    off = np.abs(shares[met & np.isfinite(shares)] - expected[met & np.isfinite(shares)])
+    grazing = (met != np.isfinite(shares)).sum() + (off > 0.1).sum()
+    assert grazing <= 4  # beams along a ridge: 2 mm up or down is some metres on
+    assert np.quantile(off, 0.95) < 0.03

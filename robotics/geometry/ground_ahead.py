@@ -1,0 +1,64 @@
+"""How far straight ways go until they meet rough ground."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.numerics.compiled import compiled
+
+Array = NDArray[np.float64]
+
+
+@compiled
+def ground_ahead(start: Array, ways: Array, corner: Array, cell: float, heights: Array, top: float) -> Array:
+    """Shares (n,) of ways at which they first come under a field of heights; infinite where they don't.
+
+    Heights are bilinear between their points, and looked up each half cell along a way; between two of those
+    ground and way are straight lines.
+
+    Args:
+        start: (3,) of all ways, in [m].
+        ways: (n, 3) to their ends, in [m].
+        corner: (2,) place of `heights[0, 0]`, in [m].
+        cell: between points whose heights are given, in [m].
+        heights: (rows, columns) in [m]; rows along y, columns along x.
+        top: the largest of `heights`.
+    """
+    rows, columns = heights.shape
+    sides = (cell * (columns - 1), cell * (rows - 1))
+    found = np.full(len(ways), np.inf)
+    for way in range(len(ways)):
+        enters, leaves = 0.0, 1.0
+        for axis in range(2):
+            here, ahead = start[axis] - corner[axis], ways[way, axis]
+            if ahead == 0.0:
+                if here < 0.0 or here > sides[axis]:
+                    leaves = -1.0
+            else:
+                one, other = -here / ahead, (sides[axis] - here) / ahead
+                enters, leaves = max(enters, min(one, other)), min(leaves, max(one, other))
+        over, rises = start[2] - top, ways[way, 2]
+        if over > 0.0:
+            enters = max(enters, -over / rises) if rises < 0.0 else 2.0
+        if enters > leaves:
+            continue
+        long = math.hypot(ways[way, 0], ways[way, 1]) * (leaves - enters)
+        steps = math.ceil(2.0 * long / cell) + 1
+        step, before = (leaves - enters) / steps, 0.0
+        for k in range(steps + 1):
+            share = enters + k * step
+            across = min(max((start[0] + share * ways[way, 0] - corner[0]) / cell, 0.0), columns - 1.0)
+            along = min(max((start[1] + share * ways[way, 1] - corner[1]) / cell, 0.0), rows - 1.0)
+            i, j = min(int(along), rows - 2), min(int(across), columns - 2)
+            u, v = along - i, across - j
+            near = heights[i, j] * (1.0 - v) + heights[i, j + 1] * v
+            far = heights[i + 1, j] * (1.0 - v) + heights[i + 1, j + 1] * v
+            above = start[2] + share * ways[way, 2] - near * (1.0 - u) - far * u
+            if above <= 0.0:
+                found[way] = share if k == 0 else share + step * above / (before - above)
+                break
+            before = above
+    return found
