@@ -6,6 +6,7 @@ from collections.abc import Generator, Sequence
 from typing import ClassVar, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import PrivateAttr
 
 from handcart.backends.capabilities.arm import Arm
@@ -30,7 +31,7 @@ from handcart.robotics.kinematics.shapes import Box
 from handcart.robotics.manipulation.suspension.fixation import placing_posture, split_goal
 from handcart.robotics.manipulation.suspension.suspension_model import SuspensionModel, base_motion
 
-from .base_lean import felt_tilt, unmodelled_lean
+from .base_lean import felt_beside, unmodelled_leans
 from .base_turn import fused, turn_by_gyros, turn_by_model
 from .block_view import see_block
 from .building import Building, LandmarkPlan
@@ -85,10 +86,10 @@ class Stack(ActionPrimitive):
     writes: ClassVar = ("fixed", "placed")
 
     _placed: Placed | None = PrivateAttr(default=None)
-    _fixed_beside: Transform = PrivateAttr(default_factory=lambda: np.eye(4))
-    """How the base leaned beside what its model says, when it was fixed."""
-    _beside: Transform = PrivateAttr(default_factory=lambda: np.eye(4))
-    """How it leans beside that now."""
+    _felt_then: NDArray[np.float64] = PrivateAttr()
+    """Roll and pitch beside the model, when the base was fixed."""
+    _leans: tuple[Transform, Transform] = PrivateAttr(default_factory=lambda: (np.eye(4), np.eye(4)))
+    """How the base leant beside the model when it was fixed, and leans now."""
 
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         plan = building(model)
@@ -106,7 +107,7 @@ class Stack(ActionPrimitive):
         if self.onto == "goal" and self.method in FEEL:
             yield from settle(robot)
             if self.method == FEEL_LEAN:
-                self._beside = yield from self._felt_beside(robot)
+                self._leans = unmodelled_leans(robot, self._felt_then, (yield from felt_beside(robot)))
             grip = gripping(robot, plan.block, self._corrected(robot, model, plan, goal))
         yield from self._lower(robot, grip)
         yield from self.intend("the fingers let the block go")
@@ -163,18 +164,13 @@ class Stack(ActionPrimitive):
         if self.method in LEAN_BY_MODEL:
             known, turn = robot.spec.suspension.model, self._turned(robot, fixed, swings_to_come)
             height = landmark_of(model, fixed.landmark).height_m
-            upright = _upright(fixed, known, height, self._fixed_beside)
-            turned = upright.compose(Pose2(0.0, 0.0, turn)).lift() @ self._beside
+            then, now = self._leans
+            upright = _upright(fixed, known, height, then)
+            turned = upright.compose(Pose2(0.0, 0.0, turn)).lift() @ now
             return known.corrected(inverse(turned) @ goal.pose, np.eye(4), 0)
         if self.method == "imu" and swings_to_come == 0:
             return inverse(_felt(robot, fixed)) @ base_T_block
         return base_T_block
-
-    def _felt_beside(self, robot: Robot) -> Generator[None, None, Transform]:
-        """How the base leans beside what its model says, with the hand where it is."""
-        tilt = yield from felt_tilt(robot)
-        x, y = robot.base_T("hand")[:2, 3].tolist()
-        return unmodelled_lean(robot, tilt, (x, y))
 
     def _turned(self, robot: Robot, fixed: Fixed, swings_to_come: int) -> float:
         """By how much the base has turned since it was fixed, and is still to turn, in [rad]."""
@@ -240,7 +236,7 @@ class Stack(ActionPrimitive):
         self.found(frames=found.frames)
         blocks.fixed = fixed_by(robot, name, place, planned, found)
         if self.method == FEEL_LEAN:
-            self._fixed_beside = yield from self._felt_beside(robot)
+            self._felt_then = yield from felt_beside(robot)
         if self.method in FUSE and before is not None:
             if self.method in FEEL:
                 turned = turn_by_gyros(robot, before, blocks.fixed)
