@@ -25,6 +25,7 @@ from handcart.files.errors import HandcartError
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.kinematics.urdf_frames import base_T_frame
 from handcart.robotics.navigation.following.drive_limits import DriveLimits
 from handcart.robotics.navigation.following.way_guard import NOTHING, Held
 from handcart.robotics.navigation.localization.attitude import Attitude
@@ -170,6 +171,11 @@ class Robot:
     def pose(self) -> Pose2:
         """map_T_base."""
         return self.localization.pose
+
+    @cached_property
+    def range_sensor_height(self) -> float:
+        """Above the ground that the base stands on, in [m]."""
+        return float(base_T_frame(self.spec.urdf_text(), "range_sensor")[2, 3])
 
     def surroundings(self) -> NDArray[np.float64]:
         """(n, 2) in [m], in the base frame: what this period's scan shows without lone readings and a lowered

@@ -7,6 +7,7 @@ from collections.abc import Generator
 import numpy as np
 from numpy.typing import NDArray
 
+from handcart.backends.description.ground_spec import OUTDOORS
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured
 from handcart.primitives.knowledge.place import Place
@@ -18,6 +19,7 @@ from handcart.robotics.navigation.following.pose_regulator import PoseTolerance
 from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.maps.point_discs import point_discs
+from handcart.robotics.navigation.maps.rising_ground import may_be_ground
 from handcart.robotics.navigation.maps.unexpected import path_blocked, unexpected_points
 from handcart.robotics.navigation.routes.car_route import plan_car_route
 from handcart.robotics.navigation.routes.tangent_path import CarPath
@@ -116,8 +118,15 @@ class FieldObstacleMonitor:
         self._radius = radius + WATCHED_ROOM
 
     def unexpected(self, robot: Robot) -> NDArray[np.float64]:
-        """(n, 2) points of this period's scan, in the field's frame, in [m]; without a lowered hand's own."""
-        return robot.pose.apply(robot.without_hand(robot.range_sensor.scan().points()))
+        """(n, 2) points of this period's scan, in the field's frame, in [m].
+
+        Without a lowered hand's own, and without what may be the ground: that is for the guard of the base,
+        once it is near.
+        """
+        points = robot.without_hand(robot.range_sensor.scan().points())
+        if robot.spec.localizer in OUTDOORS:
+            points = points[~may_be_ground(points, robot.range_sensor_height, robot.localization.tilt)]
+        return robot.pose.apply(points)
 
     def kept(self, sensed: NDArray[np.float64], blocking: NDArray[np.float64]) -> NDArray[np.float64]:
         """(m, 2) those of the points that are near the one in the way (2,)."""
