@@ -26,6 +26,9 @@ from handcart.robotics.navigation.outdoors.watched_moment import Belief, Watched
 from .beacon_errors import BeaconErrors
 
 BELIEVED = 5.0  # sigmas within which a range lies that is believed
+OTHERS = 2  # beacons that are believed meanwhile: where none is, it is the claim that is wrong
+BELIEVED_LAST = -1.0  # stands for no time
+CARRIED_OFF = 10.0  # [s] for which all ranges to a beacon are refused: then it stands elsewhere
 NEAREST = 0.3  # [m] to a beacon, from where a range tells a direction
 BIAS_PERIOD = 1.0  # [s] at rest over which the gyro is averaged into one reading
 Array = NDArray[np.float64]
@@ -36,8 +39,9 @@ class BeaconFilter(FieldLocalizer):
     bias of each beacon (augmented state: Friedland, 1969), and a scale of all ranges.
 
     Where the start is known, the first ranges tell the biases; from there on they tell the place. A range
-    that its own covariance can't explain is refused: of a beacon that was moved, or behind a wall, that is
-    most of them. No satellite is asked.
+    that its own covariance can't explain is refused. A beacon all of whose ranges are refused for ten
+    seconds, while two others are believed, was moved, and is left out from there on: as the robot drives, its
+    ranges would come to fit a wrong place. No satellite is asked.
     """
 
     TAKES_FIXES: ClassVar[bool] = False
@@ -52,6 +56,8 @@ class BeaconFilter(FieldLocalizer):
         "_clock": float,
         "_squares": list[tuple[float, float | None]],
         "refused": int,
+        "_refused_since": Array,
+        "_left_out": NDArray[np.bool_],
     }
 
     def __init__(
@@ -81,6 +87,8 @@ class BeaconFilter(FieldLocalizer):
         self._squares: list[tuple[float, float | None]] = []  # times of ranges, and their squares as below
         self.refused = 0
         """Ranges that were not believed."""
+        self._refused_since = np.full(count, BELIEVED_LAST)  # times, of those whose last range was refused
+        self._left_out = np.zeros(count, np.bool_)
 
     @property
     def biases(self) -> Belief:
@@ -99,7 +107,7 @@ class BeaconFilter(FieldLocalizer):
         return inconsistency_of(self._squares, axes=1)
 
     def _ranges(self, distances: Array) -> None:
-        for beacon in np.flatnonzero(np.isfinite(distances)).tolist():
+        for beacon in np.flatnonzero(np.isfinite(distances) & ~self._left_out).tolist():
             self._take_range(beacon, float(distances[beacon]))
 
     def _take_range(self, beacon: int, distance: float) -> None:
@@ -112,9 +120,15 @@ class BeaconFilter(FieldLocalizer):
         while self._squares[0][0] < self._clock - CONSISTENCY_WINDOW:
             del self._squares[0]
         if believed:
+            self._refused_since[beacon] = BELIEVED_LAST
             self._correct(row, residual, variance)
-        else:
-            self.refused += 1
+            return
+        self.refused += 1
+        if self._refused_since[beacon] == BELIEVED_LAST:
+            self._refused_since[beacon] = self._clock
+        fits = (self._refused_since == BELIEVED_LAST) & ~self._left_out
+        long = self._clock - self._refused_since[beacon] >= CARRIED_OFF
+        self._left_out[beacon] = long and fits.sum() >= OTHERS
 
     def _forecast(self, beacon: int) -> tuple[float, Array]:
         """A range in [m], and how it depends on the states (1, n)."""

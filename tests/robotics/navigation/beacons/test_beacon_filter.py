@@ -85,10 +85,31 @@ def test_a_beacon_that_was_carried_off_is_not_believed(drives: list[BeaconDrive]
     ranges = drive.ranges.copy()
     ranges[:, 0] += 15.0
     trial = try_beacons(drive._replace(ranges=ranges))
-    assert trial.refused == pytest.approx(1.0 / 3.0, abs=0.01)
+    assert 0.0 < trial.refused < 0.05
     assert np.hypot(*trial.errors.T).max() < 0.4
     ranges[:, 1] -= 15.0
     assert not all(try_beacons(drive._replace(ranges=ranges)).consistent)
+
+
+def test_claims_hold_where_a_beacon_is_moved_by_metres_on_the_way() -> None:
+    """Refused at first, its ranges would come to fit a wrong place as the robot drives on."""
+    trials = [try_beacons(beacon_drive(seed, BeaconWorld(moved=3.0))) for seed in range(3)]
+    squares = np.concatenate([nees(trial.errors, trial.covariances) for trial in trials])
+    assert squares.mean() < 2.0
+    assert squares.max() < 9.0
+    assert all(0.0 < trial.refused < 0.02 for trial in trials)
+
+
+def test_a_beacon_that_is_hidden_for_a_while_is_believed_again(drives: list[BeaconDrive]) -> None:
+    """Ranges by way of a wall are too long; five seconds of them leave nobody out."""
+    drive = drives[2]
+    hidden, ranges = slice(3000, 3000 + round(5.0 / PERIOD)), drive.ranges.copy()
+    ranges[hidden, 0] += 20.0
+    trial = try_beacons(drive._replace(ranges=ranges))
+    ranges[hidden.stop :, 0] = math.nan
+    without = try_beacons(drive._replace(ranges=ranges))
+    assert trial.refused > 0.0
+    assert np.trace(trial.covariances[-1]) < np.trace(without.covariances[-1])
 
 
 def test_what_is_not_heard_tells_nothing(drives: list[BeaconDrive]) -> None:
