@@ -26,9 +26,9 @@ from handcart.robotics.navigation.outdoors.watched_moment import Belief, Watched
 from .beacon_errors import BeaconErrors
 
 BELIEVED = 5.0  # sigmas within which a range lies that is believed
-OTHERS = 2  # beacons that are believed meanwhile: where none is, it is the claim that is wrong
-BELIEVED_LAST = -1.0  # stands for no time
 CARRIED_OFF = 10.0  # [s] for which all ranges to a beacon are refused: then it stands elsewhere
+OTHERS = 2  # beacons that are believed meanwhile, at least: else it is the claim that is wrong
+NEVER = -CARRIED_OFF  # a time before all others
 NEAREST = 0.3  # [m] to a beacon, from where a range tells a direction
 BIAS_PERIOD = 1.0  # [s] at rest over which the gyro is averaged into one reading
 Array = NDArray[np.float64]
@@ -57,6 +57,7 @@ class BeaconFilter(FieldLocalizer):
         "_squares": list[tuple[float, float | None]],
         "refused": int,
         "_refused_since": Array,
+        "_believed_at": Array,
         "_left_out": NDArray[np.bool_],
     }
 
@@ -87,7 +88,8 @@ class BeaconFilter(FieldLocalizer):
         self._squares: list[tuple[float, float | None]] = []  # times of ranges, and their squares as below
         self.refused = 0
         """Ranges that were not believed."""
-        self._refused_since = np.full(count, BELIEVED_LAST)  # times, of those whose last range was refused
+        self._refused_since = np.full(count, NEVER)  # of those whose last range was refused
+        self._believed_at = np.full(count, NEVER)
         self._left_out = np.zeros(count, np.bool_)
 
     @property
@@ -120,13 +122,14 @@ class BeaconFilter(FieldLocalizer):
         while self._squares[0][0] < self._clock - CONSISTENCY_WINDOW:
             del self._squares[0]
         if believed:
-            self._refused_since[beacon] = BELIEVED_LAST
+            self._refused_since[beacon], self._believed_at[beacon] = NEVER, self._clock
             self._correct(row, residual, variance)
             return
         self.refused += 1
-        if self._refused_since[beacon] == BELIEVED_LAST:
+        if self._refused_since[beacon] == NEVER:
             self._refused_since[beacon] = self._clock
-        fits = (self._refused_since == BELIEVED_LAST) & ~self._left_out
+        fits = self._clock - self._believed_at < CARRIED_OFF
+        fits[beacon] = False
         long = self._clock - self._refused_since[beacon] >= CARRIED_OFF
         self._left_out[beacon] = long and fits.sum() >= OTHERS
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from benchmarks.field.beacons import ERRORS, BeaconDrive, BeaconWorld, beacon_drive, try_beacons
+from benchmarks.field.beacons import ERRORS, PLACES, BeaconDrive, BeaconWorld, beacon_drive, try_beacons
 from benchmarks.field.displacements import true_way
 from benchmarks.field.field_drive import PERIOD
 from handcart.backends.plain_values import attributes, set_attributes
@@ -98,6 +98,18 @@ def test_claims_hold_where_a_beacon_is_moved_by_metres_on_the_way() -> None:
     assert squares.mean() < 2.0
     assert squares.max() < 9.0
     assert all(0.0 < trial.refused < 0.02 for trial in trials)
+
+
+def test_where_the_claim_is_wrong_no_beacon_is_left_out(drives: list[BeaconDrive]) -> None:
+    """A robot that was carried off: all ranges are refused on and on. What is out of reach tells nothing."""
+    drive = drives[1]
+    unheard = np.full((len(drive.ranges), 2), math.nan)
+    ranges = np.c_[drive.ranges, unheard]
+    ranges[2000:, :3] += (15.0, -15.0, 15.0)
+    places = np.vstack([PLACES, [[500.0, 0.0, 2.0], [0.0, 500.0, 2.0]]])
+    trial = try_beacons(drive._replace(ranges=ranges, biases=np.zeros(5)), ERRORS._replace(places=places))
+    assert trial.refused > 0.3
+    assert not all(trial.consistent)
 
 
 def test_a_beacon_that_is_hidden_for_a_while_is_believed_again(drives: list[BeaconDrive]) -> None:
