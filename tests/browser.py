@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from importlib.util import find_spec
 from pathlib import Path
-from time import sleep
 from typing import TYPE_CHECKING
 
 import pytest
@@ -24,8 +23,7 @@ FLAGS = (
     "--enable-unsafe-swiftshader",
     "--ignore-gpu-blocklist",
 )
-# Between one attempt to start it and the next in [s].
-PAUSES = (1.0, 2.0, 4.0, 8.0, 16.0, 32.0)
+STARTS = 6  # by a driver each
 PHONE, DESK = (390, 780), (1280, 800)
 
 needs_browser = pytest.mark.skipif(
@@ -47,18 +45,22 @@ class Seen:
             self.errors.append(message.text)
 
 
-def _launched(playwright: Playwright) -> Browser:
-    """On a loaded machine it now and then dies while it starts, and again for some seconds.
+def _launched() -> tuple[Playwright, Browser]:
+    """A browser, and the driver that started it, which is to be stopped.
 
-    No page has been tried with it then.
+    Now and then each browser that a driver starts dies as it starts, while another driver's don't.
     """
-    from playwright.sync_api import Error
+    from playwright.sync_api import Error, sync_playwright
 
-    for pause in PAUSES:
-        with suppress(Error):
-            return playwright.chromium.launch(executable_path=str(CHROMIUM), args=list(FLAGS))
-        sleep(pause)
-    return playwright.chromium.launch(executable_path=str(CHROMIUM), args=list(FLAGS))
+    for left in reversed(range(STARTS)):
+        driver = sync_playwright().start()
+        try:
+            return driver, driver.chromium.launch(executable_path=str(CHROMIUM), args=list(FLAGS))
+        except Error:
+            driver.stop()
+            if not left:
+                raise
+    raise AssertionError
 
 
 def axe_findings(page: Page) -> list[str]:
@@ -72,16 +74,13 @@ def axe_findings(page: Page) -> list[str]:
 @contextmanager
 def browsing(size: tuple[int, int]) -> Iterator[Seen]:
     """An empty page of that width and height in [px]."""
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as playwright:
-        browser = _launched(playwright)
-        page = browser.new_page(viewport={"width": size[0], "height": size[1]})
-        seen = Seen(page)
-        page.on("console", seen.heard)
-        page.on("pageerror", lambda error: seen.errors.append(str(error)))
-        page.on("request", lambda request: seen.requests.append(request.url))
-        try:
-            yield seen
-        finally:
-            browser.close()
+    driver, browser = _launched()
+    try:
+        seen = Seen(browser.new_page(viewport={"width": size[0], "height": size[1]}))
+        seen.page.on("console", seen.heard)
+        seen.page.on("pageerror", lambda error: seen.errors.append(str(error)))
+        seen.page.on("request", lambda request: seen.requests.append(request.url))
+        yield seen
+    finally:
+        browser.close()
+        driver.stop()
