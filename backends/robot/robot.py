@@ -99,6 +99,7 @@ class Robot:
         self._imu = backend.get(Imu)  # type: ignore[type-abstract]
         self._arm_command = np.empty(0)
         self._picture, self._pictured_at = np.empty((0, 0), np.uint8), np.empty(0)
+        self._went_since = False  # whether it has moved since that picture, though it may be back
         self._movers: set[int] = set()
         self._moved: set[int] = set()
 
@@ -209,6 +210,8 @@ class Robot:
         self.time += 0.0 if paused else self.period
         self._feel()
         self.localization.update(self.driven)
+        if self._picture.size and not self._went_since:
+            self._went_since = self._left()
 
     def _feel(self) -> None:
         """Take in what the inertial sensors read."""
@@ -225,14 +228,23 @@ class Robot:
 
         Raises:
             StaleReading: it is the last one to the last bit, although arm or wheels have moved since.
+                A camera without noise may give it again where the robot has come back.
         """
-        arm = self.backend.get(Arm)  # type: ignore[type-abstract]
-        here = np.concatenate([self.localization.travel, arm.command() if arm else np.empty(0)])
         image = self.camera.image()
-        if np.array_equal(image, self._picture) and np.abs(here - self._pictured_at).max() > STALE:
+        noisy = self.spec.errors.image_noise_grey > 0.0
+        if np.array_equal(image, self._picture) and (self._went_since if noisy else self._left()):
             raise StaleReading("the camera gives its last picture again, although it has moved")
-        self._picture, self._pictured_at = image, here
+        self._picture, self._pictured_at, self._went_since = image, self._carried_by(), False
         return image
+
+    def _carried_by(self) -> NDArray[np.float64]:
+        """What moves the camera: what the wheels travelled in [m], and the arm's command."""
+        arm = self.backend.get(Arm)  # type: ignore[type-abstract]
+        return np.concatenate([self.localization.travel, arm.command() if arm else np.empty(0)])
+
+    def _left(self) -> bool:
+        """Whether it is elsewhere than where the last picture was taken."""
+        return bool(np.abs(self._carried_by() - self._pictured_at).max() > STALE)
 
     @property
     def seen(self) -> NDArray[np.uint8] | None:

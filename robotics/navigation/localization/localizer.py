@@ -19,6 +19,7 @@ ROUGH = np.diag([0.3, 0.3, 0.17]) ** 2  # [m², rad²] of a pose that is looked 
 LESS = 0.9  # share of the points explained so far; fewer, and the pose is looked for farther away
 DISPLACED = (0.010, 0.010)  # [m], [rad] by which scans of one place never differ: eight times their spread
 SURE = 3.0  # sigmas of a match by which its pose then lies elsewhere
+ROLLS = 0.02  # [m] of the wheels, after which a base drives, and is not where it stood
 SHARE_OF_CELL = 0.2  # by which they never differ on large cells, where several places fit alike
 
 
@@ -77,7 +78,7 @@ class OdometryLocalizer(Localizer):
     With a map, scans only tell whether the base was moved while its wheels stood.
     """
 
-    STATE: ClassVar[Mapping[str, Any]] = {"_stands": Pose2 | None}
+    STATE: ClassVar[Mapping[str, Any]] = {"_stands": Pose2 | None, "_rolled": float}
 
     def __init__(
         self,
@@ -92,6 +93,7 @@ class OdometryLocalizer(Localizer):
         super().__init__(start, tread, errors, covariance)
         self._field, self._sigma = field, sigma
         self._stands: Pose2 | None = None
+        self._rolled = 0.0  # [m] by the wheels since that scan
 
     @property
     def looks(self) -> bool:
@@ -100,9 +102,13 @@ class OdometryLocalizer(Localizer):
 
     def predict(self, left: float, right: float) -> None:
         """See `Localizer`."""
-        if left != 0.0 or right != 0.0:
-            self._stands = None
+        before = self.pose
         super().predict(left, right)
+        self._rolled += max(abs(left), abs(right))
+        if self._rolled > ROLLS:
+            self._stands = None
+        elif self._stands is not None:
+            self._stands = self._stands.compose(self.pose.relative_to(before))
 
     def correct(self, points: NDArray[np.float64]) -> bool:
         """Scans are not looked at."""
@@ -120,7 +126,7 @@ class OdometryLocalizer(Localizer):
         match = match_scan(self._field, points, near, covariance, self._sigma)
         if match.inliers < LEAST_INLIERS:
             return False
-        self._stands = match.pose
+        self._stands, self._rolled = match.pose, 0.0
         if before is None:
             return False
         apart = _apart(before, match, self._field)

@@ -10,6 +10,8 @@ import pytest
 from numpy.typing import NDArray
 
 from handcart.backends.capabilities.imu import Imu
+from handcart.backends.description.robot_loading import ROBOTS, load_robot
+from handcart.backends.registry import make_backend
 from handcart.backends.robot.robot import Robot, StaleReading
 from handcart.evaluation.conformance.faults.fault import FOR_GOOD, Fault, FaultKind
 from handcart.evaluation.conformance.faults.faulty_backend import FaultyBackend
@@ -27,6 +29,7 @@ from handcart.primitives.knowledge.world_model import ModelView
 from handcart.robotics.geometry.pose2 import Pose2
 
 BENCH = Bench("kinematic")
+WORLD = ROBOTS.parents[1] / "tasks" / "return_book" / "world.yaml"
 FIELD = Path(__file__).parents[3] / "tasks" / "deploy_straight" / "task.yaml"
 Vector = NDArray[np.float64]
 
@@ -157,3 +160,34 @@ def test_an_old_picture_is_not_taken_for_a_new_one() -> None:
         robot.step()
         with pytest.raises(StaleReading, match="last picture again"):
             robot.picture()
+
+
+def test_an_old_picture_is_known_where_the_camera_went_away_and_came_back() -> None:
+    """S11: at the same place a new picture has other noise."""
+    with BENCH.rig() as rig:
+        faulty = FaultyBackend(rig.backend)
+        robot = BENCH.around(rig, faulty).robot
+        robot.step()
+        robot.picture()
+        faulty.inject(Fault(FaultKind.STALE, "camera", FOR_GOOD))
+        there_and_back(robot)
+        with pytest.raises(StaleReading, match="last picture again"):
+            robot.picture()
+
+
+def test_a_camera_without_noise_may_see_the_same_again_where_it_comes_back() -> None:
+    spec = load_robot("librarian").without_errors()
+    with make_backend("kinematic", spec, WORLD, 0) as backend:
+        robot = Robot(backend, spec, Pose2(0.0, 0.0, 0.0))
+        robot.step()
+        first = robot.picture().copy()
+        there_and_back(robot)
+        assert np.array_equal(robot.picture(), first)
+
+
+def there_and_back(robot: Robot) -> None:
+    here = robot.arm.command()
+    for turn in (0.02, 0.0):
+        robot.arm.move(here + np.r_[turn, np.zeros(here.size - 1)])
+        for _ in range(20):
+            robot.step()

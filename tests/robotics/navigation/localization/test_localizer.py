@@ -110,6 +110,18 @@ def test_by_wheels_alone_what_they_drove_is_no_push(
     assert localizer.pose.distance(pushed) < 0.02
 
 
+def test_wheels_that_tremble_do_not_hide_a_push(
+    library_field: LikelihoodField, library_boxes: Boxes, scan: Callable[..., np.ndarray]
+) -> None:
+    rng, localizer = np.random.default_rng(0), OdometryLocalizer(START, TREAD, field=library_field)
+    assert not localizer.find_again(scan(library_boxes, START, rng))
+    for tremble in (1e-4, -1e-4, 2e-3):
+        localizer.predict(tremble, tremble)
+    assert not localizer.find_again(scan(library_boxes, START.compose(Pose2(0.002, 0.0, 0.0)), rng))
+    localizer.predict(1e-4, -1e-4)
+    assert localizer.find_again(scan(library_boxes, START.compose(Pose2(0.05, 0.0, 0.0)), rng))
+
+
 def test_too_few_points_correct_nothing(library_field: LikelihoodField) -> None:
     localizer = ScanLocalizer(library_field, START, TREAD)
     assert not localizer.correct(np.ones((5, 2)))
