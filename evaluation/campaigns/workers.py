@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import os
 import signal
-import threading
 import time
 from collections import Counter, deque
 from collections.abc import Callable, Generator, Iterable, Iterator
 from contextlib import suppress
 from itertools import chain, islice
-from multiprocessing import get_context, parent_process
+from multiprocessing import get_context
 from multiprocessing.connection import Connection
 from multiprocessing.connection import wait as wait_for
 from multiprocessing.process import BaseProcess
 
+from handcart.evaluation.trials.with_parent import end_with_parent
 from handcart.files.errors import HandcartError
 
 from .trial import Trial, died
@@ -205,7 +204,7 @@ def _how(process: BaseProcess) -> str:
 def _serve(connection: Connection, work: Work) -> None:
     """In each process: run what is sent, send what has ended, until nobody is at the other end."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # it comes to all of a terminal's processes; one is enough
-    threading.Thread(target=_end_with_parent, daemon=True).start()
+    end_with_parent()
     try:
         _run_all(connection, work)
     except (EOFError, OSError, KeyboardInterrupt):
@@ -238,12 +237,3 @@ def sendable(error: Exception) -> TrialFault:
     if isinstance(error, HandcartError):
         return TrialFault(str(error), error.exit_status)
     return TrialFault(f"{type(error).__name__}: {error}")
-
-
-def _end_with_parent() -> None:
-    parent = parent_process()
-    assert parent is not None
-    parent.join()
-    while True:
-        os.kill(os.getpid(), signal.SIGTERM)
-        time.sleep(1.0)

@@ -20,6 +20,7 @@ from handcart.evaluation.conformance.planted.mutants import MUTANTS, Caught, try
 from handcart.evaluation.conformance.rig.bench import Bench
 from handcart.evaluation.conformance.rig.reach import Reach
 from handcart.evaluation.trials.rig import RigFiles
+from handcart.evaluation.trials.with_parent import end_with_parent
 from handcart.networks.task.task_file import load_task
 
 from .report import Broken, KitReport, Result
@@ -193,7 +194,7 @@ def run_kit(
 
 def _in_processes(jobs: Sequence[Job], processes: int) -> Iterator[dict[int, Result]]:
     """Results of the jobs that have just ended, by number; empty where for a while none has."""
-    with ProcessPoolExecutor(processes, get_context("spawn"), _one_thread) as pool:
+    with ProcessPoolExecutor(processes, get_context("spawn"), _begins) as pool:
         running = {pool.submit(_done, job): number for number, job in enumerate(jobs)}
         try:
             while running:
@@ -214,7 +215,9 @@ def _result(job: Job, ended: Future[Result]) -> Result:
     return ended.result() if error is None else Broken(str(job), f"{type(error).__name__}: {error}")
 
 
-def _one_thread() -> None:
+def _begins() -> None:
+    """In each process."""
     import cv2
 
+    end_with_parent()
     cv2.setNumThreads(1)

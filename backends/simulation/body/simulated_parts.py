@@ -21,6 +21,7 @@ from handcart.backends.simulation.keyed_noise import keyed, keyed_normal
 from handcart.robotics.kinematics.arm_model import ArmModel
 
 _DAMPING = 1e-8 * np.eye(6)
+_GIVES = 5e-3  # [rad] by which joints give together at most
 
 Vector = NDArray[np.float64]
 
@@ -218,7 +219,10 @@ class ArmError:
         twist = np.zeros(6)
         twist[:3] = off / 1e3
         damped = J @ J.T + _DAMPING
-        return np.asarray(offset + J.T @ np.linalg.solve(damped, twist))
+        gives = J.T @ np.linalg.solve(damped, twist)
+        if (most := float(np.linalg.norm(gives))) > _GIVES:
+            gives *= _GIVES / most
+        return np.asarray(offset + gives)
 
     def _draw(self, motion: int, dof: int) -> tuple[int, Vector, Vector]:
         """What belongs to one motion: of the joints in [rad], of the hand in [mm]."""
