@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from enum import IntEnum
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,7 +59,11 @@ class ScrewArm:
         self.azimuth_tolerance = azimuth_tolerance
         rng = np.random.default_rng(seed)
         self._pool = rng.uniform(arm.lower, arm.upper, (postures, arm.dof))
-        self._poses = pool_poses(self.chain.axes, self.chain.points, self.chain.base_T_tip, self._pool)
+
+    @cached_property
+    def _poses(self) -> Floats:
+        """base_T_tip (m, 4, 4) of the postures that descents start from."""
+        return pool_poses(self.chain.axes, self.chain.points, self.chain.base_T_tip, self._pool)
 
     def scores(self, bases: Floats, path: ToolPath, rule: ScoreRule) -> PlacementScores:
         """Of base poses (b, 3) on the floor: x and y in [m], heading in [rad]."""

@@ -61,12 +61,12 @@ def tip_and_jacobian(
                 where[i, r] += turned[r, c] * points[i, c]
         turn_matrix(axes[i], q[i], step)
         _times(turned, step, product)
-        turned[:, :] = product
+        turned, product = product, turned
         for r in range(3):
             offset[r] = where[i, r]
             for c in range(3):
                 offset[r] -= turned[r, c] * points[i, c]
-        moved[:] = offset
+        moved, offset = offset, moved
     for r in range(3):
         pose[r, 3] = moved[r]
         for c in range(3):
@@ -81,8 +81,7 @@ def tip_and_jacobian(
 @compiled
 def pose_error(pose: Floats, target: Floats, free: int, error: Floats) -> None:
     """What is missing to the target (6,), in [m; rad] and the axes of the base, a free turn left out."""
-    goal = np.empty((3, 3))
-    goal[:, :] = target[:3, :3]
+    goal = target[:3, :3].copy()
     if free == 1:
         across = along = 0.0
         for c in range(3):
@@ -178,7 +177,6 @@ def descend(
     """
     n = len(q)
     error, matrix, right = np.empty((6, 1)), np.empty((n, n)), np.empty(n)
-    reduced = np.empty((6, n))
     for _ in range(iterations):
         tip_and_jacobian(axes, points, tip, q, pose, jacobian)
         pose_error(pose, target, free, error[:, 0])
@@ -187,7 +185,7 @@ def descend(
             squared += error[r, 0] * error[r, 0]
         if squared < _TOLERANCE * _TOLERANCE:
             return True
-        reduced[:, :] = jacobian
+        reduced = jacobian.copy()
         without_free(pose, free, reduced)
         without_free(pose, free, error)
         for i in range(n):

@@ -91,8 +91,7 @@ def tool_rates(pose: Floats, jacobian: Floats, twist: Floats, free: int, rates: 
     Least squares in the joints; with one joint to spare, the motion whose largest joint is least.
     """
     n = len(rates)
-    reduced, along = jacobian.copy(), np.empty((6, 1))
-    along[:, 0] = twist
+    reduced, along = jacobian.copy(), twist.copy().reshape((6, 1))
     without_free(pose, free, reduced)
     without_free(pose, free, along)
     square = reduced @ reduced.T
@@ -102,7 +101,7 @@ def tool_rates(pose: Floats, jacobian: Floats, twist: Floats, free: int, rates: 
         axis = np.zeros(3)
         axis[2] = 1.0
         if free == 2:
-            axis[:] = pose[:3, 0]
+            axis = pose[:3, 0].copy()
         for i in range(3):
             for j in range(3):
                 square[3 + i, 3 + j] += axis[i] * axis[j]
@@ -112,7 +111,9 @@ def tool_rates(pose: Floats, jacobian: Floats, twist: Floats, free: int, rates: 
     right = along[:, 0].copy()
     if not solve_in_place(square.copy(), right):
         return 0.0
-    rates[:] = reduced.T @ right
+    found = reduced.T @ right
+    for i in range(n):
+        rates[i] = found[i]
     if n == tasks + 1:
         _spread_evenly(reduced, square, rates)
     return math.sqrt(determinant)
@@ -198,11 +199,11 @@ def screw_table(
                 tries = _STARTS + 1
             for attempt in range(tries):
                 if warm and attempt == 0:
-                    q[:] = last
+                    q = last.copy()
                 else:
                     if attempt == tries - _STARTS:
                         nearest_starts(poses, target, free, 0.3 * reach, chosen)
-                    q[:] = pool[chosen[attempt - tries + _STARTS]]
+                    q = pool[chosen[attempt - tries + _STARTS]].copy()
                 iterations = _WARM_ITERATIONS if warm and attempt == 0 else _ITERATIONS
                 if not descend(axes, points, tip, lower, upper, target, free, iterations, q, pose, jacobian):
                     continue
@@ -211,7 +212,7 @@ def screw_table(
                 value = _worth_here(pose, jacobian, twist, free, rates, elements, measure, limits)
                 if value > best:
                     best = value
-                    best_q[:] = q
+                    best_q = q.copy()
                 if warm and attempt == 0 and value != UNUSABLE:
                     break
             if best == UNUSABLE:
@@ -223,7 +224,7 @@ def screw_table(
                     jump = max(jump, abs(best_q[i] - last[i]))
                 joined[j - 1, b] = jump <= _JUMP
             values[j, b], usable[j, b] = best, True
-            last[:] = best_q
+            last = best_q.copy()
             warm = True
             if angles.size:
                 angles[b, j] = best_q
