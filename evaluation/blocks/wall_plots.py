@@ -59,7 +59,16 @@ def _from_above(plan: WallPlan, radius: float, ax: Any) -> None:
             ax.annotate(stop.name, (x, y - 0.12), color=colour, ha="center", va="top", fontsize=8)
     for name, mark in plan.drawing.landmarks.items():
         ax.plot(mark.x_m, mark.y_m, "k+")
-        ax.annotate(name, (mark.x_m, mark.y_m), fontsize=7, xytext=(3, -8), textcoords="offset points")
+        behind = {"facecolor": "white", "edgecolor": "none", "pad": 0.5}
+        ax.annotate(
+            name,
+            (mark.x_m, mark.y_m),
+            (6, 0),
+            textcoords="offset points",
+            fontsize=7,
+            va="center",
+            bbox=behind,
+        )
     ax.set(aspect="equal", xlabel="x [m]", ylabel="y [m]", title="grey: what the base keeps out of")
 
 
