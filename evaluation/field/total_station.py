@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -38,7 +39,9 @@ class TotalStation:
         self._spec, self._scene, self._seed = spec, scene, seed
         self._place = np.array([spec.x_m, spec.y_m, spec.height_m])
         shapes = scene.arm.link_shapes(scene.joints)
-        self._body = [shape for shape in shapes if isinstance(shape, Box) and shape.name == "base"]
+        self._body = _Boxes.of([each for each in shapes if isinstance(each, Box) and each.name == "base"])
+        solids = [each.box for each in scene.solids if each.box.pose[2, 3] > 0.0]
+        self._solids = _Boxes.of(solids)
         self._count = self._due()
         self.sights: list[Sight] = []
         """All readings."""
@@ -69,20 +72,30 @@ class TotalStation:
 
     def _hidden(self, reflector: Array) -> bool:
         base = inverse(self._scene.world_T_base)
-        ends = [base @ np.array([*point, 1.0]) for point in (self._place, reflector)]
-        if any(_cuts(box, ends[0][:3], ends[1][:3]) for box in self._body):
-            return True
-        solids = [each.box for each in self._scene.solids if each.box.pose[2, 3] > 0.0]
-        return any(_cuts(box, self._place, reflector) for box in solids)
+        place, there = (base[:3, :3] @ point + base[:3, 3] for point in (self._place, reflector))
+        return _cut(self._body, place, there) or _cut(self._solids, self._place, reflector)
 
 
-def _cuts(box: Box, start: Array, end: Array) -> bool:
-    """Whether the line between two points (3,) goes through a box (slabs)."""
-    turn, middle = box.pose[:3, :3], box.pose[:3, 3]
-    here, ray = (start - middle) @ turn, (end - start) @ turn
-    half = np.array(box.size) / 2
+class _Boxes(NamedTuple):
+    """Boxes that may stand between."""
+
+    poses: Array
+    """(n, 4, 4)."""
+    halves: Array
+    """(n, 3) of their sizes, in [m]."""
+
+    @classmethod
+    def of(cls, boxes: Sequence[Box]) -> _Boxes:
+        """As arrays."""
+        poses = np.array([box.pose for box in boxes]).reshape(-1, 4, 4)
+        return cls(poses, np.array([box.size for box in boxes]).reshape(-1, 3) / 2)
+
+
+def _cut(boxes: _Boxes, start: Array, end: Array) -> bool:
+    """Whether the line between two points (3,) goes through any box (slabs)."""
+    turns, middles = boxes.poses[:, :3, :3], boxes.poses[:, :3, 3]
+    here, ray = np.einsum("ni,nij->nj", start - middles, turns), (end - start) @ turns
     ray = np.where(np.abs(ray) < 1e-12, 1e-12, ray)
-    first, second = (-half - here) / ray, (half - here) / ray
-    enters = float(np.minimum(first, second).max())
-    leaves = float(np.maximum(first, second).min())
-    return max(enters, 0.0) < min(leaves, 1.0)
+    first, second = (-boxes.halves - here) / ray, (boxes.halves - here) / ray
+    enters, leaves = np.minimum(first, second).max(axis=1), np.maximum(first, second).min(axis=1)
+    return bool((np.maximum(enters, 0.0) < np.minimum(leaves, 1.0)).any())

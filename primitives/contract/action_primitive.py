@@ -6,7 +6,7 @@ import math
 import re
 from abc import ABC, abstractmethod
 from collections.abc import Generator, Mapping, Sequence
-from typing import ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from pydantic import PrivateAttr
 
@@ -47,6 +47,13 @@ class ActionPrimitive(FileModel, ABC):
     _evidence: Evidence = PrivateAttr(default_factory=Evidence)
     _no_return: str | None = PrivateAttr(default=None)
     _intents: Intents = PrivateAttr(default_factory=lambda: UNKEPT)  # a default would be copied
+
+    if not TYPE_CHECKING:  # a checker takes private attributes for ordinary ones
+
+        def __getattr__(self, name: str) -> Any:
+            """Private attributes at once: they are asked in each period, and pydantic takes long."""
+            private = object.__getattribute__(self, "__pydantic_private__")
+            return private[name] if private and name in private else super().__getattr__(name)
 
     @classmethod
     def label(cls) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection
 from typing import NamedTuple
 
@@ -47,6 +48,19 @@ class _Bodies(NamedTuple):
         )
 
 
+class _Links(NamedTuple):
+    """Some links of the robot."""
+
+    numbers: NDArray[np.intp]
+    names: list[str]
+    geometry: list[RigidBody]
+    radii: NDArray[np.float64]
+
+    def posed(self, poses: NDArray[np.float64]) -> _Bodies:
+        """Where they are if all links are posed like that, (g, 4, 4)."""
+        return _Bodies(self.names, self.geometry, poses[self.numbers], self.radii)
+
+
 class Touch(NamedTuple):
     """The deepest overlap with a solid."""
 
@@ -79,6 +93,7 @@ class ArmContact:
         self._names = [shape.name for shape in shapes]
         self._geometry = [RigidBody.of(shape) for shape in shapes]
         self._radius = np.array([radius_about(shape) for shape in shapes])
+        self._moved_links, self._mounted_links = self._some(self._links), self._some(self._mounted)
         self._fingers = [(g, i) for g, i in enumerate(self._links) if self._names[i] in FINGERS]
         self._own_radii = self._radius[self._own]
         self._hands = [g for g, i in enumerate(self._links) if self._names[i] in _HANDS]
@@ -101,7 +116,7 @@ class ArmContact:
         world_T_base = scene.leaning_at(base)
         riding = self._riding(world_T_base)
         poses = world_T_base @ self._link_poses(joints)
-        mounted = self._some_links(self._mounted, poses)
+        mounted = self._mounted_links.posed(poses)
         bodies = self._moved(world_T_base, poses, joints).and_more(mounted).and_more(riding)
         own = set(riding.names)
 
@@ -132,7 +147,7 @@ class ArmContact:
     def travel(self, start: NDArray[np.float64], end: NDArray[np.float64]) -> float:
         """How far the middle of any link goes between two postures at most, about, in [m]."""
         before, after = self._link_poses(start)[:, :3, 3], self._link_poses(end)[:, :3, 3]
-        return float(np.linalg.norm(after - before, axis=1).max())
+        return math.sqrt(((after - before) ** 2).sum(axis=1).max())
 
     def _riding(self, world_T_base: Transform) -> _Bodies:
         """What stands on the robot, the base being there."""
@@ -166,16 +181,16 @@ class ArmContact:
             self._reach = (key, reach)
         return self._reach[1]
 
-    def _some_links(self, links: list[int], poses: NDArray[np.float64]) -> _Bodies:
-        """Some of all links, posed (g, 4, 4)."""
+    def _some(self, links: list[int]) -> _Links:
+        """Some of all links, by their numbers."""
         names, geometry = [self._names[i] for i in links], [self._geometry[i] for i in links]
-        return _Bodies(names, geometry, poses[links], self._radius[links])
+        return _Links(np.array(links, dtype=np.intp), names, geometry, self._radius[links])
 
     def _moved(
         self, world_T_base: Transform, poses: NDArray[np.float64], joints: NDArray[np.float64]
     ) -> _Bodies:
         """Moved links, fingers where they stand, and what is held."""
-        links = self._some_links(self._links, poses)
+        links = self._moved_links.posed(poses)
         for g, i in self._fingers:
             side = 1.0 if self._names[i] == FINGERS[0] else -1.0
             links.poses[g, :3, 3] += side * self._scene.width / 2 * links.poses[g, :3, 1]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from abc import abstractmethod
+from collections.abc import Callable
 from typing import ClassVar
 
 import numpy as np
@@ -109,11 +110,13 @@ class SimulatedArm(Arm):
 
     def joints(self) -> Vector:
         """See `Arm`."""
-        return self._read("joints", self.true_joints() - self._offset, self._errors.encoder_mrad / 1e3)
+        return self._read(
+            "joints", lambda: self.true_joints() - self._offset, self._errors.encoder_mrad / 1e3
+        )
 
     def hand_force(self) -> Vector:
         """See `Arm`."""
-        return self._read("hand force", self._true_force(), self._errors.hand_force_n)
+        return self._read("hand force", self._true_force, self._errors.hand_force_n)
 
     def halt(self) -> None:
         """Forget a command that hasn't begun; hold."""
@@ -141,11 +144,12 @@ class SimulatedArm(Arm):
         """x and y (2,) of the hand in the base frame where it is commanded to, in [m]."""
         return self._model.forward(self._from)[:2, 3].copy()
 
-    def _read(self, sensor: str, truth: Vector, sigma: float) -> Vector:
+    def _read(self, sensor: str, truth: Callable[[], Vector], sigma: float) -> Vector:
         last = self._readings.get(sensor)
         if last is None or last[0] != self._now:
-            noise = sigma * keyed_normal(self._seed, sensor, self._now, len(truth))
-            last = self._readings[sensor] = (self._now, truth + noise)
+            true = truth()
+            noise = sigma * keyed_normal(self._seed, sensor, self._now, len(true))
+            last = self._readings[sensor] = (self._now, true + noise)
         return last[1].copy()
 
 

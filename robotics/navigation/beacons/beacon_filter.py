@@ -11,14 +11,19 @@ from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.outdoors import field_model as states
-from handcart.robotics.navigation.outdoors.field_kalman import level_lever
 from handcart.robotics.navigation.outdoors.field_localizer import (
     CONSISTENCY_WINDOW,
     FieldLocalizer,
     Inconsistency,
     inconsistency_of,
 )
-from handcart.robotics.navigation.outdoors.field_model import FieldModel, carried, corrected, field_step
+from handcart.robotics.navigation.outdoors.field_model import (
+    FieldModel,
+    carried,
+    corrected,
+    field_step,
+    level_lever,
+)
 from handcart.robotics.navigation.outdoors.field_noise import FieldNoise
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance
 from handcart.robotics.navigation.outdoors.watched_moment import Belief, WatchedMoment

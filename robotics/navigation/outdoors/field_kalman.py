@@ -14,13 +14,19 @@ from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.localization.fix_monitor import LONGEST, FixMonitor, whitened
 from handcart.robotics.navigation.localization.lost_track import FoundTrack, LostTrack
 from handcart.robotics.navigation.outdoors import field_model as states
-from handcart.robotics.navigation.outdoors.field_model import FieldModel, carried, corrected, field_step
+from handcart.robotics.navigation.outdoors.field_model import (
+    FieldModel,
+    corrected,
+    fix_forecast,
+    level_lever,
+    went_on,
+)
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE, FieldNoise
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance, GyroOdometry
+from handcart.robotics.navigation.outdoors.sky import Sky, leapt, log_normal
 from handcart.robotics.navigation.outdoors.smoothing import Entries, TrackRecord
 from handcart.robotics.navigation.outdoors.watched_moment import Belief, Branch, WatchedMoment, mixed
 
-SEEN = [states.X, states.Y, states.GPS_X, states.GPS_Y, states.DELAY]  # by a fix, besides the heading
 ODD = math.log(0.001)  # logarithm of the share of fixes that begin to lie anywhere
 ODD_STILL = math.log(0.95)  # and of those that go on to lie where the one before was
 REFLECTION = 10.0  # [m] an axis, how far off they are
@@ -29,7 +35,7 @@ ALIKE = 4.0  # of the latest of them, by which it is told where the next one wil
 BIAS_PERIOD = 1.0  # [s] at rest over which the gyro is averaged into one reading
 FEW = math.log(1e-4)  # of what fixes' error may have done: less likely than that does not count
 LEAST_TIME = 0.1  # [s] in which fixes may leap at least, for want of a step between two of them
-_SAME = np.eye(states.SIZE)
+_BIAS_ROW = np.array([[1.0 if k in (states.BIAS, states.WARM_UP) else 0.0 for k in range(states.SIZE)]])
 _LEAPT = np.diag([0.0 if k in (states.GPS_X, states.GPS_Y) else 1.0 for k in range(states.SIZE)])
 Array = NDArray[np.float64]
 
@@ -61,21 +67,6 @@ class Fixed(NamedTuple):
     """Squared distance to where the fix was expected, in sigmas: 2 on average."""
     why: str = ""
     """It wasn't believed, in words."""
-
-
-class _Sky(NamedTuple):
-    """What the error of the fixes may have done since the one before."""
-
-    transition: Array
-    """(13, 13) of the states."""
-    spread: Array
-    """(13, 13) covariance of them after it."""
-    residual: Array
-    """(2,) fix less forecast, in [m]."""
-    whole: Array
-    """(2, 2) covariance that it should have, in [m²]."""
-    log_likelihood: float
-    """Of the fix and of what the error did."""
 
 
 class FieldKalman:
@@ -190,8 +181,9 @@ class FieldKalman:
         if advance.rest < advance.time:
             self._see_bias()
         new_leg = self._rested and advance.rest < advance.time
-        self._mean, transition, added = field_step(self._mean, np.array(advance), new_leg, self._figures)
-        self._spread = carried(self._spread, transition, added)
+        self._mean, self._spread, transition = went_on(
+            self._mean, self._spread, np.array(advance), new_leg, self._figures
+        )
         self._rested = advance.rest > 0.0
         self._speed = advance.forward / advance.time
         self._unseen += advance.time
@@ -205,10 +197,8 @@ class FieldKalman:
         turned, time = self._still
         if time <= 0.0:
             return
-        row = np.zeros((1, states.SIZE))
-        row[0, [states.BIAS, states.WARM_UP]] = 1.0
         residual = turned / time - self._mean[states.BIAS] - self._mean[states.WARM_UP]
-        self._correct(row, np.array([residual]), self.noise.gyro_white**2 / time)
+        self._correct(_BIAS_ROW, np.array([residual]), self.noise.gyro_white**2 / time)
         self._still = np.zeros(2)
 
     def fix(self, position: Array, sigma: float | None, odometry: GyroOdometry) -> Fixed:
@@ -220,8 +210,9 @@ class FieldKalman:
         variance = (self.noise.gps_white if sigma is None else sigma) ** 2
         if not odometry.levelled:
             variance += (self.noise.antenna[2] * self.noise.roughness) ** 2
-        rows, expected, lever = self._forecast(position, odometry.tilt)
-        skies = self._skies(rows, expected, variance)
+        lever = level_lever(self.noise.antenna, odometry.tilt, float(self._mean[states.HEADING]))
+        rows, expected = fix_forecast(self._mean, lever, self._speed)
+        skies = self._skies(rows, position - expected, variance)
         likely = float(np.logaddexp.reduce([sky.log_likelihood for sky in skies]))
         skies = [sky for sky in skies if sky.log_likelihood > likely + FEW]
         _, _, residual, whole, _ = max(skies, key=lambda sky: sky.log_likelihood)
@@ -233,8 +224,9 @@ class FieldKalman:
         else:
             suspects = self._monitor.suspects(residual, whole)
             believed = suspects == 0
-            off = f"{float(np.hypot(*residual)):.2f} m off, {math.sqrt(square):.1f} sigma"
-            why = off if suspects == 1 else f"the last {suspects} are off together, this one by {off}"
+            if suspects:
+                off = f"{math.hypot(*residual):.2f} m off, {math.sqrt(square):.1f} sigma"
+                why = off if suspects == 1 else f"the last {suspects} are off together, this one by {off}"
             self._take_back(suspects - 1)
             if suspects > 1 and not math.isinf(self.noise.jump_every):
                 return self._leap(position, sigma, odometry)
@@ -254,7 +246,7 @@ class FieldKalman:
     def _leap(self, position: Array, sigma: float | None, odometry: GyroOdometry) -> Fixed:
         """Fixes have been off together since they leapt: begin with this one to find out by how much."""
         self._monitor.reset()
-        self._mean, self._spread = _LEAPT @ self._mean, self._leapt()
+        self._mean, self._spread = _LEAPT @ self._mean, leapt(self._spread, self.noise.jump)
         self._went_on(_LEAPT)
         fixed = self.fix(position, sigma, odometry)
         leaps = LEAST_TIME / self.noise.jump_every
@@ -271,45 +263,31 @@ class FieldKalman:
         self._refused = goes_on + np.append(residual, 1.0)
         return float(np.logaddexp(anywhere, alike))
 
-    def _forecast(self, position: Array, tilt: tuple[float, float]) -> tuple[Array, Array, Array]:
-        """How a fix depends on the states (2, 13), its residual (2,), the antenna beside the base (2,)."""
-        lever = level_lever(self.noise.antenna, tilt, float(self._mean[states.HEADING]))
-        rows = np.zeros((2, states.SIZE))
-        rows[[0, 1], [states.X, states.Y]] = rows[[0, 1], [states.GPS_X, states.GPS_Y]] = 1.0
-        rows[:, states.HEADING] = -lever[1], lever[0]
-        heading = float(self._mean[states.HEADING])
-        rows[:, states.DELAY] = -self._speed * math.cos(heading), -self._speed * math.sin(heading)
-        return rows, position - rows[:, SEEN] @ self._mean[SEEN] - lever, lever
-
-    def _skies(self, rows: Array, residual: Array, variance: float) -> list[_Sky]:
+    def _skies(self, rows: Array, residual: Array, variance: float) -> list[Sky]:
         """What may have become of the fixes' error since the last one; the sum of all likelihoods is a fix's.
 
         An error that leaps: so much of a fix's way from the one before it as the wheels didn't drive is
         either chance or a leap, and as likely a leap as it is too fast for anything else.
         """
-        same = _sky(_SAME, self._spread, rows, residual, variance, 0.0)
+        same = Sky.of(None, self._spread, rows, residual, variance, 0.0)
         unseen, self._unseen = self._unseen, 0.0
         if math.isinf(self.noise.jump_every):
             return [same]
         leaps = -math.expm1(-max(unseen, LEAST_TIME) / self.noise.jump_every)
         residual = residual + self._mean[[states.GPS_X, states.GPS_Y]]
-        leapt = _sky(_LEAPT, self._leapt(), rows, residual, variance, math.log(leaps))
-        return [same._replace(log_likelihood=same.log_likelihood + math.log1p(-leaps)), leapt]
+        other = Sky.of(
+            _LEAPT, leapt(self._spread, self.noise.jump), rows, residual, variance, math.log(leaps)
+        )
+        return [same._replace(log_likelihood=same.log_likelihood + math.log1p(-leaps)), other]
 
-    def _leapt(self) -> Array:
-        """(13, 13) covariance of the states after a leap."""
-        spread = _LEAPT @ self._spread @ _LEAPT
-        spread[states.GPS_X, states.GPS_X] = spread[states.GPS_Y, states.GPS_Y] = self.noise.jump**2
-        return spread
-
-    def _take_in(self, skies: list[_Sky], rows: Array, variance: float) -> None:
+    def _take_in(self, skies: list[Sky], rows: Array, variance: float) -> None:
         """Correct by a fix under each sky, and keep the mixture (first-order generalised pseudo-Bayes)."""
-        if len(skies) == 1 and skies[0].transition is _SAME:
+        if len(skies) == 1 and skies[0].transition is None:
             self._correct(rows, skies[0].residual, variance)
             return
         weights = np.exp([sky.log_likelihood for sky in skies])
         weights /= weights.sum()
-        means = [sky.transition @ self._mean for sky in skies]
+        means = [self._mean if sky.transition is None else sky.transition @ self._mean for sky in skies]
         each = [
             Belief(*corrected(mean, sky.spread, rows, sky.residual, variance))
             for mean, sky in zip(means, skies, strict=True)
@@ -391,27 +369,3 @@ class FieldKalman:
         self.begin(found)
         self.restarts += 1
         return True
-
-
-def log_normal(residual: Array, covariance: Array) -> float:
-    """Logarithm of the density of `residual` (2,) that has no mean and a covariance (2, 2)."""
-    white = whitened(residual, covariance)
-    size = covariance[0, 0] * covariance[1, 1] - covariance[0, 1] * covariance[1, 0]
-    return -0.5 * float(math.log(4.0 * math.pi**2 * size) + white @ white)
-
-
-def _sky(
-    transition: Array, spread: Array, rows: Array, residual: Array, variance: float, log_share: float
-) -> _Sky:
-    whole = rows @ spread @ rows.T + variance * np.eye(2)
-    return _Sky(transition, spread, residual, whole, log_share + log_normal(residual, whole))
-
-
-def level_lever(antenna: tuple[float, float, float], tilt: tuple[float, float], heading: float) -> Array:
-    """(2,) from the base to its `antenna` [m] in the world's axes, in [m]; tilt and heading in [rad]."""
-    x, y, z = antenna
-    roll, pitch = tilt
-    across, up = y * math.cos(roll) - z * math.sin(roll), y * math.sin(roll) + z * math.cos(roll)
-    along = x * math.cos(pitch) + up * math.sin(pitch)
-    cos, sin = math.cos(heading), math.sin(heading)
-    return np.array([cos * along - sin * across, sin * along + cos * across])

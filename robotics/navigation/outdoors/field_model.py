@@ -118,6 +118,44 @@ def field_step(mean: Array, advance: Array, new_leg: bool, figures: Array) -> tu
 
 
 @compiled
+def went_on(
+    mean: Array, covariance: Array, advance: Array, new_leg: bool, figures: Array
+) -> tuple[Array, Array, Array]:
+    """Mean (13,), covariance and transition (13, 13) after a step (see `FieldModel.step`)."""
+    mean, transition, added = field_step(mean, advance, new_leg, figures)
+    return mean, carried(covariance, transition, added), transition
+
+
+@compiled
+def level_lever(antenna: tuple[float, float, float], tilt: tuple[float, float], heading: float) -> Array:
+    """(2,) from the base to its `antenna` [m] in the world's axes, in [m]; tilt and heading in [rad]."""
+    x, y, z = antenna
+    roll, pitch = tilt
+    across, up = y * math.cos(roll) - z * math.sin(roll), y * math.sin(roll) + z * math.cos(roll)
+    along = x * math.cos(pitch) + up * math.sin(pitch)
+    cos, sin = math.cos(heading), math.sin(heading)
+    return np.array([cos * along - sin * across, sin * along + cos * across])
+
+
+@compiled
+def fix_forecast(mean: Array, lever: Array, speed: float) -> tuple[Array, Array]:
+    """How a fix depends on the states, rows (2, 13), and where it is expected (2,) in [m].
+
+    `lever` (2,) is where the antenna is beside the base, `speed` in [m/s] what the base drives.
+    """
+    cos, sin = math.cos(mean[HEADING]), math.sin(mean[HEADING])
+    rows = np.zeros((2, SIZE))
+    rows[0, X] = rows[0, GPS_X] = rows[1, Y] = rows[1, GPS_Y] = 1.0
+    rows[0, HEADING], rows[1, HEADING] = -lever[1], lever[0]
+    rows[0, DELAY], rows[1, DELAY] = -speed * cos, -speed * sin
+    expected = np.empty(2)
+    for axis, states in ((0, (X, GPS_X)), (1, (Y, GPS_Y))):
+        at, error = states
+        expected[axis] = mean[at] + mean[error] + rows[axis, DELAY] * mean[DELAY] + lever[axis]
+    return rows, expected
+
+
+@compiled
 def carried(covariance: Array, transition: Array, added: Array) -> Array:
     """The covariance (13, 13) after a step."""
     out = transition @ covariance @ transition.T

@@ -11,19 +11,21 @@ from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.localization.lost_track import FoundTrack
-from handcart.robotics.navigation.outdoors.field_kalman import FieldKalman, level_lever, log_normal
+from handcart.robotics.navigation.outdoors.field_kalman import FieldKalman
 from handcart.robotics.navigation.outdoors.field_localizer import (
     CONSISTENCY_WINDOW,
     FieldLocalizer,
     Inconsistency,
     inconsistency_of,
 )
+from handcart.robotics.navigation.outdoors.field_model import level_lever
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE, FieldNoise
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance
 from handcart.robotics.navigation.outdoors.heading_search import HeadingSearch
+from handcart.robotics.navigation.outdoors.sky import log_normal
 from handcart.robotics.navigation.outdoors.smoothing import TrackRecord
 from handcart.robotics.navigation.outdoors.suppositions import Supposition, suppositions
-from handcart.robotics.navigation.outdoors.watched_moment import Belief
+from handcart.robotics.navigation.outdoors.watched_moment import Belief, spread_about
 
 CAUTION = (0.015, 0.3)  # of a weight: claims suppose a worse sky than what is as told, than anything else
 BECOMES = 1e-4  # with each fix a world may become a worse one; never a better one
@@ -204,10 +206,8 @@ class GpsFilter(FieldLocalizer):
         moved = self._weights * np.where(np.arange(len(beliefs)) == 0, *CAUTION)
         cautious = self._weights - moved
         np.add.at(cautious, self._worse, moved)
-        within = np.einsum(
-            "k,kij->ij", cautious, np.array([each.covariance[:first, :first] for each in beliefs])
-        )
-        return Belief(mean, within + np.einsum("k,ki,kj->ij", self._weights, away, away))
+        covariances = np.array([each.covariance[:first, :first] for each in beliefs])
+        return Belief(mean, spread_about(away, self._weights, covariances, cautious))
 
     def _find_heading(self, search: HeadingSearch, position: Array, sigma: float) -> None:
         """By this fix and those before it; the filters begin when it is found."""

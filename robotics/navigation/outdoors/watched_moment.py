@@ -12,6 +12,8 @@ from typing import NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from handcart.robotics.numerics.compiled import compiled
+
 Array = NDArray[np.float64]
 
 
@@ -29,8 +31,8 @@ class Branch(NamedTuple):
 
     weight: float
     """How likely it is, by what was seen then; all of them are one."""
-    transition: Array
-    """(n, n), of the change."""
+    transition: Array | None
+    """(n, n), of the change; None where there was none."""
     covariance: Array
     """(n, n) of the states after it."""
     residual: Array
@@ -55,7 +57,7 @@ class WatchedMoment(NamedTuple):
 
     def stepped(self, transition: Array) -> Self:
         """The states went on by `transition` (n, n)."""
-        return self._replace(shared=self.shared @ transition.T)
+        return type(self)(self.belief, self.shared @ transition.T)
 
     def corrected(self, covariance: Array, rows: Array, residual: Array, variance: float) -> Self:
         """Readings are seen with `residual` (m,), each of `variance`.
@@ -63,16 +65,15 @@ class WatchedMoment(NamedTuple):
         `rows` (m, n) is how they depend on the states now, `covariance` (n, n) that of those without them.
         """
         (mean, spread), shared = self
-        seen = rows @ covariance @ rows.T + variance * np.eye(len(residual))
-        gain = np.linalg.solve(seen, rows @ shared.T).T
-        spread = spread - gain @ seen @ gain.T
-        belief = Belief(mean + gain @ residual, 0.5 * (spread + spread.T))
-        return type(self)(belief, shared - gain @ rows @ covariance)
+        mean, spread, shared = _corrected(mean, spread, shared, covariance, rows, residual, variance)
+        return type(self)(Belief(mean, spread), shared)
 
     def corrected_either(self, branches: Sequence[Branch], rows: Array, variance: float) -> Self:
         """The same where the states may have changed before, in one of several ways."""
         each = [
-            self.stepped(one.transition).corrected(one.covariance, rows, one.residual, variance)
+            (self if one.transition is None else self.stepped(one.transition)).corrected(
+                one.covariance, rows, one.residual, variance
+            )
             for one in branches
         ]
         weights = np.array([one.weight for one in branches])
@@ -107,8 +108,33 @@ class WatchedMoment(NamedTuple):
 
 def mixed(beliefs: Sequence[Belief], weights: Array) -> Belief:
     """Mean and covariance of one of several beliefs, by how likely each is (k,)."""
-    means = np.array([each.mean for each in beliefs])
+    means, covariances = np.array([each.mean for each in beliefs]), np.array([b.covariance for b in beliefs])
     mean = weights @ means
-    away = means - mean
-    within = np.einsum("k,kij->ij", weights, np.array([each.covariance for each in beliefs]))
-    return Belief(mean, within + np.einsum("k,ki,kj->ij", weights, away, away))
+    return Belief(mean, spread_about(means - mean, weights, covariances, weights))
+
+
+@compiled
+def spread_about(away: Array, weights: Array, covariances: Array, shares: Array) -> Array:
+    """(n, n) of a mixture: of its parts (k, n, n) by their shares, and of how far they are away (k, n)."""
+    out = np.zeros(covariances.shape[1:])
+    for k in range(len(weights)):
+        out += shares[k] * covariances[k] + weights[k] * np.outer(away[k], away[k])
+    return out
+
+
+@compiled
+def _corrected(
+    mean: Array,
+    spread: Array,
+    shared: Array,
+    covariance: Array,
+    rows: Array,
+    residual: Array,
+    variance: float,
+) -> tuple[Array, Array, Array]:
+    """See `WatchedMoment.corrected`: mean, spread and shared of the states then."""
+    seen = rows @ covariance @ rows.T + variance * np.eye(len(residual))
+    gain = np.linalg.solve(seen, rows @ shared.T).T
+    spread = spread - gain @ seen @ gain.T
+    shared = shared - gain @ (rows @ covariance)
+    return mean + gain @ residual, 0.5 * (spread + spread.T), shared

@@ -1,0 +1,76 @@
+"""What the slow error of the fixes may have done since the last one, and how likely a fix then is."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.navigation.outdoors.field_model import GPS_X, GPS_Y
+from handcart.robotics.numerics.compiled import compiled
+
+Array = NDArray[np.float64]
+
+
+class Sky(NamedTuple):
+    """One of the ways in which the error may have changed."""
+
+    transition: Array | None
+    """(13, 13) of the states; None where it went on as it was."""
+    spread: Array
+    """(13, 13) covariance of them after it."""
+    residual: Array
+    """(2,) fix less forecast, in [m]."""
+    whole: Array
+    """(2, 2) covariance that it should have, in [m²]."""
+    log_likelihood: float
+    """Of the fix and of what the error did."""
+
+    @classmethod
+    def of(
+        cls,
+        transition: Array | None,
+        spread: Array,
+        rows: Array,
+        residual: Array,
+        variance: float,
+        log_share: float,
+    ) -> Sky:
+        """The likelihood by a change whose share has that logarithm.
+
+        `rows` (2, 13) is how a fix depends on the states, `variance` its own an axis, in [m²].
+        """
+        whole, log_likelihood = _innovation(spread, rows, residual, variance)
+        return cls(transition, spread, residual, whole, log_share + log_likelihood)
+
+
+@compiled
+def leapt(covariance: Array, jump: float) -> Array:
+    """(13, 13) covariance of the states after the error leapt by `jump` [m] an axis, wherever it was."""
+    out = covariance.copy()
+    for state in (GPS_X, GPS_Y):
+        out[state, :] = 0.0
+        out[:, state] = 0.0
+        out[state, state] = jump * jump
+    return out
+
+
+@compiled
+def log_normal(residual: Array, covariance: Array) -> float:
+    """Logarithm of the density of `residual` (2,) that has no mean and a covariance (2, 2)."""
+    a, b, c = covariance[0, 0], covariance[1, 0], covariance[1, 1]
+    size = a * c - b * b
+    first, second = residual
+    square = (c * first * first - 2.0 * b * first * second + a * second * second) / size
+    return float(-0.5 * (math.log(4.0 * math.pi**2 * size) + square))
+
+
+@compiled
+def _innovation(spread: Array, rows: Array, residual: Array, variance: float) -> tuple[Array, float]:
+    """Covariance (2, 2) of a fix's residual, and the logarithm of how likely it is."""
+    whole = rows @ spread @ rows.T
+    whole[0, 0] += variance
+    whole[1, 1] += variance
+    return whole, log_normal(residual, whole)
