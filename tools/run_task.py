@@ -77,6 +77,7 @@ def run(
     from handcart.networks.coordination.interrupts import Interrupts
     from handcart.networks.operator.permits import Permits
     from handcart.networks.run_options import RunOptions
+    from handcart.robotics.numerics.compiling_ahead import compiling_ahead
     from handcart.tools.terminal.next_steps import next_steps
     from handcart.tools.terminal.progress import Progress
     from handcart.tools.terminal.writing import check_folder
@@ -85,6 +86,7 @@ def run(
     chosen = dict(split_setting(each) for each in settings)
     permits = Permits(permit, step, breaks or ())
     with Interrupts() as interrupts, Progress() as progress, ExitStack() as stack:
+        stack.enter_context(compiling_ahead())
         permits.asking, permits.typed = progress.ask, progress.typed
         shown = (stack.enter_context(_shown(port, progress)),) if view else ()
         summary, status = run_task(

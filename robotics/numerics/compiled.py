@@ -11,10 +11,27 @@ from numba.core import event
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
+AHEAD: dict[str, list[tuple[Any, str]]] = {}
+"""By module: what `compiled_for` has compiled, and for which arguments."""
+
 
 def compiled(function: Function) -> Function:
     """Compile `function` to machine code on its first call; kept on disk for the next process."""
     return cast(Function, numba.njit(cache=True)(function))
+
+
+def compiled_for(arguments: str) -> Callable[[Function], Function]:
+    """The same where it takes long: with the types that it is called with, another process can begin with it.
+
+    `arguments` as numba has them, such as "(f8[:,::1], i8)"; see `compiling_ahead`.
+    """
+
+    def compiles(function: Function) -> Function:
+        kernel = compiled(function)
+        AHEAD.setdefault(function.__module__, []).append((kernel, arguments))
+        return kernel
+
+    return compiles
 
 
 @contextmanager

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.robotics.numerics.compiled import compiled
+from handcart.robotics.numerics.compiled import compiled_for
 
 Floats = NDArray[np.float64]
 Pairs = NDArray[np.int64]
@@ -34,7 +34,7 @@ def near_boxes(poses: Floats, radii: Floats, boxes: Boxes, there: NDArray[np.boo
     return _near_boxes(poses, radii, boxes.middles, boxes.turns, boxes.halves, there)
 
 
-@compiled
+@compiled_for("(f8[:,:,::1], f8[::1], f8[:,:,::1], f8[::1])")
 def near_spheres(poses: Floats, radii: Floats, others: Floats, other_radii: Floats) -> Pairs:
     """Pairs of bodies, posed (b, 4, 4) and (n, 4, 4), whose spheres (b,) and (n,) about them meet."""
     pairs = np.empty((len(radii) * len(other_radii), 2), dtype=np.int64)
@@ -50,7 +50,7 @@ def near_spheres(poses: Floats, radii: Floats, others: Floats, other_radii: Floa
     return pairs[:count]
 
 
-@compiled
+@compiled_for("(f8[:,:,::1], f8[::1], f8[:,::1], f8[:,:,::1], f8[:,::1], b1[::1])")
 def _near_boxes(
     poses: Floats, radii: Floats, middles: Floats, turns: Floats, halves: Floats, there: NDArray[np.bool_]
 ) -> Pairs:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.robotics.manipulation.placement.score_rule import UNUSABLE, worth
-from handcart.robotics.numerics.compiled import compiled
+from handcart.robotics.numerics.compiled import compiled, compiled_for
 
 from .two_links import two_links
 
@@ -33,7 +33,7 @@ def _within(ux: float, uz: float, vx: float, vz: float, cos: float, sin: float, 
     return bool(limits[0] <= a <= limits[1] and limits[2] <= b <= limits[3] and limits[4] <= c <= limits[5])
 
 
-@compiled
+@compiled_for("(f8[:,::1], f8[:,::1], f8[::1], i8, f8[:,::1])")
 def pitch_arm_table(
     stands: Floats, marks: Floats, arm: Floats, measure: int, limits: Floats
 ) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
@@ -87,7 +87,7 @@ def pitch_arm_table(
     return values, usable
 
 
-@compiled
+@compiled_for("(f8[::1], f8[:,::1], f8[::1])")
 def pitch_arm_joints(stand: Floats, marks: Floats, arm: Floats) -> Floats:
     """Angles (p, 4) of `PitchArm.joints`."""
     angles = np.full((len(marks), 4), np.nan)

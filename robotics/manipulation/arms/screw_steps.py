@@ -11,7 +11,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.robotics.numerics.compiled import compiled
+from handcart.robotics.numerics.compiled import compiled, compiled_for
 
 Floats = NDArray[np.float64]
 
@@ -157,7 +157,9 @@ def solve_in_place(matrix: Floats, right: Floats) -> bool:
     return True
 
 
-@compiled
+@compiled_for(
+    "(f8[:,::1], f8[:,::1], f8[:,::1], f8[::1], f8[::1], f8[:,::1], i8, i8, f8[::1], f8[:,::1], f8[:,::1])"
+)
 def descend(
     axes: Floats,
     points: Floats,

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.robotics.numerics.compiled import compiled
+from handcart.robotics.numerics.compiled import compiled, compiled_for
 
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
@@ -17,7 +17,7 @@ Masks = NDArray[np.bool_]
 Numbers = NDArray[np.int64]
 
 
-@compiled
+@compiled_for("(f4[:,::1], b1[:,::1], b1[:,::1], f8[::1], i8)")
 def layers(values: Singles, usable: Masks, joined: Masks, steps: Floats, count: int) -> Numbers:
     """The placement (p-1,) of each step, at most `count` one after the other."""
     points, bases = values.shape
@@ -93,7 +93,7 @@ def cheapest_layers(values: Singles, usable: Masks, joined: Masks, steps: Floats
     return chosen
 
 
-@compiled
+@compiled_for("(b1[:,::1], b1[:,::1], i8)")
 def farthest_run(usable: Masks, joined: Masks, first: int) -> tuple[int, int]:
     """The placement that gets farthest from the point `first`, and where to; `first` where none does."""
     placement, farthest = -1, first

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.clearances import Clearances, nearest_square
 from handcart.robotics.navigation.maps.grid_map import GridMap
-from handcart.robotics.numerics.compiled import compiled
+from handcart.robotics.numerics.compiled import compiled, compiled_for
 
 AWAY = 0.2  # of each metre from where it stood too near to something, that it must be farther from it there
 ALONG = 0.02  # likewise of each metre driven where it is too near by now: all but along it
@@ -155,7 +155,7 @@ def _rooms(
     return on_map, math.sqrt(scanned)
 
 
-@compiled
+@compiled_for("(b1[:,::1], f4[:,::1], f8[::1], f8[:,::1], f8[::1], f8, f8[:,::1])")
 def _free_way(
     solid: NDArray[np.bool_],
     between_centres: NDArray[np.float32],

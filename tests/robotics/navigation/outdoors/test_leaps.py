@@ -13,6 +13,7 @@ from handcart.robotics.navigation.outdoors import field_model as states
 from handcart.robotics.navigation.outdoors.field_kalman import FieldKalman, Fixed
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE, FieldNoise
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance, GyroOdometry
+from handcart.robotics.navigation.outdoors.sky import leapt
 from handcart.robotics.navigation.outdoors.smoothing import TrackRecord
 from handcart.robotics.navigation.outdoors.watched_moment import Belief, mixed
 
@@ -52,6 +53,29 @@ def test_a_leap_is_believed_and_moves_nothing(size: float) -> None:
     off = leaping.belief.mean[[states.GPS_X, states.GPS_Y]]
     assert off == pytest.approx([size, -size], abs=1.2)
     assert math.hypot(*leaping.belief.mean[:2]) < 0.3
+
+
+@pytest.mark.parametrize("size", [2.5, 3.0])
+def test_a_rare_leap_that_only_many_fixes_show_is_believed_at_once(size: float) -> None:
+    """Each of them alone may be chance; where no leap is supposed they are refused for long."""
+    rare = standing(LEAPING._replace(jump_every=1e4))
+    seen(rare, fixes(1, 40))
+    before = rare.refused
+    found = seen(rare, fixes(2, 60, (size, -size)))
+    assert rare.refused - before <= 3
+    assert sum(not each.believed for each in found) <= 2
+
+
+def test_an_error_that_has_leapt_tells_nothing_of_the_one_before() -> None:
+    root = np.random.default_rng(4).standard_normal((states.SIZE, states.SIZE))
+    before = root @ root.T
+    after = leapt(before, 3.0)
+    error = [states.GPS_X, states.GPS_Y]
+    others = [k for k in range(states.SIZE) if k not in error]
+    assert np.array_equal(after[np.ix_(error, error)], 9.0 * np.eye(2))
+    assert not after[np.ix_(error, others)].any()
+    assert not after[np.ix_(others, error)].any()
+    assert np.array_equal(after[np.ix_(others, others)], before[np.ix_(others, others)])
 
 
 def test_a_leap_is_what_it_costs() -> None:
