@@ -1,23 +1,49 @@
-"""One typed door to numba."""
+"""One typed door to numba, which is imported as late as something is computed: it takes most of a second."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import cache, cached_property, update_wrapper
 from typing import Any, TypeVar, cast
-
-import numba
-from numba.core import event
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
-AHEAD: dict[str, list[tuple[Any, str]]] = {}
+AHEAD: dict[str, list[tuple[Kernel, str]]] = {}
 """By module: what `compiled_for` has compiled, and for which arguments."""
+
+
+class Kernel:
+    """A function that is compiled to machine code on its first call; compiled ones may call it, too."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        """Nothing is compiled yet."""
+        update_wrapper(self, function)
+        self._function = function
+
+    @cached_property
+    def dispatcher(self) -> Any:
+        """Numba's; what it compiles is kept on disk for the next process."""
+        return _numba().njit(cache=True)(self._function)
+
+    def __call__(self, *arguments: Any) -> Any:
+        return self.dispatcher(*arguments)
+
+
+@cache
+def _numba() -> Any:
+    """Imported, and told what a `Kernel` is to a compiled function that calls it."""
+    import numba
+    from numba.core import types
+    from numba.extending import typeof_impl
+
+    typeof_impl.register(Kernel)(lambda kernel, _: types.Dispatcher(kernel.dispatcher))
+    return numba
 
 
 def compiled(function: Function) -> Function:
     """Compile `function` to machine code on its first call; kept on disk for the next process."""
-    return cast(Function, numba.njit(cache=True)(function))
+    return cast(Function, Kernel(function))
 
 
 def compiled_for(arguments: str) -> Callable[[Function], Function]:
@@ -27,9 +53,9 @@ def compiled_for(arguments: str) -> Callable[[Function], Function]:
     """
 
     def compiles(function: Function) -> Function:
-        kernel = compiled(function)
+        kernel = Kernel(function)
         AHEAD.setdefault(function.__module__, []).append((kernel, arguments))
-        return kernel
+        return cast(Function, kernel)
 
     return compiles
 
@@ -37,7 +63,24 @@ def compiled_for(arguments: str) -> Callable[[Function], Function]:
 @contextmanager
 def hearing_of_compiling(heard: Callable[[bool], None]) -> Iterator[None]:
     """Call `heard` with True as compiling begins, and with False as it is over; not for what is on disk."""
-    listener, events = _Listener(heard), cast(Any, event)
+    from numba.core import event
+
+    class Listener(event.Listener):
+        """What a function calls is compiled while it is: that is one compiling."""
+
+        depth = 0
+
+        def on_start(self, _: object) -> None:
+            self.depth += 1
+            if self.depth == 1:
+                heard(True)
+
+        def on_end(self, _: object) -> None:
+            self.depth -= 1
+            if not self.depth:
+                heard(False)
+
+    listener, events = Listener(), cast(Any, event)
     events.register(_COMPILE, listener)
     try:
         yield
@@ -46,20 +89,3 @@ def hearing_of_compiling(heard: Callable[[bool], None]) -> Iterator[None]:
 
 
 _COMPILE = "numba:compile"
-
-
-class _Listener(event.Listener):
-    """What a function calls is compiled while it is: that is one compiling."""
-
-    def __init__(self, heard: Callable[[bool], None]) -> None:
-        self._heard, self._depth = heard, 0
-
-    def on_start(self, _: object) -> None:
-        self._depth += 1
-        if self._depth == 1:
-            self._heard(True)
-
-    def on_end(self, _: object) -> None:
-        self._depth -= 1
-        if not self._depth:
-            self._heard(False)

@@ -10,8 +10,6 @@ from contextlib import contextmanager
 from importlib import import_module
 from typing import Any, cast
 
-from numba.core.sigutils import normalize_signature
-
 from handcart.robotics.numerics.compiled import AHEAD, hearing_of_compiling
 
 MOST = 3  # processes besides this one
@@ -43,11 +41,13 @@ def compile_modules(modules: list[str]) -> None:
     for name in modules:
         import_module(name)
         for kernel, arguments in reversed(AHEAD.get(name, [])):
-            kernel.compile(types_of(arguments))
+            kernel.dispatcher.compile(types_of(arguments))
 
 
 def types_of(arguments: str) -> tuple[Any, ...]:
     """Numba's types of what `compiled_for` was told."""
+    from numba.core.sigutils import normalize_signature
+
     found: tuple[Any, ...] = cast(Any, normalize_signature)(arguments)[0]
     return found
 

@@ -24,7 +24,7 @@ def test_it_is_compiled_for_what_runs_call_it_with(tmp_path: Path) -> None:
     kernels = [each for module in AHEAD.values() for each in module]
     assert len(kernels) >= 8
     for kernel, arguments in kernels:
-        assert ahead.types_of(arguments) in kernel.signatures, kernel.py_func.__name__
+        assert ahead.types_of(arguments) in kernel.dispatcher.signatures, kernel
 
 
 def test_another_process_leaves_machine_code_on_disk(tmp_path: Path) -> None:

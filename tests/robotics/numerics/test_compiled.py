@@ -1,0 +1,33 @@
+"""Functions that are compiled on their first call."""
+
+import subprocess
+import sys
+
+from handcart.robotics.numerics.compiled import compiled
+
+
+@compiled
+def _doubled(x: float) -> float:
+    """Twice as much."""
+    return 2.0 * x
+
+
+@compiled
+def _tripled(x: float) -> float:
+    return _doubled(x) + x
+
+
+def test_a_compiled_function_may_call_another() -> None:
+    assert _tripled(2.0) == 6.0
+    assert _tripled(3) == 9.0  # another type is compiled as well
+
+
+def test_it_is_told_of_like_the_function() -> None:
+    assert _doubled.__name__ == "_doubled"
+    assert _doubled.__doc__ == "Twice as much."
+
+
+def test_nothing_is_imported_before_something_is_computed() -> None:
+    code = "import sys, handcart.evaluation.playback.playback, handcart.robotics.navigation.routes.ways as w"
+    done = [sys.executable, "-c", f"{code}; assert 'numba' not in sys.modules"]
+    subprocess.run(done, check=True, timeout=60)
