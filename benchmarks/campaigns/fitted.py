@@ -1,9 +1,9 @@
-"""Whether what is learned from half of a campaign predicts the other half, with faults on.
+"""Whether what is learned from three quarters of a campaign predicts the last one, with faults on.
 
     python -m benchmarks.campaigns.fitted [FOLDER] [--trials 240] [--tasks return_book ...]
 
 Runs each task on the kinematic backend with `faults.yaml`, in folders of FOLDER that the same command goes on
-with; learns from the first half of the seeds, and tells for the second half the share of Successes with its
+with; learns from the first seeds, and tells for the last quarter of them the share of Successes with its
 95 % interval (Wilson), the mean time with its own (Student), and what was predicted of both. Then 10^6 walks
 by what all of them show, and as many through a network with probabilities, beside the exact value.
 """
@@ -56,7 +56,8 @@ def compare(name: str, folder: Path, trials: int) -> None:
     task = load_task(path)
     seen = SeenActions.of(task, report.trials)
     numbers = np.arange(len(seen.success))
-    first, second = seen.chosen(numbers[: len(numbers) // 2]), seen.chosen(numbers[len(numbers) // 2 :])
+    learned = len(numbers) * 3 // 4
+    first, second = seen.chosen(numbers[:learned]), seen.chosen(numbers[learned:])
     found, count = predict(task, first), len(second.success)
     low, high = wilson(int(second.success.sum()), count)
     mean = float(second.time_s.mean())

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator
+import posixpath
+from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import NamedTuple
 
 from handcart.files.errors import InputError
 from handcart.files.yaml.yaml_document import read_document
+from handcart.files.yaml.yaml_node import Node
 from handcart.networks.journal.run_header import robot_fingerprint
 from handcart.networks.task.task_file import Task
 
@@ -19,17 +21,17 @@ _YAML = (".yaml", ".yml")
 
 
 def checksums(setting: CampaignSetting, task: Task) -> dict[str, str]:
-    """SHA-256 of the task's file and of those that it names, and they in turn, by their names; and of the
-    robot's description, where there is a robot.
+    """SHA-256 of the task's file and of those that it names, and they in turn, by their names as seen from
+    the task; and of the robot's description, where there is a robot.
 
     Raises:
         FileError: the robot's file is wrong.
     """
-    found: dict[Path, str] = {}
-    _add(found, Path(task.document.file), _values(task.document.data))
+    files, path = _Files(), Path(task.document.file)
+    files.add(path.name, path, _words(task.document.root))
     if setting.faults is not None:
-        _add(found, setting.faults, iter(()))
-    sums = {path.name: digest for path, digest in sorted(found.items(), reverse=True)}
+        files.add(f"--faults {setting.faults.name}", setting.faults, ())
+    sums = files.sums
     if setting.walks:
         for number, folder in enumerate(setting.learned_from, start=1):
             learned = (folder / TRIALS).read_bytes()
@@ -40,30 +42,48 @@ def checksums(setting: CampaignSetting, task: Task) -> dict[str, str]:
     return {**sums, "the robot": robot_fingerprint(load_robot(task.robot, drives=False))}
 
 
-def _add(found: dict[Path, str], path: Path, named: Iterator[str]) -> None:
-    found[path.resolve()] = hashlib.sha256(path.read_bytes()).hexdigest()
-    for name in named:
-        for start in (path.parent, Path()):
-            other = (start / name).resolve()
-            if other not in found and other.is_file():
-                _add(found, other, _named(other))
+class _Word(NamedTuple):
+    """What may be a file's name."""
+
+    text: str
+    given: bool
+    """On the command line: from the current folder, not beside the file that has it."""
 
 
-def _named(path: Path) -> Iterator[str]:
+class _Files:
+    """Files that are named by files, each once."""
+
+    def __init__(self) -> None:
+        self.sums: dict[str, str] = {}
+        self._known: set[Path] = set()
+
+    def add(self, name: str, path: Path, words: Iterable[_Word]) -> None:
+        """A file, and those that are named by words in it."""
+        self._known.add(path.resolve())
+        self.sums[name] = hashlib.sha256(path.read_bytes()).hexdigest()
+        for text, given in words:
+            other = Path(text) if given else path.parent / text
+            if other.resolve() not in self._known and other.is_file():
+                beside = posixpath.normpath(posixpath.join(posixpath.dirname(name), text))
+                self.add(f"--set {text}" if given else beside, other, _words_in(other))
+
+
+def _words_in(path: Path) -> Iterator[_Word]:
     if path.suffix in _YAML:
         try:
-            yield from _values(read_document(path).data)
+            yield from _words(read_document(path).root)
         except InputError:
             return  # who reads it tells what is wrong with it
 
 
-def _values(data: Any) -> Iterator[str]:
+def _words(node: Node) -> Iterator[_Word]:
     """All words in a file that may be a file's name."""
-    if isinstance(data, dict):
-        for each in data.values():
-            yield from _values(each)
-    elif isinstance(data, list):
-        for each in data:
-            yield from _values(each)
-    elif isinstance(data, str) and "." in data and len(data) < 1000 and "\n" not in data:
-        yield data
+    content = node.content
+    if isinstance(content, dict):
+        for each in content.values():
+            yield from _words(each)
+    elif isinstance(content, list):
+        for each in content:
+            yield from _words(each)
+    elif isinstance(content, str) and "." in content and len(content) < 1000 and "\n" not in content:
+        yield _Word(content, node.line == 0)
