@@ -3,7 +3,8 @@
     python -m benchmarks.campaigns.speed [--trials 100000]
 
 The network alone, as a command, start included, and the page of 10,000 trials; trials of 50 ms on two
-workers against the ideal, processes and those of a Dask scheduler; memory of many trials and their report.
+workers against the ideal: processes, two shards that are merged, those of a Dask scheduler; memory of many
+trials and their report.
 
 Processes that are started import this module once more, so what is large is imported where it is used. What
 a trial itself imports is no cost of the campaign: it is told beside.
@@ -12,6 +13,7 @@ a trial itself imports is no cost of the campaign: it is told beside.
 from __future__ import annotations
 
 import argparse
+import multiprocessing
 import os
 import resource
 import subprocess
@@ -20,10 +22,13 @@ import tempfile
 import time
 from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, contextmanager
+from multiprocessing.queues import SimpleQueue
 from pathlib import Path
 
 from benchmarks.campaigns.sleeper import SLEEPS_S, sleep, sleep_there
 from benchmarks.campaigns.walk import walk
+from handcart.evaluation.campaigns.campaign_folder import CampaignFolder
+from handcart.evaluation.campaigns.merging import merged
 from handcart.evaluation.campaigns.trial import Trial
 from handcart.evaluation.campaigns.trial_log import TrialLog
 from handcart.evaluation.campaigns.workers import Workers
@@ -45,6 +50,37 @@ def overhead(path: Path, running: Iterable[list[Trial]]) -> tuple[float, float]:
     ideal = SLEEPERS * SLEEPS_S / 2
     rest = (SLEEPERS - before) * SLEEPS_S / 2
     return (end - began) / ideal - 1.0, (end - first) / rest - 1.0
+
+
+def shards(folder: Path) -> tuple[float, float]:
+    """The same for two parts, each by a process with one worker, from their start until they are merged."""
+    parts = [folder / f"part_{number}" for number in (1, 2)]
+    spawned = multiprocessing.get_context("spawn")
+    firsts = spawned.SimpleQueue()
+    each = [spawned.Process(target=shard, args=(path, firsts)) for path in parts]
+    began = time.monotonic()
+    for process in each:
+        process.start()
+    for process in each:
+        process.join()
+    whole = merged(parts, folder / "whole")
+    end = time.monotonic()
+    if (count := len(whole.trials())) != SLEEPERS:
+        raise RuntimeError(f"{count} trials are there; needed: {SLEEPERS}")
+    first = max(firsts.get() for _ in parts)
+    ideal = SLEEPERS * SLEEPS_S / 2
+    return (end - began) / ideal - 1.0, (end - first) / (ideal - SLEEPS_S) - 1.0
+
+
+def shard(folder: Path, firsts: SimpleQueue[float]) -> None:
+    """One of the parts, as its folder's name says; tells when its first trial has ended."""
+    number = int(folder.name.removeprefix("part_"))
+    made = CampaignFolder.made(folder, {"first": 0, "trials": SLEEPERS, "shard": f"{number}/2"})
+    with made.log() as log:
+        for together in Workers(sleep, 1).trials(range(SLEEPERS)[number - 1 :: 2]):
+            if not len(log):
+                firsts.put(time.monotonic())
+            log.append(together)
 
 
 def campaign(task: Path, trials: int, out: Path, jobs: int) -> float:
@@ -134,6 +170,7 @@ def main() -> None:
         peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024.0
         print(f"{trials} trials, network alone: {taken:.1f} s, at most {peak:.0f} MiB")
         tell("processes", overhead(folder / "here", Workers(sleep, 2).trials(range(SLEEPERS))))
+        tell("two shards, merged", shards(folder))
         print(f"a process has imported what a trial needs after {importing():.2f} s of CPU")
         with scheduler(folder) as file:
             tell("Dask", overhead(folder / "there", Cluster(sleep_there, str(file)).trials(range(SLEEPERS))))
