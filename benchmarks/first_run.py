@@ -25,7 +25,7 @@ TASKS = {"return_book": BEGINS, "stack_blocks": BEGINS, "deploy_straight": BEGIN
 
 def before_motion(task: str) -> tuple[float, float]:
     """Seconds by the clock and of the processor."""
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
         words = [
             "-m",
             "handcart",

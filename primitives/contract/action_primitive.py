@@ -51,9 +51,14 @@ class ActionPrimitive(FileModel, ABC):
     if not TYPE_CHECKING:  # a checker takes private attributes for ordinary ones
 
         def __getattr__(self, name: str) -> Any:
-            """Private attributes at once: they are asked in each period, and pydantic takes long."""
-            private = object.__getattribute__(self, "__pydantic_private__")
-            return private[name] if private and name in private else super().__getattr__(name)
+            """Private attributes at once: they are asked in each period, and pydantic takes long.
+
+            As they were set: a function isn't bound.
+            """
+            try:
+                return object.__getattribute__(self, "__pydantic_private__")[name]
+            except (AttributeError, KeyError, TypeError):
+                return super().__getattr__(name)
 
     @classmethod
     def label(cls) -> str:

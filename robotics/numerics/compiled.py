@@ -1,10 +1,10 @@
-"""One typed door to numba, which is imported as late as something is computed: it takes most of a second."""
+"""One typed door to numba, which takes most of a second to import: that waits until something is computed."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import cache, cached_property, update_wrapper
+from functools import cached_property, update_wrapper
 from typing import Any, TypeVar, cast
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -14,7 +14,10 @@ AHEAD: dict[str, list[tuple[Kernel, str]]] = {}
 
 
 class Kernel:
-    """A function that is compiled to machine code on its first call; compiled ones may call it, too."""
+    """A function that is compiled to machine code on its first call; compiled ones may call it, too.
+
+    Its arguments go by place.
+    """
 
     def __init__(self, function: Callable[..., Any]) -> None:
         """Nothing is compiled yet."""
@@ -23,22 +26,24 @@ class Kernel:
 
     @cached_property
     def dispatcher(self) -> Any:
-        """Numba's; what it compiles is kept on disk for the next process."""
-        return _numba().njit(cache=True)(self._function)
+        """Numba's; what it compiles is kept on disk for the next process, where there is room for it."""
+        import numba
+
+        try:
+            return numba.njit(cache=True)(self._function)
+        except RuntimeError:  # neither beside the source nor at home
+            return numba.njit(self._function)
+
+    @property
+    def _numba_type_(self) -> Any:
+        """What it is to a compiled function that calls it."""
+        return self.dispatcher._numba_type_
 
     def __call__(self, *arguments: Any) -> Any:
         return self.dispatcher(*arguments)
 
-
-@cache
-def _numba() -> Any:
-    """Imported, and told what a `Kernel` is to a compiled function that calls it."""
-    import numba
-    from numba.core import types
-    from numba.extending import typeof_impl
-
-    typeof_impl.register(Kernel)(lambda kernel, _: types.Dispatcher(kernel.dispatcher))
-    return numba
+    def __reduce__(self) -> str:
+        return self._function.__qualname__  # as a function: by its name
 
 
 def compiled(function: Function) -> Function:

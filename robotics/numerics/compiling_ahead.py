@@ -5,8 +5,9 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from importlib import import_module
 from typing import Any, cast
 
@@ -17,15 +18,20 @@ MOST = 3  # processes besides this one
 
 @contextmanager
 def compiling_ahead() -> Iterator[None]:
-    """Within it, as soon as something is compiled here, the other cores begin with what is needed last.
+    """Within it, as soon as something is compiled here, the other cores begin with what was imported last.
 
-    What they make is found on disk by whoever needs it then. Where there is one core, nothing happens.
+    What they make is found on disk by whoever needs it then. Where there is one core, nothing happens; where
+    processes can't be started, all is compiled here. They end with this process, however that ends.
     """
     begun: list[subprocess.Popen[bytes]] = []
+    asked = False
 
     def heard(compiling: bool) -> None:
-        if compiling and not begun:
-            begun.extend(_begin(list(AHEAD)))
+        nonlocal asked
+        if compiling and not asked:
+            asked = True
+            with suppress(OSError):
+                begun.extend(_begin(list(AHEAD)))
 
     with hearing_of_compiling(heard):
         try:
@@ -33,7 +39,8 @@ def compiling_ahead() -> Iterator[None]:
         finally:
             for each in begun:
                 each.kill()
-                each.wait()
+            for each in begun:
+                each.communicate()
 
 
 def compile_modules(modules: list[str]) -> None:
@@ -54,12 +61,32 @@ def types_of(arguments: str) -> tuple[Any, ...]:
 
 def _begin(modules: list[str]) -> Iterator[subprocess.Popen[bytes]]:
     """Processes for modules in the order in which they were imported."""
-    count = min(MOST, (os.cpu_count() or 1) - 1, len(modules))
+    count = min(MOST, _cores() - 1, len(modules))
     for number in range(count):
-        words = [sys.executable, "-m", __name__, *modules[::-1][number::count]]
+        # -P: nothing is imported from the current folder
+        words = [sys.executable, "-P", "-m", __name__, *modules[::-1][number::count]]
         quiet = subprocess.DEVNULL
-        yield subprocess.Popen(words, stdin=quiet, stdout=quiet, stderr=quiet, start_new_session=True)
+        yield subprocess.Popen(
+            words, stdin=subprocess.PIPE, stdout=quiet, stderr=quiet, start_new_session=True
+        )
+
+
+def _cores() -> int:
+    """That this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def _end_with_parent() -> None:
+    """Whoever began this process holds the other end of its input."""
+    while os.read(sys.stdin.fileno(), 1):
+        pass
+    os._exit(0)
 
 
 if __name__ == "__main__":
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+    if hasattr(os, "nice"):
+        os.nice(10)  # beside a robot that moves
     compile_modules(sys.argv[1:])

@@ -59,9 +59,15 @@ def leapt(covariance: Array, jump: float) -> Array:
 
 @compiled
 def log_normal(residual: Array, covariance: Array) -> float:
-    """Logarithm of the density of `residual` (2,) that has no mean and a covariance (2, 2)."""
+    """Logarithm of the density of `residual` (2,) that has no mean and a covariance (2, 2).
+
+    Raises:
+        ValueError: that is no covariance.
+    """
     a, b, c = covariance[0, 0], covariance[1, 0], covariance[1, 1]
     size = a * c - b * b
+    if not size > 0.0:
+        raise ValueError("no covariance: its determinant isn't positive")
     first, second = residual
     square = (c * first * first - 2.0 * b * first * second + a * second * second) / size
     return float(-0.5 * (math.log(4.0 * math.pi**2 * size) + square))

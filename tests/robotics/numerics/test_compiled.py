@@ -1,7 +1,10 @@
 """Functions that are compiled on their first call."""
 
+import copy
 import subprocess
 import sys
+
+import pytest
 
 from handcart.robotics.numerics.compiled import compiled
 
@@ -31,3 +34,20 @@ def test_nothing_is_imported_before_something_is_computed() -> None:
     code = "import sys, handcart.evaluation.playback.playback, handcart.robotics.navigation.routes.ways as w"
     done = [sys.executable, "-c", f"{code}; assert 'numba' not in sys.modules"]
     subprocess.run(done, check=True, timeout=60)
+
+
+def test_it_is_sent_to_another_process_by_its_name() -> None:
+    assert _tripled.__reduce__() == "_tripled"
+    assert copy.deepcopy(_tripled) is _tripled
+
+
+def test_where_machine_code_cannot_be_kept_it_is_made_all_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    def nowhere(*_: object) -> None:
+        raise RuntimeError("cannot cache function: no locator available")
+
+    monkeypatch.setattr("numba.core.dispatcher.Dispatcher.enable_caching", nowhere)
+
+    def halved(x: float) -> float:
+        return 0.5 * x
+
+    assert compiled(halved)(3.0) == 1.5

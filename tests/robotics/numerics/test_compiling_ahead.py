@@ -1,8 +1,10 @@
 """What a first run needs later is compiled by other processes."""
 
 import os
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 from typing import Any
 
@@ -10,29 +12,74 @@ import numba
 import numpy as np
 import pytest
 
+from handcart.robotics.numerics import compiling_ahead as ahead
+
+ROOT = Path(__file__).parents[3]
+NEAR = "handcart.backends.simulation.body.near_pairs"
+RUNS = """\
+import sys
+from pathlib import Path
 from handcart.evaluation.trials.running import run_task
 from handcart.networks.run_options import RunOptions
-from handcart.robotics.numerics import compiling_ahead as ahead
 from handcart.robotics.numerics.compiled import AHEAD
+from handcart.robotics.numerics.compiling_ahead import types_of
 
-TRACK_SEAM = Path(__file__).parents[3] / "tasks" / "track_seam" / "task.yaml"
-NEAR = "handcart.backends.simulation.body.near_pairs"
+run_task(Path("tasks/track_seam/task.yaml"), Path(sys.argv[1]), RunOptions())
+kernels = [each for module in AHEAD.values() for each in module]
+assert len(kernels) >= 8
+for kernel, arguments in kernels:
+    assert kernel.dispatcher.signatures == [types_of(arguments)], kernel
+"""
+DIES = f"""\
+import os, signal
+import numba
+import {NEAR}
+from handcart.robotics.numerics import compiling_ahead as ahead
+
+ahead._cores = lambda: 2
+with ahead.compiling_ahead():
+    numba.njit(lambda x: x + 1.0)(1.0)
+    print(open(f"/proc/self/task/{{os.getpid()}}/children").read(), flush=True)
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
 
 
 def test_it_is_compiled_for_what_runs_call_it_with(tmp_path: Path) -> None:
-    run_task(TRACK_SEAM, tmp_path, RunOptions())
-    kernels = [each for module in AHEAD.values() for each in module]
-    assert len(kernels) >= 8
-    for kernel, arguments in kernels:
-        assert ahead.types_of(arguments) in kernel.dispatcher.signatures, kernel
+    """And for nothing else."""
+    subprocess.run([sys.executable, "-c", RUNS, tmp_path], cwd=ROOT, check=True, timeout=300)
 
 
 def test_another_process_leaves_machine_code_on_disk(tmp_path: Path) -> None:
-    words = [sys.executable, "-m", ahead.__name__, NEAR]
-    env = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
-    subprocess.run(words, env=env, check=True, timeout=120)
+    """It imports nothing from the folder that it stands in."""
+    (tmp_path / "random.py").write_text("raise SystemExit\n", encoding="utf-8")
+    words = [sys.executable, "-P", "-m", ahead.__name__, NEAR]
+    env = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "code")}
+    with subprocess.Popen(words, env=env, cwd=tmp_path, stdin=subprocess.PIPE) as process:
+        assert process.wait(timeout=120) == 0
     kept = {path.name.split("-")[0] for path in tmp_path.rglob("*.nbi")}
     assert kept == {"near_pairs._near_boxes", "near_pairs.near_spheres"}
+
+
+@pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="no /proc: a process's children aren't told")
+def test_helpers_end_with_a_run_that_is_killed(tmp_path: Path) -> None:
+    env = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
+    said = subprocess.run(
+        [sys.executable, "-c", DIES], env=env, stdout=subprocess.PIPE, text=True, timeout=120, check=False
+    )
+    assert said.returncode == -signal.SIGKILL
+    (helper,) = said.stdout.split()
+    until = time.monotonic() + 20.0
+    while _runs(int(helper)) and time.monotonic() < until:
+        time.sleep(0.05)
+    assert not _runs(int(helper))
+    assert not list(tmp_path.rglob("near_pairs*"))  # it didn't go on to its end
+
+
+def _runs(process: int) -> bool:
+    try:
+        return "\nState:\tZ" not in Path(f"/proc/{process}/status").read_text(encoding="utf-8")
+    except OSError:
+        return False
 
 
 class Begun:
@@ -47,31 +94,53 @@ class Begun:
     def kill(self) -> None:
         self.ended += 1
 
-    def wait(self) -> None:
+    def communicate(self) -> None:
+        assert all(each.ended for each in self.every)
         self.ended += 1
 
 
-@pytest.mark.parametrize(("cores", "processes"), [(1, 0), (2, 1), (3, 2), (64, 3), (None, 0)])
+@pytest.mark.parametrize(("cores", "processes"), [(1, 0), (2, 1), (3, 2), (64, 3)])
 def test_cores_that_are_free_take_what_is_needed_last(
-    monkeypatch: pytest.MonkeyPatch, cores: int | None, processes: int
+    monkeypatch: pytest.MonkeyPatch, cores: int, processes: int
 ) -> None:
     monkeypatch.setattr(Begun, "every", [], raising=False)
     monkeypatch.setattr(subprocess, "Popen", Begun)
-    monkeypatch.setattr(os, "cpu_count", lambda: cores)
+    monkeypatch.setattr(ahead, "_cores", lambda: cores)
     monkeypatch.setattr(ahead, "AHEAD", {"first": [], "second": [], "third": []})
-
-    def doubled(x: float) -> float:
-        return 2.0 * x
-
-    kernel: Any = numba.njit(doubled)  # not kept on disk
+    kernel = _kernel()
     with ahead.compiling_ahead():
         assert not Begun.every  # nothing has been compiled
         assert kernel(1.0) == 2.0
         kernel(np.float32(1.0))  # once more: they are at it already
-        shares = [each.words[3:] for each in Begun.every]
+        shares = [each.words[4:] for each in Begun.every]
         assert len(shares) == processes
         if shares:
             assert sorted(name for share in shares for name in share) == ["first", "second", "third"]
             assert shares[0][0] == "third"
         assert all(each.ended == 0 for each in Begun.every)
     assert all(each.ended == 2 for each in Begun.every)
+
+
+def test_where_no_process_can_be_started_it_is_compiled_here(monkeypatch: pytest.MonkeyPatch) -> None:
+    tried = []
+
+    def refused(*words: Any, **_: Any) -> None:
+        tried.append(words)
+        raise BlockingIOError(11, "Resource temporarily unavailable")
+
+    monkeypatch.setattr(subprocess, "Popen", refused)
+    monkeypatch.setattr(ahead, "_cores", lambda: 4)
+    kernel = _kernel()
+    with ahead.compiling_ahead():
+        assert kernel(1.0) == 2.0
+        assert kernel(np.float32(1.0)) == 2.0
+    assert len(tried) == 1
+
+
+def _kernel() -> Any:
+    """Not kept on disk."""
+
+    def doubled(x: float) -> float:
+        return 2.0 * x
+
+    return numba.njit(doubled)

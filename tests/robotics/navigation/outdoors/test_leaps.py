@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+import scipy.stats
 from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
@@ -13,7 +14,7 @@ from handcart.robotics.navigation.outdoors import field_model as states
 from handcart.robotics.navigation.outdoors.field_kalman import FieldKalman, Fixed
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE, FieldNoise
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance, GyroOdometry
-from handcart.robotics.navigation.outdoors.sky import leapt
+from handcart.robotics.navigation.outdoors.sky import leapt, log_normal
 from handcart.robotics.navigation.outdoors.smoothing import TrackRecord
 from handcart.robotics.navigation.outdoors.watched_moment import Belief, mixed
 
@@ -136,3 +137,15 @@ def test_before_gravity_told_the_tilt_a_fix_is_less_exact() -> None:
         odometry.update(np.array([0.0, 0.0, 1e-4]), np.array([0.0, 0.0, 9.81]), np.zeros(2), 0.025)
     assert odometry.levelled
     assert not standing(exact).fix(np.array([0.5, 0.0]), None, odometry).believed
+
+
+@pytest.mark.parametrize("covariance", [np.zeros((2, 2)), np.ones((2, 2)), np.diag([1.0, -1.0])])
+def test_nothing_is_likely_by_what_is_no_covariance(covariance: NDArray[np.float64]) -> None:
+    with pytest.raises(ValueError, match="no covariance"):
+        log_normal(np.zeros(2), covariance)
+
+
+def test_a_density_is_the_normal_one() -> None:
+    covariance, residual = np.array([[2.0, 0.5], [0.5, 1.0]]), np.array([0.3, -1.2])
+    expected = scipy.stats.multivariate_normal(np.zeros(2), covariance).logpdf(residual)
+    assert log_normal(residual, covariance) == pytest.approx(expected, rel=1e-12)
