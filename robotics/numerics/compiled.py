@@ -42,8 +42,10 @@ class Kernel:
     def __call__(self, *arguments: Any) -> Any:
         return self.dispatcher(*arguments)
 
-    def __reduce__(self) -> str:
-        return self._function.__qualname__  # as a function: by its name
+    def __reduce__(self) -> str | tuple[Any, ...]:
+        """As a function: by its name, if it has one in its module."""
+        name = self._function.__qualname__
+        return (Kernel, (self._function,)) if "<locals>" in name else name
 
 
 def compiled(function: Function) -> Function:
