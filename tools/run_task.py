@@ -6,12 +6,13 @@ import sys
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
 if TYPE_CHECKING:
     from handcart.networks.run_observer import RunObserver
+    from handcart.tools.terminal.progress import Progress
 
 Permit = Literal["ask", "always", "never"]
 
@@ -70,15 +71,12 @@ def run(
         from handcart.tools.checks.dry_run import dry_run as imagine
 
         sys.exit(imagine(task, backend, settings, seed, situation, script, as_json))
-    import orjson
-
     from handcart.evaluation.trials.running import run_task
     from handcart.files.models.settings import split_setting
     from handcart.networks.coordination.interrupts import Interrupts
     from handcart.networks.operator.permits import Permits
     from handcart.networks.run_options import RunOptions
     from handcart.robotics.numerics.compiling_ahead import compiling_ahead
-    from handcart.tools.terminal.next_steps import next_steps
     from handcart.tools.terminal.progress import Progress
     from handcart.tools.terminal.writing import check_folder
 
@@ -112,14 +110,23 @@ def run(
             ),
         )
         progress.end()
-        if as_json:
-            print(orjson.dumps(summary).decode(), flush=True)
-        else:
-            reason = f": {summary['reason']}" if summary["reason"] else ""
-            ended = f"{summary['outcome']} in situation {summary['situation']}{reason}"
-            print(f"{ended}; see {summary['run_dir']}", flush=True)
-            progress.offer(next_steps(summary))
+        _tell(summary, as_json, progress)
     sys.exit(status)
+
+
+def _tell(summary: dict[str, Any], as_json: bool, progress: Progress) -> None:
+    """How it ended, and what may be done next."""
+    if as_json:
+        import orjson
+
+        print(orjson.dumps(summary).decode(), flush=True)
+        return
+    from handcart.tools.terminal.next_steps import next_steps
+
+    reason = f": {summary['reason']}" if summary["reason"] else ""
+    ended = f"{summary['outcome']} in situation {summary['situation']}{reason}"
+    print(f"{ended}; see {summary['run_dir']}", flush=True)
+    progress.offer(next_steps(summary))
 
 
 @contextmanager

@@ -69,10 +69,10 @@ def compare(name: str, folder: Path, trials: int) -> None:
         f"{mean + half:.1f}): {' and '.join('inside' if each else 'OUTSIDE' for each in inside)}",
         flush=True,
     )
-    told("walks as learned", WalkedTrials(task, LearnedOdds(task, seen)))
+    share_walked("walks as learned", WalkedTrials(task, LearnedOdds(task, seen)))
 
 
-def told(words: str, trials: WalkedTrials) -> float:
+def share_walked(words: str, trials: WalkedTrials) -> float:
     """Walk many times; gives the share of Successes."""
     began, cpu = time.monotonic(), time.process_time()
     tally = WalkTally(trials, range(MANY))
@@ -86,7 +86,7 @@ def told(words: str, trials: WalkedTrials) -> float:
 def exact_and_many(folder: Path) -> None:
     """The network alone."""
     path = walk(folder)
-    share, exact = told("walks through a network", network_trials(path, {})), exact_goal(path, {})
+    share, exact = share_walked("walks through a network", network_trials(path, {})), exact_goal(path, {})
     assert isinstance(exact, float)
     sigma = math.sqrt(exact * (1.0 - exact) / MANY)
     print(f"{'':<16} exact {exact:.5f}: {(share - exact) / sigma:+.1f} sigma off")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 import posixpath
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -63,7 +64,8 @@ class _Files:
         self.sums[name] = hashlib.sha256(path.read_bytes()).hexdigest()
         for text, given in words:
             other = Path(text) if given else path.parent / text
-            if other.resolve() not in self._known and other.is_file():
+            # A text of any length may look like a name: `isfile` says no where a `Path` would raise.
+            if os.path.isfile(other) and other.resolve() not in self._known:
                 beside = posixpath.normpath(posixpath.join(posixpath.dirname(name), text))
                 self.add(f"--set {text}" if given else beside, other, _words_in(other))
 

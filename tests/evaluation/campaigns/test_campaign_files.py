@@ -43,6 +43,17 @@ def test_two_files_of_one_name_both_count(tmp_path: Path) -> None:
     assert [name for name in after if after[name] != before[name]] == ["more/map.png"]
 
 
+@pytest.mark.parametrize("title", [r'"a.\0b"', "a. " + 300 * "b", ".", "../.."])
+def test_a_text_that_can_be_no_file_is_none(tmp_path: Path, title: str) -> None:
+    task = walk(tmp_path)
+    before = sums(task)
+    text = task.read_text(encoding="utf-8")
+    task.write_text(text.replace("title: Drive to a shelf", f"title: {title}", 1), encoding="utf-8")
+    after = sums(task)
+    assert after.keys() == before.keys()
+    assert [name for name in after if after[name] != before[name]] == ["walk.yaml"]
+
+
 def test_where_the_task_lies_does_not_matter(tmp_path: Path) -> None:
     places = [tmp_path / name for name in ("here", "there")]
     for each in places:

@@ -65,8 +65,10 @@ def test_a_question_is_answered_by_hand_and_tells_the_commands_that_answer_it(to
 
 
 def test_compiling_is_told_once_and_never_of_what_is_compiled_already(
-    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    monkeypatch.setattr("numba.core.dispatcher.Dispatcher.enable_caching", lambda _: None)
+
     def inner(x: float) -> float:
         return x + 1.0
 
