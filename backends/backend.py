@@ -36,6 +36,10 @@ class NoBench(InputError):
     """Simulated drives were asked for where there are no drives."""
 
 
+class NotMovable(InputError):
+    """A backend cannot put its robot elsewhere than the world's file says."""
+
+
 class NoWindow(InputError):
     """A window was asked for where there is none."""
 
@@ -86,6 +90,18 @@ class Backend(ABC):
             FileError: the file is missing or something in it is wrong.
         """
         return None
+
+    @classmethod
+    def with_start(cls, world: Any, start: Pose2) -> Any:
+        """Return what `read_world` gave, with the robot at `start` (world_T_base) at first.
+
+        Raises:
+            NotMovable: the backend cannot put its robot there.
+        """
+        raise NotMovable(
+            f"the backend {cls.name!r} cannot put its robot at a given place; "
+            "allowed: no start place, or a simulated backend of handcart"
+        )
 
     @classmethod
     def build_in_window(cls, robot: RobotFile, world: Path | None, seed: int) -> Backend:

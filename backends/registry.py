@@ -73,6 +73,7 @@ def make_backend(
     start: Pose2 = HERE,
     window: bool = False,
     bench: str | None = None,
+    put_at_start: bool = False,
 ) -> Backend:
     """A backend by its name, for a robot, in the world of a file.
 
@@ -84,9 +85,11 @@ def make_backend(
         start: world_T_base of the robot at first in a map's world; a world's file tells its own.
         window: whether robot and world are shown.
         bench: simulated drives are put before the simulated backend of that name.
+        put_at_start: whether the robot is put at `start` in the world of a file too.
 
     Raises:
         UnknownBackend: none has that name; the message lists those that exist.
+        NotMovable: the backend cannot put the robot elsewhere than the world's file says.
         FileError: the world's file is missing or something in it is wrong.
         NoWindow: it can't be shown.
         NoBench: it has no drives, or there can be no such bench.
@@ -98,6 +101,8 @@ def make_backend(
     if world is None:
         return build(robot, None, seed)
     read = kind.read_world(world, start)
+    if put_at_start:
+        read = kind.with_start(read, start)
     if read is not None:
         return build(robot, read, seed)
     from .map_world import as_world_file

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from handcart.backends.description.robot_loading import ROBOTS
+from handcart.backends.description.robot_names import SHIPPED_FOLDER
 
 _LIFT = """<joint name="lift" type="prismatic">
     <axis xyz="0 0 1"/>
@@ -15,7 +15,7 @@ _DRIVE = "    - {node: 10, counts_per_rev: 65536, gear_ratio: 10, lead_mm: 5, ra
 
 def write_lift_robot(folder: Path) -> Path:
     """Write robot file and URDF; gives the robot file's path."""
-    source = ROBOTS / "librarian"
+    source = SHIPPED_FOLDER / "librarian"
     urdf = (source / "librarian.urdf").read_text(encoding="utf-8")
     text = (source / "robot.yaml").read_text(encoding="utf-8")
     for before, after in (

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import orjson
 
 from handcart.files.errors import FileError, Finding, InputError
+from handcart.tasks.task_names import task_path
 
 if TYPE_CHECKING:
     from handcart.evaluation.campaign_report.campaign_report import CampaignReport
@@ -104,7 +105,7 @@ def run(
     """Run a task once, to its end.
 
     Args:
-        task: its file.
+        task: its file, or the name of a task.
         backend: another one than the task names.
         seed: of the simulated errors.
         robot: another one than the task names: a shipped one's name, or the path of its file.
@@ -125,7 +126,7 @@ def run(
 
     log = ActionLog()
     summary, status = run_task(
-        Path(task),
+        task_path(task),
         Path(runs),
         RunOptions(
             backend,
@@ -169,7 +170,7 @@ def load_task(file: Path | str, *, set: Settings | None = None) -> Task:
     """
     from handcart.networks.task import task_file
 
-    return task_file.load_task(Path(file), _words(set, None))
+    return task_file.load_task(task_path(file), _words(set, None))
 
 
 def campaign(
@@ -199,7 +200,7 @@ def campaign(
     """Run seeded trials of a task side by side, and count how they end.
 
     Args:
-        task: its file.
+        task: its file, or the name of a task.
         trials: how many.
         first: the first one's seed.
         jobs: processes side by side, from a script with more than one under `if __name__ == "__main__":`;
@@ -229,7 +230,7 @@ def campaign(
     from handcart.tools.campaigns.asked_campaign import AskedCampaign
 
     asked = AskedCampaign(
-        Path(task),
+        task_path(task),
         trials,
         first,
         backend,

@@ -18,7 +18,7 @@ Permit = Literal["ask", "always", "never"]
 
 
 def run(
-    task: Annotated[Path, typer.Argument(help="the task's file")],
+    task: Annotated[Path, typer.Argument(help="a task's file, or its name (`handcart list tasks`)")],
     backend: Annotated[str | None, typer.Option(help="another backend than the task names")] = None,
     robot: Annotated[
         str | None, typer.Option(help="another robot than the task names, or the path of its file")
@@ -66,6 +66,9 @@ def run(
     runs: Annotated[Path, typer.Option(help="where the run's folder is made")] = Path("runs"),
 ) -> None:
     """Check a task with all its files, run it, and tell how it ended."""
+    from handcart.tasks.task_names import task_path
+
+    task = task_path(task)
     settings = [*(settings or []), *([f"robot={robot}"] if robot else [])]
     if dry_run or script is not None:
         from handcart.tools.checks.dry_run import dry_run as imagine

@@ -3,23 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 from handcart.files.errors import FileError, Finding
 from handcart.files.models.loading import load_document
-from handcart.files.suggest import suggest
 from handcart.files.yaml.yaml_document import Document, read_document
 
 from .robot_file import RobotFile
 from .robot_findings import robot_findings
+from .robot_names import robot_path
 
 RENAMED = {"localiser": "localizer"}
 """Keys of a robot's file, by what they were called before."""
-ROBOTS = Path(__file__).parent.parent / "robots"
 
 
 def load_robot(name: str, drives: bool = True) -> RobotFile:
-    """A shipped robot by its name, or any by the path of its YAML file.
+    """Load a robot by its name, or by the path of its YAML file.
 
     Args:
         name: or path.
@@ -28,11 +26,7 @@ def load_robot(name: str, drives: bool = True) -> RobotFile:
     Raises:
         FileError: the file or its URDF is missing, or something in them is wrong.
     """
-    by_path = name.endswith((".yaml", ".yml"))
-    if not by_path and name not in robot_names():
-        wrong = f"unknown robot{suggest(name, robot_names())}, or the path of a robot's YAML file"
-        raise FileError([Finding(name, 0, 0, wrong)])
-    path = Path(name) if by_path else shipped_path(name)
+    path = robot_path(name)
     document, warnings = _with_new_keys(read_document(path))
     loaded = load_document(document, RobotFile)
     robot = loaded.value.read_in(path.parent, warnings)
@@ -53,19 +47,3 @@ def _with_new_keys(document: Document) -> tuple[Document, tuple[str, ...]]:
             warnings.append(str(Finding(document.file, key.key_line, key.key_column, words)))
             content = {new if name == old else name: each for name, each in content.items()}
     return replace(document, root=replace(document.root, content=content)), tuple(warnings)
-
-
-def robot_names() -> list[str]:
-    """The robots that are shipped; a variant of one is called ROBOT/VARIANT."""
-    return sorted(_name(path) for path in ROBOTS.glob("*/*.yaml"))
-
-
-def _name(path: Path) -> str:
-    folder = path.parent.name
-    return folder if path.stem == "robot" else f"{folder}/{path.stem}"
-
-
-def shipped_path(name: str) -> Path:
-    """The file of a shipped robot."""
-    folder, _, variant = name.partition("/")
-    return ROBOTS / folder / f"{variant or 'robot'}.yaml"

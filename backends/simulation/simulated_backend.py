@@ -23,7 +23,7 @@ from handcart.backends.simulation.sensors.simulated_positioning import Simulated
 from handcart.backends.simulation.sensors.simulated_range_sensor import SimulatedRangeSensor
 from handcart.backends.simulation.world.load_world import load_world, load_world_or_map
 from handcart.backends.simulation.world.solids import THE_GROUND, room_of
-from handcart.backends.simulation.world.world_file import MissingWorld, WorldFile
+from handcart.backends.simulation.world.world_file import MissingWorld, WorldFile, floor_pose
 from handcart.backends.simulation.world.world_model import kinds_of_props
 from handcart.robotics.geometry.pose2 import Pose2
 
@@ -76,6 +76,11 @@ class SimulatedBackend(Backend):
     def read_world(cls, path: Path, start: Pose2) -> WorldFile:
         """See `Backend`."""
         return load_world_or_map(path, start)
+
+    @classmethod
+    def with_start(cls, world: WorldFile, start: Pose2) -> WorldFile:
+        """Return the world with the robot at `start` (world_T_base) at first."""
+        return world.model_copy(update={"start": floor_pose(start)})
 
     @classmethod
     def needed(cls, world: Path | WorldFile | None) -> WorldFile:

@@ -12,7 +12,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import track
 
-from handcart.backends.description.robot_loading import ROBOTS
+from handcart.backends.description.robot_names import SHIPPED_FOLDER
 from handcart.evaluation.books.library_files import Libraries
 from handcart.evaluation.campaign_report.campaign_report import CampaignReport
 from handcart.evaluation.campaigns.campaign import run_campaign
@@ -31,8 +31,8 @@ WHEELS = {"localizer: scan": "localizer: odometry"}
 
 def robot(folder: Path, name: str, changes: dict[str, str]) -> str:
     """A copy of the robot with other lines in its file; the copy's path."""
-    (folder / "librarian.urdf").write_bytes((ROBOTS / "librarian" / "librarian.urdf").read_bytes())
-    text = (ROBOTS / "librarian" / "robot.yaml").read_text(encoding="utf-8")
+    (folder / "librarian.urdf").write_bytes((SHIPPED_FOLDER / "librarian" / "librarian.urdf").read_bytes())
+    text = (SHIPPED_FOLDER / "librarian" / "robot.yaml").read_text(encoding="utf-8")
     for old, new in changes.items():
         assert old in text
         text = text.replace(old, new)

@@ -11,7 +11,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.description.robot_loading import ROBOTS, load_robot
+from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.description.robot_names import SHIPPED_FOLDER
 from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
 
 CELLS = (0.05, 0.05, 0.1, 0.15, 0.2, 0.25)  # [m]
@@ -144,8 +145,8 @@ def write(room: Room, folder: Path, start: tuple[float, float]) -> dict[str, str
     )
     robot = room.body.robot
     if load_robot(robot).footprint_radius_m != room.body.radius:
-        text = (ROBOTS / robot / "robot.yaml").read_text()
-        (folder / "robot.urdf").write_text((ROBOTS / robot / f"{robot}.urdf").read_text())
+        text = (SHIPPED_FOLDER / robot / "robot.yaml").read_text()
+        (folder / "robot.urdf").write_text((SHIPPED_FOLDER / robot / f"{robot}.urdf").read_text())
         text = text.replace("footprint_radius_m: 0.34", f"footprint_radius_m: {room.body.radius}")
         (folder / "robot.yaml").write_text(text.replace(f"urdf: {robot}.urdf", "urdf: robot.urdf"))
         robot = str(folder / "robot.yaml")

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
-from handcart.backends.description.robot_loading import shipped_path
+from handcart.backends.description.robot_names import robot_path
 from handcart.files.errors import FileError
 from handcart.files.models.loading import load
 from handcart.files.models.model import FileModel
@@ -152,10 +152,9 @@ def _hypercube(numbers: int, trials: int, seed: int) -> NDArray[np.float64]:
 
 def file_of(name: str, task: Task) -> Path:
     """The file of a task, its robot or its world; where there is no world, the task's."""
-    by_path = task.robot.endswith((".yaml", ".yml"))
     files = {
         "task": Path(task.document.file),
-        "robot": Path(task.robot) if by_path else shipped_path(task.robot),
+        "robot": robot_path(task.robot),
         "world": task.path("world"),
     }
     return files[name] or Path(task.document.file)

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.description.robot_loading import shipped_path
+from handcart.backends.description.robot_names import robot_path
 from handcart.files.errors import Finding
 from handcart.files.suggest import listed
 from handcart.files.yaml.yaml_document import read_document
@@ -58,8 +57,7 @@ def posture_findings(robot_name: str, robot: RobotFile) -> Iterator[Finding]:
     facts = posture_facts(robot)
     if not facts:
         return
-    path = Path(robot_name) if robot_name.endswith((".yaml", ".yml")) else shipped_path(robot_name)
-    document = read_document(path)
+    document = read_document(robot_path(robot_name))
     for each in facts:
         key = ("arm", "postures", each.name)
         if each.touching:

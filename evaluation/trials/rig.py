@@ -98,7 +98,11 @@ class Rig:
 
 
 def build_rig(
-    files: RigFiles = RigFiles(), robot: str = "librarian", backend: str = "kinematic", seed: int = 0
+    files: RigFiles = RigFiles(),
+    robot: str = "librarian",
+    backend: str = "kinematic",
+    seed: int = 0,
+    put_at_start: bool = False,
 ) -> Rig:
     """Build a rig.
 
@@ -107,9 +111,13 @@ def build_rig(
         robot: a shipped robot's name, or the path of a robot's YAML file.
         backend: by name.
         seed: of the simulated errors.
+        put_at_start: whether the simulated robot is put at the start place, wherever the world's file puts
+            it. Otherwise the file does.
 
     Raises:
         FileError: something in the files is wrong.
+        NoSuchPlace: the start is not among the places.
+        NotMovable: the backend cannot put the robot there.
     """
     spec, findings = load_robot(robot), Findings()
     places = load_places(files.places) if files.places else None
@@ -122,5 +130,5 @@ def build_rig(
     findings.raise_all()
     grid = load_map(files.map)[0] if files.map else nowhere()
     model = WorldModel(grid, knowledge.all_places(), sections=knowledge.fresh_sections())
-    made = make_backend(backend, spec, files.world, seed, start)
+    made = make_backend(backend, spec, files.world, seed, start, put_at_start=put_at_start)
     return Rig(Robot(made, spec, start, grid), model, made, knowledge)

@@ -104,13 +104,17 @@ class PastRun:
             yield record
 
 
-def read_run(folder: Path) -> PastRun:
+def read_run(folder: Path | str) -> PastRun:
     """Read a run's journal.
+
+    Args:
+        folder: the run's folder.
 
     Raises:
         NoRun: there is no journal that says what was run, or something in the folder is no plain file.
         JournalError: it is damaged inside, or what it says makes no sense.
     """
+    folder = Path(folder)
     contents = read_run_journal(folder)
     if not contents.records:
         raise NoRun(folder, f"{JOURNAL} holds no whole record")

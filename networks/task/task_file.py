@@ -11,7 +11,7 @@ import networkx as nx
 
 from handcart.backends.backend import Backend
 from handcart.backends.capabilities.capability import Capability
-from handcart.backends.description.robot_loading import ROBOTS, robot_names
+from handcart.backends.description.robot_names import SHIPPED_FOLDER, find_robot, named_robots
 from handcart.files.errors import FileError, UnsafePath
 from handcart.files.extras import extra_of, lack
 from handcart.files.findings import Findings
@@ -262,9 +262,9 @@ class _Reader:
             there
             and isinstance(name, str)
             and not name.endswith((".yaml", ".yml"))
-            and name not in robot_names()
+            and find_robot(name) is None
         ):
-            allowed = suggest(name, robot_names())
+            allowed = suggest(name, named_robots())
             self._add(("robot",), f"unknown robot {name!r}{allowed}, or the path of a robot's YAML file")
 
     def _check_files(self) -> None:
@@ -333,6 +333,6 @@ def _set(document: Document, settings: dict[str, str]) -> Document:
 
 
 def _robot(document: Document, name: str) -> str:
-    if not name.endswith((".yaml", ".yml")) or (ROBOTS / name).exists():
+    if not name.endswith((".yaml", ".yml")) or (SHIPPED_FOLDER / name).exists():
         return name
     return str(_resolved(document, ("robot",)))

@@ -10,15 +10,16 @@ import numpy as np
 import pytest
 
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.description.robot_loading import ROBOTS, load_robot
+from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.description.robot_names import SHIPPED_FOLDER
 from handcart.backends.registry import make_backend
 
-WORLD = ROBOTS.parents[1] / "tasks" / "return_book" / "world.yaml"
+WORLD = SHIPPED_FOLDER.parents[1] / "tasks" / "return_book" / "world.yaml"
 
 
 def librarian(folder: Path, errors: str) -> RobotFile:
     """Its file with these errors."""
-    path = Path(shutil.copytree(ROBOTS / "librarian", folder)) / "robot.yaml"
+    path = Path(shutil.copytree(SHIPPED_FOLDER / "librarian", folder)) / "robot.yaml"
     before, _, after = path.read_text(encoding="utf-8").partition("errors:")
     rest = after[after.index("\ntolerance:") :]
     path.write_text(f"{before}errors: {errors}\n{rest}", encoding="utf-8")

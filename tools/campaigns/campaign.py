@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def campaign(
-    task: Annotated[Path, typer.Argument(help="the task's file")],
+    task: Annotated[Path, typer.Argument(help="a task's file, or its name (`handcart list tasks`)")],
     trials: Annotated[int, typer.Option(min=1, help="how many")] = 20,
     first: Annotated[int, typer.Option(help="the first trial's seed")] = 0,
     jobs: Annotated[
@@ -89,12 +89,13 @@ def campaign(
 ) -> None:
     """Run seeded trials of a task side by side, and count how they end."""
     from handcart.files.models.settings import split_setting
+    from handcart.tasks.task_names import task_path
     from handcart.tools.campaigns.asked_campaign import AskedCampaign
 
     words = [*(settings or []), *([f"robot={robot}"] if robot else [])]
     chosen = dict(split_setting(each) for each in words)
     asked = AskedCampaign(
-        task,
+        task_path(task),
         trials,
         first,
         backend,

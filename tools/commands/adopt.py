@@ -26,13 +26,14 @@ def adopt(
     ] = None,
 ) -> None:
     """Show what a run's findings change in the robot's file, or write it; comments and order are kept."""
-    from handcart.backends.description.robot_loading import load_robot, shipped_path
+    from handcart.backends.description.robot_loading import load_robot
+    from handcart.backends.description.robot_names import robot_path
     from handcart.tools.terminal.writing import write_text
 
     found = _calibration(run)
     name = robot or found.robot
     load_robot(name)
-    file = Path(name) if name.endswith((".yaml", ".yml")) else shipped_path(name)
+    file = robot_path(name)
     before = file.read_text(encoding="utf-8")
     after = _changed(before, found)
     _check(after, file)

@@ -33,7 +33,8 @@ class Asked(NamedTuple):
 
 def check(
     file: Annotated[
-        Path, typer.Argument(help="a task, robot, world, map, places or catalogue file, or a URDF")
+        Path,
+        typer.Argument(help="a task, robot, world, map, places or other file, a URDF, or a task's name"),
     ],
     as_json: Annotated[bool, typer.Option("--json", help="one JSON object on stdout")] = False,
     settings: Annotated[
@@ -138,8 +139,10 @@ def file_facts(file: Path, settings: dict[str, str], asked: Asked = Asked()) -> 
     from handcart.files.suggest import suggest
     from handcart.files.yaml.yaml_document import read_document
     from handcart.primitives.knowledge.place import is_goals
+    from handcart.tasks.task_names import task_path
     from handcart.tools.checks.file_kinds import is_urdf, kinds, model_of
 
+    file = task_path(file)
     if is_urdf(file):
         from handcart.tools.checks.check_urdf import urdf_facts
 

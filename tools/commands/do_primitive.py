@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
+    from handcart.networks.task.task_file import Task
     from handcart.networks.task.task_knowledge import TaskKnowledge
     from handcart.primitives.contract.action_primitive import ActionPrimitive
 
@@ -20,31 +21,34 @@ def do(
     primitive: Annotated[str, typer.Argument(help="its name, such as MOVE_TO")],
     parameters: Annotated[list[str] | None, typer.Argument(help="KEY=VALUE ...")] = None,
     knowledge: Annotated[
-        Path | None, typer.Option(help="a task file: its robot, world, map and what else it tells")
+        Path | None, typer.Option(help="a task's file or name: its robot, world, map and other knowledge")
+    ] = None,
+    settings: Annotated[
+        list[str] | None,
+        typer.Option("--set", help="KEY=VALUE: a parameter of the task given by --knowledge"),
     ] = None,
     robot: Annotated[str | None, typer.Option(help="a shipped robot, or the path of a robot's file")] = None,
     backend: Annotated[str, typer.Option(help="what stands for the robot")] = "kinematic",
     world: Annotated[Path | None, typer.Option(help="default: the library of return_book")] = None,
     map: Annotated[Path | None, typer.Option(help="a map in ROS format")] = None,
     places: Annotated[Path | None, typer.Option(help="the map's named places")] = None,
-    start: Annotated[str | None, typer.Option(help="the place at which the world starts the robot")] = None,
+    start: Annotated[str | None, typer.Option(help="the place where the robot is put at first")] = None,
     seed: Annotated[int, typer.Option(help="of the simulated errors")] = 0,
 ) -> None:
-    """Run one primitive alone, and tell its outcome; by itself in the library of return_book."""
+    """Run one primitive alone and print its outcome (default: in the library of return_book)."""
     from dataclasses import replace
 
     from handcart.evaluation.trials.rig import RigFiles, build_rig
     from handcart.networks.runs.robot_claim import claimed
-    from handcart.networks.task.task_file import load_task
     from handcart.primitives.contract.outcome import Success
 
     made = _made(primitive, parameters or [])
-    task = load_task(knowledge) if knowledge else None
+    task = _task(knowledge, settings or [])
     own = RigFiles() if task is None else RigFiles.of(task)
     given = {"world": world, "map": map, "places": places, "start": start}
     files = replace(own, **{name: value for name, value in given.items() if value is not None})  # type: ignore[arg-type]
     whose = robot or (DEFAULT if task is None else task.robot)
-    with build_rig(files, whose, backend, seed) as rig, claimed(rig.backend):
+    with build_rig(files, whose, backend, seed, put_at_start=start is not None) as rig, claimed(rig.backend):
         _check_names(made, rig.knowledge)
         outcome = rig.do(made)
     word = type(outcome).__name__
@@ -53,6 +57,19 @@ def do(
     for name, value in facts.items():
         print(f"  {name}: {value:.4g}" if isinstance(value, float) else f"  {name}: {value}")
     sys.exit(STATUS[word])
+
+
+def _task(knowledge: Path | None, settings: list[str]) -> Task | None:
+    """Load the task whose knowledge is used; None if none is given."""
+    from handcart.files.models.settings import split_setting
+    from handcart.networks.task.task_file import load_task
+    from handcart.tasks.task_names import task_path
+
+    if knowledge is None:
+        if settings:
+            raise typer.BadParameter("--set without --knowledge; needed: the task with that parameter")
+        return None
+    return load_task(task_path(knowledge), dict(split_setting(setting) for setting in settings))
 
 
 def _made(name: str, parameters: list[str]) -> ActionPrimitive:

@@ -9,17 +9,18 @@ import typer
 
 
 def draw(
-    task: Annotated[Path, typer.Argument(help="the task's file")],
+    task: Annotated[Path, typer.Argument(help="a task's file, or its name (`handcart list tasks`)")],
     output: Annotated[Path, typer.Option("-o", "--output", help="FILE.svg, .png, .pdf, .mmd or .dot")],
 ) -> None:
     """Draw a task's action network: as SVG, PNG, PDF, Mermaid or dot, by the file's ending."""
     from handcart.files.suggest import suggest
     from handcart.networks.drawing.drawing import FORMATS
     from handcart.networks.task.task_file import load_task
+    from handcart.tasks.task_names import task_path
     from handcart.tools.terminal.writing import write_text
 
     if output.suffix not in FORMATS:
         raise typer.BadParameter(f"no drawing for {output.suffix!r}{suggest(output.suffix, FORMATS)}")
-    loaded = load_task(task)
+    loaded = load_task(task_path(task))
     write_text(output, FORMATS[output.suffix](loaded.network, loaded.file.title))
     print(f"drawn into {output}")

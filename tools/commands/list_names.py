@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
 import typer
-
-TASKS = Path(__file__).parent.parent.parent / "tasks"
 
 
 class What(StrEnum):
@@ -29,9 +28,18 @@ def list_names(what: Annotated[What, typer.Argument(help="what to list")]) -> No
         What.robots: _robots,
         What.tasks: _tasks,
     }[what]()
+    for broken in _broken(what):
+        print(broken, file=sys.stderr)
     width = max((len(name) for name, _ in rows), default=0)
     for name, line in rows:
         print(f"{name:<{width}}  {line}".rstrip())
+
+
+def _broken(what: What) -> list[str]:
+    """Return what cannot be listed because another package's entry point names nothing."""
+    from handcart.files.plugins import broken_plugin_folders
+
+    return broken_plugin_folders(f"handcart.{what}") if what in (What.robots, What.tasks) else []
 
 
 def _primitives() -> list[tuple[str, str]]:
@@ -55,9 +63,9 @@ def _backends() -> list[tuple[str, str]]:
 
 
 def _robots() -> list[tuple[str, str]]:
-    from handcart.backends.description.robot_loading import robot_names, shipped_path
+    from handcart.backends.description.robot_names import named_robots
 
-    return [(name, _first_comment(shipped_path(name))) for name in robot_names()]
+    return [(name, _first_comment(path)) for name, path in named_robots().items()]
 
 
 def _first_comment(file: Path) -> str:
@@ -66,7 +74,18 @@ def _first_comment(file: Path) -> str:
 
 
 def _tasks() -> list[tuple[str, str]]:
+    from handcart.tasks.task_names import named_tasks
+
+    return [(name, _title(path)) for name, path in named_tasks().items()]
+
+
+def _title(task: Path) -> str:
+    """Return a task's title; a broken file hides no others."""
+    from handcart.files.errors import FileError
     from handcart.files.yaml.yaml_document import read_document
 
-    found = sorted(TASKS.glob("*/task.yaml"))
-    return [(path.parent.name, str(read_document(path).data.get("title", ""))) for path in found]
+    try:
+        data = read_document(task).data
+    except FileError as error:
+        return f"cannot be read: {error}"
+    return str(data.get("title", "")) if isinstance(data, dict) else ""

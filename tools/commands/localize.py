@@ -88,7 +88,7 @@ KINDS = ("gps_filter", "particle", "beacons")
 
 def _robot_of(log: Path) -> str | None:
     """The shipped robot that drove in a run; None of other logs, and of robots that aren't shipped."""
-    from handcart.backends.description.robot_loading import robot_names
+    from handcart.backends.description.robot_names import named_robots
     from handcart.networks.journal.journal_record import JournalError
     from handcart.networks.journal.past_run import NoRun, read_run
 
@@ -96,7 +96,7 @@ def _robot_of(log: Path) -> str | None:
         robot = read_run(log if log.is_dir() else log.parent).header["robot"]
     except (NoRun, JournalError):
         return None
-    return robot if robot in robot_names() else None
+    return robot if robot in named_robots() else None
 
 
 def _noise(robot: str | None) -> FieldNoise:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import difflib
 import re
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -31,11 +30,12 @@ def teach(
     dry_run: Annotated[bool, typer.Option("--dry-run", help="only show what would change")] = False,
 ) -> None:
     """Record a posture into a robot's file, comments and order kept; shows the change."""
-    from handcart.backends.description.robot_loading import load_robot, shipped_path
+    from handcart.backends.description.robot_loading import load_robot
+    from handcart.backends.description.robot_names import robot_path
     from handcart.tools.terminal.writing import write_text
 
     spec = load_robot(robot)
-    file = Path(robot) if robot.endswith((".yaml", ".yml")) else shipped_path(robot)
+    file = robot_path(robot)
     if spec.arm is None:
         raise typer.BadParameter(f"the robot of {file} has no arm")
     if not re.fullmatch(r"[a-z][a-z0-9_]*", name):

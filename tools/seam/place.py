@@ -55,10 +55,10 @@ def place(
 
 def _document(robot: str) -> Document:
     """The robot's file, for its lines."""
-    from handcart.backends.description.robot_loading import shipped_path
+    from handcart.backends.description.robot_names import robot_path
     from handcart.files.yaml.yaml_document import read_document
 
-    return read_document(robot if robot.endswith((".yaml", ".yml")) else shipped_path(robot))
+    return read_document(robot_path(robot))
 
 
 def _named(robot: str, folder: Path) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 
 import numpy as np
@@ -11,11 +10,11 @@ from handcart.files.errors import UnsafePath
 from handcart.files.maps.map_file import is_map_file, load_map, map_path
 from handcart.files.models.loading import Loaded, load_document
 from handcart.files.yaml.yaml_document import read_document
-from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.maps.map_walls import map_walls
 
-from .world_file import FloorPose, Furniture, WorldFile
+from .world_file import Furniture, WorldFile, floor_pose
 from .world_model import world_model
 
 HEIGHT = 2.0  # of what stands on a map [m]
@@ -38,8 +37,7 @@ def load_world_or_map(path: Path, start: Pose2) -> WorldFile:
     """
     if not is_map_file(path):
         return load_world(path)
-    place = FloorPose(x_m=start.x, y_m=start.y, heading_deg=math.degrees(wrap(start.theta)))
-    return on_the_map(WorldFile(format="handcart-world/1", start=place), load_map(path)[0])
+    return on_the_map(WorldFile(format="handcart-world/1", start=floor_pose(start)), load_map(path)[0])
 
 
 def read_world(path: Path) -> tuple[Loaded[WorldFile], WorldFile]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Iterable
 from typing import Annotated, Literal, Self
@@ -13,6 +14,7 @@ from handcart.backends.description.ground_spec import GroundSpec
 from handcart.files.errors import InputError
 from handcart.files.maps.map_file import MapPlace
 from handcart.files.models.model import FileModel
+from handcart.robotics.geometry.pose2 import Pose2, wrap
 
 
 class MissingWorld(InputError):
@@ -33,6 +35,11 @@ class FloorPose(FileModel):
     x_m: Coordinate
     y_m: Coordinate
     heading_deg: Degrees = 0.0
+
+
+def floor_pose(pose: Pose2) -> FloorPose:
+    """Return world_T_base as a world's file has it."""
+    return FloorPose(x_m=pose.x, y_m=pose.y, heading_deg=math.degrees(wrap(pose.theta)))
 
 
 class Wall(FileModel):

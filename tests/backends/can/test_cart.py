@@ -9,7 +9,8 @@ from typing import Any
 import pytest
 
 from handcart.backends.description.can_spec import CanSpec
-from handcart.backends.description.robot_loading import ROBOTS, load_robot
+from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.description.robot_names import SHIPPED_FOLDER
 from handcart.evaluation.conformance.checks.all_checks import checks
 from handcart.evaluation.conformance.rig.bench import Bench
 from handcart.evaluation.trials.rig import build_rig
@@ -54,7 +55,7 @@ def test_the_kit_finds_nothing_wrong(name: str) -> None:
 def test_what_is_wrong_in_the_section_can_is_told_with_its_place(
     tmp_path: Path, before: str, after: str, message: str
 ) -> None:
-    path = Path(shutil.copytree(ROBOTS / "cart", tmp_path / "cart")) / "robot.yaml"
+    path = Path(shutil.copytree(SHIPPED_FOLDER / "cart", tmp_path / "cart")) / "robot.yaml"
     text = path.read_text(encoding="utf-8")
     assert before in text
     path.write_text(text.replace(before, after), encoding="utf-8")

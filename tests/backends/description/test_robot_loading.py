@@ -7,14 +7,15 @@ from pathlib import Path
 
 import pytest
 
-from handcart.backends.description.robot_loading import load_robot, shipped_path
+from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.description.robot_names import robot_path
 from handcart.files.errors import FileError
 
 
 @pytest.fixture
 def file(tmp_path: Path) -> Path:
     """Of the cart, as it was written before."""
-    folder = Path(shutil.copytree(shipped_path("cart").parent, tmp_path / "cart"))
+    folder = Path(shutil.copytree(robot_path("cart").parent, tmp_path / "cart"))
     text = (folder / "robot.yaml").read_text(encoding="utf-8")
     assert "\nlocalizer: scan" in text
     (folder / "robot.yaml").write_text(text.replace("\nlocalizer:", "\nlocaliser:"), encoding="utf-8")

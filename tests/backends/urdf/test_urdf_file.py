@@ -5,7 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from handcart.backends.description.robot_loading import load_robot, shipped_path
+from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.description.robot_names import robot_path
 from handcart.backends.urdf.mesh_path import is_mesh, mesh_path
 from handcart.backends.urdf.robot_parts import read_urdf_file
 from handcart.files.errors import FileError, UnsafePath
@@ -16,7 +17,7 @@ LINK = "<robot name='r'>\n<link name='a'>\n<inertial>{}</inertial></link></robot
 @pytest.fixture
 def robot(tmp_path: Path) -> Path:
     """The file of a robot of one's own: the librarian's, copied."""
-    source = shipped_path("librarian")
+    source = robot_path("librarian")
     for path in source.parent.glob("librarian.urdf"):
         (tmp_path / path.name).write_bytes(path.read_bytes())
     (tmp_path / "robot.yaml").write_bytes(source.read_bytes())

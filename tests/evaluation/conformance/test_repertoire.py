@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from handcart.backends.description.robot_loading import shipped_path
+from handcart.backends.description.robot_names import robot_path
 from handcart.evaluation.conformance.faults.repertoire import repertoire
 from handcart.evaluation.conformance.kit import KitSetting
 from handcart.evaluation.trials.rig import RigFiles
@@ -42,7 +42,7 @@ def test_a_robot_that_nothing_is_made_for_is_tried_in_all_that_it_can_do() -> No
 
 @pytest.mark.slow
 def test_a_robot_of_somebodys_own_is_tried_in_all_that_it_can_do() -> None:
-    librarian = str(shipped_path("librarian"))
+    librarian = str(robot_path("librarian"))
     tasks = repertoire(librarian, {"robot": librarian}, "kinematic")
     assert [path.parent.name for path in tasks] == ["return_book", "return_books", "drive_map"]
 

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from handcart.backends.description.robot_loading import load_robot, shipped_path
+from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.description.robot_names import robot_path
 from handcart.evaluation.robot_report.draft import draft_text
 from handcart.evaluation.robot_report.outline import Outline, outline_of
 from handcart.evaluation.robot_report.remark import Remark, grouped, grouped_findings
@@ -78,7 +79,7 @@ def test_a_draft_is_a_robots_file(outline: Outline, tmp_path: Path) -> None:
 
 
 def test_the_librarian_is_guessed_from_its_urdf() -> None:
-    text = shipped_path("librarian").with_name("librarian.urdf").read_text(encoding="utf-8")
+    text = robot_path("librarian").with_name("librarian.urdf").read_text(encoding="utf-8")
     found = outline_of(text)
     assert found.arm == tuple(f"joint_{n}" for n in range(1, 7))
     assert (found.root, found.hand, found.fingers) == ("base", "hand", ("left_finger", "right_finger"))

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from handcart.backends.description.robot_loading import load_robot, shipped_path
+from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.description.robot_names import robot_path
 from handcart.evaluation.robot_report.posture_findings import posture_facts, posture_findings
 from handcart.tools.checks.check_robot import robot_facts
 
@@ -17,7 +18,7 @@ INTO_ITSELF = "[0, 40, 169, 0, 0, 0]"
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     """The librarian's files."""
-    shutil.copytree(shipped_path("librarian").parent, tmp_path / "robot", dirs_exist_ok=True)
+    shutil.copytree(robot_path("librarian").parent, tmp_path / "robot", dirs_exist_ok=True)
     return tmp_path / "robot"
 
 

@@ -10,7 +10,8 @@ import pytest
 from numpy.typing import NDArray
 
 from handcart.backends.capabilities.imu import Imu
-from handcart.backends.description.robot_loading import ROBOTS, load_robot
+from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.description.robot_names import SHIPPED_FOLDER
 from handcart.backends.registry import make_backend
 from handcart.backends.robot.robot import Robot, StaleReading
 from handcart.evaluation.conformance.faults.fault import FOR_GOOD, Fault, FaultKind
@@ -29,7 +30,7 @@ from handcart.primitives.knowledge.world_model import ModelView
 from handcart.robotics.geometry.pose2 import Pose2
 
 BENCH = Bench("kinematic")
-WORLD = ROBOTS.parents[1] / "tasks" / "return_book" / "world.yaml"
+WORLD = SHIPPED_FOLDER.parents[1] / "tasks" / "return_book" / "world.yaml"
 FIELD = Path(__file__).parents[3] / "tasks" / "deploy_straight" / "task.yaml"
 Vector = NDArray[np.float64]
 

@@ -11,7 +11,8 @@ from typing import Any
 
 import pytest
 
-from handcart.backends.description.robot_loading import load_robot, shipped_path
+from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.description.robot_names import robot_path
 from handcart.evaluation.trials.rig import Rig
 from handcart.files.errors import FileError
 from handcart.networks.task.preparing import prepare
@@ -35,7 +36,7 @@ def unheaded(tmp_path: Path) -> Callable[..., Any]:
     @contextmanager
     def make(surprises: str = "") -> Iterator[Rig]:
         folder = tmp_path / "robot"
-        shutil.copytree(shipped_path("el_verde").parent, folder)
+        shutil.copytree(robot_path("el_verde").parent, folder)
         text = (folder / "robot.yaml").read_text(encoding="utf-8")
         assert "\n  period_s: 1.0\n" in text
         told = text.replace("\n  period_s: 1.0\n", "\n  start_heading_deg: unknown\n  period_s: 1.0\n")
@@ -89,7 +90,7 @@ def test_too_short_a_way_is_a_fail(unheaded: Callable[..., Any]) -> None:
 def test_a_robot_that_never_could_find_its_heading_is_refused(tmp_path: Path) -> None:
     """Gyros tell turns alone: it would drive ahead for nothing."""
     folder = tmp_path / "robot"
-    shutil.copytree(shipped_path("el_verde").parent, folder)
+    shutil.copytree(robot_path("el_verde").parent, folder)
     path = folder / "robot.yaml"
     text = path.read_text(encoding="utf-8").replace("localizer: gps_filter", "localizer: gyro")
     path.write_text(text.replace("gps: ", "gps:\n  start_heading_deg: unknown", 1), encoding="utf-8")

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from handcart.backends.description.robot_loading import ROBOTS
+from handcart.backends.description.robot_names import SHIPPED_FOLDER
 from handcart.evaluation.trials.rig import Rig, RigFiles, build_rig
 from handcart.primitives.seam.seam import Seam
 from handcart.primitives.seam.seam_file import load_seam
@@ -35,10 +35,10 @@ def rig_at(tmp_path: Path) -> Callable[..., Rig]:
             (tmp_path / name).write_text(text.replace(before, after), encoding="utf-8")
         with (tmp_path / "world.yaml").open("a", encoding="utf-8") as file:
             file.write(world)
-        robot = (ROBOTS / "atrv" / "robot.yaml").read_text(encoding="utf-8")
+        robot = (SHIPPED_FOLDER / "atrv" / "robot.yaml").read_text(encoding="utf-8")
         assert old in robot
         (tmp_path / "robot.yaml").write_text(robot.replace(old, new), encoding="utf-8")
-        (tmp_path / "atrv.urdf").write_bytes((ROBOTS / "atrv" / "atrv.urdf").read_bytes())
+        (tmp_path / "atrv.urdf").write_bytes((SHIPPED_FOLDER / "atrv" / "atrv.urdf").read_bytes())
         files = RigFiles(tmp_path / "world.yaml", TASK / "map.yaml", tmp_path / "places.yaml", {}, "here")
         rig = build_rig(files, robot=str(tmp_path / "robot.yaml"))
         rig.model.of(Seam).seam = load_seam(TASK / "seam.csv").part(0, last)

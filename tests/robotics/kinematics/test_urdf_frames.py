@@ -6,7 +6,8 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from handcart.backends.description.robot_loading import load_robot, robot_names
+from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.description.robot_names import named_robots
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.kinematics.urdf_contents import bodies_of
 from handcart.robotics.kinematics.urdf_frames import base_T_frame, link_poses
@@ -21,7 +22,7 @@ UPSIDE_DOWN = """<robot name="r"><link name="tip"/><link name="base"/><link name
 </robot>"""
 
 
-@pytest.mark.parametrize("text", [UPSIDE_DOWN, *robot_names()])
+@pytest.mark.parametrize("text", [UPSIDE_DOWN, *named_robots()])
 def test_links_stand_where_pinocchio_has_them(text: str) -> None:
     urdf = text if text.startswith("<") else load_robot(text).urdf_text()
     model = pin.buildModelFromXML(kinematic_urdf(urdf))

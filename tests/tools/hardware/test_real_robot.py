@@ -278,11 +278,11 @@ def test_another_file_of_the_robot_is_another_robot(
     run: Callable[..., Said], handcart: Callable[..., Said], task: Path
 ) -> None:
     """D12"""
-    from handcart.backends.description.robot_loading import ROBOTS
+    from handcart.backends.description.robot_names import SHIPPED_FOLDER
 
     robot = task.parent / "mine.yaml"
-    robot.write_text((ROBOTS / "cart" / "robot.yaml").read_text())
-    (task.parent / "cart.urdf").write_bytes((ROBOTS / "cart" / "cart.urdf").read_bytes())
+    robot.write_text((SHIPPED_FOLDER / "cart" / "robot.yaml").read_text())
+    (task.parent / "cart.urdf").write_bytes((SHIPPED_FOLDER / "cart" / "cart.urdf").read_bytes())
     task.write_text(task.read_text().replace("robot: cart", "robot: mine.yaml"))
     folder = folder_of(run())
     broke_off(folder, "RESULT", 0)

@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 from handcart.backends.description.can_spec import JointDriveSpec
-from handcart.backends.description.robot_loading import ROBOTS, load_robot
+from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.description.robot_names import SHIPPED_FOLDER
 from handcart.files.errors import FileError
 from handcart.networks.task.preparing import check, prepare
 
@@ -39,13 +40,13 @@ JOINT_6 = "    - {node: 16, counts_per_rev: 65536, gear_ratio: 50, rated_torque_
     ],
 )
 def test_it_is_told_with_line_and_column(tmp_path: Path, before: str, after: str, message: str) -> None:
-    text = (ROBOTS / "librarian" / "robot.yaml").read_text(encoding="utf-8")
+    text = (SHIPPED_FOLDER / "librarian" / "robot.yaml").read_text(encoding="utf-8")
     assert before in text
     if before.startswith("period_s"):
         text = text.replace("{node: 1,", "{node: 1, mode: csv,")
     path = tmp_path / "robot.yaml"
     path.write_text(text.replace(before, after), encoding="utf-8")
-    (tmp_path / "librarian.urdf").write_bytes((ROBOTS / "librarian" / "librarian.urdf").read_bytes())
+    (tmp_path / "librarian.urdf").write_bytes((SHIPPED_FOLDER / "librarian" / "librarian.urdf").read_bytes())
     with pytest.raises(FileError) as error:
         load_robot(str(path))
     assert message in str(error.value)
@@ -65,12 +66,12 @@ def test_a_sliding_joint_is_told_in_mm() -> None:
 
 
 def test_a_brake_lets_an_axis_under_gravity_be_disabled(tmp_path: Path) -> None:
-    text = (ROBOTS / "librarian" / "robot.yaml").read_text(encoding="utf-8")
+    text = (SHIPPED_FOLDER / "librarian" / "robot.yaml").read_text(encoding="utf-8")
     path = tmp_path / "robot.yaml"
     path.write_text(
         text.replace("{node: 16,", "{node: 16, stop: brake_then_disable, brake: true,"), encoding="utf-8"
     )
-    (tmp_path / "librarian.urdf").write_bytes((ROBOTS / "librarian" / "librarian.urdf").read_bytes())
+    (tmp_path / "librarian.urdf").write_bytes((SHIPPED_FOLDER / "librarian" / "librarian.urdf").read_bytes())
     spec = load_robot(str(path)).can
     assert spec is not None
     assert spec.joints[5].brake
@@ -78,10 +79,10 @@ def test_a_brake_lets_an_axis_under_gravity_be_disabled(tmp_path: Path) -> None:
 
 def test_only_who_drives_by_can_or_looks_is_told_all_of_it(tmp_path: Path) -> None:
     """A drive in simulation asks nothing of the bus."""
-    text = (ROBOTS / "librarian" / "robot.yaml").read_text(encoding="utf-8")
+    text = (SHIPPED_FOLDER / "librarian" / "robot.yaml").read_text(encoding="utf-8")
     path = tmp_path / "robot.yaml"
     path.write_text(text.replace("{node: 21,", "{node: 16,"), encoding="utf-8")
-    (tmp_path / "librarian.urdf").write_bytes((ROBOTS / "librarian" / "librarian.urdf").read_bytes())
+    (tmp_path / "librarian.urdf").write_bytes((SHIPPED_FOLDER / "librarian" / "librarian.urdf").read_bytes())
     task, settings = ROOT / "tasks" / "drive_map" / "task.yaml", {"robot": str(path)}
     with prepare(task, "kinematic", settings) as prepared:
         assert prepared.robot.spec.can is not None

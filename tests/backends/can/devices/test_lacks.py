@@ -25,7 +25,8 @@ from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.description.can_spec import Without
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.description.robot_loading import ROBOTS, load_robot
+from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.description.robot_names import SHIPPED_FOLDER
 from handcart.backends.kinematic.kinematic_parts import KinematicGripper
 from handcart.evaluation.bringup.bus_rungs import ReadBackRung
 from handcart.evaluation.bringup.operator import BenchOperator
@@ -52,7 +53,7 @@ def maker_eds(*lacks: int | str) -> str:
 
 def written(folder: Path, eds: str, nodes: tuple[int, ...], more: str = "") -> str:
     """The librarian's file with that EDS for some of its drives."""
-    robot = Path(shutil.copytree(ROBOTS / "librarian", folder / "librarian"))
+    robot = Path(shutil.copytree(SHIPPED_FOLDER / "librarian", folder / "librarian"))
     (robot / "maker.eds").write_text(eds, encoding="utf-8")
     path = robot / "robot.yaml"
     text = path.read_text(encoding="utf-8")

@@ -13,7 +13,8 @@ import numpy as np
 import pytest
 
 from handcart.backends.capabilities.beacons import Beacons
-from handcart.backends.description.robot_loading import load_robot, shipped_path
+from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.description.robot_names import robot_path
 from handcart.evaluation.conformance.checks.beacon_checks import beacons
 from handcart.evaluation.conformance.checks.check import CheckResult
 from handcart.evaluation.conformance.rig.bench import Bench
@@ -41,7 +42,7 @@ WORLD = "format: handcart-world/1\nstart: {x_m: 0.0, y_m: 0.0}\nground: {}\nsens
 @pytest.fixture
 def robot(tmp_path: Path) -> Path:
     """El Verde, with beacons instead of satellites."""
-    shipped = shipped_path("el_verde")
+    shipped = robot_path("el_verde")
     shutil.copy(shipped.parent / "el_verde.urdf", tmp_path)
     text = shipped.read_text(encoding="utf-8").replace("localizer: gps_filter", "localizer: beacons")
     gps = text[text.index("gps:  ") : text.index("ground: {}")]
