@@ -22,10 +22,11 @@ LENS = {"k1": 0.02, "k2": 0.1}  # the same of the lens
 ARM_MRAD = 2.0  # by which an arm's own errors turn a mount
 SPOTS = {"yaw_mrad_per_swing": 0.15, "roll_mrad_per_m": 1.5, "pitch_mrad_per_m": 1.5}
 """By which spots on a wall, read with a ruler, may be off."""
+FIXED_SHARE = 2.5  # fixed limit of a calibration's error in the figures above, however large its sigma
 
 
 def camera_faults(robot: RobotFile, seed: int, found: Mapping[str, Calibrated]) -> list[str]:
-    """What of a calibrated camera is further from the one that takes the pictures than 5 sigma explain."""
+    """Return the parameters that are further off than 5 sigma explain, or than their fixed limits."""
     assert robot.camera is not None
     assert robot.arm is not None
     arm = robot.arm_model()
@@ -49,7 +50,7 @@ def camera_faults(robot: RobotFile, seed: int, found: Mapping[str, Calibrated]) 
 
 
 def suspension_faults(spots: Mapping[str, float], found: Mapping[str, Calibrated]) -> list[str]:
-    """What of a calibrated suspension is further from what laser spots tell than 5 sigma explain.
+    """Return the parameters that are further from those by laser spots than 5 sigma explain, or their limits.
 
     Args:
         spots: figures of a `LaserSurvey`.
@@ -66,7 +67,7 @@ def _beyond(found: Mapping[str, Calibrated], truth: Mapping[str, tuple[object, f
             continue
         true, room = truth[name]
         off = np.abs(np.atleast_1d(np.asarray(value) - np.asarray(true)))
-        most = room + SIGMAS * np.atleast_1d(np.asarray(sigma))
+        most = np.minimum(room + SIGMAS * np.atleast_1d(np.asarray(sigma)), FIXED_SHARE * room)
         wrong += [
             f"{name} is {size:.3g} off (at most {limit:.3g})"
             for size, limit in zip(off.tolist(), most.tolist(), strict=True)

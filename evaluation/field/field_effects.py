@@ -18,7 +18,10 @@ DEPLOY = "DEPLOY"
 
 
 def _deployed(survey: Survey, claim: Claim) -> list[str]:
-    """The sensor stands on the ground, where it is believed to and should, as far as that is known."""
+    """Compare where the sensor stands with where it is believed to, and should.
+
+    The fixed limit is of the sigma that DEPLOY was to wait for (`sure_mm`), not of the one that it claims.
+    """
     model, name = survey.run.model, claim.primitive.target
     work = model.of(FieldWork)
     laid = next((each for each in work.laid if each.name == name), None)
@@ -29,11 +32,12 @@ def _deployed(survey: Survey, claim: Claim) -> list[str]:
         return ["the sensor doesn't stand on the ground"]
     target, lies = work.targets[name], block.pose[:2, 3]
     most = LAID_MM + SIGMAS * 1e3 * math.sqrt(float(np.linalg.eigvalsh(laid.spread)[-1]))
+    fixed = LAID_MM + SIGMAS * claim.primitive.sure_mm
     from_belief = 1e3 * math.dist(lies, (laid.x, laid.y))
     from_target = 1e3 * math.dist(lies, (target.x, target.y))
     return [
-        *at_most("the sensor is {:.0f} mm from where it is believed to be", from_belief, most),
-        *at_most("the sensor is {:.0f} mm from its target", from_target, most),
+        *at_most("the sensor is {:.0f} mm from where it is believed to be", from_belief, most, fixed),
+        *at_most("the sensor is {:.0f} mm from its target", from_target, most, fixed),
     ]
 
 

@@ -13,7 +13,7 @@ from handcart.primitives.knowledge.world_model import WorldModel
 from handcart.robotics.navigation.following.pose_regulator import PoseTolerance
 
 from .at_most import at_most
-from .sensor_sigmas import SIGMAS
+from .sensor_sigmas import BASE_SIGMA_DEG, BASE_SIGMA_MM, SIGMAS
 from .survey import Claim, FiguresSurvey, Survey, SurveyedRun
 
 STOOD_MM, STOOD_DEG = 5.0, 0.3  # that a base creeps which stands
@@ -21,22 +21,25 @@ UNFELT_MM = 60.0  # that it may slide beside, which looks at nothing near it
 LOOKS_ROUND = ("scan", "particle", "positioning")  # localizers that feel a slide
 CAR_ARRIVED = PoseTolerance(position=0.25, heading=0.15)
 """What a car's MOVE_TO means by arrived: nothing is regulated at the end, it can't move sideways."""
+CAR_NEEDS = PoseTolerance(position=1.5, heading=math.radians(15.0))
+"""Fixed limit of a car's arrival, however uncertain its fixes are: DEPLOY reaches a target from there."""
+ORIENTED_DEG = 10.0  # fixed limit of the heading that ORIENT claims to know
 DRIVES = "MOVE_TO"
 
 
 def _moved_to(survey: Survey, claim: Claim) -> list[str]:
-    """What was claimed is within a tolerance by what measured it."""
+    """Compare the arrival with what was measured, and with the fixed limit of the place."""
     robot, place, model = survey.run.robot, claim.primitive.place, survey.run.model
     off, turned = arrival(survey.run, place)
     sigma, heading_sigma = robot.localization.sigma
     if not math.isfinite(sigma):
         return ["it isn't known where the base is"]
-    claimed = _claimed(robot, place, model)
+    claimed, needed = _claimed(robot, place, model), _needed(robot, place, model)
     far = 1e3 * (claimed.position + SIGMAS * sigma)
     askew = math.degrees(claimed.heading + SIGMAS * heading_sigma)
     return [
-        *at_most("the base is {:.1f} mm from its place", off, far),
-        *at_most("the base is {:.2f} deg off", turned, askew),
+        *at_most("the base is {:.1f} mm from its place", off, far, 1e3 * needed.position),
+        *at_most("the base is {:.2f} deg off", turned, askew, math.degrees(needed.heading)),
     ]
 
 
@@ -57,7 +60,7 @@ def _oriented(survey: Survey, claim: Claim) -> list[str]:
         return ["it isn't known which way the base heads"]
     off = math.degrees(robot.pose.turn(survey.run.world.base))
     most = STOOD_DEG + math.degrees(SIGMAS * robot.localization.sigma[1])
-    return at_most("the base heads {:.2f} deg beside what is believed", off, most)
+    return at_most("the base heads {:.2f} deg beside what is believed", off, most, ORIENTED_DEG)
 
 
 def _modified(survey: Survey, claim: Claim) -> list[str]:
@@ -91,3 +94,14 @@ def _claimed(robot: Robot, place: str, model: WorldModel) -> PoseTolerance:
     if robot.spec.drive.kind == "ackermann":
         return CAR_ARRIVED
     return DOCKED if model.places[place].docks else ARRIVED
+
+
+def _needed(robot: Robot, place: str, model: WorldModel) -> PoseTolerance:
+    """Return how far from a place the base may truly be, whatever its localizer claims."""
+    claimed = _claimed(robot, place, model)
+    if claimed is CAR_ARRIVED:
+        return CAR_NEEDS
+    return PoseTolerance(
+        claimed.position + SIGMAS * BASE_SIGMA_MM / 1e3,
+        claimed.heading + SIGMAS * math.radians(BASE_SIGMA_DEG),
+    )

@@ -1,4 +1,8 @@
-"""How exactly a robot's sensors measure what is held against the truth."""
+"""How exactly a robot's sensors measure what is compared with the ground truth.
+
+Every claim has two limits, and both hold: a tolerance and `SIGMAS` of the claimed uncertainty; a fixed limit
+that doesn't grow with that. These sigmas are of the sensors, not of a claim: limits made of them are fixed.
+"""
 
 from __future__ import annotations
 

@@ -21,6 +21,7 @@ from .sensor_sigmas import (
 )
 
 GRIPPER_SIGMA_MM = 0.05  # of the measured opening
+UNSURE_SHARE = 2.0  # fixed limit of the base in its tolerances: so far off, and as much again unnoticed
 STILL = {
     "base mm": 0.5,
     "base deg": 0.05,
@@ -55,20 +56,28 @@ def not_restored(
     spec: RobotFile,
     base_sigma: tuple[float, float] = (BASE_SIGMA_MM, BASE_SIGMA_DEG),
 ) -> list[str]:
-    """What is not where it was: beyond the tolerance of the robot's file and 5 sigma of what measures it.
+    """Return what is not where it was: beyond the tolerance of the robot's file and 5 sigma of the sensor.
 
-    `base_sigma` in [mm] and [deg] is that of what measures how far the base came.
+    `base_sigma` in [mm] and [deg] is that of what measures how far the base came. Whatever it is, the base
+    is within a fixed limit: twice its tolerance, or 5 sigma of a scan match beyond it where that is more.
     """
     tolerance = spec.tolerance
     allowed = {
-        "base mm": tolerance.base_mm + SIGMAS * base_sigma[0],
-        "base deg": tolerance.base_deg + SIGMAS * base_sigma[1],
+        "base mm": _base_limit(tolerance.base_mm, base_sigma[0], BASE_SIGMA_MM),
+        "base deg": _base_limit(tolerance.base_deg, base_sigma[1], BASE_SIGMA_DEG),
         "joints deg": tolerance.joints_deg + SIGMAS * JOINT_SIGMA_DEG,
         "slides mm": tolerance.slides_mm + SIGMAS * SLIDE_SIGMA_MM,
         "gripper mm": tolerance.gripper_mm + SIGMAS * GRIPPER_SIGMA_MM,
     }
     body = tolerance.object_mm + SIGMAS * OBJECT_SIGMA_MM
     return _beyond(moved(before, after), allowed, body)
+
+
+def _base_limit(tolerance: float, sigma: float, of_scans: float) -> float:
+    """Return the smaller one of the measured and the fixed limit, in their unit; NaN for a sigma of NaN."""
+    fixed = max(UNSURE_SHARE * tolerance, tolerance + SIGMAS * of_scans)
+    measured = tolerance + SIGMAS * sigma
+    return measured if math.isnan(measured) else min(measured, fixed)
 
 
 def not_still(before: GroundTruth, after: GroundTruth) -> list[str]:

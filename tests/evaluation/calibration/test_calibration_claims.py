@@ -14,15 +14,17 @@ from handcart.robotics.geometry.transform import inverse
 ROBOT = load_robot("toyama/uncalibrated")
 
 
-def found(**off: float) -> dict[str, Calibrated]:
-    """The truth, but for what is off."""
+def found(sigmas: float = 1.0, **off: float) -> dict[str, Calibrated]:
+    """The truth, but for what is off, and so many times as uncertain."""
     arm = ROBOT.arm_model()
     assert ROBOT.camera is not None
     true, stated = true_camera(ROBOT.camera, arm, ROBOT.errors, 3), stated_camera(ROBOT.camera, arm)
     x, y, z = (1e3 * (inverse(stated.hand_T_camera) @ true.hand_T_camera)[:3, 3]).tolist()
     values = {"focal_px": true.model.K[1, 1], "cx_px": true.model.K[0, 2], "k1": true.model.distortion[0]}
-    claims = {name: Calibrated(float(value) + off.get(name, 0.0), 0.2) for name, value in values.items()}
-    claims["xyz_mm"] = Calibrated((x + off.get("xyz_mm", 0.0), y, z), (0.1, 0.1, 0.1))
+    claims = {
+        name: Calibrated(float(value) + off.get(name, 0.0), 0.2 * sigmas) for name, value in values.items()
+    }
+    claims["xyz_mm"] = Calibrated((x + off.get("xyz_mm", 0.0), y, z), (0.1 * sigmas,) * 3)
     return {f"camera.calibrated.{name}": each for name, each in claims.items()}
 
 
@@ -36,6 +38,12 @@ def test_what_is_off_is_told(name: str, off: float) -> None:
     assert wrong.startswith(f"{name} is {abs(off):.3g} off (at most ")
 
 
+@pytest.mark.parametrize(("name", "off"), [("focal_px", 5.0), ("cx_px", -6.0), ("k1", 2.0), ("xyz_mm", 4.0)])
+def test_a_calibration_far_off_is_told_whatever_its_sigma(name: str, off: float) -> None:
+    (wrong,) = camera_faults(ROBOT, 3, found(100.0, **{name: off}))
+    assert wrong.startswith(f"{name} is {abs(off):.3g} off (at most ")
+
+
 def test_a_suspension_is_held_against_the_spots() -> None:
     spots = {"laser_yaw_mrad_per_swing": -0.8, "laser_roll_mrad_per_m": -8.0, "laser_pitch_mrad_per_m": 8.0}
     claims = {"yaw_mrad_per_swing": -0.85, "roll_mrad_per_m": -8.3, "pitch_mrad_per_m": 7.9, "pivot_m": 0.1}
@@ -44,3 +52,6 @@ def test_a_suspension_is_held_against_the_spots() -> None:
     values["suspension.roll_mrad_per_m"] = Calibrated(-11.0, 0.05)
     (wrong,) = suspension_faults(spots, values)
     assert wrong == "roll_mrad_per_m is 3 off (at most 1.75)"
+    values["suspension.roll_mrad_per_m"] = Calibrated(-12.0, 50.0)
+    (wrong,) = suspension_faults(spots, values)
+    assert wrong == "roll_mrad_per_m is 4 off (at most 3.75)"

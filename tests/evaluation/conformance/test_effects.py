@@ -96,10 +96,15 @@ def test_what_a_primitive_disturbs_is_told_but_for_its_own() -> None:
         ("differential", False, 0.004, 0.041, False),
         ("differential", True, 0.004, 0.023, True),
         ("differential", True, 0.004, 0.025, False),
-        ("differential", False, 0.030, 0.160, True),
+        ("differential", False, 0.001, 0.026, False),
+        ("differential", False, 0.736, 0.039, True),
+        ("differential", False, 0.736, 0.042, False),
+        ("differential", True, 0.736, 0.025, False),
         ("differential", False, math.inf, 0.0, False),
         ("ackermann", False, 0.0, 0.24, True),
         ("ackermann", False, 0.0, 0.26, False),
+        ("ackermann", False, 0.3, 1.45, True),
+        ("ackermann", False, 5.0, 1.55, False),
     ],
 )
 def test_arrival_is_held_against_what_is_claimed(
@@ -117,9 +122,21 @@ def test_arrival_is_held_against_what_is_claimed(
     assert (untrue == []) is right
 
 
-def laid_at(x: float) -> Any:
+@pytest.mark.parametrize(
+    ("sigma_deg", "off_deg", "right"), [(1.0, 5.0, True), (1.0, 5.5, False), (30.0, 11.0, False)]
+)
+def test_a_heading_is_known_within_both_limits(sigma_deg: float, off_deg: float, right: bool) -> None:
+    robot: Any = SimpleNamespace(
+        localization=SimpleNamespace(sigma=(0.1, math.radians(sigma_deg)), heading_known=True),
+        pose=Pose2(0.0, 0.0, math.radians(off_deg)),
+    )
+    untrue = false(ArrivalSurvey, "ORIENT", claimed(), robot=robot, world=SimpleNamespace(base=HERE))
+    assert (untrue == []) is right
+
+
+def laid_at(x: float, sigma: float = 0.01) -> Any:
     """A model in which one sensor is believed to lie at x."""
-    laid = Laid("a", x, 0.0, (1e-4, 0.0, 1e-4), (0.0, 0.0), 1.0)
+    laid = Laid("a", x, 0.0, (sigma**2, 0.0, sigma**2), (0.0, 0.0), 1.0)
     known = SimpleNamespace(laid=(laid,), targets={"a": SimpleNamespace(x=0.0, y=0.0)})
     return SimpleNamespace(of=lambda _: known)
 
@@ -137,7 +154,7 @@ def test_a_sensor_lies_where_it_is_believed_to_and_should() -> None:
     def deploy(world: Any, primitive: Any, model: Any) -> list[str]:
         return false(FieldSurvey, "DEPLOY", claimed(primitive), world=world, model=model)
 
-    primitive = SimpleNamespace(target="a")
+    primitive = SimpleNamespace(target="a", sure_mm=250.0)
     assert deploy(lying(0.05), primitive, laid_at(0.04)) == []
     assert deploy(lying(0.05, "floor"), primitive, laid_at(0.05)) == [
         "the sensor doesn't stand on the ground"
@@ -146,7 +163,22 @@ def test_a_sensor_lies_where_it_is_believed_to_and_should() -> None:
     assert wrong == "the sensor is 100 mm from where it is believed to be (at most 80.0)"
     (wrong,) = deploy(lying(0.1), primitive, laid_at(0.1))
     assert wrong == "the sensor is 100 mm from its target (at most 80.0)"
-    assert deploy(lying(0.0), SimpleNamespace(target="b"), laid_at(0.0)) == ["no sensor counts as laid there"]
+    assert deploy(lying(0.0), SimpleNamespace(target="b", sure_mm=250.0), laid_at(0.0)) == [
+        "no sensor counts as laid there"
+    ]
+
+
+def test_a_sensor_is_within_the_sigma_that_was_waited_for() -> None:
+    """However uncertain the claim is."""
+    primitive = SimpleNamespace(target="a", sure_mm=100.0)
+
+    def untrue(lies: float, sigma: float) -> list[str]:
+        claim, model = claimed(primitive), laid_at(lies, sigma)
+        return false(FieldSurvey, "DEPLOY", claim, world=lying(lies), model=model)
+
+    assert untrue(0.5, 0.1) == []
+    assert untrue(0.6, 0.1) == ["the sensor is 600 mm from its target (at most 530.0)"]
+    assert untrue(0.6, 2.0) == ["the sensor is 600 mm from its target (at most 530.0)"]
 
 
 def test_a_base_stands_and_is_turned_as_it_was_found() -> None:
