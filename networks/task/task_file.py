@@ -24,6 +24,7 @@ from handcart.files.suggest import suggest
 from handcart.files.yaml.yaml_document import Document, read_document
 from handcart.files.yaml.yaml_node import KeyPath
 from handcart.networks.graph.network import Action, ActionNetwork, Binding, Fact, Situation, faults_of
+from handcart.primitives.clock.wall_clock import ALLOWED_CLOCK, wall_clock_reads
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.registry import primitive_class
 
@@ -234,7 +235,10 @@ class _Reader:
 
     def _kind(self, number: int, name: str) -> type[ActionPrimitive] | None:
         try:
-            return self._primitives(name)
+            kind = self._primitives(name)
+            for read in wall_clock_reads(kind):
+                self._add(("actions", number, "do"), f"{read}; {ALLOWED_CLOCK}")
+            return kind
         except KeyError as unknown:
             self._add(("actions", number, "do"), str(unknown.args[0]))
         except ImportError as missing:

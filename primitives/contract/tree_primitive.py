@@ -9,6 +9,8 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from handcart.backends.robot.robot import Robot
+from handcart.primitives.clock.tick_clock import robot_clock
+from handcart.primitives.clock.wall_clock import refuse_wall_clock
 from handcart.primitives.knowledge.world_model import ModelView
 
 from .action_primitive import ActionPrimitive, Periods
@@ -26,6 +28,9 @@ class TreePrimitive(ActionPrimitive):
     The tree's SUCCESS ends the motion, its FAILURE is a `Discrepancy` in the words of the leaf that failed.
     What a leaf raises leaves the tree at once: a Selector takes neither `Discrepancy` nor `NeedsPerson` for a
     failure that another child could make good. However the motion ends, running leaves are stopped.
+
+    Whatever py_trees itself times (`Timer`, `Timeout`) goes by the robot's clock. A behaviour whose own code
+    reads the wall clock is refused by name, when a task is loaded and before the first tick.
     """
 
     @abstractmethod
@@ -37,7 +42,9 @@ class TreePrimitive(ActionPrimitive):
 
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         """Tick the tree to its end."""
-        yield from ticked(self.tree(robot, model))
+        with robot_clock(lambda: robot.time):
+            root = self.tree(robot, model)
+        yield from ticked(root, lambda: robot.time)
 
 
 class GeneratorBehaviour(Behaviour):
@@ -78,25 +85,34 @@ def leaves(steps: Mapping[str, Step]) -> list[Behaviour]:
     return [GeneratorBehaviour(name, step) for name, step in steps.items()]
 
 
-def ticked(root: Behaviour) -> Periods:
+def ticked(root: Behaviour, now: Callable[[], float]) -> Periods:
     """Tick a tree once a period until it has succeeded.
+
+    Args:
+        root: a new tree.
+        now: returns the robot's time, in [s]: what the tree sees in place of the wall clock.
 
     Raises:
         Discrepancy: the tree failed.
+        WallClockError: the code of one of its behaviours reads the wall clock.
     """
-    root.setup_with_descendants()
+    refuse_wall_clock(root.iterate())
+    with robot_clock(now):
+        root.setup_with_descendants()
     try:
         while True:
-            root.tick_once()
+            with robot_clock(now):
+                root.tick_once()
             if root.status == Status.SUCCESS:
                 return
             if root.status != Status.RUNNING:
                 raise Discrepancy(_why(root))
             yield
     finally:
-        root.stop(Status.INVALID)
-        for each in root.iterate():
-            each.shutdown()
+        with robot_clock(now):
+            root.stop(Status.INVALID)
+            for node in root.iterate():
+                node.shutdown()
 
 
 def _why(root: Behaviour) -> str:

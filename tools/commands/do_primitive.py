@@ -74,6 +74,7 @@ def _task(knowledge: Path | None, settings: list[str]) -> Task | None:
 
 def _made(name: str, parameters: list[str]) -> ActionPrimitive:
     """The primitive with its parameters, checked as in a task file."""
+    from handcart.primitives.clock.wall_clock import ALLOWED_CLOCK, wall_clock_reads
     from handcart.primitives.registry import primitive_class
     from handcart.tools.terminal.typed_model import typed_model
 
@@ -81,6 +82,8 @@ def _made(name: str, parameters: list[str]) -> ActionPrimitive:
         kind = primitive_class(name)
     except KeyError as unknown:
         raise typer.BadParameter(str(unknown.args[0])) from None
+    if wrong := wall_clock_reads(kind):
+        raise typer.BadParameter(f"{'; '.join(wrong)}; {ALLOWED_CLOCK}")
     return typed_model(kind, parameters, f"handcart do {name}")
 
 

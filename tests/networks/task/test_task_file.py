@@ -1,5 +1,6 @@
 """Task files: what is wrong in them, all at once with its place; and repeating (rows T10 to T12, T17)."""
 
+import time
 from collections import deque
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -53,6 +54,28 @@ def findings(load: Callable[..., Task], text: str, **settings: str) -> list[tupl
     with pytest.raises(FileError) as error:
         load(text, **settings)
     return [(each.line, each.message) for each in error.value.findings]
+
+
+class Dawdle(ActionPrimitive):
+    """Waits by the wall clock."""
+
+    def motion(self, robot: Robot, model: ModelView) -> Periods:
+        end = time.monotonic() + 0.1
+        while True:
+            if time.monotonic() > end:
+                return
+            yield
+
+
+def test_a_primitive_that_reads_the_wall_clock_is_a_finding(
+    load: Callable[..., Task], primitives: SimpleNamespace
+) -> None:
+    primitives.DAWDLE = Dawdle
+    found = findings(load, TASK.replace("do: THINK, from: a", "do: DAWDLE, from: a"))
+    words = [message for line, message in found if line == 12 and "Dawdle reads the wall clock" in message]
+    assert len(words) == 2
+    assert "time.monotonic, test_task_file.py:" in words[0]
+    assert "allowed: robot.time" in words[0]
 
 
 def test_good_file(load: Callable[..., Task]) -> None:

@@ -27,7 +27,7 @@ from tests.primitives.conftest import Rig
 
 def periods(root: Behaviour) -> int:
     """Periods until the tree has succeeded."""
-    return sum(1 for _ in ticked(root))
+    return sum(1 for _ in ticked(root, lambda: 0.0))
 
 
 def steps(count: int, log: list[str], name: str, value: bool | None = None) -> GeneratorBehaviour:
@@ -125,7 +125,7 @@ def test_leaves_that_run_are_stopped_however_the_tree_ends() -> None:
     assert periods(both) == 1
     assert log[-1] == "b cleans up"
 
-    root = ticked(steps(9, log, "c"))
+    root = ticked(steps(9, log, "c"), lambda: 0.0)
     next(root)
     with pytest.raises(Discrepancy, match="cancelled"):
         root.throw(Discrepancy("cancelled"))

@@ -1,0 +1,1 @@
+"""The clock that a primitive sees: the robot's, never the wall clock."""

@@ -1,0 +1,90 @@
+"""The robot's clock in place of the wall clock while a behaviour tree is ticked."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from types import ModuleType
+from typing import Any
+
+LIBRARY = "py_trees"
+CLOCKS = ("time", "monotonic", "perf_counter")
+NANOSECONDS = 1e9
+_robot_time: ContextVar[Callable[[], float] | None] = ContextVar("_robot_time", default=None)
+
+
+class WallClockError(RuntimeError):
+    """A behaviour reads the wall clock or sleeps."""
+
+
+class TickTime(ModuleType):
+    """The module `time` as py_trees sees it.
+
+    While a tree is ticked in this thread, its clocks return the robot's time. Otherwise, and for every other
+    function, it is the standard library's `time`.
+    """
+
+    def __getattr__(self, name: str) -> Any:
+        """Return an attribute of the standard library's `time`."""
+        return getattr(time, name)
+
+    def sleep(self, seconds: float) -> None:
+        """Sleep, but never during a tick.
+
+        Raises:
+            WallClockError: a tree is being ticked; it would hold up the robot.
+        """
+        if _robot_time.get() is not None:
+            raise WallClockError(f"a behaviour sleeps for {seconds} s in a tick; allowed: return RUNNING")
+        time.sleep(seconds)
+
+
+def _clock(name: str) -> Callable[[], float]:
+    """Return the clock `name` of `TickTime`."""
+
+    def read() -> float:
+        robot_time = _robot_time.get()
+        return float(getattr(time, name)()) if robot_time is None else robot_time()
+
+    return read
+
+
+def _clock_ns(name: str) -> Callable[[], int]:
+    """Return the clock `name`_ns of `TickTime`, in [ns]."""
+
+    def read() -> int:
+        robot_time = _robot_time.get()
+        return int(getattr(time, f"{name}_ns")() if robot_time is None else NANOSECONDS * robot_time())
+
+    return read
+
+
+TICK_TIME = TickTime("time", "The robot's clock while a tree is ticked; otherwise the standard library's.")
+for _name in CLOCKS:
+    setattr(TICK_TIME, _name, _clock(_name))
+    setattr(TICK_TIME, f"{_name}_ns", _clock_ns(_name))
+
+
+@contextmanager
+def robot_clock(now: Callable[[], float]) -> Iterator[None]:
+    """Let the trees that this thread ticks inside the block see the robot's clock.
+
+    Args:
+        now: returns the robot's time, in [s].
+    """
+    serve_library()
+    token = _robot_time.set(now)
+    try:
+        yield
+    finally:
+        _robot_time.reset(token)
+
+
+def serve_library() -> None:
+    """Give `TickTime` to each loaded module of py_trees that has imported `time`."""
+    for name, module in list(sys.modules.items()):
+        if name.partition(".")[0] == LIBRARY and vars(module).get("time") is time:
+            vars(module)["time"] = TICK_TIME
