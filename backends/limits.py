@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,16 +50,38 @@ def checked_joints(model: ArmModel, joints: Vector, last: Vector, most: Vector) 
     wanted = np.array(joints, dtype=np.float64)
     if wanted.shape != last.shape or not np.isfinite(wanted).all():
         raise CommandError(f"joint angles {wanted.tolist()}; allowed: {model.dof} finite numbers")
-    if (wanted < model.lower - _ROUNDING).any() or (wanted > model.upper + _ROUNDING).any():
-        allowed = f"{model.lower.round(4).tolist()} to {model.upper.round(4).tolist()}"
-        raise CommandError(
-            f"joint angles {', '.join(f'{each:.5g}' for each in wanted)} rad; allowed: {allowed}"
-        )
+    beyond = (wanted < model.lower - _ROUNDING) | (wanted > model.upper + _ROUNDING)
+    if beyond.any():
+        raise CommandError(_each(model, beyond, lambda number: _beyond(model, number, wanted[number])))
     step = np.abs(wanted - last)
-    if (step > most * (1.0 + 1e-6) + _ROUNDING).any():
-        wrong = f"joint steps of {step.round(5).tolist()} rad in a period"
-        raise CommandError(f"{wrong}; allowed: {most.round(5).tolist()}")
+    fast = step > most * (1.0 + 1e-6) + _ROUNDING
+    if fast.any():
+        raise CommandError(
+            _each(model, fast, lambda number: _fast(model, number, step[number], most[number]))
+        )
     return wanted
+
+
+def _each(model: ArmModel, wrong: NDArray[np.bool_], words: Callable[[int], str]) -> str:
+    return "; ".join(
+        f"joint {model.joint_names[number]!r}: {words(int(number))}" for number in np.flatnonzero(wrong)
+    )
+
+
+def _beyond(model: ArmModel, number: int, wanted: float) -> str:
+    scale, unit = _units(model, number)
+    lower, upper = scale * model.lower[number], scale * model.upper[number]
+    return f"{scale * wanted:.5g} {unit}; allowed: {lower:.5g} to {upper:.5g} {unit}"
+
+
+def _fast(model: ArmModel, number: int, step: float, most: float) -> str:
+    scale, unit = _units(model, number)
+    return f"a step of {scale * step:.5g} {unit} in a period; allowed: {scale * most:.5g} {unit}"
+
+
+def _units(model: ArmModel, number: int) -> tuple[float, str]:
+    """What a joint's value is multiplied by for people, and the unit then."""
+    return (1e3, "mm") if model.slides[number] else (math.degrees(1.0), "deg")
 
 
 def checked_width(gripper: GripperSpec, width: float) -> float:

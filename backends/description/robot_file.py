@@ -252,12 +252,18 @@ class RobotFile(FileModel):
         return found
 
     def arm_model(self) -> ArmModel:
-        """Kinematics of the arm, a new object; raises ValueError where the robot has none."""
+        """Kinematics of the arm, a new object; raises ValueError where the robot has none.
+
+        A joint without a speed limit in the URDF (0, or a continuous joint without `<limit>`) has the speed
+        of the robot's file.
+        """
         from handcart.robotics.kinematics.arm_model import ArmModel
 
         if self.arm is None:
             raise ValueError("the robot has no arm")
-        return ArmModel(self.urdf_text(), self.arm.joints, allowed=self.whole.allowed)
+        model = ArmModel(self.urdf_text(), self.arm.joints, allowed=self.whole.allowed)
+        model.velocity = np.where(model.velocity > 0.0, model.velocity, self.joint_speeds())
+        return model
 
     @cached_property
     def joint_units(self) -> JointUnits:

@@ -13,6 +13,7 @@ from handcart.robotics.kinematics.urdf_tree import joint_leaders
 from handcart.tasks.domain import imported
 
 from .ground_spec import OUTDOORS
+from .mount_findings import FINGERS, mount_findings
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
 
 DRIVES = "handcart.backends.can.devices.can_findings:can_findings"
 """Finds what is wrong in the section `can`, given the robot and the document."""
-FINGERS = ("left_finger", "right_finger")
 
 
 def robot_findings(robot: RobotFile, document: Document, drives: bool = True) -> list[Finding]:
@@ -49,7 +49,7 @@ def robot_findings(robot: RobotFile, document: Document, drives: bool = True) ->
             return [*frames, *arm]
     return [
         *frames,
-        *([] if frames else _box_findings(robot, document)),
+        *([] if frames else (*mount_findings(robot, urdf, document), *_box_findings(robot, document))),
         *_positioning_findings(robot, document),
         *(imported(DRIVES)(robot, document) if drives and robot.can is not None else ()),
     ]

@@ -145,6 +145,11 @@ class Robot:
         return self.spec.arm_model()
 
     @cached_property
+    def joint_speeds(self) -> NDArray[np.float64]:
+        """(n,): speed limits of the arm's joints by URDF and robot file, in [rad/s] or [m/s]."""
+        return np.minimum(self.arm_model.velocity, self.spec.joint_speeds())
+
+    @cached_property
     def drive_limits(self) -> DriveLimits:
         """Of the base."""
         drive = self.spec.drive

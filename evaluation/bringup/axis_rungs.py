@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.can.can_backend import CanBackend
+from handcart.backends.description.mount_findings import FINGERS
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.description.robot_findings import FINGERS
 from handcart.evaluation.robot_report.masses import corners_of
 from handcart.evaluation.robot_report.postures import MARGIN
 from handcart.robotics.manipulation.motions.collision_model import CollisionModel

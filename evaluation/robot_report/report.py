@@ -236,4 +236,4 @@ def _of_robot(robot: RobotFile, joints: Sequence[JointFacts]) -> list[Remark]:
 
 def _of_joint(joint: JointFacts) -> list[str]:
     limp = ["no effort: in pybullet it is limp"] if joint.effort <= 0 else []
-    return limp + (["no speed: it can't move"] if joint.velocity <= 0 else [])
+    return limp + (["no speed limit: that of the robot's file counts"] if joint.velocity <= 0 else [])

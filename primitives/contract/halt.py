@@ -9,6 +9,7 @@ import numpy as np
 
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.robot.robot import Robot
+from handcart.primitives.restoring.arm_command import hold_measured
 from handcart.primitives.restoring.snapshot import settle
 
 from .tracking_error_monitor import BEHIND
@@ -31,7 +32,7 @@ def halt(robot: Robot) -> Generator[None, None, None]:
         for _ in range(EASED):
             if arm is None or not _presses(arm):
                 return
-            arm.move(arm.joints())
+            yield from hold_measured(robot)
             yield from settle(robot)
 
 

@@ -50,9 +50,14 @@ class TrackingErrorMonitor:
                     for joint, (low, high) in zip(joints, commanded, strict=True)
                 ]
             )
-            number = int(np.argmax(off)) + 1
-            raise Discrepancy(
-                f"joint {number} is {off.max():.2f} rad from where it was told to be",
-                measured=Measured("Arm", f"joint {number} off its command", float(off.max()), BEHIND, "rad"),
-                check="following",
-            )
+            raise self._discrepancy(int(np.argmax(off)), float(off.max()))
+
+    def _discrepancy(self, joint: int, off: float) -> Discrepancy:
+        slides = self._robot.spec.joint_units.slides[joint]
+        scale, unit, digits = (1e3, "mm", 1) if slides else (1.0, "rad", 2)
+        name = f"joint {joint + 1}"
+        return Discrepancy(
+            f"{name} is {scale * off:.{digits}f} {unit} from where it was told to be",
+            measured=Measured("Arm", f"{name} off its command", scale * off, scale * BEHIND, unit),
+            check="following",
+        )

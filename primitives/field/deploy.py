@@ -26,6 +26,7 @@ from handcart.primitives.contract.tree_primitive import Step, TreePrimitive, lea
 from handcart.primitives.field.target import TargetName
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
 from handcart.primitives.motions.grip import open_to
+from handcart.primitives.restoring.arm_command import hold_measured
 from handcart.primitives.restoring.snapshot import settle
 from handcart.robotics.manipulation.arms.scara import base_to_world, world_to_base
 
@@ -238,7 +239,8 @@ class Deploy(TreePrimitive):
         down = arm.scara.mount[2] - arm.below - float(point[2])
         lowest = arm.scara.slide[1]
         if not -UNEVEN < down <= lowest + UNEVEN:
-            low = Measured("Arm", "what the slide would have to go down", down, lowest + UNEVEN, "m")
+            most = 1e3 * (lowest + UNEVEN)
+            low = Measured("Arm", "what the slide would have to go down", 1e3 * down, most, "mm")
             raise Discrepancy("the slide doesn't reach the ground", measured=low)
         force = yield from arm.slide(min(max(0.0, down - NEAR), lowest))
         if force > TOUCHES:
@@ -248,8 +250,7 @@ class Deploy(TreePrimitive):
         if force <= TOUCHES:
             felt = Measured("Arm", "force from below", force, TOUCHES, "N")
             raise Discrepancy("there is no ground below the sensor", measured=felt)
-        robot.arm.move(robot.arm.joints().clip(robot.arm_model.lower, robot.arm_model.upper))
-        yield
+        yield from hold_measured(robot)
         self.found(
             lowered_mm=round(1e3 * (float(robot.arm.command()[2])), 1),
             off_mm=round(1e3 * (float(robot.arm.command()[2]) - down), 1),

@@ -141,14 +141,12 @@ class SensorArm:
 
     def _top(self) -> float:
         """What the turning joints may do, in [rad/s]."""
-        most = np.minimum(self._robot.arm_model.velocity, self._robot.spec.joint_speeds())
-        return float(most[:2].min()) * (1.0 - 1e-6)
+        return float(self._robot.joint_speeds[:2].min()) * (1.0 - 1e-6)
 
     def slide(self, goal: float, speed: float = FAST) -> Generator[None, None, float]:
         """Move the slide to `goal` [m], or until the hand meets something; gives the force from below [N]."""
         robot = self._robot
-        most = min(float(robot.arm_model.velocity[2]), float(robot.spec.joint_speeds()[2]))
-        step = min(speed, most) * robot.period * (1.0 - 1e-6)
+        step = min(speed, float(robot.joint_speeds[2])) * robot.period * (1.0 - 1e-6)
         while abs(goal - (at := robot.arm.command()[2])) > 1e-6:
             joints = robot.arm.command()
             joints[2] = at + max(-step, min(step, goal - at))

@@ -14,13 +14,17 @@ from handcart.primitives.contract.discrepancy import Discrepancy, Measured
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.shapes import Shape
 from handcart.robotics.manipulation.motions.collision_model import HELD, CollisionModel
-from handcart.robotics.manipulation.motions.motion_planner import plan_motion, plan_straight
+from handcart.robotics.manipulation.motions.motion_planner import Path, plan_motion, plan_straight
 from handcart.robotics.manipulation.motions.trajectory import time_path
 
 MARGIN = 0.005  # [m] between the arm and anything
 ALLOWED = ((HELD, "tray"),)  # what the hand holds was taken from there
 FINELY = 5e-4  # [m] to which fingers are known, so that one model serves for many motions
 LAGS = 0.15  # [rad] behind the command at which something stops the arm: two periods at top speed
+SLIDE_LAGS = 0.03  # [m] the same of joints that slide
+CLOSE = 1e-4  # [rad] to a goal that needs no motion
+MORE_STARTS = 40  # of the inverse kinematics, where its first posture can't be reached
+MORE_GOALS = 3  # postures that a way is looked for to then
 
 Vector = NDArray[np.float64]
 
@@ -35,12 +39,26 @@ def move_to_posture(
 def move_to_pose(
     robot: Robot, base_T_hand: Transform, held: Shape | None = None, around: Sequence[Shape] = ()
 ) -> Periods:
-    """Move the hand to a pose (4, 4). Arguments and errors as for `move_to_joints`."""
-    joints = robot.arm_model.inverse(base_T_hand, near=robot.arm.command())
+    """Move the hand to a pose (4, 4). Arguments and errors as for `move_to_joints`.
+
+    The solution of the inverse kinematics next to the present posture is tried first. If it is not free, or
+    no way leads there, other solutions follow, those that are free and near first.
+    """
+    here = robot.arm.command()
+    joints = robot.arm_model.inverse(base_T_hand, near=here)
     if joints is None:
         x, y, z = base_T_hand[:3, 3]
         raise Discrepancy(f"the arm doesn't reach ({x:.2f}, {y:.2f}, {z:.2f}) m")
-    yield from move_to_joints(robot, joints, held, around)
+    if np.allclose(here, joints, atol=CLOSE):
+        return
+    collision = collision_model(robot, held, around)
+    path = yield from robot.compute(plan_motion, collision.arm, collision, here, joints)
+    if path is None:
+        seed = round(robot.time / robot.period)
+        path = yield from robot.compute(_plan_another_way, collision, here, base_T_hand, seed)
+    if path is None:
+        raise _no_way(robot, collision, here, joints)
+    yield from follow(robot, path)
 
 
 def move_to_joints(
@@ -58,14 +76,12 @@ def move_to_joints(
         Discrepancy: no free way was found.
     """
     here = robot.arm.command()
-    if np.allclose(here, joints, atol=1e-4):
+    if np.allclose(here, joints, atol=CLOSE):
         return
     collision = collision_model(robot, held, around)
     path = yield from robot.compute(plan_motion, collision.arm, collision, here, joints)
     if path is None:
-        hits = collision.contacts(joints) or collision.contacts(here)
-        beyond = _beyond(robot, here)
-        raise Discrepancy(beyond or f"the arm finds no free way{_between(hits)}")
+        raise _no_way(robot, collision, here, joints)
     yield from follow(robot, path)
 
 
@@ -92,13 +108,17 @@ def follow(robot: Robot, path: NDArray[np.float64]) -> Periods:
     Raises:
         Discrepancy: the arm doesn't follow.
     """
-    speed = np.minimum(robot.arm_model.velocity, robot.spec.joint_speeds())
-    for joints in time_path(path, speed, robot.spec.joint_accelerations(), robot.period)[1:]:
+    slides = robot.arm_model.slides
+    most = np.where(slides, SLIDE_LAGS, LAGS)
+    for joints in time_path(path, robot.joint_speeds, robot.spec.joint_accelerations(), robot.period)[1:]:
         robot.arm.move(joints)
         yield
-        behind = float(np.abs(robot.arm.joints() - joints).max())
-        if behind > LAGS:
-            lag = Measured("Arm", "a joint behind its command", behind, LAGS, "rad")
+        behind = np.abs(robot.arm.joints() - joints)
+        worst = int((behind / most).argmax())
+        if behind[worst] > most[worst]:
+            scale, unit = (1e3, "mm") if slides[worst] else (1.0, "rad")
+            off, limit = float(scale * behind[worst]), float(scale * most[worst])
+            lag = Measured("Arm", "a joint behind its command", off, limit, unit)
             raise Discrepancy("something stops the arm", measured=lag)
 
 
@@ -109,6 +129,22 @@ def collision_model(robot: Robot, held: Shape | None, around: Sequence[Shape] = 
         width = FINELY * round(max(0.0, gripper.width() / 2.0) / FINELY)
         arm = arm.with_others({"left_finger": width, "right_finger": width})
     return CollisionModel(arm, around, held, margin=MARGIN, allowed=ALLOWED)
+
+
+def _plan_another_way(
+    collision: CollisionModel, here: Vector, base_T_hand: Transform, seed: int
+) -> Path | None:
+    """Plan to one of several postures that have the hand at a pose; None if none of them can be reached."""
+    found = collision.arm.solutions(base_T_hand, here, restarts=MORE_STARTS, seed=seed)
+    free = [joints for joints in found if not collision.in_collision(joints)]
+    free.sort(key=lambda joints: float(np.abs(joints - here).max()))
+    ways = (plan_motion(collision.arm, collision, here, joints, seed) for joints in free[:MORE_GOALS])
+    return next((way for way in ways if way is not None), None)
+
+
+def _no_way(robot: Robot, collision: CollisionModel, here: Vector, joints: Vector) -> Discrepancy:
+    hits = collision.contacts(joints) or collision.contacts(here)
+    return Discrepancy(_beyond(robot, here) or f"the arm finds no free way{_between(hits)}")
 
 
 def _beyond(robot: Robot, here: Vector) -> str:

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Generator
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.discrepancy import Discrepancy
+from handcart.primitives.restoring.arm_command import ROUNDING, hold_measured
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.manipulation.motions.motion_planner import plan_straight
 
@@ -31,7 +35,8 @@ def push(
 ) -> Generator[None, None, Pushed]:
     """Move the hand in a straight line at constant speed until something resists.
 
-    Slow enough that a period's step adds little force: with a stiffness of 2 N a mm, 20 mm/s add 2 N.
+    Where a joint would exceed its speed, the hand moves more slowly. Slow enough that a period's step adds
+    little force: with a stiffness of 2 N a mm, 20 mm/s add 2 N.
 
     Args:
         robot: the arm holds where it was last commanded.
@@ -47,6 +52,7 @@ def push(
     path = plan_straight(arm, robot.arm.command(), base_T_goal, step=speed * robot.period)
     if path is None:
         raise Discrepancy("the arm can't move the hand straight to where it is to go")
+    path = _within_speeds(path, robot.joint_speeds * robot.period)
     base_T_hand = arm.forward(path[0])
     way = base_T_goal[:3, 3] - base_T_hand[:3, 3]
     along = base_T_hand[:3, :3].T @ way / max(float(np.linalg.norm(way)), 1e-9)
@@ -65,5 +71,13 @@ def push(
 
 def relax(robot: Robot) -> Generator[None, None, None]:
     """Command the arm to where it stands, so that it no longer presses."""
-    robot.arm.move(robot.arm.joints())
-    yield
+    yield from hold_measured(robot)
+
+
+def _within_speeds(path: NDArray[np.float64], step: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Add rows to a path (m, n) so that no joint moves more than its `step` (n,) from one to the next."""
+    rows = [path[:1]]
+    for begin, end in pairwise(path):
+        count = max(1, math.ceil(float((np.abs(end - begin) / step).max()) - ROUNDING))
+        rows.append(np.linspace(begin, end, count + 1)[1:])
+    return np.vstack(rows)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Generator
 
 import numpy as np
@@ -12,6 +13,7 @@ from handcart.backends.robot.robot import Robot
 
 from .trace import Moment
 
+ROUNDING = 1e-6  # of a period
 GRIP_PAUSE = 0.6  # [s] that fingers get before anything else moves
 
 
@@ -22,6 +24,21 @@ def renew_arm(robot: Robot, moment: Moment) -> bool:
         return False
     arm.move(moment.joints)
     return True
+
+
+def hold_measured(robot: Robot) -> Generator[None, None, None]:
+    """Command the arm to where it was measured, so that it no longer presses.
+
+    A reading beyond a joint's limit counts as at the limit. Joints that are further from their command than
+    they move in a period get several periods.
+    """
+    arm, model = robot.arm, robot.arm_model
+    start = arm.command()
+    goal = np.clip(arm.joints(), model.lower, model.upper)
+    periods = float(np.nan_to_num(np.abs(goal - start) / (robot.joint_speeds * robot.period)).max())
+    for share in np.linspace(1.0, 0.0, max(1, math.ceil(periods - ROUNDING)), endpoint=False)[::-1]:
+        arm.move(goal if share == 1.0 else start + share * (goal - start))
+        yield
 
 
 def moves_fingers(robot: Robot, moment: Moment) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from functools import cached_property
 
 import numpy as np
@@ -28,6 +28,7 @@ class ArmModel:
 
     Attributes:
         lower, upper: joint limits (n,), in [rad]; velocity: joint speed limits (n,), in [rad/s].
+        slides: (n,) whether a joint is prismatic, so that its numbers are in [m].
         allowed: pairs of links that may touch each other.
     Raises:
         ValueError: a joint or link is not in the URDF, a mesh can't be read, or the arm moves `base` itself.
@@ -62,6 +63,8 @@ class ArmModel:
         self.lower: Vector = self._model.lowerPositionLimit[self._order]
         self.upper: Vector = self._model.upperPositionLimit[self._order]
         self.velocity: Vector = self._model.velocityLimit[self._order]
+        kinds = [self._model.joints[self._model.getJointId(name)].shortname() for name in joint_names]
+        self.slides = np.array([kind.startswith("JointModelP") for kind in kinds], dtype=bool)
         self._data = self._model.createData()
         self._last_poses: dict[tuple[bytes, int], Transform] = {}  # asked several times in a period
         self._frames: dict[str, int] = {}
@@ -135,20 +138,37 @@ class ArmModel:
         The descent from `near` (n,) is taken when it arrives. Else `restarts` seeded random starts are
         tried, those closest to `near` first.
         """
-        target = self._root_T_base * pin.SE3(base_T_tip)
-        found = self._descend(target, np.clip(near, self.lower, self.upper))
-        if found is not None or restarts == 0:
-            return found
-        starts = self._starts(target, restarts, np.random.default_rng(seed))
-        starts.sort(key=lambda start: float(np.linalg.norm(start - near)))
-        arrived = (self._descend(target, start) for start in starts)
-        return next((q for q in arrived if q is not None), None)
+        return next(self.solutions(base_T_tip, near, restarts, seed), None)
+
+    def solutions(
+        self, base_T_tip: Transform, near: Vector, restarts: int = 20, seed: int = 0
+    ) -> Iterator[Vector]:
+        """Yield different joint angles (n,) for one pose, as they are found.
+
+        Args:
+            base_T_tip: (4, 4) pose of the tip.
+            near: (n,) start of the first descent.
+            restarts: number of random starts that follow, those closest to `near` first.
+            seed: of the random starts.
+        """
+        target, found = self._root_T_base * pin.SE3(base_T_tip), list[Vector]()
+        for start in self._all_starts(target, near, restarts, seed):
+            q = self._descend(target, start)
+            if q is not None and all(float(np.abs(q - other).max()) > _SAME for other in found):
+                found.append(q)
+                yield q
+
+    def _all_starts(self, root_T_target: pin.SE3, near: Vector, restarts: int, seed: int) -> Iterator[Vector]:
+        yield np.clip(near, self.lower, self.upper)
+        starts = self._starts(root_T_target, restarts, np.random.default_rng(seed)) if restarts else []
+        yield from sorted(starts, key=lambda start: float(np.linalg.norm(start - near)))
 
     def link_poses(self, q: Vector) -> NDArray[np.float64]:
         """base_T_shape (g, 4, 4) of each body of `link_shapes`, in the same order."""
         pin.forwardKinematics(self._model, self._data, self.ordered(q))
         joints, rows, joint_T_bodies = self._mounts
         base_T_joints = np.array([(self._base_T_root * self._data.oMi[j]).homogeneous for j in joints])
+        base_T_joints = base_T_joints.reshape(-1, 4, 4)  # of an arm without bodies too
         return np.asarray(base_T_joints[rows] @ joint_T_bodies)
 
     @cached_property
@@ -235,6 +255,7 @@ _GRAVITY = 9.81  # [m/s²]
 _POSES = 4  # of frames at postures that are kept
 _ALIKE = 32  # models with other joints elsewhere that are kept
 _ITERATIONS = 40
+_SAME = 1e-3  # [rad] or [m] between two solutions that count as one
 _DRAWN = 8
 _LONGEST_STEP = 0.5  # [rad]
 _TOLERANCE = 1e-8  # [m] and [rad]

@@ -147,7 +147,7 @@ class ArmContact:
     def travel(self, start: NDArray[np.float64], end: NDArray[np.float64]) -> float:
         """How far the middle of any link goes between two postures at most, about, in [m]."""
         before, after = self._link_poses(start)[:, :3, 3], self._link_poses(end)[:, :3, 3]
-        return math.sqrt(((after - before) ** 2).sum(axis=1).max())
+        return math.sqrt(((after - before) ** 2).sum(axis=1).max(initial=0.0))
 
     def _riding(self, world_T_base: Transform) -> _Bodies:
         """What stands on the robot, the base being there."""
@@ -173,7 +173,7 @@ class ArmContact:
         if self._reach[0] != key:
             poses = self._link_poses(joints)[self._links]
             out = np.hypot(poses[:, 0, 3], poses[:, 1, 3]) + self._radius[self._links]
-            reach = float(out.max()) + 0.04
+            reach = float(out.max(initial=0.0)) + 0.04
             if self._scene.held is not None:
                 hand = self._arm.forward(joints)
                 middle = hand @ self._scene.hand_T_held @ self._scene.held.thing_T_middle

@@ -1,0 +1,44 @@
+"""Which joints of a URDF move a link, and which move one link against another."""
+
+from __future__ import annotations
+
+from handcart.robotics.kinematics.urdf_reading import known_urdf
+from handcart.robotics.kinematics.urdf_tree import MOVABLE
+
+
+def joints_above(urdf_text: str, link: str) -> list[str]:
+    """Return the joints that move a link, from the root on.
+
+    Args:
+        urdf_text: a sound URDF.
+        link: name of a link; of an unknown one no joint is returned.
+
+    Raises:
+        ValueError: the text is no URDF.
+    """
+    above = {}
+    for joint in known_urdf(urdf_text).findall("joint"):
+        parent, child = joint.find("parent"), joint.find("child")
+        if parent is not None and child is not None:
+            above[child.get("link", "")] = joint, parent.get("link", "")
+    found = []
+    while link in above:
+        joint, link = above[link]
+        if joint.get("type") in MOVABLE:
+            found.append(joint.get("name", ""))
+    return found[::-1]
+
+
+def joints_between(urdf_text: str, link: str, other: str) -> list[str]:
+    """Return the joints that move one link against another: those above only one of them.
+
+    Args:
+        urdf_text: a sound URDF.
+        link: name of a link; its joints come first.
+        other: name of another link.
+
+    Raises:
+        ValueError: the text is no URDF.
+    """
+    own, others = joints_above(urdf_text, link), joints_above(urdf_text, other)
+    return [name for name in own if name not in others] + [name for name in others if name not in own]

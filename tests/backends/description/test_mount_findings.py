@@ -1,0 +1,87 @@
+"""Cameras that move against the hand, and sensors that the arm carries, are refused with their joints."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from handcart.backends.description.robot_loading import load_robot
+from handcart.files.errors import FileError
+
+ROBOT = """\
+format: handcart-robot/1
+urdf: robot.urdf
+period_s: 0.05
+footprint_radius_m: 0.3
+localizer: odometry
+drive: {wheel_radius_m: 0.1, tread_m: 0.5, top_speed_m_s: 0.5, top_turn_deg_s: 90, acceleration_m_s2: 0.5,
+        turn_acceleration_deg_s2: 90}
+arm: {joints: [lift, turn], top_speed_deg_s: 90, acceleration_deg_s2: 180, slide_speed_mm_s: 50,
+      slide_acceleration_mm_s2: 100, postures: {home: [250, 0]}}
+tolerance: {base_mm: 25, base_deg: 1.5, joints_deg: 0.3, slides_mm: 3, gripper_mm: 1, object_mm: 8}
+"""
+URDF = """\
+<robot name="r">
+  <link name="base"/><link name="carriage"/><link name="hand"/><link name="sensor"/>
+  <joint name="lift" type="prismatic"><parent link="base"/><child link="carriage"/><axis xyz="0 0 1"/>
+    <limit lower="0" upper="0.3" effort="50" velocity="0.1"/></joint>
+  <joint name="turn" type="continuous"><parent link="carriage"/><child link="hand"/></joint>
+  <joint name="mount" type="{kind}"><parent link="{onto}"/><child link="sensor"/>{more}</joint>
+</robot>
+"""
+CAMERA = "camera: {width_px: 640, height_px: 480, focal_px: 600}\nlinks: {camera: sensor}\n"
+RANGE = "range_sensor: {beams: 90, reach_m: 8, sigma_mm: 10}\nlinks: {range_sensor: sensor}\n"
+FOLLOWS = '<mimic joint="turn"/>'
+
+
+def told(tmp_path: Path, section: str, onto: str, kind: str = "fixed", more: str = "") -> str:
+    """What is told of a robot with that sensor on one of its links; empty if nothing is."""
+    (tmp_path / "robot.urdf").write_text(URDF.format(onto=onto, kind=kind, more=more), encoding="utf-8")
+    (tmp_path / "robot.yaml").write_text(ROBOT + section, encoding="utf-8")
+    try:
+        load_robot(str(tmp_path / "robot.yaml"))
+    except FileError as error:
+        return str(error)
+    return ""
+
+
+@pytest.mark.parametrize(
+    ("onto", "kind", "joints"),
+    [
+        ("hand", "continuous", ["'mount'"]),
+        ("carriage", "fixed", ["'turn'"]),
+        ("base", "fixed", ["'lift'", "'turn'"]),
+        ("base", "continuous", ["'mount'", "'lift'", "'turn'"]),
+    ],
+)
+def test_camera_that_moves_against_the_hand_is_refused(
+    tmp_path: Path, onto: str, kind: str, joints: list[str]
+) -> None:
+    words = told(tmp_path, CAMERA, onto, kind)
+    assert f"{tmp_path}/robot.yaml:12:17: " in words
+    assert "between the links `camera` and `hand`; allowed: a camera fixed on the hand" in words
+    lines = {"'lift'": 3, "'turn'": 5, "'mount'": 6}
+    assert all(f"{joint} ({tmp_path}/robot.urdf:{lines[joint]})" in words for joint in joints)
+    assert words.count(".urdf:") == len(joints)
+
+
+def test_camera_fixed_on_the_hand_is_accepted(tmp_path: Path) -> None:
+    assert told(tmp_path, CAMERA, "hand") == ""
+
+
+@pytest.mark.parametrize(
+    ("onto", "kind", "more", "refused"),
+    [
+        ("carriage", "fixed", "", True),
+        ("base", "continuous", FOLLOWS, True),
+        ("base", "continuous", "", False),
+        ("base", "fixed", "", False),
+    ],
+)
+def test_range_sensor_is_refused_where_the_arm_moves_it(
+    tmp_path: Path, onto: str, kind: str, more: str, refused: bool
+) -> None:
+    """A joint that nothing moves stays at zero, and may carry it."""
+    words = told(tmp_path, RANGE, onto, kind, more)
+    assert ("allowed: one fixed on the base" in words) is refused
