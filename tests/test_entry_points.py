@@ -112,6 +112,26 @@ def test_the_documents_backend_drives() -> None:
         assert robot.pose.x == pytest.approx(1.0)
 
 
+def wheels_only(folder: Path) -> Path:
+    """The cart's file as docs/backends.md says: without range sensor and CAN drives."""
+    source = ROOT / "backends" / "robots" / "cart"
+    (folder / "cart.urdf").write_bytes((source / "cart.urdf").read_bytes())
+    text = (source / "robot.yaml").read_text(encoding="utf-8")
+    kept = re.sub(r"(?m)^(range_sensor|can):.*\n(?:[ \t].*\n|\n)*", "", text)
+    path = folder / "wheels.yaml"
+    path.write_text(kept.replace("localizer: scan ", "localizer: odometry "), encoding="utf-8")
+    return path
+
+
+@pytest.mark.slow
+def test_documents_backend_keeps_the_contract(tmp_path: Path) -> None:
+    install(tmp_path, "README.md")
+    robot = wheels_only(tmp_path)
+    said = handcart(tmp_path, "conformance", "--backend", "ideal", "--robot", str(robot), "--part", "checks")
+    assert said.returncode == 0, said.stdout
+    assert "28 checks, 0 wrong" in said.stdout
+
+
 @pytest.mark.slow
 def test_the_documents_tests_pass(tmp_path: Path) -> None:
     source = shown("docs/primitives.md", "Forward")

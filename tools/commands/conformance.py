@@ -23,10 +23,12 @@ SELDOM = 30.0  # [s] between two lines of progress, at least
 def conformance(
     backend: Annotated[str, typer.Option(help="its name")] = "kinematic",
     robot: Annotated[str, typer.Option(help="a shipped robot, or the path of a robot's file")] = "librarian",
-    quick: Annotated[bool, typer.Option("--quick/--full", help="few faults, for each change")] = False,
+    quick: Annotated[
+        bool, typer.Option("--quick/--full", help="few faults and no complete tasks; full: everything")
+    ] = True,
     parts: Annotated[
         list[str] | None,
-        typer.Option("--part", help="checks, faults, mutants or tasks; default: all, quick without tasks"),
+        typer.Option("--part", help="checks, faults, mutants or tasks (default: all; quick: not tasks)"),
     ] = None,
     primitives: Annotated[
         list[str] | None, typer.Option("--primitive", help="faults in this one alone, such as MOVE_TO")
@@ -47,6 +49,8 @@ def conformance(
     chosen = _chosen(parts or [], primitives or [], tasks or [])
     setting = KitSetting(backend, robot, quick, chosen, primitives or (), instants, seeds, tasks or ())
     _check(setting)
+    if quick:
+        print("quick: few faults and no complete tasks; --full tries everything", file=sys.stderr)
     with _progress() as tell:
         report = run_kit(setting, jobs, tell)
     if as_json:

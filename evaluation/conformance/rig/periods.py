@@ -90,6 +90,26 @@ def all_readings(backend: Backend) -> dict[str, NDArray[np.float64]]:
     return result
 
 
+def changing_readings(backend: Backend, periods: int) -> set[str]:
+    """Return the names of the readings that change within so many periods without a command."""
+    first, changed = all_readings(backend), set[str]()
+    for _ in range(periods):
+        backend.step()
+        now = all_readings(backend)
+        changed |= {name for name in now if not np.array_equal(now[name], first[name], equal_nan=True)}
+    return changed
+
+
+def noisy_readings(backend: Backend) -> set[str]:
+    """Return the names of the readings that real sensors deliver with noise."""
+    return {
+        reading_name(part, method)
+        for part in backend.capabilities()
+        for method, reading in part.READINGS.items()
+        if reading.noisy
+    }
+
+
 def reading_name(part: Capability, method: str) -> str:
     """What messages call a reading."""
     kind = next((each for each in CAPABILITIES if isinstance(part, each)), type(part))

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import shutil
+from pathlib import Path
 from typing import Any
 
 import pytest
 
+from handcart.backends.capabilities.range_sensor import Scan
+from handcart.backends.description.robot_names import robot_path
+from handcart.backends.simulation.sensors.simulated_range_sensor import SimulatedRangeSensor
 from handcart.evaluation.conformance.checks.all_checks import checks
 from handcart.evaluation.conformance.checks.check import CheckResult
 from handcart.evaluation.conformance.faults import fault
@@ -57,6 +62,40 @@ def test_the_kinematic_backend_passes(name: str) -> None:
 def test_what_a_robot_lacks_is_left_out_with_the_reason() -> None:
     finding = checks()["joints"](Bench("kinematic", robot="cart"))
     assert finding.skipped == "the robot has no arm"
+
+
+@pytest.fixture
+def without_noise(tmp_path: Path) -> Bench:
+    """A cart whose simulation has no errors."""
+    folder = Path(shutil.copytree(robot_path("cart").parent, tmp_path / "cart"))
+    text = (folder / "robot.yaml").read_text(encoding="utf-8")
+    start, end = text.index("errors:"), text.index("tolerance:")
+    (folder / "robot.yaml").write_text(
+        f"{text[:start]}errors: {{none: true}}\n{text[end:]}", encoding="utf-8"
+    )
+    return Bench("kinematic", str(folder / "robot.yaml"))
+
+
+@pytest.mark.parametrize("name", ["rates", "seed"])
+def test_kit_accepts_a_simulation_without_noise(without_noise: Bench, name: str) -> None:
+    finding = checks()[name](without_noise)
+    assert finding.wrong == []
+    assert any(words.startswith("without noise: ") for words in finding.measured)
+
+
+def test_kit_rejects_a_stale_lidar_without_noise(
+    without_noise: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    kept: list[Scan] = []
+    scan = SimulatedRangeSensor.scan
+
+    def stale(sensor: SimulatedRangeSensor) -> Scan:
+        kept.append(kept[0] if kept else scan(sensor))
+        return kept[0]
+
+    monkeypatch.setattr(SimulatedRangeSensor, "scan", stale)
+    (wrong,) = checks()["rates"](without_noise).wrong
+    assert wrong == "the same at rest and after the base drove: ['range sensor scan']"
 
 
 @pytest.mark.slow

@@ -45,7 +45,8 @@ def test_off_a_terminal_progress_is_told_at_first_now_and_then_and_at_last(
         return KitReport.of(setting.backend, setting.robot, setting.quick, [CheckResult("stop", "it stops")])
 
     monkeypatch.setattr(kit, "run_kit", run)
-    lines = handcart("conformance").err.splitlines()
+    first, *lines = handcart("conformance").err.splitlines()
+    assert first == "quick: few faults and no complete tasks; --full tries everything"
     assert lines == [f"{done} of 11 jobs done after {8 * done - 8} s" for done in (1, 5, 9, 11)]
 
 
