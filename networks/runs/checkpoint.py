@@ -18,7 +18,7 @@ from handcart.networks.task.preparing import Prepared
 from .run_folder import read_file
 
 NAME = "checkpoint"
-_FORMAT = "handcart-checkpoint/7"
+_FORMAT = "handcart-checkpoint/8"
 _KEYS = {"format", "after", "result", "time_s", "backend", "robot", "model"}
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from typing import Annotated, ClassVar
 
 import numpy as np
@@ -14,6 +14,7 @@ from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.capabilities.range_sensor import RangeSensor
+from handcart.backends.robot.localization.determination import difference, undetermined
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured, NeedsPerson
@@ -39,6 +40,7 @@ STUCK = 6.0  # [s] without getting on, though nothing is seen in the way
 HELD = 2.0  # [s] that what the map shows may hold it, until another route is planned from there
 ANEW = 3  # times that this is done
 SLIPPED = 0.1  # [m] that the base was driven meanwhile: something stops it
+NOT_DETERMINED = "not determined"  # the check that found a pose to be uncertain
 NEAR = 0.05  # [m] before the goal, where it turns and comes to stand
 
 
@@ -83,7 +85,9 @@ class MoveTo(ActionPrimitive):
         self._monitor = make_monitor(robot, model)
         if model.places[self.place].docks:
             robot.base.may_stand_at(goal)
-        tracker, points = yield from plan_tracker(robot, model, self.place, goal, ARRIVED, self.reverse)
+        tracker, points = yield from plan_tracker(
+            robot, model, self.place, goal, self._arrived(model), self.reverse
+        )
         self.evidence.points["planned"] = points
         yield from self._follow(robot, model, tracker)
         self._ahead = np.empty((0, 2))
@@ -92,6 +96,30 @@ class MoveTo(ActionPrimitive):
         self.evidence.points["scan"] = robot.pose.apply(robot.range_sensor.scan().points())
         if model.detour and model.detour.goal == self.place:
             model.detour = None
+
+    def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
+        """The base stands at the place, as exactly as the place needs it, along every direction."""
+        if robot.spec.drive.kind != "ackermann":
+            self._check_determined(robot, model.places[self.place])
+        return True
+        yield
+
+    def _arrived(self, model: ModelView) -> PoseTolerance:
+        """Where regulating ends: what is left of the place's tolerance is for the uncertainty."""
+        need = model.places[self.place].need
+        return PoseTolerance(
+            min(ARRIVED.position, 0.5 * need.position), min(ARRIVED.heading, 0.5 * need.heading)
+        )
+
+    def _check_determined(self, robot: Robot, place: Place) -> None:
+        """Raise `Discrepancy` where the sensors don't determine that the base is at its place."""
+        off = (0.0, 0.0, 0.0) if place.docks else difference(robot.pose, place.pose)
+        found = undetermined(robot.localization.repeatability, place.need, off)
+        if found is None:
+            return
+        size, limit = found.shown
+        measured = Measured("RangeSensor", "3 sigma of the pose", size, limit, found.unit)
+        raise Discrepancy(f"not determined: at {self.place} {found.words}", True, measured, NOT_DETERMINED)
 
     def _arm(self, robot: Robot, model: ModelView, remaining: Callable[[], float]) -> Iterator[None]:
         """What the arm does meanwhile."""
@@ -111,7 +139,9 @@ class MoveTo(ActionPrimitive):
                 progress, since, rolled = tracker.progress, robot.time, 0.0
             if anew < ANEW and robot.time > since + HELD and self._held_by_map(robot, model):
                 goal = goal_pose(model, self.place)
-                tracker, _ = yield from plan_tracker(robot, model, self.place, goal, ARRIVED, self.reverse)
+                tracker, _ = yield from plan_tracker(
+                    robot, model, self.place, goal, self._arrived(model), self.reverse
+                )
                 progress, since, anew = 0.0, robot.time, anew + 1
             if robot.time > since + self._patience(robot, tracker):
                 raise self._stuck(robot, model, robot.time - since, rolled)

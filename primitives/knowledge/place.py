@@ -9,6 +9,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
+from handcart.backends.robot.localization.determination import PoseNeed
 from handcart.files.maps.map_file import load_map as load_map
 from handcart.files.models.loading import Loaded, load_document
 from handcart.files.models.model import FileModel
@@ -17,6 +18,9 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform
 
 from .ros_goals import LISTS, goals_as_places
+
+ARRIVED_MM, ARRIVED_DEG = 40.0, 1.0  # of a place that says nothing
+DOCKED_MM = 24.0  # of one where the base docks
 
 Positive = Annotated[float, Field(gt=0.0)]
 
@@ -44,6 +48,13 @@ class Place(FileModel):
     y_m: float
     heading_deg: float
     shelf: Shelf | None = None
+    tolerance_mm: Positive | None = None
+    """How far the base may be from there, in any direction, measured with 3 sigma.
+
+    (default: 40; 24 where it docks)
+    """
+    tolerance_deg: Positive | None = None
+    """The same of its heading. (default: 1)"""
 
     @property
     def pose(self) -> Pose2:
@@ -54,6 +65,14 @@ class Place(FileModel):
     def docks(self) -> bool:
         """Whether the base docks there: something with a straight front stands before it."""
         return self.shelf is not None
+
+    @property
+    def need(self) -> PoseNeed:
+        """How exactly the base has to stand there."""
+        usual = DOCKED_MM if self.docks else ARRIVED_MM
+        position = usual if self.tolerance_mm is None else self.tolerance_mm
+        heading = ARRIVED_DEG if self.tolerance_deg is None else self.tolerance_deg
+        return PoseNeed(position / 1e3, math.radians(heading))
 
     @property
     def map_T_shelf(self) -> Transform:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.gripper import Gripper
+from handcart.backends.robot.localization.localization import worst_sigmas
 from handcart.backends.robot.robot import Robot
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.outdoors.watched_moment import Belief
@@ -143,13 +144,12 @@ def _apart(start: Snapshot, now: Snapshot) -> tuple[float, float]:
 
 
 def _unsure(start: Snapshot, now: Snapshot) -> tuple[float, float]:
-    """Sigma of how far apart two poses are in [m] and [rad]; by wheels alone it is what was added between."""
-    if now.displacement is not None:
-        covariance = now.displacement.covariance
-        worst = float(np.linalg.eigvalsh(covariance[:2, :2])[-1]), float(covariance[2, 2])
-        return math.sqrt(max(0.0, worst[0])), math.sqrt(max(0.0, worst[1]))
+    """Sigma of how far apart two poses are, along the worst direction in [m], and of the turn in [rad]."""
+    if now.displacement is not None and math.isfinite(now.pose_sigma[0]):
+        return worst_sigmas(now.displacement.covariance)
     if not now.dead_reckoned:
-        return now.pose_sigma
+        position, heading = map(math.hypot, start.pose_sigma, now.pose_sigma)
+        return position, heading
     added = [
         math.sqrt(max(0.0, late**2 - early**2))
         for late, early in zip(now.pose_sigma, start.pose_sigma, strict=True)

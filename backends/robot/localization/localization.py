@@ -22,7 +22,7 @@ from handcart.robotics.navigation.outdoors.watched_moment import Belief
 
 STILL_SCANS = 20  # periods at rest after which further scans tell nothing new
 LOOK_AGAIN = 10  # periods at rest between scans that tell whether somebody moved the base
-SCAN_SIGMA = (0.004, 0.0015)  # [m], [rad]: spread of scan matches about one place
+SCAN_REPEATABILITY = np.diag([0.004, 0.004, 0.0015]) ** 2  # [m², rad²]: scatter of scan matches at one place
 STANDS = 2e-4  # [m] by which encoders of wheels that stand differ, as an arm pulls at the base
 STALE = 1e-3  # [m], [rad] of motion in which a scan can't stay the same to the last bit
 UNANSWERED = 0.03  # [m] that wheels may be driven, by which alone it is reckoned, while they read the same
@@ -101,14 +101,15 @@ class Localization(ABC):
 
     def set_origin(self) -> None:
         """From here on `displacement` is measured."""
+        self._wheels.odometry.set_origin()
 
     @property
     def displacement(self) -> Belief | None:
-        """Of the base since `set_origin`, where that is known better than where the base is; else None.
+        """Motion of the base since `set_origin`; None where two poses alone can be compared.
 
         Ahead and left in [m], and turn in [rad]: mean (3,) and covariance (3, 3).
         """
-        return None
+        return self._wheels.odometry.displacement
 
     @property
     def covariance(self) -> NDArray[np.float64]:
@@ -121,10 +122,22 @@ class Localization(ABC):
         return None
 
     @property
+    def repeatability(self) -> NDArray[np.float64]:
+        """(3, 3) covariance of a pose compared with another one measured at the same place.
+
+        Of x, y in [m] and heading in [rad], on the map. An error that both poses share, that of the map, is
+        left out. Never less than the noise of the sensors; along a direction that they do not determine it
+        is as large as `covariance`.
+        """
+        return self.covariance
+
+    @property
     def sigma(self) -> tuple[float, float]:
-        """How well two poses that are both measured like this one can be compared, in [m] and [rad]."""
-        x, y, heading = map(math.sqrt, self.covariance.diagonal().tolist())
-        return float(np.hypot(x, y)), heading
+        """Sigma of `repeatability` along its worst direction in [m], and of the heading in [rad].
+
+        Infinite while the robot is lost.
+        """
+        return (math.inf, math.inf) if self.lost is not None else worst_sigmas(self.repeatability)
 
     @property
     def tilt(self) -> tuple[float, float]:
@@ -260,20 +273,33 @@ class Localization(ABC):
 class ScanLocalization(Localization):
     """Wheels carry the pose on, scans correct it."""
 
+    STATE: ClassVar[Kinds] = {**Localization.STATE, "_map_error_then": NDArray[np.float64]}
+
     def __init__(self, backend: Backend, matching: ScanLocalizer) -> None:
         """Of a robot that stands, and looks round at once."""
         super().__init__(backend, matching)
-        self._matching = matching
+        self._matching, self._map_error_then = matching, np.zeros((3, 3))
         assert self._range_sensor is not None, "scans come from a range sensor"
         matching.correct(self._range_sensor.scan().points())
+        self.set_origin()
 
     @property
-    def sigma(self) -> tuple[float, float]:
-        """See `Localization`: the map's own error is the same in both poses. A lost robot knows nothing; if
-        the last scan wasn't believed, it is all that has been added up since."""
-        if self._matching.lost:
-            return math.inf, math.inf
-        return SCAN_SIGMA if self._matching.sure else super().sigma
+    def repeatability(self) -> NDArray[np.float64]:
+        """See `Localization`."""
+        return np.asarray(_without(self.covariance, self._matching.map_error) + SCAN_REPEATABILITY)
+
+    @property
+    def displacement(self) -> Belief:
+        """See `Localization`: the error of the map at one place is the same in both poses."""
+        mean, spread = self._matching.odometry.displacement
+        shared = self._map_error_then + self._matching.map_error
+        turned = _turned(self._matching.odometry.origin.theta)
+        return Belief(mean, _without(spread, turned @ shared @ turned.T) + 2.0 * SCAN_REPEATABILITY)
+
+    def set_origin(self) -> None:
+        """See `Localization`."""
+        super().set_origin()
+        self._map_error_then = self._matching.map_error
 
     @property
     def dead_reckoned(self) -> bool:
@@ -310,11 +336,6 @@ class WheelLocalization(Localization):
         self._period, self._unanswered = backend.period, 0.0
 
     @property
-    def sigma(self) -> tuple[float, float]:
-        """See `Localization`."""
-        return super().sigma if self.lost is None else (math.inf, math.inf)
-
-    @property
     def dead_reckoned(self) -> bool:
         """See `Localization`."""
         return True
@@ -335,3 +356,25 @@ class WheelLocalization(Localization):
         speed, turn_rate = driven
         way = (abs(speed) + 0.5 * self._wheels.odometry.tread * abs(turn_rate)) * self._period
         self._unanswered = self._unanswered + way if self.travel == before else 0.0
+
+
+def worst_sigmas(covariance: NDArray[np.float64]) -> tuple[float, float]:
+    """Return the sigma of a position along its worst direction in [m], and of the heading in [rad].
+
+    Args:
+        covariance: (3, 3) of x, y in [m] and heading in [rad].
+    """
+    worst = float(np.linalg.eigvalsh(covariance[:2, :2])[-1])
+    return math.sqrt(max(0.0, worst)), math.sqrt(max(0.0, float(covariance[2, 2])))
+
+
+def _without(covariance: NDArray[np.float64], part: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Subtract a part (3, 3) of a covariance (3, 3); no variance of what is left is negative."""
+    variances, axes = np.linalg.eigh(covariance - part)
+    return np.asarray((axes * np.maximum(variances, 0.0)) @ axes.T)
+
+
+def _turned(heading: float) -> NDArray[np.float64]:
+    """(3, 3) rotation from the map to the frame of a base with that heading, in [rad]."""
+    cos, sin = math.cos(heading), math.sin(heading)
+    return np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]])

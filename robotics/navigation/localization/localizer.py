@@ -16,6 +16,9 @@ from handcart.robotics.navigation.localization.scan_matching import LikelihoodFi
 FEWEST_POINTS = 20
 LEAST_INLIERS = 0.4  # share of a scan's points that the map must explain for a match to be believed
 ROUGH = np.diag([0.3, 0.3, 0.17]) ** 2  # [m², rad²] of a pose that is looked for
+NUDGED = (
+    np.diag([0.0125, 0.0125, 0.005]) ** 2
+)  # [m², rad²] by which somebody may have moved a base that stands
 LESS = 0.9  # share of the points explained so far; fewer, and the pose is looked for farther away
 DISPLACED = (0.010, 0.010)  # [m], [rad] by which scans of one place never differ: eight times their spread
 SURE = 3.0  # sigmas of a match by which its pose then lies elsewhere
@@ -143,7 +146,11 @@ class ScanLocalizer(Localizer):
         last_match: what the latest scan gave, taken over or not; None before the first.
     """
 
-    STATE: ClassVar[Mapping[str, Any]] = {"last_match": ScanMatch | None, "_poor": int}
+    STATE: ClassVar[Mapping[str, Any]] = {
+        "last_match": ScanMatch | None,
+        "_poor": int,
+        "_map_error": NDArray[np.float64],
+    }
 
     def __init__(
         self,
@@ -163,23 +170,37 @@ class ScanLocalizer(Localizer):
             start: map_T_base.
             tread: distance of the wheels, in [m].
             errors: of the wheels.
-            covariance: (3, 3) of the start, in [m, m, rad]; certain if None.
+            covariance: (3, 3) of the start, in [m, m, rad]; as exact as the map's cells if None.
             sigma: noise of a range, in [m].
             least_inliers: share of points that the map must explain for a match to be believed.
             patience: poor matches in a row after which the robot counts as lost and searches wider.
         """
-        super().__init__(start, tread, errors, covariance)
+        super().__init__(start, tread, errors, NUDGED if covariance is None else covariance)
         self._field = field
         self._sigma = sigma
         self._least_inliers = least_inliers
         self._patience = patience
         self._poor = 0
+        self._map_error = np.zeros((3, 3))  # factor, as in `ScanMatch`
         self.last_match: ScanMatch | None = None
 
     @property
     def sure(self) -> bool:
         """Whether the last scan was believed."""
         return self.last_match is not None and self._poor == 0
+
+    @property
+    def map_error(self) -> NDArray[np.float64]:
+        """(3, 3) share of the map's error in `covariance`: the same in all poses measured at one place."""
+        return self._map_error @ self._map_error.T
+
+    def predict(self, left: float, right: float) -> None:
+        """See `Localizer`."""
+        before = self.pose
+        super().predict(left, right)
+        x, y, heading = self._map_error
+        moved = np.outer((before.y - self.pose.y, self.pose.x - before.x), heading)
+        self._map_error = np.vstack([x + moved[0], y + moved[1], heading])
 
     @property
     def lost(self) -> bool:
@@ -191,20 +212,23 @@ class ScanLocalizer(Localizer):
         if len(points) < FEWEST_POINTS:
             self._poor += 1
             return False
-        match = match_scan(self._field, points, self.pose, self.covariance, self._sigma, anneal=self.lost)
+        match = match_scan(
+            self._field, points, self.pose, self.covariance, self._sigma, self.lost, self._map_error
+        )
         self.last_match = match
         if match.inliers < self._least_inliers:
             self._poor += 1
             return False
-        self._poor = 0
-        self._odometry.correct(match.pose, match.covariance)
+        self._poor, self._map_error = 0, match.map_error
+        self._odometry.correct(match.pose, match.covariance, match.kept)
         return True
 
     def find_again(self, points: NDArray[np.float64]) -> bool:
         """See `Localizer`; up to about 0.3 m and 10 degrees away."""
         if len(points) < FEWEST_POINTS:
             return False
-        match = match_scan(self._field, points, self.pose, self.covariance, self._sigma)
+        near = np.asarray(self.covariance + NUDGED)
+        match = match_scan(self._field, points, self.pose, near, self._sigma)
         if self.last_match is None or match.inliers < LESS * self.last_match.inliers:
             match = match_scan(self._field, points, self.pose, ROUGH, self._sigma, anneal=True)
         if not _apart(self.pose, match, self._field) or match.inliers < self._least_inliers:
@@ -216,7 +240,7 @@ class ScanLocalizer(Localizer):
         """Start again from a rough pose, up to about 0.3 m and 10 degrees off, by a scan (n, 2)."""
         match = match_scan(self._field, points, near, ROUGH, self._sigma, anneal=True)
         self._odometry.reset(match.pose, match.covariance)
-        self.last_match, self._poor = match, 0
+        self.last_match, self._poor, self._map_error = match, 0, match.map_error
         return match
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.navigation.outdoors.watched_moment import Belief, WatchedMoment
 
 _LEAST = 1e-12 * np.eye(3)  # [m², rad²] of a pose that is certain: it can be divided by
 
@@ -34,7 +35,12 @@ class Odometry:
     otherwise (`correct`) also teaches them: the wheels are calibrated while driving.
     """
 
-    STATE: ClassVar = {"pose": Pose2, "_scales": NDArray[np.float64], "_state": NDArray[np.float64]}
+    STATE: ClassVar = {
+        "pose": Pose2,
+        "_scales": NDArray[np.float64],
+        "_state": NDArray[np.float64],
+        "_origin": WatchedMoment,
+    }
     """Attributes that change, with their types."""
 
     def __init__(
@@ -57,18 +63,42 @@ class Odometry:
         self._errors = errors
         self._scales = np.zeros(3)  # relative: left travel, right travel, tread
         self._state = np.diag([0.0, 0.0, 0.0, errors.radius**2, errors.radius**2, errors.tread**2])
+        self._origin = WatchedMoment(Belief(np.array(pose), np.zeros((3, 3))), np.zeros((3, 6)))
         self.reset(pose, covariance)
+        self.set_origin()
 
     @property
     def covariance(self) -> NDArray[np.float64]:
         """(3, 3) of x, y in [m] and heading in [rad], in the map frame."""
         return self._state[:3, :3].copy()
 
+    def set_origin(self) -> None:
+        """Measure `displacement` from the present pose on."""
+        mean, state = np.array(self.pose), self._state[:3].copy()
+        self._origin = WatchedMoment(Belief(mean, state[:, :3].copy()), state)
+
+    @property
+    def origin(self) -> Pose2:
+        """map_T_base at `set_origin`, as it was estimated then."""
+        return Pose2(*self._origin.belief.mean.tolist())
+
+    @property
+    def displacement(self) -> Belief:
+        """Motion since `set_origin`, in the frame of the pose then: x, y in [m], heading in [rad].
+
+        Mean (3,) and covariance (3, 3). The pose then is not estimated again: the robot drives back to it.
+        An error of the wheel radius cancels on a drive out and back.
+        """
+        heading = self._origin.belief.mean[2] + wrap(float(self.pose.theta - self._origin.belief.mean[2]))
+        now = Belief(np.array([self.pose.x, self.pose.y, heading]), self._state[:3, :3])
+        return self._origin.relative_pose(now)
+
     def reset(self, pose: Pose2, covariance: NDArray[np.float64] | None = None) -> None:
         """Forget the pose; what was learned about the wheels is kept."""
         self.pose = pose
         self._state[:3] = 0.0
         self._state[:, :3] = 0.0
+        self._origin.shared[:, :3] = 0.0
         if covariance is not None:
             self._state[:3, :3] = covariance
 
@@ -97,17 +127,22 @@ class Odometry:
             ]
         )
         self._state = step @ self._state @ step.T
+        self._origin = self._origin.stepped(step)
         slip, length = self._errors.slip**2, self._errors.slip_length
         slips = np.array([slip * abs(left) * length, slip * abs(right) * length])
         self._state[:3, :3] += (by_wheel * slips) @ by_wheel.T
         self.pose = self.pose.compose(_arc(chord, turn))
 
-    def correct(self, pose: Pose2, covariance: NDArray[np.float64]) -> None:
+    def correct(
+        self, pose: Pose2, covariance: NDArray[np.float64], kept: NDArray[np.float64] | None = None
+    ) -> None:
         """Take over a better pose, found with this one as its prior.
 
         Args:
             pose: map_T_base.
             covariance: (3, 3), of the pose with the prior already in it.
+            kept: (3, 3) by which an error of the prior is still in the pose: identity less the gain. None: as
+                where the covariance is that of an optimal filter.
         """
         prior = self._state[:3, :3] + _LEAST
         gain = np.linalg.solve(
@@ -116,6 +151,9 @@ class Odometry:
         turn = Pose2(0.0, 0.0, pose.theta).relative_to(Pose2(0.0, 0.0, self.pose.theta)).theta
         change = np.array([pose.x - self.pose.x, pose.y - self.pose.y, turn])
         self._scales += (gain @ change)[3:]
+        rest = np.linalg.solve(prior, covariance).T if kept is None else kept
+        lost = self._origin.shared[:, :3] @ (np.eye(3) - rest).T @ gain.T
+        self._origin = self._origin._replace(shared=self._origin.shared - lost)
         self._state = self._state + gain @ (covariance - prior) @ gain.T
         self._state[:3, :3] = covariance
         self.pose = pose

@@ -90,7 +90,8 @@ class PositioningLocalizer(Localizer):
         gain = np.linalg.solve(spread, prior).T
         dx, dy, turn = (gain @ off).tolist()
         pose = Pose2(self.pose.x + dx, self.pose.y + dy, wrap(self.pose.theta + turn))
-        self._odometry.correct(pose, (np.eye(3) - gain) @ prior)
+        kept = np.eye(3) - gain
+        self._odometry.correct(pose, kept @ prior, kept)
         self._shift()
         return False
 

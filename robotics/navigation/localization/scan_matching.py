@@ -58,7 +58,11 @@ class ScanMatch(NamedTuple):
     pose: Pose2
     """map_T_base."""
     covariance: NDArray[np.float64]
-    """(3, 3) of x, y in [m] and heading in [rad]; prior, sensor noise and the map's cells all in it."""
+    """(3, 3) of x, y in [m] and heading in [rad]; prior, sensor noise and the map's error all in it."""
+    map_error: NDArray[np.float64]
+    """(3, 3) factor W of the map's share W Wᵀ in `covariance`: the same for all scans at one place."""
+    kept: NDArray[np.float64]
+    """(3, 3) by which an error of the prior is still in the pose; zero where the scan alone determines it."""
     spread: NDArray[np.float64]
     """(3, 3), the same without the map's cells, and with the noise that the scan shows where that is more:
     how far matches from one place lie apart."""
@@ -140,6 +144,7 @@ def match_scan(
     prior_covariance: NDArray[np.float64],
     sigma: float = 0.01,
     anneal: bool = False,
+    map_error: NDArray[np.float64] | None = None,
 ) -> ScanMatch:
     """The pose from which the scan looks like the map.
 
@@ -151,6 +156,7 @@ def match_scan(
         sigma: noise of a range, in [m].
         anneal: start from far: up to about 0.3 m and 10 degrees off. The robust scale then shrinks slowly and
             the prior counts only at the end.
+        map_error: (3, 3) factor of the map's share in the prior, as in `ScanMatch`; zero if None.
     """
     noise = math.hypot(
         sigma, 0.3 * field.map.resolution
@@ -177,8 +183,33 @@ def match_scan(
     residuals = field.read(pose.apply(points)) if len(points) else np.empty(0)
     inliers = float(np.mean(residuals < INLIER * noise)) if len(points) else 0.0
     fit = np.asarray(np.linalg.inv(hessian + 1e-9 * np.eye(3)), dtype=np.float64)
-    spread = _excess(residuals, noise) * fit
-    return ScanMatch(pose, fit + _cells(points, field.map.resolution), spread, inliers, residuals)
+    kept = fit @ information
+    covariance, error = _posterior(fit, kept, _cells(points, field.map.resolution), map_error)
+    return ScanMatch(pose, covariance, error, kept, _excess(residuals, noise) * fit, inliers, residuals)
+
+
+def _posterior(
+    fit: NDArray[np.float64],
+    kept: NDArray[np.float64],
+    cells: NDArray[np.float64],
+    before: NDArray[np.float64] | None,
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Covariance (3, 3) and factor (3, 3) of the map's share in it (Schmidt, 1966).
+
+    The map errs alike in all scans at one place: no number of them averages that away. Along a direction that
+    the scan does not determine, the gain is zero and the prior stays.
+
+    Args:
+        fit: (3, 3) covariance of the pose if the map had no errors, and the prior neither.
+        kept: (3, 3), see `ScanMatch`.
+        cells: (3, 3) factor of the map's error in what a scan alone says.
+        before: (3, 3) factor of the map's share in the prior; none if None.
+    """
+    gain = np.eye(3) - kept
+    old = np.zeros((3, 3)) if before is None else before
+    error = kept @ old + gain @ cells
+    independent = fit - kept @ (old @ old.T) @ kept.T
+    return independent + error @ error.T, error
 
 
 @compiled
@@ -249,7 +280,7 @@ def _excess(residuals: NDArray[np.float64], noise: float) -> float:
 
 
 def _cells(points: NDArray[np.float64], resolution: float) -> NDArray[np.float64]:
-    """(3, 3) of what no number of beams averages away: where surfaces lie in their cells."""
+    """(3, 3) factor of what no number of beams averages away: where surfaces lie in their cells."""
     reach = math.sqrt(float(np.mean(points**2)) + 0.01) if len(points) else 1.0
     bias = CELL_BIAS * resolution
-    return np.diag([bias**2, bias**2, (0.5 * bias / reach) ** 2])
+    return np.diag([bias, bias, 0.5 * bias / reach])

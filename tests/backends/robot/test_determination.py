@@ -1,0 +1,52 @@
+"""Whether a covariance determines a pose as exactly as needed, by direction."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from handcart.backends.robot.localization.determination import PoseNeed, difference, undetermined
+from handcart.robotics.geometry.pose2 import Pose2
+
+NEED = PoseNeed(0.04, math.radians(1.0))
+
+
+def along(angle: float, sigma: float) -> np.ndarray:
+    """Covariance of a pose that is uncertain in one direction."""
+    ray = np.array([math.cos(angle), math.sin(angle), 0.0])
+    return np.diag([1e-6, 1e-6, 1e-6]) + sigma**2 * np.outer(ray, ray)
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.5, -1.2, 0.5 * math.pi])
+def test_one_uncertain_direction_is_named(angle: float) -> None:
+    found = undetermined(along(angle, 0.1), NEED)
+    assert found is not None
+    assert found.direction is not None
+    assert math.cos(2.0 * (found.direction - angle)) == pytest.approx(1.0, abs=1e-6)
+    assert found.shown == pytest.approx((300.0, 40.0), abs=0.1)
+    assert "3 sigma 300 mm, at most 40 mm" in found.words
+
+
+def test_what_the_pose_is_off_counts_in_its_own_direction_only() -> None:
+    spread = along(0.0, 0.012)
+    assert undetermined(spread, NEED) is None
+    assert undetermined(spread, NEED, (0.0, 0.03, 0.0)) is None
+    assert undetermined(spread, NEED, (0.01, 0.0, 0.0)) is not None
+
+
+def test_an_uncertain_heading_is_named() -> None:
+    found = undetermined(np.diag([1e-6, 1e-6, math.radians(0.5) ** 2]), NEED)
+    assert found is not None
+    assert found.direction is None
+    assert found.words == "the heading is not determined: 3 sigma 1.50 deg, at most 1.00 deg allowed"
+
+
+def test_a_pose_that_nothing_tells_is_determined_nowhere() -> None:
+    assert undetermined(np.diag([math.inf] * 3), NEED) is not None
+
+
+def test_a_difference_of_headings_is_the_short_way() -> None:
+    off = difference(Pose2(1.0, 2.0, math.pi - 0.1), Pose2(0.5, 2.5, -math.pi + 0.1))
+    assert off == pytest.approx((0.5, -0.5, -0.2))
