@@ -4,35 +4,18 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Callable
-from typing import ClassVar, NamedTuple
-
-import numpy as np
-from numpy.typing import NDArray
-
-from handcart.robotics.geometry.pose2 import Pose2
+from typing import ClassVar
 
 from .capability import Capability, Reading
-
-
-class Scan(NamedTuple):
-    """One turn of a range sensor."""
-
-    angles: NDArray[np.float64]
-    """(n,) in [rad], in the sensor frame, counter-clockwise from its x axis."""
-    ranges: NDArray[np.float64]
-    """(n,) in [m]; infinity where nothing came back."""
-    base_T_sensor: Pose2
-    """Where the sensor stands on the base."""
-
-    def points(self) -> NDArray[np.float64]:
-        """What was hit, (m, 2) in [m], in the base frame."""
-        hit = np.isfinite(self.ranges)
-        reach, angle = self.ranges[hit], self.angles[hit]
-        return self.base_T_sensor.apply(np.column_stack([reach * np.cos(angle), reach * np.sin(angle)]))
+from .scan import Scan as Scan
 
 
 class RangeSensor(Capability):
-    """A scanning range sensor, its plane parallel to the floor."""
+    """A scanning range sensor, its plane parallel to the floor.
+
+    A backend gives readings as the driver delivers them (zeros, NaN, -inf, the robot's own body). `Robot`
+    reads them by the robot's file, and gives everybody else scans in which each beam has its `Validity`.
+    """
 
     READINGS: ClassVar = {"scan": Reading("range", ("ranges",), noisy=True)}
     FILE_KEY = "range_sensor"

@@ -8,6 +8,8 @@ from pydantic import Field
 
 from handcart.files.models.model import FileModel
 
+from .range_spec import RangeSpec as RangeSpec
+
 Positive = Annotated[float, Field(gt=0.0)]
 NotNegative = Annotated[float, Field(ge=0.0)]
 
@@ -45,14 +47,6 @@ class CameraSpec(FileModel):
     k3: float = 0.0
     calibrated: CalibratedCamera | None = None
     """As it is, where that was measured."""
-
-
-class RangeSpec(FileModel):
-    """The range sensor at the URDF's frame `range_sensor`."""
-
-    beams: Annotated[int, Field(gt=2)]
-    reach_m: Positive
-    sigma_mm: NotNegative
 
 
 class ImuSpec(FileModel):

@@ -10,6 +10,7 @@ from handcart.files.models.model import FileModel
 
 Positive = Annotated[float, Field(gt=0.0)]
 NotNegative = Annotated[float, Field(ge=0.0)]
+Percent = Annotated[float, Field(ge=0.0, le=100.0)]
 
 
 class Errors(FileModel):
@@ -35,6 +36,14 @@ class Errors(FileModel):
     """How far its focal length is off `focal_px`; `calibrated` doesn't change what the camera is."""
     light_gradient: NotNegative = 0.25
     """Share by which the picture's light changes from one side to the other."""
+    range_zero_percent: Percent = 0.0
+    """Share of a lidar's beams that read 0, each beam and period for itself, as many drivers deliver it."""
+    range_nan_percent: Percent = 0.0
+    """Share that reads NaN."""
+    range_too_close_percent: Percent = 0.0
+    """Share that reads -infinity: something is too close (REP 117)."""
+    range_own_body_percent: Percent = 0.0
+    """Share that returns from the robot's own body, 0.12 m from the lidar."""
     start_mm: NotNegative = 20.0
     start_deg: NotNegative = 1.0
     book_place_mm: NotNegative = 2.0

@@ -24,6 +24,7 @@ from handcart.backends.simulation.body.simulated_parts import (
 )
 from handcart.backends.simulation.keyed_noise import keyed, keyed_normal
 from handcart.backends.simulation.scene import Scene
+from handcart.backends.simulation.sensors.range_faults import RangeFaults
 from handcart.backends.simulation.sensors.ranges import cast_rays
 from handcart.backends.simulation.sensors.simulated_range_sensor import SimulatedRangeSensor
 from handcart.backends.simulation.world.solids import FloorPlan
@@ -144,7 +145,7 @@ class KinematicRangeSensor(SimulatedRangeSensor):
     """Casts rays in the floor plan at its height."""
 
     def __init__(self, spec: RangeSpec, base_T_sensor: Transform, scene: Scene, seed: int) -> None:
-        super().__init__(spec, base_T_sensor, seed)
+        super().__init__(spec, base_T_sensor, seed, RangeFaults.of(scene.robot.errors))
         self._scene = scene
         height = float(base_T_sensor[2, 3])
         self._plan = FloorPlan(scene.solids, height, height)

@@ -14,6 +14,7 @@ from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.sensor_specs import CameraSpec
 from handcart.backends.plain_values import Kinds
 from handcart.backends.saved_state import NotAState
+from handcart.backends.simulation.sensors.range_faults import RangeFaults
 from handcart.backends.simulation.sensors.simulated_camera import SceneCamera, SimulatedCamera
 from handcart.backends.simulation.simulated_backend import Part, SimulatedBackend
 from handcart.backends.simulation.world.thing import Thing
@@ -170,7 +171,10 @@ class PhysicsBackend(SimulatedBackend):
         """What is mounted on the base."""
         if robot.range_sensor is not None:
             mount = base_T_frame(robot.urdf_text(), "range_sensor")
-            self._range = PhysicsRangeSensor(robot.range_sensor, mount, self._body, self._engine, seed)
+            faults = RangeFaults.of(robot.errors)
+            self._range = PhysicsRangeSensor(
+                robot.range_sensor, mount, self._body, self._engine, seed, faults
+            )
         if robot.imu is not None:
             imu = PhysicsFieldImu if outdoors else PhysicsImu
             self._imu = imu(robot.imu, self.scene, self.period, seed)

@@ -16,7 +16,10 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.following.way_guard import NOTHING, Held, WayGuard
 from handcart.robotics.navigation.maps.grid_map import GridMap
 
+from .unseen_ground import UnseenGround
+
 BESIDE = 0.005  # [m] beside the footprint that must stay free
+_FAR = np.array([np.inf])
 SLOWER = (1.0, 0.7, 0.45, 0.25, 0.1)  # shares of a speed that are tried, the last one before standing still
 
 
@@ -24,8 +27,8 @@ class GuardedBase(Base):
     """Passes on as much of each command as can be driven, and braked from, without touching anything.
 
     What the footprint sweeps over until the base could stand is held against the map, from where the robot
-    believes to be, and against the scan, in which no belief is needed. The footprint is a circle: turning
-    sweeps over nothing.
+    believes to be, and against the scan, in which no belief is needed. What the lidar does not see is not
+    free, unless the base has just driven there. The footprint is a circle: turning sweeps over nothing.
     """
 
     def __init__(
@@ -35,6 +38,7 @@ class GuardedBase(Base):
         grid: GridMap | None,
         pose: Callable[[], Pose2],
         scan: Callable[[], NDArray[np.float64]],
+        unseen: UnseenGround | None = None,
     ) -> None:
         """Guard some wheels.
 
@@ -45,8 +49,9 @@ class GuardedBase(Base):
             pose: gives map_T_base.
             scan: gives what the range sensor sees now and isn't the robot itself, (n, 2) in [m], in the base
                 frame.
+            unseen: which ground the lidar does not see; None without a lidar.
         """
-        self._base, self._pose, self._scan = base, pose, scan
+        self._base, self._pose, self._scan, self._unseen = base, pose, scan, unseen
         self._radius, self._grid = robot.footprint_radius_m + BESIDE, grid
         self._braking, self._period = robot.drive.acceleration_m_s2, robot.period_s
         self._is_car = robot.drive.kind == "ackermann"
@@ -92,6 +97,8 @@ class GuardedBase(Base):
     def _begin(self) -> None:
         if self._starts:
             self._guard.stand_at(self._pose(), self._scan())
+            if self._unseen is not None:
+                self._unseen.starts_here()
             self._starts = False
 
     def _caught_up(self, speed: float, turn_rate: float) -> tuple[float, float]:
@@ -109,6 +116,8 @@ class GuardedBase(Base):
             slower, turn = share * speed, turn_rate * (share if self._is_car else 1.0)
             way = math.copysign(self._way_to_stop(abs(slower)), slower)
             _free, held = self._guard.free_way(pose, scan, turn / slower, way)
+            if held is None and self._unseen is not None:
+                held = self._unseen.held(pose, turn / slower, way)
             if held is None:
                 self._slowed_to = abs(slower) if self._held or self._slowed_to < math.inf else math.inf
                 return slower, turn
@@ -124,11 +133,24 @@ class GuardedBase(Base):
 def steady_points(scan: Scan) -> NDArray[np.float64]:
     """(n, 2) in [m] what a scan shows in the base frame, each beam the median of it and its two neighbours.
 
-    A lone reading may be noise; and the least of hundreds of readings always is too short.
+    A lone reading may be noise; and the least of hundreds of readings always is too short. Beams that show
+    nothing are left out, so that their neighbours are compared with each other.
     """
     ranges = np.where(np.isfinite(scan.ranges), scan.ranges, np.inf)
     if len(ranges) < 3:
         return scan.points() if len(ranges) else NOTHING
-    before, after = np.concatenate((ranges[-1:], ranges[:-1])), np.concatenate((ranges[1:], ranges[:1]))
+    angles, goes_round = scan.angles, _goes_round(scan.angles)
+    if len(scan.validity) and (blind := scan.blind()).any():
+        angles, ranges = angles[~blind], ranges[~blind]
+        if len(ranges) == 0:
+            return NOTHING
+    first, last = (ranges[:1], ranges[-1:]) if goes_round else (_FAR, _FAR)
+    before, after = np.concatenate((last, ranges[:-1])), np.concatenate((ranges[1:], first))
     low, high = np.minimum(before, after), np.maximum(before, after)
-    return scan._replace(ranges=np.maximum(low, np.minimum(high, ranges))).points()
+    return scan._replace(angles=angles, ranges=np.maximum(low, np.minimum(high, ranges))).points()
+
+
+def _goes_round(angles: NDArray[np.float64]) -> bool:
+    """Whether the last beam of a scan is the first one's neighbour."""
+    spacing = (angles[-1] - angles[0]) / (len(angles) - 1)
+    return bool(angles[-1] - angles[0] + 1.5 * spacing > 2.0 * np.pi)

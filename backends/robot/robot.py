@@ -33,7 +33,9 @@ from handcart.robotics.navigation.maps.grid_map import GridMap
 
 from .beside import beside
 from .guarded_base import GuardedBase, steady_points
+from .lidar import Lidar
 from .localization.localizations import localization_of
+from .unseen_ground import UnseenGround
 
 T = TypeVar("T")
 C = TypeVar("C", bound=Capability)
@@ -84,8 +86,12 @@ class Robot:
         self.spec = spec
         self.period = backend.period
         self.time = 0.0
+        sensor = backend.get(RangeSensor)  # type: ignore[type-abstract]
+        self.lidar = None if sensor is None else Lidar(sensor, spec)
+        """Its range sensor, with scans that are read by the robot's file; None without one."""
         wheels = self.get(Base)  # type: ignore[type-abstract]
-        self._guarded = GuardedBase(wheels, spec, grid, lambda: self.pose, self.surroundings)
+        unseen = None if self.lidar is None else self._unseen_ground(self.lidar)
+        self._guarded = GuardedBase(wheels, spec, grid, lambda: self.pose, self.surroundings, unseen)
         self.driven = (0.0, 0.0)
         """Speed in [m/s] and turn rate in [rad/s] that the base was commanded in the last period."""
         self.held: Held | None = None
@@ -94,7 +100,7 @@ class Robot:
         """map_T_base where the first of several Fails in a row began; None after any other end."""
         if spec.localizer in OUTDOORS:
             self.get(Imu)  # type: ignore[type-abstract]
-        self.localization = localization_of(backend, spec, start, grid)
+        self.localization = localization_of(backend, spec, start, grid, self.lidar)
         """Where the base is, by whichever sensors tell."""
         self._imu = backend.get(Imu)  # type: ignore[type-abstract]
         self._arm_command = np.empty(0)
@@ -107,6 +113,8 @@ class Robot:
 
     def get(self, kind: type[C]) -> C:
         """A capability; raises `MissingCapability` where the robot has none of that kind."""
+        if isinstance(self.lidar, kind):
+            return self.lidar
         found = self.backend.get(kind)
         if found is None:
             raise MissingCapability(kind, self.backend)
@@ -134,7 +142,7 @@ class Robot:
 
     @property
     def range_sensor(self) -> RangeSensor:
-        """The range sensor."""
+        """The range sensor; in its scans each beam has its validity."""
         return self.get(RangeSensor)  # type: ignore[type-abstract]
 
     @cached_property
@@ -166,6 +174,10 @@ class Robot:
         speed = self.drive_limits.speed
         return speed * LATEST * self.period + speed**2 / (2.0 * self.drive_limits.acceleration)
 
+    def _unseen_ground(self, lidar: Lidar) -> UnseenGround:
+        radius = self.spec.footprint_radius_m
+        return UnseenGround(lidar, radius, lambda: self.localization.odometry_pose, lambda: self.time)
+
     # What is estimated
 
     @cached_property
@@ -186,10 +198,9 @@ class Robot:
     def surroundings(self) -> NDArray[np.float64]:
         """(n, 2) in [m], in the base frame: what this period's scan shows without lone readings and a lowered
         hand's own; nothing without a range sensor."""
-        sensor = self.backend.get(RangeSensor)  # type: ignore[type-abstract]
-        if sensor is None:
+        if self.lidar is None:
             return NOTHING
-        points = steady_points(sensor.scan())
+        points = steady_points(self.lidar.scan())
         return self.without_hand(points) if self.spec.localizer in OUTDOORS else points
 
     def without_hand(self, points: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -12,6 +12,7 @@ import numpy as np
 from handcart.backends.can.can_backend import CanBackend
 from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.range_sensor import RangeSensor
+from handcart.backends.robot.lidar import Lidar
 from handcart.evaluation.trials.rig import LIBRARY, Rig
 from handcart.evaluation.trials.running import run_task
 from handcart.files.whole_file import write_whole
@@ -34,6 +35,7 @@ PROTRACTOR = math.radians(1.0)
 WAY, TURNS = 1.0, 1
 """Of the base, in [m] and whole turns."""
 SCANS = 100
+RETURNS_SHARE = 0.8  # of them, in which a beam returns, to be measured
 _SETTLE = 1.0  # [s]
 
 
@@ -91,23 +93,25 @@ class CalibrationRung(Rung):
         facts |= {"turn_deg": round(math.degrees(measured), 2)}
 
     def _ranges(self, site: Site, backend: CanBackend, found: dict[str, Calibrated], facts: Facts) -> None:
-        sensor = backend.get(RangeSensor)  # type: ignore[type-abstract]
-        if sensor is None:
+        found_sensor = backend.get(RangeSensor)  # type: ignore[type-abstract]
+        if found_sensor is None:
             facts["range_sensor"] = "none"
             return
+        sensor = Lidar(found_sensor, site.robot)
         scans = []
         for _ in range(SCANS):
             backend.step()
             scans.append(sensor.scan().ranges)
         ranges = np.array(scans)
-        seen = np.isfinite(ranges).all(axis=0)
+        ranges[~np.isfinite(ranges)] = np.nan
+        seen = np.isfinite(ranges).mean(axis=0) >= RETURNS_SHARE
         if not seen.any():
-            raise RungFailed("the range sensor sees nothing: no beam came back every time")
-        sigma = 1e3 * float(np.median(ranges[:, seen].std(axis=0, ddof=1)))
+            raise RungFailed(sensor.silence or "the range sensor sees nothing: no beam returns steadily")
+        sigma = 1e3 * float(np.median(np.nanstd(ranges[:, seen], axis=0, ddof=1)))
         found["range_sensor.sigma_mm"] = Calibrated(sigma, sigma / math.sqrt(2 * SCANS))
         ahead = int(np.argmin(np.abs(sensor.scan().angles)))
         nearest = int(np.flatnonzero(seen)[np.argmin(np.abs(np.flatnonzero(seen) - ahead))])
-        reading = float(ranges[:, nearest].mean())
+        reading = float(np.nanmean(ranges[:, nearest]))
         angle = math.degrees(float(sensor.scan().angles[nearest]))
         question = f"How far is it from the sensor at {angle:.0f} deg, by tape [m]?"
         measured = site.number("range_m", question, reading)

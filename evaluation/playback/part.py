@@ -129,8 +129,9 @@ _WIDTHS = {"pose": (3,), "truth": (7,), "covariance": (3, 3), "moved_pose": (7,)
 
 def millimetres(ranges: Array) -> NDArray[np.uint16]:
     """Of ranges in [m], any shape."""
-    whole = np.clip(np.rint(1e3 * np.nan_to_num(ranges, nan=0.0, posinf=0.0)), 0, FAR - 1)
-    return np.where(np.isnan(ranges), NOTHING, np.where(np.isinf(ranges), FAR, whole)).astype(np.uint16)
+    whole = np.clip(np.rint(1e3 * np.nan_to_num(ranges, nan=0.0, posinf=0.0, neginf=0.0)), 0, FAR - 1)
+    unknown = np.isnan(ranges) | np.isneginf(ranges)
+    return np.where(unknown, NOTHING, np.where(np.isinf(ranges), FAR, whole)).astype(np.uint16)
 
 
 def metres(scan_mm: NDArray[np.uint16]) -> Array:

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.gripper import Gripper
-from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.robot.robot import Robot
 from handcart.backends.simulation.scene import Scene
 from handcart.backends.simulation.world.thing import Thing
@@ -64,7 +63,7 @@ class PlaybackRecorder(RunObserver):
         self._scene = simulated_world(prepared.backend)
         backend = prepared.backend
         self._arm, self._gripper = backend.get(Arm), backend.get(Gripper)  # type: ignore[type-abstract]
-        self._range = backend.get(RangeSensor)  # type: ignore[type-abstract]
+        self._range = prepared.robot.lidar
         self._changes = -1
         self._due = self._scan_due = self._picture_due = self._begun = prepared.robot.time
         folder = run_dir / FOLDER
@@ -145,7 +144,7 @@ class PlaybackRecorder(RunObserver):
     def _take_scan(self, robot: Robot) -> None:
         if self._range is not None:
             self._scan_times.append(robot.time)
-            self._scans.append(self._range.scan().ranges)
+            self._scans.append(self._range.scan().rep117())
         cloud = robot.localization.particles
         if cloud is not None:
             self._cloud_times.append(robot.time)

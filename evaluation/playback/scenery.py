@@ -129,10 +129,8 @@ def thing_shapes(things: Sequence[Thing]) -> list[ThingShape]:
 
 
 def _robot(prepared: Prepared) -> RobotShape:
-    from handcart.backends.capabilities.range_sensor import RangeSensor
-
     robot = prepared.robot
-    spec, sensor = robot.spec, robot.backend.get(RangeSensor)  # type: ignore[type-abstract]
+    spec, sensor = robot.spec, robot.lidar
     scan = None if sensor is None else sensor.scan()
     stands = Pose2(0.0, 0.0, 0.0) if scan is None else scan.base_T_sensor
     joints = () if spec.arm is None else spec.arm.joints

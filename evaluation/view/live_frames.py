@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.gripper import Gripper
-from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.robot.robot import Robot
 from handcart.backends.simulation.scene import Scene
 from handcart.evaluation.playback.playback import Moment
@@ -35,7 +34,7 @@ class LiveFrames:
         self._robot, self._scene, self._scenery, self._known = robot, scene, scenery, known
         backend = robot.backend
         self._arm, self._gripper = backend.get(Arm), backend.get(Gripper)  # type: ignore[type-abstract]
-        self._range = backend.get(RangeSensor)  # type: ignore[type-abstract]
+        self._range = robot.lidar
         self._height = height_of(scenery.robot.urdf)
         self._new: list[ThingShape] = []
         self._way: list[Array] = []

@@ -92,6 +92,8 @@ class _Wording:
 
     def _unknown(self, place: SchemaPlace) -> str:
         fields = self._walk.fields(place.parent)
+        if place.path[-1] in fields:
+            return f"the key {place.path[-1]!r} is another name of one that is given; allowed: one of them"
         return f"unknown key {place.path[-1]!r}{suggest(str(place.path[-1]), fields)}"
 
     def _kind(self, place: SchemaPlace, path: KeyPath, value: Any) -> Finding:

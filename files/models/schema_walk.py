@@ -70,8 +70,9 @@ class SchemaWalk:
         if schema["type"] not in ("model-fields", "typed-dict"):
             return {}
         return {
-            str(field.get("validation_alias") or name): field["schema"]
+            key: field["schema"]
             for name, field in schema["fields"].items()
+            for key in _keys(field.get("validation_alias") or name)
         }
 
     def _step(self, place: SchemaPlace, item: str | int) -> SchemaPlace:
@@ -125,6 +126,11 @@ class SchemaWalk:
             else choice
             for choice in choices
         ]
+
+
+def _keys(alias: Any) -> list[str]:
+    """The keys that one field may have in a file: an alias, or one path of one key for each choice."""
+    return [alias] if isinstance(alias, str) else [str(path[0]) for path in alias]
 
 
 def _inside(schema: Schema) -> Schema:

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.gripper import Gripper
-from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.robot.robot import Robot
 from handcart.files.whole_file import write_whole
 from handcart.networks.coordination.events import Ended, Event, Restoring, Started
@@ -33,7 +32,8 @@ SUFFIX = "_readings.npz"
 Row = dict[str, Any]
 Readings = Mapping[str, NDArray[Any]]
 """Columns by name, `time_s` and so on: (n,) or (n, m). Beside them what stays the same: `footprint_m` (), and
-for the range sensor `angles_rad` (m,) of its beams and `base_T_sensor` (3,) in [m, m, rad]."""
+for the range sensor `angles_rad` (m,) of its beams and `base_T_sensor` (3,) in [m, m, rad]. In
+`ranges_m` infinity is no return, -infinity too close and NaN invalid (REP 117)."""
 
 
 class FlightRecorder(RunObserver):
@@ -57,7 +57,7 @@ class FlightRecorder(RunObserver):
         self._action, self._restoring = 0, False
         backend = robot.backend
         self._arm, self._gripper = backend.get(Arm), backend.get(Gripper)  # type: ignore[type-abstract]
-        self._base, self._range = backend.get(Base), backend.get(RangeSensor)  # type: ignore[type-abstract]
+        self._base, self._range = backend.get(Base), robot.lidar  # type: ignore[type-abstract]
         self.lost: str | None = None
         """Why nothing more is kept, where the disk took no more; the run goes on without."""
 
@@ -137,7 +137,7 @@ class FlightRecorder(RunObserver):
             if callable(later := row.get("ranges_m")):
                 scan = later()
                 self._same["angles_rad"], self._same["base_T_sensor"] = scan.angles, scan.base_T_sensor
-                row["ranges_m"] = scan.ranges.round(3).astype(np.float32)
+                row["ranges_m"] = scan.rep117().round(3).astype(np.float32)
 
 
 def _columns(rows: Sequence[Row]) -> dict[str, Any]:

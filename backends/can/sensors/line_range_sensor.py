@@ -19,7 +19,7 @@ from .live_sensor import Clock
 
 
 class LineRangeSensor(LineSensor, RangeSensor):
-    """Lines `$RANGE`: a whole turn each, beams evenly spread from -180 degrees, counter-clockwise."""
+    """Lines `$RANGE`: one scan each, beams evenly spread over the field of view, counter-clockwise."""
 
     KIND = "RANGE"
 
@@ -30,7 +30,7 @@ class LineRangeSensor(LineSensor, RangeSensor):
 
         Args:
             source: where it is.
-            spec: how many beams a turn has, and how far they reach.
+            spec: how many beams a scan has, and between which angles.
             base_T_sensor: (4, 4), where it sits.
             clock: gives the time in [s].
 
@@ -41,7 +41,7 @@ class LineRangeSensor(LineSensor, RangeSensor):
         self._spec = spec
         yaw = math.atan2(base_T_sensor[1, 0], base_T_sensor[0, 0])
         self._mount = Pose2(float(base_T_sensor[0, 3]), float(base_T_sensor[1, 3]), yaw)
-        self._angles = np.linspace(-np.pi, np.pi, spec.beams, endpoint=False)
+        self._angles = spec.angles()
         self._ranges = np.full(spec.beams, np.inf)
 
     def scan(self) -> Scan:
@@ -50,7 +50,7 @@ class LineRangeSensor(LineSensor, RangeSensor):
         return Scan(self._angles.copy(), self._ranges.copy(), self._mount)
 
     def _sound(self, values: NDArray[np.float64]) -> bool:
-        return len(values) == self._spec.beams and not np.isnan(values).any() and bool((values >= 0.0).all())
+        return len(values) == self._spec.beams
 
     def _taken(self, lines: list[NDArray[np.float64]]) -> None:
         self._ranges = np.where(lines[-1] > self._spec.reach_m, np.inf, lines[-1])

@@ -3,9 +3,11 @@
     $RANGE,1250,0.512,0.514,,0.52*6A
     $IMU,1250,0.001,0.0,-0.02,0.1,0.0,9.81*54
 
-First stands the sensor's own time in [ms]. RANGE: ranges of a whole turn in [m], an empty field where
-nothing came back. IMU: turn rates about x, y, z in [rad/s], then accelerations along them in [m/s²]. Behind
-`*` stands the exclusive or of all bytes between `$` and `*`, in hexadecimal, as in NMEA 0183.
+First is the sensor's own time in [ms]. RANGE: ranges of one scan in [m], from the first beam to the last; an
+empty field or `inf` where nothing came back, `-inf` where something is too close, `nan` where a reading is
+invalid (REP 117), and zeros where the driver delivers them. IMU: turn rates about x, y, z in [rad/s], then
+accelerations along them in [m/s²]. Behind `*` is the exclusive or of all bytes between `$` and `*`, in
+hexadecimal, as in NMEA 0183.
 """
 
 from __future__ import annotations
@@ -22,6 +24,7 @@ from numpy.typing import NDArray
 from .strict_number import strict_number
 
 _FRAMED = re.compile(rb"\$([^*]*)\*([0-9A-Fa-f]{2})")
+_SPECIAL = {"inf": math.inf, "-inf": -math.inf, "nan": math.nan}
 _STAMP = re.compile(r"\d{1,15}", re.ASCII)
 
 
@@ -43,7 +46,7 @@ def checksum(body: bytes) -> int:
 
 def sensor_line(kind: str, stamp: int, values: NDArray[np.float64]) -> bytes:
     """A line as a sensor sends it, its end included."""
-    fields = ",".join("" if math.isinf(each) else f"{each:.4f}" for each in values)
+    fields = ",".join("" if each == math.inf else f"{each:.4f}" for each in values)
     body = f"{kind},{stamp},{fields}".encode()
     return b"$%b*%02X\n" % (body, checksum(body))
 
@@ -54,10 +57,15 @@ def read_line(line: bytes) -> SensorLine | None:
         kind, stamp, *fields = body_of(line).decode("ascii").split(",")
         if not _STAMP.fullmatch(stamp):
             return None
-        values = np.array([strict_number(each) if each else math.inf for each in fields])
+        number = _range if kind == "RANGE" else strict_number
+        values = np.array([number(each) if each else math.inf for each in fields])
         return SensorLine(kind, int(stamp), values)
     except ValueError:
         return None
+
+
+def _range(text: str) -> float:
+    return _SPECIAL[text] if text in _SPECIAL else strict_number(text)
 
 
 def body_of(line: bytes) -> bytes:

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from handcart.backends.description.sensor_specs import RangeSpec
 from handcart.backends.physics.body.robot_body import RobotBody
 from handcart.backends.physics.engine import Engine
+from handcart.backends.simulation.sensors.range_faults import NO_FAULTS, RangeFaults
 from handcart.backends.simulation.sensors.simulated_range_sensor import SimulatedRangeSensor
 from handcart.robotics.geometry.transform import Transform
 
@@ -16,9 +17,15 @@ class PhysicsRangeSensor(SimulatedRangeSensor):
     """Beams are tested in one batch against all bodies but the robot."""
 
     def __init__(
-        self, spec: RangeSpec, base_T_sensor: Transform, body: RobotBody, engine: Engine, seed: int
+        self,
+        spec: RangeSpec,
+        base_T_sensor: Transform,
+        body: RobotBody,
+        engine: Engine,
+        seed: int,
+        faults: RangeFaults = NO_FAULTS,
     ) -> None:
-        super().__init__(spec, base_T_sensor, seed)
+        super().__init__(spec, base_T_sensor, seed, faults)
         self._body, self._engine = body, engine
         self._base_T_sensor = base_T_sensor
         turned = np.column_stack((np.cos(self._angles), np.sin(self._angles), np.zeros(spec.beams)))

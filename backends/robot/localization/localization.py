@@ -14,6 +14,7 @@ from handcart.backends.capabilities.base import Base, WheelTravel
 from handcart.backends.capabilities.gps import Fix
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.plain_values import Kinds, attributes, set_attributes
+from handcart.backends.robot.lidar import MIN_ECHOES, Lidar
 from handcart.backends.saved_state import NotAState
 from handcart.robotics.far import FarArray
 from handcart.robotics.geometry.pose2 import Pose2
@@ -71,10 +72,9 @@ class Localization(ABC):
     POSE_JUMPS: ClassVar[bool] = False
     """Whether `pose` leaps by more than the base does, as more is learned; `odometry_pose` doesn't."""
 
-    def __init__(self, backend: Backend, wheels: Localizer) -> None:
-        """Of a robot that stands; `wheels` carries the pose on."""
-        self._wheels = wheels
-        self._range_sensor = backend.get(RangeSensor)  # type: ignore[type-abstract]
+    def __init__(self, backend: Backend, wheels: Localizer, lidar: RangeSensor | None = None) -> None:
+        """Of a robot that stands; `wheels` carries the pose on, `lidar` gives scans that are read."""
+        self._wheels, self._range_sensor = wheels, lidar
         base = backend.get(Base)  # type: ignore[type-abstract]
         assert base is not None, "a robot has wheels"
         self._base = base
@@ -275,9 +275,9 @@ class ScanLocalization(Localization):
 
     STATE: ClassVar[Kinds] = {**Localization.STATE, "_map_error_then": NDArray[np.float64]}
 
-    def __init__(self, backend: Backend, matching: ScanLocalizer) -> None:
+    def __init__(self, backend: Backend, matching: ScanLocalizer, lidar: RangeSensor | None) -> None:
         """Of a robot that stands, and looks round at once."""
-        super().__init__(backend, matching)
+        super().__init__(backend, matching, lidar)
         self._matching, self._map_error_then = matching, np.zeros((3, 3))
         assert self._range_sensor is not None, "scans come from a range sensor"
         matching.correct(self._range_sensor.scan().points())
@@ -312,6 +312,10 @@ class ScanLocalization(Localization):
         if not self._matching.lost:
             return None
         share = "share of the scan that the map explains"
+        silence = self._range_sensor.silence if isinstance(self._range_sensor, Lidar) else ""
+        if silence:
+            echoes = float(len(self._range_sensor.scan().points())) if self._range_sensor else 0.0
+            return Lost(silence, "RangeSensor", "beams of a scan that return", echoes, float(MIN_ECHOES))
         return Lost("its scans fit the map nowhere near", "RangeSensor", share, self.explained, LEAST_INLIERS)
 
     @property
@@ -330,9 +334,9 @@ class WheelLocalization(Localization):
 
     STATE: ClassVar[Kinds] = {**Localization.STATE, "_unanswered": float}
 
-    def __init__(self, backend: Backend, wheels: Localizer) -> None:
+    def __init__(self, backend: Backend, wheels: Localizer, lidar: RangeSensor | None = None) -> None:
         """Of a robot that stands."""
-        super().__init__(backend, wheels)
+        super().__init__(backend, wheels, lidar)
         self._period, self._unanswered = backend.period, 0.0
 
     @property

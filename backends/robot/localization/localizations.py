@@ -23,7 +23,9 @@ from .positioning_localization import PositioningLocalization
 START_SIGMA = np.diag([0.05**2, 0.05**2, 0.035**2])  # [m², rad²] of where a task says the robot starts
 
 
-def localization_of(backend: Backend, spec: RobotFile, start: Pose2, grid: GridMap | None) -> Localization:
+def localization_of(
+    backend: Backend, spec: RobotFile, start: Pose2, grid: GridMap | None, lidar: RangeSensor | None
+) -> Localization:
     """The one that the robot's file names; wheels alone where what that needs isn't there.
 
     Args:
@@ -31,18 +33,18 @@ def localization_of(backend: Backend, spec: RobotFile, start: Pose2, grid: GridM
         spec: its file.
         start: map_T_base as the task states it.
         grid: what scans are compared with.
+        lidar: the range sensor whose scans are compared with it; None without one.
     """
     tread, positioning = spec.drive.tread_m, spec.positioning
     if spec.localizer == "positioning" and positioning and backend.get(Positioning):  # type: ignore[type-abstract]
         sigma = positioning.sigma_mm / 1e3, positioning.heading_sigma_mrad / 1e3
         return PositioningLocalization(
-            backend, PositioningLocalizer(start, tread, sigma, covariance=START_SIGMA)
+            backend, PositioningLocalizer(start, tread, sigma, covariance=START_SIGMA), lidar
         )
-    scans = grid is not None and backend.get(RangeSensor) is not None  # type: ignore[type-abstract]
-    field = LikelihoodField(grid) if grid is not None and scans else None
+    field = LikelihoodField(grid) if grid is not None and lidar is not None else None
     if field is not None and spec.localizer not in ("odometry", *OUTDOORS):
-        return ScanLocalization(backend, ScanLocalizer(field, start, tread, covariance=START_SIGMA))
+        return ScanLocalization(backend, ScanLocalizer(field, start, tread, covariance=START_SIGMA), lidar)
     wheels = OdometryLocalizer(start, tread, covariance=START_SIGMA, field=field)
     if spec.localizer in OUTDOORS:
-        return OutdoorLocalization(backend, wheels, field_localizer(spec, start, spec.antenna))
-    return WheelLocalization(backend, wheels)
+        return OutdoorLocalization(backend, wheels, field_localizer(spec, start, spec.antenna), lidar)
+    return WheelLocalization(backend, wheels, lidar)

@@ -13,6 +13,7 @@ from handcart.backends.capabilities.base import WheelTravel
 from handcart.backends.capabilities.beacons import Beacons
 from handcart.backends.capabilities.gps import Gps
 from handcart.backends.capabilities.imu import Imu
+from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.plain_values import Kinds
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.localization.localizer import Localizer
@@ -34,9 +35,15 @@ class OutdoorLocalization(Localization):
     STATE: ClassVar[Kinds] = {**Localization.STATE, "_felt": Array, "_felt_at": WheelTravel}
     POSE_JUMPS: ClassVar[bool] = True
 
-    def __init__(self, backend: Backend, wheels: Localizer, filtering: FieldLocalizer) -> None:
+    def __init__(
+        self,
+        backend: Backend,
+        wheels: Localizer,
+        filtering: FieldLocalizer,
+        lidar: RangeSensor | None = None,
+    ) -> None:
         """Of a robot that stands, and has gyros."""
-        super().__init__(backend, wheels)
+        super().__init__(backend, wheels, lidar)
         self._filter, self._period = filtering, backend.period
         imu = backend.get(Imu)  # type: ignore[type-abstract]
         assert imu is not None, "outdoors gyros are asked"

@@ -6,6 +6,7 @@ import numpy as np
 
 from handcart.backends.backend import Backend
 from handcart.backends.capabilities.positioning import Positioning
+from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.robotics.navigation.localization.positioning_localizer import PositioningLocalizer
 
 from .localization import Localization
@@ -14,9 +15,11 @@ from .localization import Localization
 class PositioningLocalization(Localization):
     """Wheels carry the pose on, readings correct it; a base that they find elsewhere at rest was moved."""
 
-    def __init__(self, backend: Backend, filtering: PositioningLocalizer) -> None:
+    def __init__(
+        self, backend: Backend, filtering: PositioningLocalizer, lidar: RangeSensor | None = None
+    ) -> None:
         """Of a robot that stands."""
-        super().__init__(backend, filtering)
+        super().__init__(backend, filtering, lidar)
         self._filter, self._period = filtering, backend.period
         positioning = backend.get(Positioning)  # type: ignore[type-abstract]
         assert positioning is not None, "readings come from a positioning system"

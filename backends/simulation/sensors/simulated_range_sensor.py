@@ -12,23 +12,31 @@ from numpy.typing import NDArray
 from handcart.backends.capabilities.range_sensor import RangeSensor, Scan
 from handcart.backends.description.sensor_specs import RangeSpec
 from handcart.backends.plain_values import Kinds
-from handcart.backends.simulation.keyed_noise import keyed_normal
+from handcart.backends.simulation.keyed_noise import keyed, keyed_normal
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform
 
+from .range_faults import NO_FAULTS, RangeFaults
+
 
 class SimulatedRangeSensor(RangeSensor):
-    """Beams all round, all at the same instant, with Gaussian noise; nothing is black, bright or oblique."""
+    """Beams all at one instant, with Gaussian noise and the driver's faults; nothing is black or oblique.
+
+    It delivers what a driver does: readings below `range_min_m` as -infinity (REP 117), and the shares of
+    zeros, NaN, -infinity and returns of the robot's own body that the robot's file has under `errors`.
+    """
 
     STATE: ClassVar[Kinds] = {"_now": int}
     """Attributes that a checkpoint keeps, with their types."""
 
-    def __init__(self, spec: RangeSpec, base_T_sensor: Transform, seed: int) -> None:
-        """`base_T_sensor` (4, 4) is where the URDF mounts it."""
-        self._spec, self._seed = spec, seed
+    def __init__(
+        self, spec: RangeSpec, base_T_sensor: Transform, seed: int, faults: RangeFaults = NO_FAULTS
+    ) -> None:
+        """`base_T_sensor` (4, 4) is where the URDF mounts it; `faults` are its driver's."""
+        self._spec, self._seed, self._faults = spec, seed, faults
         yaw = math.atan2(base_T_sensor[1, 0], base_T_sensor[0, 0])
         self._mount = Pose2(float(base_T_sensor[0, 3]), float(base_T_sensor[1, 3]), yaw)
-        self._angles = np.linspace(-np.pi, np.pi, spec.beams, endpoint=False)
+        self._angles = spec.angles()
         self._now = 0
         self._last: tuple[int, Scan] | None = None
 
@@ -51,4 +59,7 @@ class SimulatedRangeSensor(RangeSensor):
         noise = keyed_normal(self._seed, "range sensor", period, len(self._angles))
         ranges = np.maximum(true + self._spec.sigma_mm / 1e3 * noise, 0.0)
         ranges[ranges > self._spec.reach_m] = np.inf
+        ranges[ranges < self._spec.range_min_m] = -np.inf
+        if self._faults.any:
+            ranges = self._faults.spoil(ranges, keyed(self._seed, "range sensor faults", period))
         return Scan(self._angles.copy(), ranges, self._mount)

@@ -12,8 +12,10 @@ from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.camera import Camera
 from handcart.backends.capabilities.gripper import Gripper
-from handcart.backends.capabilities.range_sensor import RangeSensor
+from handcart.backends.capabilities.range_sensor import RangeSensor, Scan
+from handcart.backends.description.range_spec import RangeSpec
 from handcart.backends.description.simulated_errors import Errors
+from handcart.backends.robot.lidar import Lidar
 from handcart.backends.robot.mounted_camera import known_camera
 from handcart.evaluation.conformance.rig.bench import Bench
 from handcart.evaluation.conformance.rig.parts import needed, part_of
@@ -37,6 +39,7 @@ NEAR = 0.10  # share by which a simulated robot may differ from its file: radii,
 FORCE_AT_REST = 3.0  # [N]
 SHORT = 0.1  # [m] from a joint to the hand: what the hand is off is an angle there
 STEERS = 0.7  # share of a car's turn that is lost while it steers
+BEAM_DEG = 0.1  # by which a beam may be off where the robot's file has it
 FLIPS = 0.02  # [rad] that a joint is moved for its sign
 
 
@@ -77,13 +80,19 @@ def readings(bench: Bench, finding: CheckResult) -> None:
             finding.expect(int(image.max()) - int(image.min()) > 20, "the picture shows nothing")
             finding.expect(abs(camera.model.K[0, 0] - spec.camera.focal_px) < 1e-6, "another focal length")
         if (sensor := part_of(backend, RangeSensor)) is not None and spec.range_sensor is not None:
-            scan = sensor.scan()
-            beams, reach = spec.range_sensor.beams, spec.range_sensor.reach_m
-            finding.expect(scan.ranges.shape == scan.angles.shape == (beams,), f"{scan.ranges.shape} beams")
-            finding.expect(not np.isnan(scan.ranges).any(), "a range is NaN")
-            met = scan.ranges[np.isfinite(scan.ranges)]
-            finding.expect(bool((met >= 0.0).all() and (met <= reach).all()), "a range beyond the reach")
-            finding.expect(bool((np.diff(scan.angles) > 0.0).all()), "the beams don't go counter-clockwise")
+            _scan_readings(sensor.scan(), Lidar(sensor, spec), spec.range_sensor, finding)
+
+
+def _scan_readings(scan: Scan, lidar: Lidar, spec: RangeSpec, finding: CheckResult) -> None:
+    """Angles and ranges of a raw scan; what a driver delivers in place of a range is no fault."""
+    finding.expect(scan.ranges.shape == scan.angles.shape == (spec.beams,), f"{scan.ranges.shape} beams")
+    met = scan.ranges[np.isfinite(scan.ranges)]
+    finding.expect(bool((met <= spec.reach_m).all()), "a range beyond the reach")
+    finding.expect(bool((np.diff(scan.angles) > 0.0).all()), "the beams don't go counter-clockwise")
+    if scan.angles.shape == (spec.beams,):
+        off = np.degrees(np.abs(np.angle(np.exp(1j * (scan.angles - spec.angles())))).max())
+        finding.at_most("beams off start_deg to end_deg", float(off), BEAM_DEG, "deg")
+    finding.expect(not lidar.blockage, lidar.blockage)
 
 
 def signs_of_the_base(bench: Bench, finding: CheckResult) -> None:
@@ -118,10 +127,10 @@ def signs_of_the_scan(bench: Bench, finding: CheckResult) -> None:
     with bench.rig() as rig:
         sensor = needed(rig.backend, RangeSensor)
         steps(rig.backend, 1)
-        before = sensor.scan()
+        before = Lidar(sensor, bench.spec()).scan()
         left, right = driven(rig.backend, 0.0, 0.5, 20)
         turn = (right - left) / bench.spec().drive.tread_m
-        after = sensor.scan()
+        after = Lidar(sensor, bench.spec()).scan()
         seen = best_turn(before.ranges, after.ranges, before.angles)
         _near(finding, "the scan turned", seen, -turn, 0.06, "rad")
 
@@ -195,7 +204,8 @@ def rates(bench: Bench, finding: CheckResult) -> None:
         again = all_readings(backend)
         finding.expect(set(seen) == set(again), "a reading comes and goes")
         for name in seen:
-            finding.expect(np.array_equal(seen[name], again[name]), f"asked again, {name} is another")
+            same = np.array_equal(seen[name], again[name], equal_nan=True)
+            finding.expect(same, f"asked again, {name} is another")
         fresh = changing_readings(backend, 5)
         finding.measured.append(f"new within five periods at rest: {', '.join(sorted(fresh)) or 'nothing'}")
         without_noise = noisy_readings(backend) - fresh
@@ -207,17 +217,29 @@ def rates(bench: Bench, finding: CheckResult) -> None:
         before = all_readings(backend)
         drive(backend, *drivable(bench.spec(), 0.1, 0.2), 20)
         after = all_readings(backend)
-        stale = [name for name in sorted(without_noise) if np.array_equal(before[name], after[name])]
+        same_after = (
+            name for name in without_noise if np.array_equal(before[name], after[name], equal_nan=True)
+        )
+        stale = sorted(same_after)
         finding.expect(not stale, f"the same at rest and after the base drove: {stale}")
         finding.measured.append(f"without noise: {', '.join(sorted(without_noise))}")
 
 
 def best_turn(before: NDArray[np.float64], after: NDArray[np.float64], angles: NDArray[np.float64]) -> float:
-    """By how much a scan of evenly spread beams is turned to the left against an earlier one, in [rad]."""
-    spacing = float(angles[1] - angles[0])
-    turns = np.arange(-round(1.0 / spacing), round(1.0 / spacing) + 1)
-    near = np.minimum(before, 5.0)
-    costs = [float(np.median(np.abs(np.roll(near, k) - np.minimum(after, 5.0)))) for k in turns]
+    """By how much a scan of evenly spread beams is turned to the left against an earlier one, in [rad].
+
+    Less than a full turn of beams is compared where both scans overlap.
+    """
+    spacing, count = float(angles[1] - angles[0]), len(angles)
+    whole = angles[-1] - angles[0] + 1.5 * spacing > 2.0 * math.pi
+    most = min(round(1.0 / spacing), count if whole else count // 2)
+    turns = np.arange(-most, most + 1)
+    near, now = np.minimum(before, 5.0), np.minimum(after, 5.0)
+    beams = np.arange(count)
+    costs = []
+    for turn in turns.tolist():
+        overlaps = np.full(count, whole) | ((beams - turn >= 0) & (beams - turn < count))
+        costs.append(float(np.median(np.abs(np.roll(near, turn) - now)[overlaps])))
     return float(turns[int(np.argmin(costs))] * spacing)
 
 

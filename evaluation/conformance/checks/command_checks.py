@@ -75,7 +75,7 @@ def after_a_step(bench: Bench, finding: CheckResult) -> None:
         before, standing = all_readings(backend), TrueState.of(backend)
         _command_all(bench.spec(), backend)
         now = all_readings(backend)
-        changed = [name for name in now if not np.array_equal(now[name], before[name])]
+        changed = [name for name in now if not np.array_equal(now[name], before[name], equal_nan=True)]
         finding.wrong += [f"{name} changes without a step" for name in changed]
         finding.wrong += [f"without a step {each}" for each in standing.truly_moved(TrueState.of(backend))]
         for _ in range(SETTLES):

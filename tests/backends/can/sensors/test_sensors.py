@@ -134,11 +134,12 @@ def test_s1_stale(device: Device, scanner: LineRangeSensor, clock: Any) -> None:
 
 
 def test_s3_s5_what_is_no_reading_is_dropped(device: Device, scanner: LineRangeSensor, clock: Any) -> None:
-    """S3: NaN, another size; S5: a stamp again, or backwards. They count, and the last grows old."""
+    """S3: no number, another size; S5: a stamp again, or backwards. They count, and the last grows old."""
     device.say(ranges(10, 1.0, 2.0, 3.0, 4.0))
     scanner.advance()
     clock.now += 0.15
-    device.say(ranges(20, 1.0, np.nan, 3.0, 4.0) + ranges(30, 1.0) + ranges(10, 9.0, 9.0, 9.0, 9.0))
+    body = b"RANGE,20,1.0,NaN,3.0,4.0"
+    device.say(b"$%b*%02X\n" % (body, checksum(body)) + ranges(30, 1.0) + ranges(10, 9.0, 9.0, 9.0, 9.0))
     device.say(ranges(5, 9.0, 9.0, 9.0, 9.0) + b"$RANGE,40,1,1,1,1*00\n")
     scanner.advance()
     assert scanner.rejected == 5
@@ -369,8 +370,31 @@ def test_how_sure_a_fix_is_is_of_its_time(device: Device, receiver: NmeaGps, clo
     assert (first.sigma, second.sigma) == pytest.approx((0.02, 2.5 * 0.9))
 
 
+def test_range_lines_carry_what_a_driver_delivers(device: Device, scanner: LineRangeSensor) -> None:
+    """REP 117: -inf too close, NaN invalid; and zeros, as many drivers send them for no return."""
+    device.say(ranges(10, -np.inf, np.nan, 0.0, np.inf))
+    scanner.advance()
+    np.testing.assert_array_equal(scanner.scan().ranges, [-np.inf, np.nan, 0.0, np.inf])
+    body = b"RANGE,20,inf,,-0.5,nan"
+    device.say(b"$%b*%02X\n" % (body, checksum(body)))
+    scanner.advance()
+    np.testing.assert_array_equal(scanner.scan().ranges, [np.inf, np.inf, -0.5, np.nan])
+    assert read_line(sensor_line("IMU", 1, np.array([np.nan]))) is None
+
+
+def test_a_scan_covers_the_field_of_view_of_the_robots_file(device: Device, clock: Any) -> None:
+    half = RangeSpec(beams=3, reach_m=5.0, sigma_mm=10.0, start_deg=-90.0, end_deg=90.0)
+    sensor = LineRangeSensor(LineSource(port=device.port), half, np.eye(4), clock)
+    device.say(ranges(10, 1.0, 2.0, 3.0))
+    sensor.advance()
+    np.testing.assert_allclose(sensor.scan().angles, np.radians([-90.0, 0.0, 90.0]))
+    np.testing.assert_allclose(sensor.scan().points(), [[0.0, -1.0], [2.0, 0.0], [0.0, 3.0]], atol=1e-12)
+    sensor.close()
+
+
 @pytest.mark.parametrize(
-    "field", ["1_0.5", " 1.5", "1.5 ", "nan", "inf", "1e999", "0x1", "\u0661", "--1", "1e", ".", "+"]
+    "field",
+    ["1_0.5", " 1.5", "1.5 ", "NaN", "Infinity", "+inf", "1e999", "0x1", "\u0661", "--1", "1e", ".", "+"],
 )
 def test_s3_numbers_are_decimal(field: str) -> None:
     """S3: what Python would take for a number besides; of ranges and of an inertial unit."""

@@ -1,0 +1,57 @@
+"""One scan of a lidar: raw as its driver delivers it, or read, each beam with its validity."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.geometry.pose2 import Pose2
+
+UNREAD = np.empty(0, np.uint8)
+
+
+class Validity(IntEnum):
+    """What a beam of a read scan says."""
+
+    RETURN = 0
+    """Something is at its range."""
+    NO_RETURN = 1
+    """Nothing came back: the way along the beam counts as free."""
+    TOO_CLOSE = 2
+    """Something nearer than the lidar can measure, or in the robot's footprint: it sees no farther there."""
+    INVALID = 3
+    """No reading, or a masked one: what is along the beam is unknown."""
+
+
+class Scan(NamedTuple):
+    """One turn of a range sensor, or the part of it that the sensor sees."""
+
+    angles: NDArray[np.float64]
+    """(n,) in [rad], in the sensor frame, counter-clockwise from its x axis."""
+    ranges: NDArray[np.float64]
+    """(n,) in [m]; infinity where nothing came back. In a read scan, of every beam that is no return."""
+    base_T_sensor: Pose2
+    """Where the sensor stands on the base."""
+    validity: NDArray[np.uint8] = UNREAD
+    """(n,) of `Validity`; empty in a raw scan."""
+
+    def points(self) -> NDArray[np.float64]:
+        """What was hit, (m, 2) in [m], in the base frame."""
+        hit = np.isfinite(self.ranges)
+        reach, angle = self.ranges[hit], self.angles[hit]
+        return self.base_T_sensor.apply(np.column_stack([reach * np.cos(angle), reach * np.sin(angle)]))
+
+    def blind(self) -> NDArray[np.bool_]:
+        """(n,) whether a beam of a read scan shows neither a thing nor free ground."""
+        return self.validity >= Validity.TOO_CLOSE
+
+    def rep117(self) -> NDArray[np.float64]:
+        """(n,) ranges of a read scan by REP 117: infinity no return, -infinity too close, NaN invalid."""
+        ranges = self.ranges.copy()
+        if len(self.validity):
+            ranges[self.validity == Validity.TOO_CLOSE] = -np.inf
+            ranges[self.validity == Validity.INVALID] = np.nan
+        return ranges

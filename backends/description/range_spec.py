@@ -1,0 +1,68 @@
+"""What a robot's file says of its lidar."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import AliasChoices, Field, model_validator
+
+from handcart.files.models.model import FileModel
+
+Positive = Annotated[float, Field(gt=0.0)]
+NotNegative = Annotated[float, Field(ge=0.0)]
+Angle = Annotated[float, Field(ge=-360.0, le=360.0)]
+
+FULL_TURN = 360.0
+ROUNDING = 1e-6  # [deg]
+
+
+class RangeSpec(FileModel):
+    """The range sensor at the URDF's frame `range_sensor`."""
+
+    beams: Annotated[int, Field(gt=2)]
+    """Of a whole scan, evenly spread from `start_deg` to `end_deg`."""
+    reach_m: Positive = Field(validation_alias=AliasChoices("reach_m", "range_max_m"))
+    """The farthest range, in files also called `range_max_m`. A farther reading is no return."""
+    range_min_m: NotNegative = 0.0
+    """The least range that it measures; a nearer reading says that something is too close."""
+    start_deg: Angle = -180.0
+    """Of the first beam, counted counter-clockwise from the frame's x axis."""
+    end_deg: Angle = 180.0
+    """Of the last beam. Of a full turn it would be the first one again, and is left out."""
+    masked_deg: tuple[tuple[Angle, Angle], ...] = ()
+    """Sectors in which the lidar sees the robot itself, each from, to, counter-clockwise; not looked at."""
+    no_return: tuple[Literal["zero", "below_min", "nan"], ...] = ("zero",)
+    """What this driver delivers where nothing came back, besides infinity and ranges beyond `reach_m`."""
+    sigma_mm: NotNegative
+    """Noise of a range."""
+
+    @model_validator(mode="after")
+    def _fits(self) -> Self:
+        if self.range_min_m >= self.reach_m:
+            raise ValueError(
+                f"range_min_m {self.range_min_m:g}; allowed: less than {self.reach_m:g}, the reach"
+            )
+        if not 0.0 < self.end_deg - self.start_deg <= FULL_TURN + ROUNDING:
+            turn = self.end_deg - self.start_deg
+            raise ValueError(f"from start_deg to end_deg {turn:g} degrees; allowed: more than 0, up to 360")
+        return self
+
+    @property
+    def is_full_turn(self) -> bool:
+        """Whether it sees all round."""
+        return self.end_deg - self.start_deg > FULL_TURN - ROUNDING
+
+    def angles(self) -> NDArray[np.float64]:
+        """(beams,) in [rad], counter-clockwise."""
+        start, end = np.radians([self.start_deg, self.end_deg])
+        return np.linspace(start, end, self.beams, endpoint=not self.is_full_turn)
+
+    def masked(self, angles: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """(n,) whether angles in [rad] are in a masked sector."""
+        found = np.zeros(len(angles), np.bool_)
+        degrees = np.degrees(angles)
+        for start, end in self.masked_deg:
+            found |= np.mod(degrees - start, FULL_TURN) <= np.mod(end - start, FULL_TURN)
+        return found

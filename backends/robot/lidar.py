@@ -1,0 +1,76 @@
+"""The lidar of a robot, its scans read by the robot's file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from handcart.backends.capabilities.range_sensor import RangeSensor
+from handcart.backends.capabilities.scan import Scan, Validity
+from handcart.backends.description.range_spec import RangeSpec
+from handcart.backends.description.robot_file import RobotFile
+
+from .scan_reading import read_scan
+
+MAX_BLIND_SHARE = 0.5
+"""Share of a scan's beams that may be too close or invalid; beyond it the lidar is blocked or dirty."""
+MIN_ECHOES = 20
+"""Returns in a scan; with fewer it sees next to nothing."""
+ANY_LIDAR = RangeSpec(beams=3, reach_m=1e6, sigma_mm=10.0)
+
+
+class Lidar(RangeSensor):
+    """Reads the raw scans of a backend's range sensor: primitives, guard and recorders see these."""
+
+    def __init__(self, sensor: RangeSensor, robot: RobotFile) -> None:
+        """Read a sensor's scans by the section `range_sensor` of a robot's file."""
+        self._sensor, self._footprint = sensor, robot.footprint_radius_m
+        self.spec = robot.range_sensor or ANY_LIDAR
+        """Its limits; where the file has none, any reading is one."""
+        self._raw: Scan | None = None
+        self._read: Scan | None = None
+
+    def scan(self) -> Scan:
+        """See `RangeSensor`; `Scan.validity` is set."""
+        raw = self._sensor.scan()
+        if self._read is None or raw is not self._raw:
+            self._raw, self._read = raw, self.read(raw)
+        return self._read
+
+    def scan_later(self) -> Callable[[], Scan]:
+        """See `RangeSensor`."""
+        later = self._sensor.scan_later()
+        return lambda: self.read(later())
+
+    def read(self, raw: Scan) -> Scan:
+        """Return a raw scan with the validity of each beam."""
+        return read_scan(raw, self.spec, self._footprint)
+
+    @property
+    def blockage(self) -> str:
+        """Why this period's scan says that the lidar is blocked or dirty, in words; empty if it is not."""
+        if self.blind_share <= MAX_BLIND_SHARE:
+            return ""
+        scan = self.scan()
+        looking = ~self.spec.masked(scan.angles)
+        close = int((scan.validity[looking] == Validity.TOO_CLOSE).sum())
+        invalid = int((scan.validity[looking] == Validity.INVALID).sum())
+        beams = f"of {int(looking.sum())} beams {close} are too close and {invalid} give no reading"
+        return f"the lidar is blocked or dirty: {beams}"
+
+    @property
+    def blind_share(self) -> float:
+        """Share of this period's beams, without masked ones, that are too close or invalid."""
+        scan = self.scan()
+        looking = ~self.spec.masked(scan.angles)
+        return float(np.mean(scan.blind()[looking])) if looking.any() else 1.0
+
+    @property
+    def silence(self) -> str:
+        """Why this period's scan tells no place: blocked, or next to no echoes; empty where it tells one."""
+        scan = self.scan()
+        echoes = int(np.isfinite(scan.ranges).sum())
+        if self.blockage or echoes >= min(MIN_ECHOES, len(scan.ranges)):
+            return self.blockage
+        return f"the lidar gets next to no echoes: {echoes} of {len(scan.ranges)} beams return"

@@ -1,0 +1,60 @@
+"""The one place where raw readings of a lidar become a scan whose beams have a validity."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.capabilities.scan import Scan, Validity
+from handcart.backends.description.range_spec import RangeSpec
+
+WITHIN_FOOTPRINT_M = 0.05
+"""Inside the footprint's edge by at least this much, a return is the robot itself, or dirt on the lidar."""
+
+
+def read_scan(raw: Scan, spec: RangeSpec, footprint_radius: float) -> Scan:
+    """Return a scan in which each beam has its validity, and a finite range where it is a return.
+
+    Never raises, whatever a driver delivers. REP 117 is understood: infinity is no return, -infinity too
+    close, NaN invalid; so are zeros and readings below the least range, see `RangeSpec.no_return`.
+
+    Args:
+        raw: as the backend gives it.
+        spec: limits, masks and the driver's habits, from the robot's file.
+        footprint_radius: of the robot, in [m]: a return well inside of it is too close.
+    """
+    ranges = raw.ranges
+    validity = np.full(len(ranges), Validity.RETURN, np.uint8)
+    missing = _missing(ranges, spec)
+    validity[ranges < spec.range_min_m] = Validity.TOO_CLOSE
+    validity[(ranges > 0.0) & _within(raw, footprint_radius - WITHIN_FOOTPRINT_M)] = Validity.TOO_CLOSE
+    validity[np.isneginf(ranges)] = Validity.TOO_CLOSE
+    zeros = np.isfinite(ranges) & (ranges <= 0.0)
+    validity[zeros | np.isnan(ranges)] = Validity.INVALID
+    validity[missing] = Validity.NO_RETURN
+    if spec.masked_deg:
+        validity[spec.masked(raw.angles)] = Validity.INVALID
+    read = np.where(validity == Validity.RETURN, ranges, np.inf)
+    return Scan(raw.angles, read, raw.base_T_sensor, validity)
+
+
+def _missing(ranges: NDArray[np.float64], spec: RangeSpec) -> NDArray[np.bool_]:
+    """(n,) of which beams nothing came back."""
+    missing: NDArray[np.bool_] = ranges > spec.reach_m
+    if "zero" in spec.no_return:
+        missing |= np.isfinite(ranges) & (ranges <= 0.0)
+    if "below_min" in spec.no_return:
+        missing |= (ranges > 0.0) & (ranges < spec.range_min_m)
+    if "nan" in spec.no_return:
+        missing |= np.isnan(ranges)
+    return missing
+
+
+def _within(raw: Scan, radius: float) -> NDArray[np.bool_]:
+    """(n,) which readings end within a radius of the base's middle, in [m]."""
+    mount = raw.base_T_sensor
+    reach = np.where(np.isfinite(raw.ranges), raw.ranges, 1e6)
+    if mount.x == 0.0 and mount.y == 0.0:
+        return np.asarray(reach < radius)
+    angle = raw.angles + mount.theta
+    return np.asarray(np.hypot(mount.x + reach * np.cos(angle), mount.y + reach * np.sin(angle)) < radius)

@@ -1,0 +1,69 @@
+"""Keeps the base off ground that its lidar can't see and that it has not just driven over."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.following.unseen_ground import is_driven, unseen_edge
+from handcart.robotics.navigation.following.way_guard import Held
+
+from .lidar import Lidar
+
+DRIVEN_STEP_M = 0.02
+DRIVEN_S = 60.0
+"""For which ground that was driven over counts as free, beside all of the current action's."""
+
+
+class UnseenGround:
+    """Remembers where the base has driven while it saw where it went.
+
+    The base drives into what the lidar doesn't see (behind it with a field of view of 180 degrees, masked
+    sectors, beams that are too close or invalid) only where it drove in this action or in the last minute: so
+    it drives back the way it came, and nowhere else.
+    """
+
+    def __init__(
+        self, lidar: Lidar, radius: float, rolled: Callable[[], Pose2], clock: Callable[[], float]
+    ) -> None:
+        """Watch the ground of a base.
+
+        Args:
+            lidar: what it sees.
+            radius: of its footprint, in [m].
+            rolled: gives the pose of the base in a frame in which it doesn't jump.
+            clock: gives the robot's time, in [s].
+        """
+        self._lidar, self._radius, self._rolled, self._clock = lidar, radius, rolled, clock
+        self._driven: list[tuple[float, float, float]] = []
+
+    def starts_here(self) -> None:
+        """A new action begins: what was driven long ago may have changed since."""
+        since = self._clock() - DRIVEN_S
+        self._driven = [spot for spot in self._driven if spot[2] >= since]
+
+    def held(self, pose: Pose2, curvature: float, length: float) -> Held | None:
+        """Return the unseen ground that an arc of `length` [m] leads to; None if free or driven."""
+        scan = self._lidar.scan()
+        found = unseen_edge(scan.angles, scan.blind(), scan.base_T_sensor, self._radius, curvature, length)
+        here = self._rolled()
+        if not self._driven:
+            self._remember(here)
+        if found is None:
+            self._remember(here)
+            return None
+        driven = np.array(self._driven)[:, :2]
+        if is_driven(driven, here, curvature, length):
+            return None
+        x, y = pose.apply(found[None])[0].tolist()
+        return Held("unseen", x, y, math.hypot(*found), self._radius)
+
+    def _remember(self, here: Pose2) -> None:
+        last = self._driven[-1] if self._driven else None
+        if last is None or math.hypot(here.x - last[0], here.y - last[1]) >= DRIVEN_STEP_M:
+            self._driven.append((here.x, here.y, self._clock()))
+        else:
+            self._driven[-1] = (last[0], last[1], self._clock())

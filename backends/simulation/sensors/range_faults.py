@@ -1,0 +1,51 @@
+"""Readings that a lidar's driver delivers now and then, instead of a range."""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.description.simulated_errors import Errors
+
+OWN_BODY_M = 0.12
+"""Range of a return of the robot's own body."""
+
+
+class RangeFaults(NamedTuple):
+    """Shares of a scan's beams, 0 to 1, that deliver something else, each beam and period for itself."""
+
+    zero: float = 0.0
+    nan: float = 0.0
+    too_close: float = 0.0
+    """-infinity."""
+    own_body: float = 0.0
+
+    @classmethod
+    def of(cls, errors: Errors) -> Self:
+        """As a robot's file has them, in percent."""
+        percents = (
+            errors.range_zero_percent,
+            errors.range_nan_percent,
+            errors.range_too_close_percent,
+            errors.range_own_body_percent,
+        )
+        return cls(*(percent / 100.0 for percent in percents))
+
+    @property
+    def any(self) -> bool:
+        """Whether there are any."""
+        return max(self) > 0.0
+
+    def spoil(self, ranges: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.float64]:
+        """Return ranges (n,) in [m] with the faults of one scan."""
+        draws = rng.random((len(self), len(ranges)))
+        spoiled = ranges.copy()
+        readings = (0.0, np.nan, -np.inf, OWN_BODY_M)
+        for reading, share, draw in zip(readings, self, draws, strict=True):
+            spoiled[draw < share] = reading
+        return spoiled
+
+
+NO_FAULTS = RangeFaults()
