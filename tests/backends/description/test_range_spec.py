@@ -8,14 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from handcart.backends.description.robot_loading import load_robot, shipped_path
+from handcart.backends.description.robot_loading import ROBOTS, load_robot
 from handcart.files.errors import FileError
 
 
 def written(folder: Path, keys: str) -> str:
     """The cart's file with other keys in place of its reach."""
-    text = shipped_path("cart").read_text(encoding="utf-8")
-    shutil.copy(shipped_path("cart").parent / "cart.urdf", folder)
+    text = (ROBOTS / "cart" / "robot.yaml").read_text(encoding="utf-8")
+    shutil.copy(ROBOTS / "cart" / "cart.urdf", folder)
     path = folder / "robot.yaml"
     path.write_text(text.replace("reach_m: 12.0", keys), encoding="utf-8")
     return str(path)
