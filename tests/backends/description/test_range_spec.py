@@ -8,14 +8,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from handcart.backends.description.robot_loading import ROBOTS, load_robot
+from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.description.robot_names import robot_path
 from handcart.files.errors import FileError
 
 
 def written(folder: Path, keys: str) -> str:
     """The cart's file with other keys in place of its reach."""
-    text = (ROBOTS / "cart" / "robot.yaml").read_text(encoding="utf-8")
-    shutil.copy(ROBOTS / "cart" / "cart.urdf", folder)
+    text = robot_path("cart").read_text(encoding="utf-8")
+    shutil.copy(robot_path("cart").parent / "cart.urdf", folder)
     path = folder / "robot.yaml"
     path.write_text(text.replace("reach_m: 12.0", keys), encoding="utf-8")
     return str(path)
