@@ -15,12 +15,14 @@ from handcart.files.errors import InputError
 from handcart.networks.task.preparing import Prepared
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.contract.outcome import Fail, Outcome, Success
+from handcart.primitives.preconditions.hand_use import Hand
 from handcart.primitives.restoring.snapshot import SURE
 from handcart.tasks.domain import domains, imported
 
 from .arrival_survey import ArrivalSurvey
 from .base_surveys import LocalisationSurvey, PathSurvey
 from .contact_survey import ContactSurvey
+from .hand_claims import HAND, false_hold, things_held
 from .sensor_sigmas import BASE_SIGMA_DEG, BASE_SIGMA_MM
 from .survey import Claim, Survey, SurveyedRun
 from .survey_notes import as_noted
@@ -133,6 +135,7 @@ class Surveys:
             f"it moved {each} mm (at most {MOST_DISTURBED_MM:.0f})"
             for each in disturbed(claim.before, claim.after, MOST_DISTURBED_MM, own)
         ]
+        wrong += false_hold(claim, self.run.model)
         own_word = getattr(claim.primitive, "false_effect", None)
         if own_word is not None:
             return wrong + list(own_word(self.run.world, claim.before))
@@ -210,11 +213,15 @@ class Surveys:
 
 
 def _own(claim: Claim, run: SurveyedRun) -> set[str]:
-    """What a primitive may move: what the hand holds before or after, or is to touch."""
-    before, after = claim.before.bodies, claim.after.bodies
-    held = {name for each in (before, after) for name, body in each.items() if body.support == "hand"}
-    meant = [each for each in claim.primitive.meant_contacts(run.model) if each.part == "hand"]
-    return held | {name for name in before if any(each.covers("hand", name) for each in meant)}
+    """Return what a primitive may move: what the hand holds before or after, or is to touch.
+
+    What it should not hold before is not its own: it drops that.
+    """
+    held = things_held(claim.after)
+    if claim.primitive.hand_use().before is not Hand.EMPTY:
+        held |= things_held(claim.before)
+    meant = [each for each in claim.primitive.meant_contacts(run.model) if each.part == HAND]
+    return held | {name for name in claim.before.bodies if any(each.covers(HAND, name) for each in meant)}
 
 
 def _broke(kind: type[Survey], error: Exception) -> str:

@@ -11,12 +11,14 @@ from handcart.networks.graph.network import Action
 from handcart.networks.task.task_file import Task
 
 from .fact_findings import fact_findings
+from .hand_findings import denied_hand_facts
 from .worst_cases import WorstCases
 
 
 def task_findings(task: Task) -> list[Finding]:
-    """Situations that no run comes to, situations from which nothing leads on, facts that can't change so."""
-    return [*_unreached(task), *_dead_ends(task), *fact_findings(task)]
+    """Return what is doubtful: situations that no run comes to or that lead nowhere, facts that can't change
+    so, or that an action's effect on the hand contradicts."""
+    return [*_unreached(task), *_dead_ends(task), *fact_findings(task), *denied_hand_facts(task)]
 
 
 def _with_fails(task: Task) -> nx.DiGraph[str]:

@@ -16,6 +16,7 @@ from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.contract.attempt import attempt
 from handcart.primitives.contract.outcome import GiveUp, Outcome, Success
 from handcart.primitives.knowledge.world_model import WorldModel
+from handcart.primitives.preconditions.unmet import find_unmet
 from handcart.primitives.restoring.snapshot import Snapshot, moved
 
 from .events import Event
@@ -200,9 +201,9 @@ class Coordinator:
         return outcome
 
     def _unmet_precondition(self, primitive: ActionPrimitive) -> str:
-        """What stands in the way of its start, where it can tell (row N7)."""
+        """Return what stands in the way of its start; empty if nothing does (row N7)."""
         try:
-            return primitive.unmet_precondition(self._robot, self._model.view(primitive))
+            return find_unmet(primitive, self._robot, self._model)
         except Exception as error:  # a fault of the primitive's own code
             return f"{type(error).__name__}: {error}"
 

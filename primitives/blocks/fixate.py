@@ -17,6 +17,8 @@ from handcart.primitives.contract.action_primitive import ActionPrimitive, Perio
 from handcart.primitives.contract.discrepancy import Discrepancy
 from handcart.primitives.knowledge.place_name import PlaceName
 from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.motions.from_above import gripped
+from handcart.primitives.restoring.snapshot import is_holding
 
 from .base_turn import turn_by_gyros
 from .building import LandmarkPlan
@@ -60,8 +62,9 @@ class Fixate(ActionPrimitive):
         around = surroundings(robot, model)
         marks = building(model).landmarks
         wanted = sought(self.landmark, marks, planned, robot.pose, robot.localization.covariance)
+        held = gripped(robot, building(model).block) if is_holding(robot) else None
         found = yield from fixate(
-            robot, view, wanted, self.rule, self.evidence, None, around, self.search, self.looks
+            robot, view, wanted, self.rule, self.evidence, held, around, self.search, self.looks
         )
         x, y, turn = found.planned_T_base
         self.found(

@@ -22,8 +22,9 @@ from handcart.primitives.motions.arm_motion import move_straight, move_to_joints
 from handcart.primitives.motions.from_above import gripped, gripping, on_level
 from handcart.primitives.motions.grip import close, holds, open_to, width_off
 from handcart.primitives.motions.pushing import push
+from handcart.primitives.preconditions.hand_use import TAKES
 from handcart.primitives.restoring.retrace import retrace
-from handcart.primitives.restoring.snapshot import Snapshot
+from handcart.primitives.restoring.snapshot import MIN_HELD_WIDTH_M, Snapshot
 from handcart.primitives.restoring.trace import Trace
 from handcart.robotics.geometry.transform import Transform, inverse
 
@@ -57,9 +58,22 @@ class PickUpBlock(ActionPrimitive):
     needs: ClassVar = (Arm, Gripper, Camera)
     reads: ClassVar = ("building", "fixed", "placed")
     writes: ClassVar = ("taken",)
+    hand: ClassVar = TAKES
 
     _held: bool = PrivateAttr(default=False)
     _touched: bool = PrivateAttr(default=False)
+
+    def thing(self, model: ModelView) -> str:
+        return name_of_block(self.number)
+
+    def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
+        """Return why the block is known to be elsewhere."""
+        blocks = model.of(Blocks)
+        if any(each.number == self.number for each in blocks.placed):
+            return f"block {self.number} is at its goal already"
+        if self.at == "supply" and self.number in blocks.taken:
+            return f"block {self.number} was taken from the supply already"
+        return ""
 
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         plan = building(model)
@@ -78,6 +92,12 @@ class PickUpBlock(ActionPrimitive):
         yield from self.intend("the fingers close on the block")
         self._touched = True
         yield from close(robot)
+        if robot.gripper.width() <= MIN_HELD_WIDTH_M:
+            self._touched = False  # nothing was between the fingers, so nothing was moved
+            raise Discrepancy(
+                f"the fingers closed on nothing where {name_of_block(self.number)} should be",
+                measured=_opening(robot, plan),
+            )
         if not _grips(robot, plan):
             raise Discrepancy("the fingers don't hold a block", measured=_opening(robot, plan))
         self._held = True
@@ -144,6 +164,15 @@ class PickUpBlock(ActionPrimitive):
                 f"the supply has {len(plan.supply)} blocks, no block {self.number}", permanent=True
             )
         return np.asarray(inverse(standing(robot, model).lift()) @ plan.supply[self.number - 1].pose)
+
+
+def unlike_block(robot: Robot, model: ModelView) -> str:
+    """Return why what the fingers hold is no block of the plan; empty if it may be one."""
+    plan = building(model)
+    if _grips(robot, plan):
+        return ""
+    width, length = 1e3 * robot.gripper.width(), 1e3 * plan.block[0]
+    return f"the hand holds no block: what it holds is {width:.1f} mm long, a block {length:.1f} mm"
 
 
 def _grips(robot: Robot, plan: Building) -> bool:

@@ -24,6 +24,7 @@ from handcart.primitives.motions.arm_motion import move_straight, move_to_pose, 
 from handcart.primitives.motions.from_above import gripped, gripping, on_level, pointing_down
 from handcart.primitives.motions.grip import open_to
 from handcart.primitives.motions.pushing import push, relax
+from handcart.primitives.preconditions.hand_use import LETS_GO
 from handcart.primitives.restoring.snapshot import settle
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, inverse, transform
@@ -38,7 +39,7 @@ from .building import Building, LandmarkPlan
 from .building_site import VIEW, building, standing, surroundings
 from .fixate import landmark_of
 from .fixating import Rule, fixate, fixed_by, planned_view, sought
-from .pick_up_block import ABOVE, OPEN
+from .pick_up_block import ABOVE, OPEN, unlike_block
 from .supports import TRAY, held_on
 
 NEAR = 0.010  # [m] above the expected contact, where the guarded descent begins
@@ -84,6 +85,7 @@ class Stack(ActionPrimitive):
     needs: ClassVar = (Arm, Gripper, Camera)
     reads: ClassVar = ("places", "building", "taken")
     writes: ClassVar = ("fixed", "placed")
+    hand: ClassVar = LETS_GO
 
     _placed: Placed | None = PrivateAttr(default=None)
     _felt_then: NDArray[np.float64] = PrivateAttr()
@@ -91,10 +93,15 @@ class Stack(ActionPrimitive):
     _leans: tuple[Transform, Transform] = PrivateAttr(default_factory=lambda: (np.eye(4), np.eye(4)))
     """How the base leant beside the model when it was fixed, and leans now."""
 
+    def thing(self, model: ModelView) -> str:
+        return name_of_block(self.number)
+
+    def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
+        """Return that the hand holds no block of the plan."""
+        return unlike_block(robot, model)
+
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         plan = building(model)
-        if not robot.gripper.closed_on_something():
-            raise Discrepancy("the hand holds no block", permanent=True)
         if self.method in FEEL and robot.spec.imu is None:
             raise Discrepancy(f"the method {self.method} needs inertial sensors", permanent=True)
         held = gripped(robot, plan.block)

@@ -13,7 +13,14 @@ from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.books.book_boxes import held_box, shelf_boxes
-from handcart.primitives.books.book_grip import GRIP_HEIGHT, hand_to_spine, holds, opening
+from handcart.primitives.books.book_grip import (
+    GRIP_HEIGHT,
+    book_in,
+    hand_to_spine,
+    holds,
+    opening,
+    unlike_book,
+)
 from handcart.primitives.books.books import Books, Slot
 from handcart.primitives.books.catalogue import Book
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
@@ -21,6 +28,7 @@ from handcart.primitives.contract.discrepancy import Discrepancy, Measured
 from handcart.primitives.knowledge.place_name import PlaceName
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.motions.arm_motion import move_straight, move_to_pose
+from handcart.primitives.preconditions.hand_use import CARRIES
 from handcart.robotics.geometry.transform import Transform, inverse, transform
 from handcart.robotics.kinematics.shapes import Box
 from handcart.robotics.perception.books.slots import Gap
@@ -54,9 +62,19 @@ class Approach(ActionPrimitive):
     needs: ClassVar = (Arm, Gripper, Camera, RangeSensor)
     reads: ClassVar = ("places", "book")
     writes: ClassVar = ("slot",)
+    hand: ClassVar = CARRIES
 
     _held: Box | None = PrivateAttr(default=None)
     _around: tuple[Box, ...] = PrivateAttr(default=())
+
+    def thing(self, model: ModelView) -> str:
+        return book_in(model)
+
+    def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
+        """Return why the book can't be brought: another is held, or its slot is not known."""
+        slot = model.of(Books).slot
+        known = slot is not None and slot.shelf == self.shelf
+        return unlike_book(robot, model) or ("" if known else f"no slot is known on {self.shelf}")
 
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         books = model.of(Books)

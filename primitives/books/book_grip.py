@@ -5,10 +5,12 @@ from __future__ import annotations
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import Periods
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured
+from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.motions import grip
 from handcart.primitives.motions.grip import close, hand_to_tips, width_read
 
-from .catalogue import Book
+from .books import Books
+from .catalogue import Book, name_of_book
 
 BITE = 0.03  # [m] of the book's rear that the pads cover
 GRIP_HEIGHT = 0.12  # [m] from the book's foot to the hand
@@ -24,6 +26,26 @@ def hand_to_spine(robot: Robot) -> float:
 def holds(robot: Robot, book: Book) -> bool:
     """Whether the fingers press on something as thick as that book."""
     return grip.holds(robot, book.thickness_mm / 1e3, THICKNESS_ERROR)
+
+
+def book_in(model: ModelView) -> str:
+    """Return the name of the recognized book in simulated worlds; empty if none was recognized."""
+    book = model.of(Books).book
+    return "" if book is None else name_of_book(book)
+
+
+def unlike_book(robot: Robot, model: ModelView) -> str:
+    """Return why what the fingers hold is not the recognized book; empty if it may be that book."""
+    book = model.of(Books).book
+    if book is None:
+        return "no book has been recognized"
+    if holds(robot, book):
+        return ""
+    width = 1e3 * robot.gripper.width()
+    return (
+        f"the hand does not hold {name_of_book(book)}: what it holds is {width:.1f} mm thick, "
+        f"not {book.thickness_mm:.1f} mm"
+    )
 
 
 def opening(robot: Robot, book: Book | None) -> Measured:

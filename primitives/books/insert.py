@@ -18,7 +18,7 @@ from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.books.book_boxes import held_box
-from handcart.primitives.books.book_grip import hand_to_spine, holds, opening
+from handcart.primitives.books.book_grip import book_in, hand_to_spine, holds, opening, unlike_book
 from handcart.primitives.books.books import Books
 from handcart.primitives.contract.action_primitive import Periods
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured, NeedsPerson
@@ -30,6 +30,7 @@ from handcart.primitives.motions.arm_motion import move_straight, move_to_joints
 from handcart.primitives.motions.grip import hand_to_tips
 from handcart.primitives.motions.pushing import Pushed, push, relax
 from handcart.primitives.motions.taught import taught_postures
+from handcart.primitives.preconditions.hand_use import CARRIES
 from handcart.primitives.restoring.retrace import retrace
 from handcart.primitives.restoring.snapshot import Snapshot
 from handcart.primitives.restoring.trace import Trace
@@ -86,6 +87,7 @@ class Insert(TreePrimitive):
 
     needs: ClassVar = (Arm, Gripper, RangeSensor)
     reads: ClassVar = ("places", "book")
+    hand: ClassVar = CARRIES
 
     _course: _Course = PrivateAttr()
     _base_T_end: Transform | None = PrivateAttr(default=None)
@@ -94,10 +96,11 @@ class Insert(TreePrimitive):
     """What the last push met, in [N]."""
     _strongest: float = PrivateAttr(default=0.0)
 
+    def thing(self, model: ModelView) -> str:
+        return book_in(model)
+
     def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
-        """A hand that doesn't hold the book."""
-        books = model.of(Books)
-        return "" if books.book and holds(robot, books.book) else "the hand doesn't hold the book"
+        return unlike_book(robot, model)
 
     def tree(self, robot: Robot, model: ModelView) -> Behaviour:
         """What comes before, and the ways to push: the first in which the book goes in ends it."""

@@ -15,7 +15,14 @@ from handcart.backends.capabilities.camera import Camera
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.books.book_boxes import held_box
-from handcart.primitives.books.book_grip import GRIP_HEIGHT, close_on, hand_to_spine, holds, opening
+from handcart.primitives.books.book_grip import (
+    GRIP_HEIGHT,
+    book_in,
+    close_on,
+    hand_to_spine,
+    holds,
+    opening,
+)
 from handcart.primitives.books.books import Books
 from handcart.primitives.books.catalogue import Book, name_of_book
 from handcart.primitives.contract.action_primitive import Periods
@@ -32,6 +39,7 @@ from handcart.primitives.motions.arm_motion import (
 from handcart.primitives.motions.grip import open_to
 from handcart.primitives.motions.pushing import push
 from handcart.primitives.motions.taught import taught_postures
+from handcart.primitives.preconditions.hand_use import TAKES
 from handcart.primitives.restoring.retrace import retrace
 from handcart.primitives.restoring.snapshot import Seen, Snapshot, settle
 from handcart.primitives.restoring.trace import Trace
@@ -60,12 +68,23 @@ class PickUp(TreePrimitive):
 
     needs: ClassVar = (Arm, Gripper, Camera)
     reads: ClassVar = ("book", "book_pose", "catalogue")
+    hand: ClassVar = TAKES
 
     _book: Book = PrivateAttr()
     _base_T_grip: Transform = PrivateAttr()
     """(4, 4), planned: of the hand that grips the book."""
     _stands: bool = PrivateAttr(default=False)
     _held: bool = PrivateAttr(default=False)
+
+    def thing(self, model: ModelView) -> str:
+        return book_in(model)
+
+    def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
+        """Return that the book, or where it stands, is not known."""
+        books = model.of(Books)
+        if books.book is None or books.book_pose is None:
+            return "no book has been recognized on the tray"
+        return ""
 
     def observe(self, robot: Robot, model: ModelView) -> Generator[None, None, Seen]:
         """Where the book's tag is, in the base frame; nothing where it isn't seen."""

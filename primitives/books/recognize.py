@@ -18,6 +18,7 @@ from handcart.primitives.contract.action_primitive import ActionPrimitive, Perio
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.motions.arm_motion import move_straight, move_to_posture
+from handcart.primitives.preconditions.hand_use import NEEDS_EMPTY
 from handcart.primitives.restoring.snapshot import settle
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, transform
@@ -57,6 +58,7 @@ class Recognize(ActionPrimitive):
     needs: ClassVar = (Arm, Camera)
     reads: ClassVar = ("catalogue",)
     writes: ClassVar = ("book", "book_pose")
+    hand: ClassVar = NEEDS_EMPTY
 
     _seen: list[_Sighting] = PrivateAttr(default_factory=list)
     _looks: int = PrivateAttr(default=0)

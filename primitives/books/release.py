@@ -17,7 +17,7 @@ from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.books.book_boxes import shelf_boxes
-from handcart.primitives.books.book_grip import GRIP_HEIGHT, holds, opening
+from handcart.primitives.books.book_grip import GRIP_HEIGHT, book_in, holds, opening, unlike_book
 from handcart.primitives.books.books import Books
 from handcart.primitives.books.catalogue import name_of_book
 from handcart.primitives.contract.action_primitive import Periods
@@ -29,6 +29,7 @@ from handcart.primitives.knowledge.world_model import ModelView, WorldModel
 from handcart.primitives.motions.arm_motion import move_straight, move_to_posture
 from handcart.primitives.motions.grip import close, hand_to_tips, open_to
 from handcart.primitives.motions.pushing import push, relax
+from handcart.primitives.preconditions.hand_use import LETS_GO
 from handcart.primitives.restoring.snapshot import settle
 from handcart.robotics.geometry.transform import Transform, inverse
 from handcart.robotics.perception.books.call_number import parse
@@ -67,6 +68,7 @@ class Release(TreePrimitive):
 
     needs: ClassVar = (Arm, Gripper, Camera, RangeSensor)
     reads: ClassVar = ("places", "catalogue", "book", "slot")
+    hand: ClassVar = LETS_GO
 
     _base_T_shelf: Transform | None = PrivateAttr(default=None)
     _lateral: float = PrivateAttr(default=0.0)
@@ -74,10 +76,11 @@ class Release(TreePrimitive):
     _open_to: float | None = PrivateAttr(default=None)
     """How far the fingers are to open, in [m], while they do."""
 
+    def thing(self, model: ModelView) -> str:
+        return book_in(model)
+
     def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
-        """A hand that doesn't hold the book."""
-        books = model.of(Books)
-        return "" if books.book and holds(robot, books.book) else "the hand doesn't hold the book"
+        return unlike_book(robot, model)
 
     def tree(self, robot: Robot, model: ModelView) -> Behaviour:
         """The steps, one after the other."""

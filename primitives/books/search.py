@@ -15,7 +15,7 @@ from handcart.backends.capabilities.camera import Camera
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.books.book_boxes import shelf_boxes, tray_box
-from handcart.primitives.books.book_grip import hand_to_spine
+from handcart.primitives.books.book_grip import hand_to_spine, unlike_book
 from handcart.primitives.books.books import Books, Slot
 from handcart.primitives.books.catalogue import Book, Catalogue
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
@@ -24,6 +24,7 @@ from handcart.primitives.knowledge.place import Shelf
 from handcart.primitives.knowledge.place_name import PlaceName
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.motions.arm_motion import move_straight, move_to_pose
+from handcart.primitives.restoring.snapshot import is_holding
 from handcart.robotics.geometry.transform import Transform, transform
 from handcart.robotics.kinematics.shapes import Box
 from handcart.robotics.perception.books.call_number import CallNumber, parse
@@ -85,6 +86,10 @@ class Search(ActionPrimitive):
     _thicknesses: dict[CallNumber, float] = PrivateAttr(default_factory=dict)
     """Of the books in the catalogue, in [m]."""
     _last: HandView | None = PrivateAttr(default=None)
+
+    def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
+        """Return that the hand holds anything but the recognized book, past which it looks."""
+        return unlike_book(robot, model) if is_holding(robot) else ""
 
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         books = model.of(Books)

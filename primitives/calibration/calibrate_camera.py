@@ -20,6 +20,7 @@ from handcart.primitives.contract.calibrated import Calibrated, as_facts
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.motions.arm_motion import move_to_pose
+from handcart.primitives.preconditions.hand_use import NEEDS_EMPTY
 from handcart.primitives.restoring.snapshot import settle
 from handcart.robotics.geometry.transform import Transform, difference, inverse
 from handcart.robotics.kinematics.libraries import pin
@@ -61,6 +62,7 @@ class CalibrateCamera(ActionPrimitive):
 
     needs: ClassVar = (Arm, Camera)
     reads: ClassVar = ("building", "placed", "fixed", "taken")
+    hand: ClassVar = NEEDS_EMPTY
 
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         plan = _board_of(model, self.board)

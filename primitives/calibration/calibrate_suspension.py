@@ -16,12 +16,14 @@ from handcart.backends.robot.robot import Robot
 from handcart.primitives.blocks.building import LandmarkName, LandmarkPlan
 from handcart.primitives.blocks.building_site import building, standing, surroundings
 from handcart.primitives.blocks.fixate import landmark_of
+from handcart.primitives.blocks.pick_up_block import unlike_block
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.contract.calibrated import Calibrated, as_facts
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.motions.arm_motion import move_straight, move_to_pose
 from handcart.primitives.motions.from_above import gripped
+from handcart.primitives.preconditions.hand_use import CARRIES
 from handcart.robotics.geometry.transform import Transform, apply, inverse
 from handcart.robotics.kinematics.shapes import Box
 from handcart.robotics.manipulation.suspension.suspension_identification import (
@@ -71,10 +73,11 @@ class CalibrateSuspension(ActionPrimitive):
 
     needs: ClassVar = (Arm, Gripper, Camera)
     reads: ClassVar = ("building", "placed", "fixed", "taken")
+    hand: ClassVar = CARRIES
 
     def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
-        """A hand that holds nothing: the base gives under a load."""
-        return "" if robot.gripper.closed_on_something() else "the hand holds no block"
+        """Return that the hand holds no block of the plan: the base leans under its load."""
+        return unlike_block(robot, model)
 
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         scene = self._scene(robot, model)

@@ -11,9 +11,11 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from pydantic import PrivateAttr
 
 from handcart.backends.capabilities.capability import Capability
+from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.robot.robot import Robot
 from handcart.files.models.model import FileModel
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
+from handcart.primitives.preconditions.hand_use import UNDECLARED, UNUSED, HandUse
 from handcart.primitives.restoring.retrace import retrace
 from handcart.primitives.restoring.snapshot import Seen, Snapshot
 from handcart.primitives.restoring.trace import Trace
@@ -43,6 +45,11 @@ class ActionPrimitive(FileModel, ABC):
     """Entries of the world model that it may write (and read)."""
     only_knowledge: ClassVar[bool] = False
     """It doesn't move anything, so nothing has to settle and nothing is restored."""
+    hand: ClassVar[HandUse | None] = None
+    """What the hand must hold before it starts, and holds after its Success. None: nothing is required, and
+    only a primitive that does not need the gripper leaves the hand as it was."""
+    arm_inside: ClassVar[bool] = False
+    """The hand must be within the robot's footprint before it starts, because the base drives."""
 
     _evidence: Evidence = PrivateAttr(default_factory=Evidence)
     _no_return: str | None = PrivateAttr(default=None)
@@ -65,11 +72,33 @@ class ActionPrimitive(FileModel, ABC):
         """How task files call it: `MoveTo` is MOVE_TO."""
         return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", cls.__name__).upper()
 
-    def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
-        """Asked at rest before it starts: what stands in its way, in words; empty if nothing does.
+    @classmethod
+    def usual_hand_use(cls) -> HandUse:
+        """Return what instances require of the hand and leave in it, where parameters do not decide."""
+        if cls.hand is not None:
+            return cls.hand
+        return UNDECLARED if Gripper in cls.needs and not cls.only_knowledge else UNUSED
 
-        For what the sensors tell at once, such as a hand that should hold something and is empty: the action
-        isn't started, which counts as its Fail, and the run is planned anew.
+    def hand_use(self) -> HandUse:
+        """Return what it requires of the hand and leaves in it; override where parameters decide."""
+        return self.usual_hand_use()
+
+    def needs_arm_inside(self) -> bool:
+        """Return whether the hand must be within the footprint; override where parameters decide."""
+        return self.arm_inside
+
+    def thing(self, model: ModelView) -> str:
+        """Return the name of the thing that it takes, carries or lets go, as simulated worlds call it.
+
+        Empty: not known yet, or any thing.
+        """
+        return ""
+
+    def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
+        """Return what else stands in the way of its start, in words; empty if nothing does.
+
+        Called at rest, after `hand` and `arm_inside` were checked, and before anything moves. The action is
+        then not started, which counts as its Fail, and the run is planned again.
         """
         return ""
 

@@ -9,6 +9,7 @@ from typing import TypeVar
 
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
+from handcart.primitives.preconditions.unmet import find_unmet, note_hand
 from handcart.primitives.restoring.retrace import reach_again, retrace
 from handcart.primitives.restoring.snapshot import (
     Seen,
@@ -61,13 +62,15 @@ def attempt(
     """
     view = model.view(primitive)
     if primitive.only_knowledge:
-        return (yield from _think(primitive, robot, view))
+        return (yield from _think(primitive, robot, model))
     primitive._intents = intents
     displaced = robot.localization.displacements
     try:
         while not intents.kept:
             yield
         rests = yield from settle(robot)
+        if unmet := find_unmet(primitive, robot, model):
+            raise Discrepancy(unmet, check="precondition")
         start = _begun(robot)
         robot.base.starts_here()
     except Exception as early:  # nothing was commanded yet
@@ -90,6 +93,7 @@ def attempt(
             raise Discrepancy("the robot doesn't come to rest", check="rest")
         if not (yield from _recorded(primitive.effect(robot, view), trace)):
             raise Discrepancy("success is not confirmed: what was to be achieved is not seen", check="effect")
+        note_hand(primitive, model)
         robot.localization.look_again()
         if robot.localization.displacements > displaced:
             raise NeedsPerson(PUSHED, check="push")
@@ -127,10 +131,12 @@ def _begun(robot: Robot) -> Snapshot:
     return now
 
 
-def _think(primitive: ActionPrimitive, robot: Robot, view: ModelView) -> Generator[None, None, Outcome]:
+def _think(primitive: ActionPrimitive, robot: Robot, model: WorldModel) -> Generator[None, None, Outcome]:
     """A primitive that only changes knowledge: nothing moves, so nothing has to be restored."""
     try:
-        yield from primitive.motion(robot, view)
+        if unmet := find_unmet(primitive, robot, model):
+            raise Discrepancy(unmet, check="precondition")
+        yield from primitive.motion(robot, model.view(primitive))
         return Success(dict(primitive.facts))
     except NeedsPerson as need:
         primitive.evidence.blame(need)

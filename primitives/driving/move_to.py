@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Generator, Iterator, Sequence
 from typing import Annotated, ClassVar
 
@@ -23,6 +22,7 @@ from handcart.primitives.contract.meant_contact import MeantContact
 from handcart.primitives.knowledge.place import Place
 from handcart.primitives.knowledge.place_name import PlaceName
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
+from handcart.primitives.preconditions.hand_use import UNDECLARED, UNUSED, HandUse
 from handcart.primitives.restoring.retrace import LONGEST_REACH, reach_pose, retrace
 from handcart.primitives.restoring.snapshot import Snapshot, settle
 from handcart.primitives.restoring.trace import Trace
@@ -67,13 +67,21 @@ class MoveTo(ActionPrimitive):
     reads: ClassVar = ("map", "places", "speed_limits", "discs")
     writes: ClassVar = ("obstacles", "detour")
 
+    arm_inside: ClassVar = True
+
     _monitor: ObstacleMonitor | FieldObstacleMonitor | None = PrivateAttr(default=None)
     _ahead: NDArray[np.float64] = PrivateAttr(default_factory=lambda: np.empty((0, 2)))
     _blocked_since: float | None = PrivateAttr(default=None)
     _blocked_lidar_since: float | None = PrivateAttr(default=None)
 
+    def hand_use(self) -> HandUse:
+        return UNDECLARED if self.together else UNUSED
+
+    def needs_arm_inside(self) -> bool:
+        return not self.together
+
     def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
-        """The arm is to move along and there is none, or nothing for it to do."""
+        """Return that the arm is to move along and there is none, or nothing for it to do."""
         if not self.together:
             return ""
         if robot.backend.get(Arm) is None or robot.backend.get(Gripper) is None:  # type: ignore[type-abstract]
@@ -82,8 +90,6 @@ class MoveTo(ActionPrimitive):
         return "" if known else f"nothing is known that the arm could do on the way to {self.place!r}"
 
     def motion(self, robot: Robot, model: ModelView) -> Periods:
-        if not self.together:
-            _check_arm(robot)
         goal = goal_pose(model, self.place)
         self._monitor = make_monitor(robot, model)
         if model.places[self.place].docks:
@@ -263,16 +269,3 @@ class MoveTo(ActionPrimitive):
             "RangeSensor", "off its place", 1e3 * seen.distance(place.pose), 1e3 * DOCKED.position, "mm"
         )
         raise Discrepancy(f"the base doesn't come to stand square before {self.place}", measured=off)
-
-
-def _check_arm(robot: Robot) -> None:
-    """Raise `Discrepancy` where the hand stands out beyond the footprint: nothing would look out for it."""
-    if robot.spec.arm is None:
-        return
-    out, radius = math.hypot(*robot.base_T("hand")[:2, 3]), robot.spec.footprint_radius_m
-    if out > radius:
-        raise Discrepancy(
-            "the hand stands out beyond the robot's footprint: the arm goes home before the base drives",
-            permanent=True,
-            measured=Measured("Arm", "distance of the hand from the base's middle", out, radius, "m"),
-        )

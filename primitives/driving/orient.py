@@ -27,6 +27,7 @@ class Orient(ActionPrimitive):
     """How far at most."""
 
     needs: ClassVar = (Base,)
+    arm_inside: ClassVar = True
 
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         driven, speed, since = 0.0, 0.0, robot.time

@@ -26,6 +26,7 @@ from handcart.primitives.contract.tree_primitive import Step, TreePrimitive, lea
 from handcart.primitives.field.target import TargetName
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
 from handcart.primitives.motions.grip import open_to
+from handcart.primitives.preconditions.hand_use import Hand, HandUse
 from handcart.primitives.restoring.arm_command import hold_measured
 from handcart.primitives.restoring.snapshot import settle
 from handcart.robotics.manipulation.arms.scara import base_to_world, world_to_base
@@ -60,8 +61,8 @@ Vector = NDArray[np.float64]
 class Deploy(TreePrimitive):
     """Lay a sensor on its target: the base stands to the left of it (Ohki et al. 2012, section V-B).
 
-    The fingers close on the sensor that the magazine gives them. The base stands until it is known well
-    enough where the target is; the arm goes through its middle state, its tip then on straight lines to
+    The base stands until it is known well enough where the target is. The fingers close on the sensor that
+    the magazine gives them; the arm goes through its middle state, its tip then on straight lines to
     above the target by resolved rates, roll and pitch of the base taken into account; what the fixes told
     meanwhile corrects it. The sensor is lowered until it touches the ground and let go in small steps, which
     can't be undone; where it leans on a finger, the hand gives way until it stands by itself; the fingers
@@ -84,25 +85,38 @@ class Deploy(TreePrimitive):
     needs: ClassVar = (Arm, Gripper, Imu)
     reads: ClassVar = ("targets", "field")
     writes: ClassVar = ("laid",)
+    hand: ClassVar = HandUse(Hand.ANY, Hand.EMPTY)
 
     _arm: SensorArm = PrivateAttr()
     _target: Target = PrivateAttr()
     _let_go_whole: bool = PrivateAttr(default=False)
 
     def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
-        """No such target, or it is laid already."""
+        """Return why the sensor can't be laid: its target is unknown, served or out of reach, or the hand or
+        the arm is not ready to take it."""
         work = model.of(FieldWork)
         if work.field is None or self.target not in work.targets:
             return f"there is no target {self.target!r} in the field"
         if any(laid.name == self.target for laid in work.laid):
             return f"the sensor of target {self.target!r} is laid already"
-        return ""
+        try:
+            arm = SensorArm(robot, work.field)
+            if robot.localization.doubt is None:
+                self._check_near(robot, arm, work.targets[self.target])
+        except Discrepancy as refused:
+            return refused.reason
+        return arm.not_ready()
+
+    def _check_near(self, robot: Robot, arm: SensorArm, target: Target) -> None:
+        """Raise `Discrepancy` where the target is out of reach, however it is off by 3 sigma."""
+        place = arm.place_of(np.array([target.x, target.y]))
+        arm.check_near(place, SURE * self._sigma(robot, target))
 
     def tree(self, robot: Robot, model: ModelView) -> Behaviour:
         """The steps, one after the other; in the end only the fingers are lifted, or the arm comes home."""
         steps: dict[str, Step] = {
-            "take the sensor from the magazine": lambda: self._take(robot, model),
-            "stand until the target is known well enough": lambda: self._be_sure(robot, self._target),
+            "stand until the target is known well enough": lambda: self._be_sure(robot, model),
+            "take the sensor from the magazine": lambda: self._arm.take(),
             "bring the sensor over the target": lambda: self._reach(self._arm, self._target),
             "lower it until it touches the ground": lambda: self._lower(robot, self._arm, self._target),
             "let it go": lambda: self._let_go(robot, model, self._arm),
@@ -114,11 +128,6 @@ class Deploy(TreePrimitive):
         }
         leave = Selector("leave it", memory=True, children=leaves(back))
         return Sequence("lay the sensor on its target", memory=True, children=[*leaves(steps), leave])
-
-    def _take(self, robot: Robot, model: ModelView) -> Periods:
-        field, self._target = self._field_and_target(model)
-        self._arm = SensorArm(robot, field)
-        yield from self._arm.take()
 
     def _reach(self, arm: SensorArm, target: Target) -> Periods:
         yield from arm.reach(arm.place_of(np.array([target.x, target.y])))
@@ -209,14 +218,16 @@ class Deploy(TreePrimitive):
             raise Discrepancy(f"there is no target {self.target!r} in the field", permanent=True)
         return work.field, work.targets[self.target]
 
-    def _be_sure(self, robot: Robot, target: Target) -> Periods:
+    def _be_sure(self, robot: Robot, model: ModelView) -> Periods:
         """Stand until it is known well enough where the target is."""
+        field, target = self._field_and_target(model)
+        self._arm, self._target = SensorArm(robot, field), target
         yield from robot.wait(self.settle_s)
         begun = robot.time
         while True:
             sigma, doubt = self._sigma(robot, target), robot.localization.doubt
             if doubt is None:
-                self._arm.check_near(self._arm.place_of(np.array([target.x, target.y])), SURE * sigma)
+                self._check_near(robot, self._arm, target)
             if doubt is None and sigma <= self.sure_mm / 1e3:
                 break
             if robot.time - begun > self.longest_s:

@@ -13,6 +13,7 @@ from handcart.primitives.contract.action_primitive import Periods
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured
 from handcart.primitives.motions.arm_motion import collision_model, follow
 from handcart.primitives.motions.grip import close, hand_to_tips, open_to
+from handcart.primitives.restoring.snapshot import is_holding
 from handcart.robotics.manipulation.arms.resolved_rate import RateLimits, ResolvedRate, line_postures, way_to
 from handcart.robotics.manipulation.arms.scara import world_to_base
 from handcart.robotics.manipulation.motions.collision_model import HELD
@@ -28,6 +29,7 @@ LONGEST_LINE = 30.0  # [s]
 LEANS = 0.35  # [N] across a finger, from where on something leans on it
 GIVES_WAY = 0.02  # [m/s] to what leans on a finger
 FARTHEST = 0.06  # [m] that it gives way
+AT_HOME = 0.02  # [rad] and [m] of a joint's command from the posture `home`
 FREE = 0.4  # [s] without a push, until nothing leans there any more
 SMOOTHED = 0.1  # [s] over which the force is smoothed
 
@@ -54,6 +56,18 @@ class SensorArm:
     def holds(self) -> bool:
         """Whether the fingers press on something as wide as a sensor."""
         return self._robot.gripper.closed_on_something() and self._off() < WIDTH_ERROR
+
+    def not_ready(self) -> str:
+        """Return why no sensor can be taken from the magazine; empty if it can be, or one is held."""
+        if self.holds:
+            return ""
+        if is_holding(self._robot):
+            width, sensor = 1e3 * self._robot.gripper.width(), self._field.sensor_mm[1]
+            return f"the hand holds something {width:.1f} mm thick, which is no sensor of {sensor:.1f} mm"
+        off = np.abs(self._robot.arm.command() - self._home)
+        if float(off.max()) > AT_HOME:
+            return "the arm is not at home, where the magazine gives it a sensor"
+        return ""
 
     def _off(self) -> float:
         return abs(self._robot.gripper.width() - self._field.sensor_mm[1] / 1e3)

@@ -69,6 +69,8 @@ class WorldModel:
     """(n, 2) points that were sensed and are not on the map, in [m]; kept for the run."""
     detour: Detour | None = None
     """Kept for one element."""
+    in_hand: str = ""
+    """Name of the thing in the hand, by the primitive that took it; empty where nothing or nothing known."""
     speed_limits: SpeedLimits | None = None
     """How fast the base may drive where."""
     sections: dict[str, Section] = dataclass_field(default_factory=dict)
@@ -78,6 +80,7 @@ class WorldModel:
         "places": dict[str, Place],
         "obstacles": NDArray[np.float64],
         "detour": Detour | None,
+        "in_hand": str,
     }
     """What a checkpoint keeps beside the sections' own, with the types."""
     ENTRIES: ClassVar = ("map", "places", "obstacles", "detour", "speed_limits", "discs")
@@ -191,7 +194,8 @@ class WorldModel:
         if unknown := state["sections"].keys() - there.keys():
             names = ", ".join(map(str, sorted(unknown, key=str)))
             raise NotAState(f"no state of a world model: nothing is known of {names} here")
-        set_attributes(self, self.LEARNED, {key: each for key, each in state.items() if key != "sections"})
+        learned = {key: each for key, each in state.items() if key != "sections"}
+        set_attributes(self, self.LEARNED, {"in_hand": "", **learned})  # older checkpoints have none
         for name, learned in state["sections"].items():
             section = self._section(name, there[name])
             set_attributes(section, section.learned_types(), learned)
@@ -208,6 +212,7 @@ class WorldModel:
         now: dict[str, Any] = {
             "obstacles": len(self.obstacles),
             "detour": self.detour.points.round(4).tolist() if self.detour else None,
+            "in_hand": self.in_hand,
         }
         for section in self.sections.values():
             now |= section.noted()

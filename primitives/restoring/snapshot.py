@@ -21,6 +21,8 @@ STILL = 5  # periods without any motion that count as rest
 PATIENCE = 5.0  # [s]
 KNOWN_AGAIN = 20  # more of them until the pose of a base that was pushed is known again
 JOINT_NOISE = 2e-4  # [rad] between two readings of a joint that stands
+MIN_HELD_WIDTH_M = 0.002
+"""Opening above which fingers that press on something hold it; below, they press on each other."""
 
 Seen = Mapping[str, tuple[float, ...]]
 """Objects by name: where each was seen, in [m]."""
@@ -82,11 +84,17 @@ def take_snapshot(robot: Robot, seen: Seen) -> Snapshot:
         joint_command=arm.command().copy() if arm else np.empty(0),
         gripper_command=gripper.command() if gripper else 0.0,
         gripper_width=width,
-        holding=bool(gripper and gripper.closed_on_something() and width > 0.002),
+        holding=is_holding(robot),
         seen=dict(seen),
         dead_reckoned=where.dead_reckoned,
         odometry_pose=where.odometry_pose if where.POSE_JUMPS else None,
     )
+
+
+def is_holding(robot: Robot) -> bool:
+    """Return whether the fingers press on something that keeps them apart."""
+    gripper = robot.backend.get(Gripper)  # type: ignore[type-abstract]
+    return bool(gripper and gripper.closed_on_something() and gripper.width() > MIN_HELD_WIDTH_M)
 
 
 def take_snapshot_since_start(robot: Robot, seen: Seen) -> Snapshot:

@@ -121,7 +121,7 @@ def test_do_runs_one_primitive_and_tells_its_outcome(handcart: Callable[..., Sai
     assert said.out.startswith("Success")
     said = handcart("do", "INSERT", "shelf=shelf_1")
     assert said.status == 3
-    assert said.out.startswith("Fail: the hand doesn't hold the book")
+    assert said.out.startswith("Fail: the hand is empty; it must hold something")
 
 
 def test_do_takes_what_a_task_tells(handcart: Callable[..., Said]) -> None:

@@ -20,8 +20,9 @@ SHORT = (
 
 
 def task_facts(task: Task, watch: Watch = lambda share: None) -> dict[str, Any]:
-    """Its size, what is doubtful (`warnings`), where runs may end short of the goal (`short`), and how runs
-    end (`figures`, for people in `lines`)."""
+    """Its size, actions that can never start (`errors`), what is doubtful (`warnings`), where runs may end
+    short of the goal (`short`), and how runs end (`figures`, for people in `lines`)."""
+    from handcart.networks.analysis.hand_findings import hand_findings
     from handcart.networks.analysis.task_findings import short_findings, task_findings, unused_findings
     from handcart.networks.analysis.worst_cases import worst_cases
     from handcart.networks.chains.effort import Effort
@@ -43,6 +44,7 @@ def task_facts(task: Task, watch: Watch = lambda share: None) -> dict[str, Any]:
     return {
         **facts,
         "longest run": f"at most {cases.longest} actions",
+        "errors": hand_findings(task),
         "warnings": list(map(str, warnings)),
         "short": short,
         **figures,

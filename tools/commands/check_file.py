@@ -214,7 +214,7 @@ def _task_facts(file: Path, settings: dict[str, str], quick: bool) -> dict[str, 
     lines = [*(each.words() for each in checked.places), *facts.get("lines", ())]
     places = {"places": [each.for_programs() for each in checked.places]} if checked.places else {}
     facts |= {"lines": lines, "warnings": [*checked.warnings, *postures, *facts["warnings"]]}
-    return {**facts, **places, "errors": list(checked.errors)}
+    return {**facts, **places, "errors": [*checked.errors, *facts["errors"]]}
 
 
 def _domain_facts(task: Task) -> dict[str, Any]:

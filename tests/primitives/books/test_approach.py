@@ -78,7 +78,7 @@ def test_it_needs_a_slot_and_the_book_in_the_hand(at_slot: Callable[..., Rig]) -
     books.book = books.book.model_copy(update={"thickness_mm": 40.0})
     outcome = rig.run(Approach(shelf="shelf_1"))
     assert isinstance(outcome, Fail)
-    assert outcome.reason == "the hand doesn't hold the book"
+    assert outcome.reason == ("the hand does not hold book 117: what it holds is 25.0 mm thick, not 40.0 mm")
 
 
 def _pose_error(rig: Any) -> float:

@@ -90,7 +90,7 @@ def test_an_empty_hand_has_nothing_to_insert(at_slot: Callable[..., Rig]) -> Non
     rig.drive(rig.robot.wait(1.0))
     outcome = rig.run(Insert(shelf="shelf_1"))
     assert isinstance(outcome, Fail)
-    assert outcome.reason == "the hand doesn't hold the book"
+    assert outcome.reason == "the hand is empty; it must hold book 117"
 
 
 @pytest.mark.parametrize("seed", range(2))

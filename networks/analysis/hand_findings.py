@@ -1,0 +1,163 @@
+"""Actions of a task that can never start, because of what the hand holds by then."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from handcart.files.errors import Finding
+from handcart.networks.graph.network import Action, Binding
+from handcart.networks.task.preparing import nowhere
+from handcart.networks.task.task_file import Task
+from handcart.primitives.knowledge.world_model import WorldModel
+from handcart.primitives.preconditions.hand_use import Hand, HandUse
+
+from .hand_facts import hand_by_facts
+
+
+class Held(NamedTuple):
+    """What the hand holds in a situation, and how that is known."""
+
+    hand: Hand
+    """EMPTY, FULL or ANY: not known."""
+    thing: str = ""
+    """Its name; empty where nothing or any thing is held."""
+    why: str = ""
+    """In words: the fact or the action that says so."""
+
+    def __str__(self) -> str:
+        what = "is empty" if self.hand is Hand.EMPTY else f"holds {self.thing or 'something'}"
+        return f"the hand {what} ({self.why})"
+
+
+class _Use(NamedTuple):
+    """Of one action."""
+
+    use: HandUse
+    thing: str
+
+
+def hand_findings(task: Task) -> list[Finding]:
+    """Return the actions whose precondition on the hand can't hold, whichever way a run comes to them.
+
+    What the hand holds follows from the facts of the situations, and from what the primitives of the actions
+    before declare to leave in it.
+
+    Args:
+        task: read, with its repeats unrolled.
+    """
+    uses = _uses(task)
+    reached = _reached(task, uses)
+    found: dict[int, Finding] = {}
+    for action, entry in zip(task.network.actions, task.entries, strict=True):
+        if entry is None or action.index not in uses or entry in found:
+            continue
+        unmet = [_unmet(uses[action.index], held) for held in reached.get(action.source, ())]
+        if unmet and all(unmet):
+            words = f"{action.do} can't start in {action.source!r}: {unmet[0]}"
+            allowed = "allowed: an action before it that sees to that"
+            found[entry] = task.document.finding(("actions", entry, "from"), f"{words}; {allowed}")
+    return list(found.values())
+
+
+def denied_hand_facts(task: Task) -> list[Finding]:
+    """Return the facts of situations that contradict how the action before leaves the hand."""
+    uses = _uses(task)
+    found: dict[int, Finding] = {}
+    for action, entry in zip(task.network.actions, task.entries, strict=True):
+        if (
+            entry is not None
+            and action.index in uses
+            and (words := _denied(task, action, uses[action.index]))
+        ):
+            message = f"{words}; allowed: facts that agree with it"
+            found.setdefault(entry, task.document.finding(("actions", entry, "to"), message))
+    return list(found.values())
+
+
+def _uses(task: Task) -> dict[int, _Use]:
+    """Return for each action that runs a primitive what that needs of the hand, by the action's number."""
+    known = task.knowledge
+    model = WorldModel(nowhere(), known.all_places(), sections=known.fresh_sections())
+    return {each.index: _use_of(each.binding, model) for each in task.network.actions if each.binding}
+
+
+def _use_of(binding: Binding, model: WorldModel) -> _Use:
+    if binding.late:  # its parameters are known in the run
+        return _Use(binding.kind.usual_hand_use(), "")
+    primitive = binding.kind.model_validate(binding.fixed)
+    use = primitive.hand_use()
+    return _Use(use, primitive.thing(model.view(primitive)) if Hand.FULL in use else "")
+
+
+def _reached(task: Task, uses: dict[int, _Use]) -> dict[str, list[Held]]:
+    """Return for each situation that a run comes to what the hand may hold there."""
+    network = task.network
+    leaving: dict[str, list[Action]] = {}
+    for action in network.actions:
+        leaving.setdefault(action.source, []).append(action)
+    start = Held(*_by_facts(task, network.start))
+    reached: dict[str, list[Held]] = {network.start: [start]}
+    waiting = deque([(network.start, start)])
+    while waiting:
+        situation, held = waiting.popleft()
+        for action in leaving.get(situation, ()):
+            for target, then in _follow(task, action, uses.get(action.index), held):
+                known = reached.setdefault(target, [])
+                if not any(each[:2] == then[:2] for each in known):
+                    known.append(then)
+                    waiting.append((target, then))
+    return reached
+
+
+def _follow(task: Task, action: Action, use: _Use | None, held: Held) -> Iterator[tuple[str, Held]]:
+    """Give where an action leads, and what the hand may hold there."""
+    then = held if use is None else _after(task, action, use, held)
+    for target, state in ((action.target, then), (action.on_fail, held)):
+        if target is None:
+            continue
+        yield target, _agreed(state, Held(*_by_facts(task, target)))
+
+
+def _agreed(state: Held, said: Held) -> Held:
+    """Return what the hand holds by what was done and by the facts; not known where they contradict."""
+    if said.hand is Hand.ANY or said.hand is state.hand:
+        return state
+    return said if state.hand is Hand.ANY else Held(Hand.ANY)
+
+
+def _after(task: Task, action: Action, use: _Use, held: Held) -> Held:
+    if use.use.after is Hand.SAME:  # one that can't start is reported once, not what follows from it
+        return Held(Hand.ANY) if _unmet(use, held) else held
+    entry = task.entries[action.index]
+    line = "" if entry is None else f", line {task.document.position(('actions', entry))[0]}"
+    return Held(use.use.after, use.thing if use.use.after is Hand.FULL else "", f"after {action.do}{line}")
+
+
+def _unmet(use: _Use, held: Held) -> str:
+    """Return why an action can't start, in words; empty where it may."""
+    needed = use.use.before
+    if needed is Hand.ANY or held.hand is Hand.ANY:
+        return ""
+    if needed is not held.hand:
+        wants = "an empty hand" if needed is Hand.EMPTY else f"{use.thing or 'something'} in the hand"
+        return f"it needs {wants}, and {held}"
+    if use.thing and held.thing and use.thing != held.thing:
+        return f"it needs {use.thing} in the hand, and {held}"
+    return ""
+
+
+def _denied(task: Task, action: Action, use: _Use) -> str:
+    """Return how an action's effect on the hand contradicts the facts of its target; empty if it doesn't."""
+    hand, _, said = _by_facts(task, action.target)
+    after = use.use.after
+    if after in (Hand.EMPTY, Hand.FULL) and hand is not Hand.ANY and hand is not after:
+        leaves = "empty" if after is Hand.EMPTY else f"with {use.thing or 'something'} in it"
+        return f"{action.do} leaves the hand {leaves}, but {action.target!r} says {said!r}"
+    return ""
+
+
+def _by_facts(task: Task, situation: str) -> tuple[Hand, str, str]:
+    hand, said = hand_by_facts(task.network.situations[situation].facts)
+    return hand, "", said

@@ -1,0 +1,37 @@
+"""What a primitive needs the hand to hold, and what the hand holds after its Success."""
+
+from __future__ import annotations
+
+from enum import Enum
+from typing import NamedTuple
+
+
+class Hand(Enum):
+    """What the hand holds."""
+
+    EMPTY = "empty"
+    FULL = "full"
+    """It holds one thing: the primitive's `thing`, or anything where that has no name."""
+    SAME = "same"
+    """The same as before."""
+    ANY = "any"
+    """Something or nothing: nothing is required, or nothing is claimed."""
+
+
+class HandUse(NamedTuple):
+    """Precondition and effect of a primitive on the hand."""
+
+    before: Hand = Hand.ANY
+    """Required before it starts: EMPTY, FULL or ANY."""
+    after: Hand = Hand.SAME
+    """Claimed by its Success."""
+
+
+UNUSED = HandUse(Hand.ANY, Hand.SAME)
+"""The primitive moves no finger."""
+UNDECLARED = HandUse(Hand.ANY, Hand.ANY)
+"""The primitive moves the fingers and does not state what they hold."""
+TAKES = HandUse(Hand.EMPTY, Hand.FULL)
+CARRIES = HandUse(Hand.FULL, Hand.SAME)
+LETS_GO = HandUse(Hand.FULL, Hand.EMPTY)
+NEEDS_EMPTY = HandUse(Hand.EMPTY, Hand.SAME)

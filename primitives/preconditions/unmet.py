@@ -1,0 +1,66 @@
+"""Checking before anything moves whether a primitive may start."""
+
+from __future__ import annotations
+
+import math
+
+from handcart.backends.capabilities.gripper import Gripper
+from handcart.backends.robot.robot import Robot
+from handcart.primitives.contract.action_primitive import ActionPrimitive
+from handcart.primitives.knowledge.world_model import WorldModel
+from handcart.primitives.restoring.snapshot import is_holding
+
+from .hand_use import Hand
+
+
+def find_unmet(primitive: ActionPrimitive, robot: Robot, model: WorldModel) -> str:
+    """Return what stands in the way of a primitive's start, in words; empty if nothing does.
+
+    The declared preconditions are checked before the primitive's own. Nothing is commanded.
+
+    Args:
+        primitive: its parameters bound.
+        robot: at rest.
+        model: the robot's knowledge.
+    """
+    own = primitive.unmet_precondition
+    return (
+        _unmet_by_hand(primitive, robot, model)
+        or _unmet_by_arm(primitive, robot)
+        or own(robot, model.view(primitive))
+    )
+
+
+def note_hand(primitive: ActionPrimitive, model: WorldModel) -> None:
+    """Note in the world model what the hand holds after a primitive's Success."""
+    after = primitive.hand_use().after
+    if after is not Hand.SAME:
+        model.in_hand = primitive.thing(model.view(primitive)) if after is Hand.FULL else ""
+
+
+def _unmet_by_hand(primitive: ActionPrimitive, robot: Robot, model: WorldModel) -> str:
+    needed = primitive.hand_use().before
+    if needed is Hand.ANY or robot.backend.get(Gripper) is None:  # type: ignore[type-abstract]
+        return ""
+    thing = primitive.thing(model.view(primitive))
+    holding = is_holding(robot)
+    if needed is Hand.EMPTY:
+        return f"the hand is not empty: it holds {model.in_hand or 'something'}" if holding else ""
+    if not holding:
+        return f"the hand is empty; it must hold {thing or 'something'}"
+    if thing and model.in_hand and thing != model.in_hand:
+        return f"the hand holds {model.in_hand}, not {thing}"
+    return ""
+
+
+def _unmet_by_arm(primitive: ActionPrimitive, robot: Robot) -> str:
+    """Whether the hand is within the footprint, where the base drives: nothing else protects the arm."""
+    if not primitive.needs_arm_inside() or robot.spec.arm is None:
+        return ""
+    out, radius = math.hypot(*robot.base_T("hand")[:2, 3]), robot.spec.footprint_radius_m
+    if out <= radius:
+        return ""
+    return (
+        f"the hand stands out beyond the robot's footprint, {out:.2f} m from its middle where {radius:.2f} m "
+        "are allowed: the arm goes home before the base drives"
+    )

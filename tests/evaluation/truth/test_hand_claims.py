@@ -1,0 +1,65 @@
+"""A Success is held against what the hand truly holds: which thing, not that there is one."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from handcart.backends.ground_truth import Body, GroundTruth
+from handcart.evaluation.truth.hand_claims import false_hold
+from handcart.evaluation.truth.survey import Claim
+from handcart.evaluation.truth.surveys import Surveys
+from handcart.primitives.preconditions.hand_use import CARRIES, LETS_GO, TAKES, UNDECLARED, UNUSED, HandUse
+from handcart.robotics.geometry.pose2 import Pose2
+
+BOTH = ("block 1", "block 2")
+
+
+def truth(held: Collection[str]) -> GroundTruth:
+    bodies = {name: Body("hand" if name in held else "tray", np.eye(4)) for name in BOTH}
+    return GroundTruth(Pose2(0.0, 0.0, 0.0), np.zeros(2), np.zeros(2, dtype=bool), 0.05, bodies, 0)
+
+
+def claim(use: HandUse, before: Collection[str], after: Collection[str], thing: str = "") -> Any:
+    primitive = SimpleNamespace(
+        hand_use=lambda: use,
+        thing=lambda model: thing,
+        meant_contacts=lambda model: (),
+        label=lambda: "TRY",
+        false_effect=lambda scene, before: (),
+    )
+    return Claim(primitive, truth(before), truth(after))
+
+
+MODEL: Any = SimpleNamespace(view=lambda primitive: None)
+
+
+@pytest.mark.parametrize(
+    ("use", "before", "after", "thing", "wrong"),
+    [
+        (TAKES, (), ("block 2",), "block 2", []),
+        (TAKES, (), ("block 1",), "block 2", ["the hand holds block 1, not block 2"]),
+        (TAKES, (), (), "", ["the hand holds nothing, not something"]),
+        (CARRIES, ("block 1",), ("block 1",), "block 1", []),
+        (CARRIES, ("block 1",), (), "", ["the hand holds nothing, not block 1"]),
+        (LETS_GO, ("block 1",), ("block 1",), "block 1", ["the hand holds block 1, not nothing"]),
+        (UNUSED, ("block 1",), ("block 2",), "", ["the hand holds block 2, not block 1"]),
+        (UNDECLARED, ("block 1",), (), "", []),
+    ],
+)
+def test_a_success_names_what_the_hand_holds(
+    use: HandUse, before: Collection[str], after: Collection[str], thing: str, wrong: list[str]
+) -> None:
+    assert false_hold(claim(use, before, after, thing), MODEL) == wrong
+
+
+def test_what_a_taking_primitive_drops_is_not_its_own() -> None:
+    run: Any = SimpleNamespace(model=MODEL, world=None)
+    surveys = Surveys.__new__(Surveys)
+    surveys.run, surveys._every = run, []
+    dropped = surveys._false_effect(claim(TAKES, ("block 1",), ("block 2",), "block 2"))
+    assert dropped == ["it moved block 1 mm inf mm (at most 10)"]
