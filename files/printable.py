@@ -26,3 +26,8 @@ def _escaped(character: str) -> str:
 def clipped(text: str, longest: int = 60) -> str:
     """The beginning of `text`, with dots where something is left out."""
     return text if len(text) <= longest else f"{text[: longest - 3]}..."
+
+
+def counted(count: int, noun: str) -> str:
+    """Return a number with its noun: "1 warning", "2 warnings"."""
+    return f"{count} {noun}{'' if count == 1 else 's'}"

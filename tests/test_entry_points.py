@@ -136,9 +136,10 @@ def test_documents_backend_keeps_the_contract(tmp_path: Path) -> None:
 def test_the_documents_tests_pass(tmp_path: Path) -> None:
     source = shown("docs/primitives.md", "Forward")
     text = (ROOT / "docs/primitives.md").read_text(encoding="utf-8")
-    tests = next(each for each in re.findall(r"```python\n(.*?)```", text, re.S) if "def test_" in each)
-    (tmp_path / "test_forward.py").write_text(f"{source}\n\n{tests}", encoding="utf-8")
-    words = [sys.executable, "-m", "pytest", "-q", "-W", "error", "-p", "no:cacheprovider", "test_forward.py"]
+    tests = [block for block in re.findall(r"```python\n(.*?)```", text, re.S) if "def test_" in block]
+    for number, block in enumerate(tests):
+        (tmp_path / f"test_{number}.py").write_text(f"{source}\n\n{block}", encoding="utf-8")
+    words = [sys.executable, "-m", "pytest", "-q", "-W", "error", "-p", "no:cacheprovider", "."]
     said = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert said.returncode == 0, said.stdout + said.stderr
-    assert "2 passed" in said.stdout
+    assert "4 passed" in said.stdout

@@ -20,6 +20,7 @@ from handcart.files.maps.map_file import map_path
 from handcart.files.models.loading import load_document, load_part
 from handcart.files.models.model import FileModel
 from handcart.files.models.settings import SECTION, setting_value, with_settings
+from handcart.files.printable import printable
 from handcart.files.suggest import suggest
 from handcart.files.yaml.yaml_document import Document, read_document
 from handcart.files.yaml.yaml_node import KeyPath
@@ -280,7 +281,7 @@ class _Reader:
                 self._add(key, str(unsafe))
                 continue
             if path is not None and not path.is_file():
-                self._add(key, f"there is no file {path.name!r}; allowed: a file, from the task's folder")
+                self._add(key, _no_file(path))
 
     def _built(
         self,
@@ -327,6 +328,11 @@ def _resolved(document: Document, key: KeyPath) -> Path | None:
     # Neighbouring tasks may share a world.
     find = map_path if key in MAPS else resolve_inside
     return find(folder.parent, node.content, start=folder)
+
+
+def _no_file(path: Path) -> str:
+    folder = printable(str(path.parent.absolute()))
+    return f"there is no file {path.name!r} in {folder}; allowed: a file, from the task's folder"
 
 
 def _set(document: Document, settings: dict[str, str]) -> Document:

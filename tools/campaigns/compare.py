@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from handcart.files.printable import counted
+
 if TYPE_CHECKING:
     from handcart.evaluation.campaign_report.comparison import Comparison
 
@@ -35,14 +37,14 @@ def compare(
 
 
 def _lines(found: Comparison) -> Iterator[str]:
-    left = f"; {found.unpaired} trials without a partner are left out" if found.unpaired else ""
-    yield f"{found.pairs} pairs of the same seed{left}"
+    left = f"; left out without a partner: {counted(found.unpaired, 'trial')}" if found.unpaired else ""
+    yield f"{counted(found.pairs, 'pair')} of the same seed{left}"
     yield f"A alone succeeded in {found.only_one}, B alone in {found.only_other}"
     verdict = "no difference is proven"
     if found.success.proven:
         verdict = f"B is {'worse' if found.worse else 'better'}: chance is no explanation"
     yield f"success rate, B less A: {100 * found.success.mean:+.2f} %; {verdict}"
-    sure = "" if found.sure_at is None else f"; it was sure after {found.sure_at} pairs"
+    sure = "" if found.sure_at is None else f"; it was sure after {counted(found.sure_at, 'pair')}"
     yield f"e-value {found.e_value:.3g} (20 is sure, whenever it is looked at){sure}"
     least = "none, with so few pairs" if found.smallest is None else f"{100 * found.smallest:.2f} %"
     yield f"smallest difference that would have been seen (power 80 %): {least}"

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from handcart.files.errors import FileError, InputError
+from handcart.files.printable import counted
 from handcart.files.yaml.yaml_document import read_document
 from handcart.tools.terminal.tables import table_of
 from handcart.tools.terminal.writing import NotWritable
@@ -87,7 +88,8 @@ def contents_lines(contents: Contents, chosen: Collection[str], every: bool) -> 
     kinds = ", ".join(f"{count} {kind}" for kind, count in sorted(others.items()))
     parts: list[Any] = [_joint_table(rows), ""] if rows else []
     parts += [f"other joints that move: {kinds}"] if others else []
-    parts.append(f"{len(weighed)} links, {sum(mass for mass, _ in weighed):.3g} kg; the heaviest: {heaviest}")
+    mass = sum(mass for mass, _ in weighed)
+    parts.append(f"{counted(len(weighed), 'link')}, {mass:.3g} kg; the heaviest: {heaviest}")
     parts += [f"{len(contents.meshes)} meshes"] if contents.meshes else []
     return [*_lines_of(*parts), "--all tells of each joint, link and mesh", ""]
 

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
+from handcart.files.printable import counted
+
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
@@ -77,8 +79,9 @@ def check(
     warnings = facts.pop("warnings", ())
     for each in errors:
         print(each, file=sys.stderr)
-    faults = f"{len(errors)} faults" if errors else "no fault found"
-    print(f"{file}: {faults}{f', {len(warnings)} warnings' if warnings else ''}")
+    faults = counted(len(errors), "fault") if errors else "no fault found"
+    also = f", {counted(len(warnings), 'warning')}" if warnings else ""
+    print(f"{file}: {faults}{also}")
     grouped = facts.pop("grouped", warnings)
     for warning in warnings if every else grouped:
         print(f"  warning: {warning}")
@@ -106,7 +109,7 @@ def _tell_grouped(error: FileError) -> None:
     for line in lines[:MOST]:
         print(line, file=sys.stderr)
     if len(lines) > MOST:
-        print(f"and {len(lines) - MOST} kinds of faults more; --all tells them", file=sys.stderr)
+        print(f"and {counted(len(lines) - MOST, 'more kind')} of faults; --all shows them", file=sys.stderr)
     sys.exit(error.exit_status)
 
 

@@ -8,6 +8,8 @@ from typing import Annotated
 
 import typer
 
+from handcart.files.printable import counted
+
 
 def export(
     folder: Annotated[Path, typer.Argument(help="a run's folder, or a campaign's")],
@@ -43,7 +45,7 @@ def _parquet(folder: Path, file: Path) -> str:
 
     trials = CampaignFolder.read(folder).trials()
     write_parquet(trials, file)
-    return f"{len(trials)} trials"
+    return counted(len(trials), "trial")
 
 
 FORMATS: Mapping[str, Callable[[Path, Path], str]] = {".mcap": _mcap, ".parquet": _parquet}

@@ -9,6 +9,7 @@ import numpy as np
 from handcart.files.errors import UnsafePath
 from handcart.files.maps.map_file import is_map_file, load_map, map_path
 from handcart.files.models.loading import Loaded, load_document
+from handcart.files.printable import printable
 from handcart.files.yaml.yaml_document import read_document
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.grid_map import GridMap
@@ -61,7 +62,7 @@ def _map_path(loaded: Loaded[WorldFile], name: str) -> Path:
     except UnsafePath as unsafe:
         raise loaded.refuse(("map",), str(unsafe)) from None
     if not path.is_file():
-        allowed = "allowed: a file, from the world's folder"
+        allowed = f"allowed: a file in the world's folder, {printable(str(folder))}"
         raise loaded.refuse(("map",), f"there is no file {name!r}; {allowed}")
     return path
 
