@@ -19,6 +19,7 @@ from handcart.robotics.navigation.maps.grid_map import GridMap
 from .unseen_ground import UnseenGround
 
 BESIDE = 0.005  # [m] beside the footprint that must stay free
+SAME_POINT_M = 1e-6  # [m] by which a point may be off, from one frame to another and back
 _FAR = np.array([np.inf])
 SLOWER = (1.0, 0.7, 0.45, 0.25, 0.1)  # shares of a speed that are tried, the last one before standing still
 
@@ -27,8 +28,9 @@ class GuardedBase(Base):
     """Passes on as much of each command as can be driven, and braked from, without touching anything.
 
     What the footprint sweeps over until the base could stand is held against the map, from where the robot
-    believes to be, and against the scan, in which no belief is needed. What the lidar does not see is not
-    free, unless the base has just driven there. The footprint is a circle: turning sweeps over nothing.
+    believes to be, and against the scan, in which no belief is needed; and against points where the base ran
+    into something that neither shows. What the lidar does not see is not free, unless the base has just
+    driven there. The footprint is a circle: turning sweeps over nothing.
     """
 
     def __init__(
@@ -59,6 +61,7 @@ class GuardedBase(Base):
         self._command = (0.0, 0.0)
         self._held: Held | None = None
         self._slowed_to = math.inf
+        self._felt = NOTHING
 
     @cached_property
     def _guard(self) -> WayGuard:
@@ -84,6 +87,15 @@ class GuardedBase(Base):
         self._begin()
         self._guard.may_stand_at(pose)
 
+    def keep_off(self, points: NDArray[np.float64]) -> None:
+        """From now on keep off (n, 2) points on the map in [m]: the base ran into something there."""
+        self._felt = points
+
+    @property
+    def felt(self) -> NDArray[np.float64]:
+        """(n, 2) points on the map in [m] that it keeps off."""
+        return self._felt
+
     def taken(self) -> tuple[tuple[float, float], Held | None]:
         """What the base was told since the last call, and what it was held back from.
 
@@ -96,10 +108,16 @@ class GuardedBase(Base):
 
     def _begin(self) -> None:
         if self._starts:
-            self._guard.stand_at(self._pose(), self._scan())
+            pose = self._pose()
+            self._guard.stand_at(pose, self._around(pose))
             if self._unseen is not None:
                 self._unseen.starts_here()
             self._starts = False
+
+    def _around(self, pose: Pose2) -> NDArray[np.float64]:
+        """(n, 2) in [m] what the scan shows, and what was felt, in the base frame at map_T_base."""
+        scan = self._scan()
+        return np.vstack([scan, pose.inverse().apply(self._felt)]) if len(self._felt) else scan
 
     def _caught_up(self, speed: float, turn_rate: float) -> tuple[float, float]:
         """Who drives doesn't know that the base was held back: it gains speed no faster than it can."""
@@ -111,7 +129,8 @@ class GuardedBase(Base):
 
     def _allowed(self, speed: float, turn_rate: float) -> tuple[float, float]:
         self._begin()
-        pose, scan = self._pose(), self._scan()
+        pose = self._pose()
+        scan = self._around(pose)
         for share in SLOWER:
             slower, turn = share * speed, turn_rate * (share if self._is_car else 1.0)
             way = math.copysign(self._way_to_stop(abs(slower)), slower)
@@ -121,9 +140,14 @@ class GuardedBase(Base):
             if held is None:
                 self._slowed_to = abs(slower) if self._held or self._slowed_to < math.inf else math.inf
                 return slower, turn
-            self._held = held
+            self._held = self._felt_or_seen(held)
         self._slowed_to = 0.0
         return 0.0, 0.0 if self._is_car else turn_rate
+
+    def _felt_or_seen(self, held: Held) -> Held:
+        there = self._felt - (held.x, held.y)
+        felt = held.shown_by == "scan" and bool(np.any(np.hypot(*there.T) < SAME_POINT_M))
+        return held._replace(shown_by="contact") if felt else held
 
     def _way_to_stop(self, speed: float) -> float:
         """What is driven in this period, and while braking, in [m]."""

@@ -26,6 +26,7 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.kinematics.urdf_frames import base_T_frame
+from handcart.robotics.navigation.following.blocked_motion import Blocked, BlockedMotion
 from handcart.robotics.navigation.following.drive_limits import DriveLimits
 from handcart.robotics.navigation.following.way_guard import NOTHING, Held
 from handcart.robotics.navigation.localization.attitude import Attitude
@@ -96,6 +97,9 @@ class Robot:
         """Speed in [m/s] and turn rate in [rad/s] that the base was commanded in the last period."""
         self.held: Held | None = None
         """What the base was held back from in the last period: it would have touched that."""
+        self.blocked: Blocked | None = None
+        """That the base was driven and did not get on, found in the last period."""
+        self._motion = BlockedMotion(self.period)
         self.failed_from: Pose2 | None = None
         """map_T_base where the first of several Fails in a row began; None after any other end."""
         if spec.localizer in OUTDOORS:
@@ -225,9 +229,19 @@ class Robot:
         self.backend.step()
         self.time += 0.0 if paused else self.period
         self._feel()
-        self.localization.update(self.driven)
+        self._locate()
         if self._picture.size and not self._went_since:
             self._went_since = self._left()
+
+    def _locate(self) -> None:
+        """Bring the estimated pose up to date, and see whether the base gets on."""
+        travel, before = self.localization.travel, self.localization.odometry_pose
+        self.localization.update(self.driven)
+        left, right = (now - then for now, then in zip(self.localization.travel, travel, strict=True))
+        now = self.localization.odometry_pose
+        self.blocked = self._motion.update(self.driven[0], 0.5 * (left + right), before, now)
+        if self.blocked is not None:
+            self._motion.clear()
 
     def _feel(self) -> None:
         """Take in what the inertial sensors read."""

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from handcart.evaluation.drawing.figure_file import save_figure
 from handcart.evaluation.drawing.legend import add_legend
-from handcart.evaluation.drawing.palette import BLUE, GREY, SERIES, VERMILION
+from handcart.evaluation.drawing.palette import BLUE, GREY, PURPLE, SERIES, VERMILION
 from handcart.files.errors import HandcartError
 from handcart.networks.runs.flight_recorder import Readings, load_arrays, load_readings
 from handcart.robotics.geometry.pose2 import Pose2
@@ -22,6 +22,7 @@ from handcart.robotics.geometry.pose2 import Pose2
 from .explanation import Explanation
 from .explanation_words import cause_words, measured_words
 
+BUMPED = PURPLE
 COMMAND, READING, RESTORED, LIMIT, SENSED = "#999999", BLUE, "#fbe8cf", VERMILION, VERMILION
 WIDE = 90  # characters of a line of words
 AROUND = 2.0  # [m] about the robot that is drawn
@@ -156,6 +157,8 @@ def _draw_plan(axis: Any, explanation: Explanation, readings: Readings) -> None:
             axis.plot(*points[name].T, style, color=COMMAND, lw=1.2, label=name)
     if "sensed" in points:
         axis.plot(*points["sensed"].T, ".", color=SENSED, ms=4.0, label="sensed, not on the map")
+    if "bumped" in points:
+        axis.plot(*points["bumped"].T, color=BUMPED, lw=3.0, label="ran into something here")
     if "in the way" in points:
         axis.plot(*points["in the way"].T, "x", color="black", ms=10, mew=2, label="in the way")
     axis.set_xlim(middle[0] - AROUND, middle[0] + AROUND)

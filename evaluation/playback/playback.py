@@ -24,6 +24,7 @@ from .seven import between, on_floor
 
 MOST = 64 * 2**20  # of the scenery, in [bytes]
 GAP = 1.0  # [s] between two rows: what lies further apart isn't a motion
+BUMPED = "bumped"  # likewise, where the base ran into something that no sensor shows
 PLANNED = "planned"  # how primitives call, in their evidence, the path that they mean to drive
 Array = NDArray[np.float64]
 
@@ -170,7 +171,12 @@ class Playback:
 
     def planned(self, number: int) -> Array:
         """(n, 2) in [m] on the map: the path that an action meant to drive; (0, 2) where it had none."""
-        return self._planned.get(number, np.empty((0, 2)))
+        return self._named(PLANNED).get(number, np.empty((0, 2)))
+
+    def bumped(self, number: int) -> Array:
+        """(n, 2) in [m] on the map: where the base ran into something, up to an action and in it."""
+        found = [points for n, points in self._named(BUMPED).items() if n <= number]
+        return np.vstack([np.empty((0, 2)), *found])
 
     @cached_property
     def _actions(self) -> dict[int, PastAction]:
@@ -195,9 +201,15 @@ class Playback:
             names.append(name)
         return np.array(times), names
 
+    def _named(self, name: str) -> dict[int, Array]:
+        """The points (n, 2) of that name by the actions that left some."""
+        points = {number: arrays.get(name, np.empty(0)) for number, arrays in self._evidence.items()}
+        return {n: each for n, each in points.items() if each.ndim == 2 and each.shape[1] == 2}
+
     @cached_property
-    def _planned(self) -> dict[int, Array]:
-        found: dict[int, Array] = {}
+    def _evidence(self) -> dict[int, dict[str, Array]]:
+        """What the actions left, by their numbers."""
+        found: dict[int, dict[str, Array]] = {}
         for path in sorted((self.run.folder / EVIDENCE).glob("[0-9]*_*.npz")):
             if path.name.endswith(SUFFIX):
                 continue
@@ -205,9 +217,7 @@ class Playback:
                 arrays = load_arrays(path)
             except (OSError, ValueError, BadZipFile) as error:
                 raise NoRun(self.run.folder, f"{EVIDENCE}/{path.name} in it is damaged ({error})") from None
-            way = arrays.get(PLANNED, np.empty((0, 2)))
-            if way.ndim == 2 and way.shape[1:] == (2,):
-                found[int(path.name.split("_")[0])] = way
+            found[int(path.name.split("_")[0])] = {k: arrays[k] for k in (PLANNED, BUMPED) if k in arrays}
         return found
 
 

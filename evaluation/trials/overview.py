@@ -19,6 +19,7 @@ from handcart.evaluation.drawing.palette import (
     GREEN,
     ORANGE,
     OUTCOMES,
+    PURPLE,
     SKY,
     VERMILION,
 )
@@ -32,6 +33,7 @@ from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.routes.voronoi_graph import voronoi_graph
 
 PLANNED, DRIVEN, RESTORED, SENSED, GRAPH = BLUE, BLACK, ORANGE, VERMILION, SKY
+BUMPED = PURPLE
 SCAN = GREEN
 LETTERS = 125.0  # of the widest kind that fit on the time line
 BESIDE = 0.5  # of the known part of a map that is drawn too [m]
@@ -225,6 +227,8 @@ def _draw_drive(axis: Any, run_dir: Path, track: Track) -> None:
         axis.plot(*np.vstack(scans).T, ".", color=SCAN, ms=1.5, label="scan on arrival", rasterized=True)
     if sensed:
         axis.plot(*np.vstack(sensed).T, ".", color=SENSED, ms=2.5, label="sensed, not on the map")
+    for number, front in enumerate(_named(run_dir, "bumped")):
+        axis.plot(*front.T, color=BUMPED, lw=3.0, label=None if number else "ran into something", zorder=4)
 
 
 def _draw_time(axis: Any, stretches: list[Stretch]) -> None:

@@ -32,6 +32,8 @@ class Frame:
     """JPEG, of the camera."""
     planned: Array | None = None
     """(n, 2) in [m]: the path that the action means to drive."""
+    bumped: Array | None = None
+    """(n, 2) in [m]: where the base ran into something that no sensor shows."""
     driven: Array | None = None
     """(n, 2) in [m]: the path up to now."""
     restored: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=np.bool_))

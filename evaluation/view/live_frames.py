@@ -73,6 +73,7 @@ class LiveFrames:
             None if cloud is None else cloud.T,
             None if seen is None else jpeg_of(seen),
             np.empty((0, 2)) if planned is None else np.asarray(planned),
+            robot.base.felt,
             np.array(self._way),
             np.array(self._back, dtype=np.bool_),
         )

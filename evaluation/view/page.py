@@ -27,6 +27,7 @@ OUTDOORS = 1.6  # times that far
 LAYERS = {
     "range sensor": ("rays", "hits"),
     "planned path": ("planned",),
+    "what it ran into": ("bumped",),
     "driven path": ("driven", "restored"),
 }
 ESTIMATE = "where it believes to be"
@@ -91,6 +92,9 @@ class Page:
         if frame.cloud is not None:
             flat = np.column_stack((frame.cloud[:, :2], np.full(len(frame.cloud), 0.03)))
             world.cloud.points = flat.astype(np.float32)
+        if frame.bumped is not None:
+            flat = np.column_stack((frame.bumped, np.full(len(frame.bumped), 0.03)))
+            world.bumped.points = flat.astype(np.float32)
         if frame.planned is not None:
             world.draw(world.planned, frame.planned)
         if frame.driven is not None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.evaluation.playback.playback import Moment, Playback
+from handcart.evaluation.playback.playback import Playback
 
 from .frame import Frame
 from .rays import height_of, rays_of
@@ -34,6 +34,7 @@ class RecordedFrames:
         playback = self._playback
         moment = playback.at(time)
         driven, restored = self._driven(moment.time)
+        changed, self._action = moment.action != self._action, moment.action
         return Frame(
             moment,
             playback.situation(moment.time),
@@ -41,7 +42,8 @@ class RecordedFrames:
             rays=self._rays(moment.time),
             cloud=self._new_cloud(moment.time),
             picture=self._new_picture(moment.time),
-            planned=self._planned(moment),
+            planned=self._playback.planned(moment.action) if changed else None,
+            bumped=self._playback.bumped(moment.action) if changed else None,
             driven=driven,
             restored=restored,
         )
@@ -77,12 +79,6 @@ class RecordedFrames:
             return None
         self._picture = number
         return self._playback.pictures[number]
-
-    def _planned(self, moment: Moment) -> Array | None:
-        if moment.action == self._action:
-            return None
-        self._action = moment.action
-        return self._playback.planned(moment.action)
 
     def _driven(self, time: float) -> tuple[Array | None, NDArray[np.bool_]]:
         if abs(time - self._driven_at) < EVERY:

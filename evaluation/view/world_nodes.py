@@ -47,6 +47,7 @@ class WorldNodes:
         none = np.zeros((0, 2, 3), np.float32)
         self.rays = self._lines("/rays", none, colours.RAY, 0.003)
         self.hits = self._points("/hits", colours.HIT, 0.025)
+        self.bumped = self._points("/bumped", colours.BUMPED, 0.04)
         self.planned = self._lines("/planned", none, colours.PLANNED, 0.015)
         self.driven = self._lines("/driven", none, colours.DRIVEN, 0.012)
         self.restored = self._lines("/restored", none, colours.RESTORED, 0.015)

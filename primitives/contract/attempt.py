@@ -8,8 +8,10 @@ from dataclasses import replace
 from typing import TypeVar
 
 from handcart.backends.robot.robot import Robot
+from handcart.primitives.knowledge.bumps import keep_off_bumps, note_bump
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
 from handcart.primitives.preconditions.unmet import find_unmet, note_hand
+from handcart.primitives.restoring.back_off import back_off
 from handcart.primitives.restoring.retrace import reach_again, retrace
 from handcart.primitives.restoring.snapshot import (
     Seen,
@@ -22,6 +24,7 @@ from handcart.primitives.restoring.snapshot import (
     take_snapshot_since_start,
 )
 from handcart.primitives.restoring.trace import Trace
+from handcart.robotics.navigation.following.blocked_motion import Blocked
 
 from .action_primitive import ActionPrimitive, Periods
 from .cause import FRAMEWORK, Cause
@@ -72,6 +75,7 @@ def attempt(
         if unmet := find_unmet(primitive, robot, model):
             raise Discrepancy(unmet, check="precondition")
         start = _begun(robot)
+        keep_off_bumps(robot, model)
         robot.base.starts_here()
     except Exception as early:  # nothing was commanded yet
         robot.stop()
@@ -88,7 +92,7 @@ def attempt(
     trace = Trace(robot)
     try:
         start = replace(start, seen=(yield from _recorded(primitive.observe(robot, view), trace)))
-        yield from _watched(primitive, primitive.motion(robot, view), robot, view, trace)
+        yield from _watched(primitive, primitive.motion(robot, view), robot, model, trace)
         if not (yield from settle(robot)):
             raise Discrepancy("the robot doesn't come to rest", check="rest")
         if not (yield from _recorded(primitive.effect(robot, view), trace)):
@@ -113,7 +117,7 @@ def attempt(
     on_restore(reason)
     if primitive._no_return is not None:
         return (yield from _finish(primitive, robot, view, reason))
-    return (yield from _restore(primitive, robot, view, start, trace, reason, permanent))
+    return (yield from _restore(primitive, robot, model, start, trace, reason, permanent))
 
 
 def _begun(robot: Robot) -> Snapshot:
@@ -164,11 +168,12 @@ def _recorded(periods: Generator[None, None, T], trace: Trace) -> Generator[None
 
 
 def _watched(
-    primitive: ActionPrimitive, periods: Periods, robot: Robot, view: ModelView, trace: Trace
+    primitive: ActionPrimitive, periods: Periods, robot: Robot, model: WorldModel, trace: Trace
 ) -> Periods:
     """The motion, watched every period; taken down for the way back up to the point of no return."""
     trace.record()
     tracking, displaced = TrackingErrorMonitor(robot), robot.localization.displacements
+    view = model.view(primitive)
     for _ in periods:
         _alone(robot, primitive)
         yield
@@ -177,6 +182,7 @@ def _watched(
         tracking.check()
         if robot.localization.displacements > displaced:
             raise NeedsPerson(PUSHED, check="push")
+        note_bump(robot, model, primitive.evidence)
         primitive.watch(robot, view)
 
 
@@ -196,7 +202,7 @@ def _finish(
 def _restore(
     primitive: ActionPrimitive,
     robot: Robot,
-    view: ModelView,
+    model: WorldModel,
     start: Snapshot,
     trace: Trace,
     reason: str,
@@ -204,11 +210,13 @@ def _restore(
 ) -> Generator[None, None, Fail | GiveUp]:
     """Restore, wait for rest, measure, compare with the absolute snapshot."""
     verdict: Fail | GiveUp = GiveUp(reason)
+    view, blocked = model.view(primitive), robot.blocked
     for again in range(RESTORES):
         room = primitive.base_room(robot, view)
-        way_back = reach_again(robot, start, room) if again else primitive.restore(robot, view, start, trace)
+        back = _way_back(primitive.restore(robot, view, start, trace), robot, blocked)
+        way_back = reach_again(robot, start, room) if again else back
         try:
-            yield from _within_time(way_back, robot, primitive, view)
+            yield from _within_time(way_back, robot, primitive, model)
             yield from settle(robot)
             seen = (yield from _look_again(primitive, robot, view, start)) if start.seen else {}
             now = take_snapshot_since_start(robot, seen)
@@ -227,6 +235,13 @@ def _restore(
     return verdict
 
 
+def _way_back(restore: Periods, robot: Robot, blocked: Blocked | None) -> Periods:
+    """What the primitive does to restore; a base that something stopped leaves that first."""
+    if blocked is not None:
+        yield from back_off(robot, blocked.forwards)
+    yield from restore
+
+
 def _look_again(
     primitive: ActionPrimitive, robot: Robot, view: ModelView, start: Snapshot
 ) -> Generator[None, None, Seen]:
@@ -238,8 +253,8 @@ def _look_again(
     return seen
 
 
-def _within_time(way_back: Periods, robot: Robot, primitive: ActionPrimitive, view: ModelView) -> Periods:
-    displaced = robot.localization.displacements
+def _within_time(way_back: Periods, robot: Robot, primitive: ActionPrimitive, model: WorldModel) -> Periods:
+    displaced, view = robot.localization.displacements, model.view(primitive)
     for _ in settle(robot):  # an arm that turns back at once jerks the base, and what stands on it slides
         _alone(robot, primitive)
         yield
@@ -252,6 +267,7 @@ def _within_time(way_back: Periods, robot: Robot, primitive: ActionPrimitive, vi
         standstill.check()
         if robot.localization.displacements > displaced:
             raise NeedsPerson(PUSHED, check="push")
+        note_bump(robot, model, primitive.evidence)
         primitive.watch(robot, view)
         if robot.time > end:
             why = "" if robot.held is None else f": {robot.held.words}"

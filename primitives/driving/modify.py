@@ -11,14 +11,16 @@ from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured
+from handcart.primitives.knowledge.bumps import avoided_points, last_bump
 from handcart.primitives.knowledge.place_name import PlaceName
 from handcart.primitives.knowledge.world_model import Detour, ModelView
+from handcart.robotics.navigation.maps.bump_area import UNSEEN_SIZE_M
 
 from .driving import goal_pose, no_way, plan_car_drive, plan_drive
 
 
 class Modify(ActionPrimitive):
-    """Plan another path to a place, clear of everything that was sensed and isn't on the map.
+    """Plan another path to a place, clear of everything that was sensed or run into and is not on the map.
 
     Only knowledge changes. Where there is no other way, it Fails for good.
     """
@@ -27,7 +29,7 @@ class Modify(ActionPrimitive):
     """Where the path leads."""
 
     needs: ClassVar = (RangeSensor,)
-    reads: ClassVar = ("map", "places", "obstacles", "discs")
+    reads: ClassVar = ("map", "places", "obstacles", "bumps", "discs")
     writes: ClassVar = ("detour",)
     only_knowledge: ClassVar = True
 
@@ -35,22 +37,32 @@ class Modify(ActionPrimitive):
         goal = goal_pose(model, self.place)
         if robot.spec.drive.kind == "ackermann":
             way = yield from robot.compute(plan_car_drive, robot, model, goal)
-            self._take(model, None if way is None else way.poses[:, :2], way.length if way else 0.0)
+            self._take(robot, model, None if way is None else way.poses[:, :2], way.length if way else 0.0)
             return
         found = yield from robot.compute(plan_drive, robot, model, model.places[self.place])
-        if found.route is None and not len(model.obstacles):
+        if found.route is None and not len(avoided_points(robot.spec, model)):
             raise no_way(self.place, found)
-        self._take(model, found.route and found.route.points, found.route.length if found.route else 0.0)
+        self._take(
+            robot, model, found.route and found.route.points, found.route.length if found.route else 0.0
+        )
 
-    def _take(self, model: ModelView, points: NDArray[np.float64] | None, length: float) -> None:
+    def _take(
+        self, robot: Robot, model: ModelView, points: NDArray[np.float64] | None, length: float
+    ) -> None:
         if points is None:
             sensed = Measured("RangeSensor", "points sensed that are not on the map", len(model.obstacles))
-            raise Discrepancy(self._no_way(model), permanent=True, measured=sensed)
+            if len(model.bumps):
+                sensed = Measured("Base", "places where it ran into something", len(model.bumps))
+            raise Discrepancy(self._no_way(robot, model), permanent=True, measured=sensed)
         self.evidence.points["planned"] = points
         self.found(detour_m=round(length, 3))
         model.detour = Detour(self.place, points)
 
-    def _no_way(self, model: ModelView) -> str:
+    def _no_way(self, robot: Robot, model: ModelView) -> str:
+        bumped = last_bump(robot.spec, model)
+        if bumped is not None:
+            there = f"the base ran into something at about ({bumped[0]:.2f}, {bumped[1]:.2f}) m"
+            return f"no way around leads to {self.place}: {there}, taken to be up to {UNSEEN_SIZE_M} m wide"
         if not len(model.obstacles):
             return f"no way leads to {self.place} in the field"
         x, y = model.obstacles[-1]

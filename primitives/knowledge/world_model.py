@@ -67,6 +67,9 @@ class WorldModel:
     places: Mapping[str, Place]
     obstacles: NDArray[np.float64] = dataclass_field(default_factory=lambda: np.empty((0, 2)))
     """(n, 2) points that were sensed and are not on the map, in [m]; kept for the run."""
+    bumps: NDArray[np.float64] = dataclass_field(default_factory=lambda: np.empty((0, 3)))
+    """(n, 3) where the base ran into something that no sensor shows: map_T_base in [m], and direction of the
+    motion on the map in [rad]; kept for the run."""
     detour: Detour | None = None
     """Kept for one element."""
     in_hand: str = ""
@@ -79,11 +82,12 @@ class WorldModel:
     LEARNED: ClassVar = {
         "places": dict[str, Place],
         "obstacles": NDArray[np.float64],
+        "bumps": NDArray[np.float64],
         "detour": Detour | None,
         "in_hand": str,
     }
     """What a checkpoint keeps beside the sections' own, with the types."""
-    ENTRIES: ClassVar = ("map", "places", "obstacles", "detour", "speed_limits", "discs")
+    ENTRIES: ClassVar = ("map", "places", "obstacles", "bumps", "detour", "speed_limits", "discs")
 
     def __post_init__(self) -> None:
         self._noted = self._now()
@@ -190,6 +194,7 @@ class WorldModel:
         """
         if not isinstance(state, dict) or not isinstance(state.get("sections"), dict):
             raise NotAState("no state of a world model; needed: sections")
+        state = {"bumps": np.empty((0, 3)), **state}  # states of older versions know of none
         there = sections()
         if unknown := state["sections"].keys() - there.keys():
             names = ", ".join(map(str, sorted(unknown, key=str)))
@@ -211,6 +216,7 @@ class WorldModel:
     def _now(self) -> dict[str, Any]:
         now: dict[str, Any] = {
             "obstacles": len(self.obstacles),
+            "bumps": self.bumps.round(4).tolist(),
             "detour": self.detour.points.round(4).tolist() if self.detour else None,
             "in_hand": self.in_hand,
         }
@@ -230,6 +236,7 @@ class ModelView:
         map: GridMap
         places: Mapping[str, Place]
         obstacles: NDArray[np.float64]
+        bumps: NDArray[np.float64]
         detour: Detour | None
         speed_limits: SpeedLimits | None
         discs: NDArray[np.float64]

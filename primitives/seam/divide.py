@@ -14,6 +14,7 @@ from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.contract.discrepancy import Discrepancy
 from handcart.primitives.driving.standing_room import StandingRoom
+from handcart.primitives.knowledge.bumps import avoided_points
 from handcart.primitives.knowledge.place import Place
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.seam.seam import Seam
@@ -48,7 +49,7 @@ class Divide(ActionPrimitive):
     """While the tool is on the seam; one that drives goes straight on from its place, level with it."""
 
     needs: ClassVar = (Arm,)
-    reads: ClassVar = ("map", "seam", "work_piece", "obstacles")
+    reads: ClassVar = ("map", "seam", "work_piece", "obstacles", "bumps")
     writes: ClassVar = ("places", "seam_work", "detour")
     only_knowledge: ClassVar = True
 
@@ -56,9 +57,8 @@ class Divide(ActionPrimitive):
         known = model.of(Seam)
         seam, work = seam_of(model), known.seam_work
         boxes = tuple(each.box for each in known.work_piece.boxes) if known.work_piece else ()
-        room = StandingRoom(
-            robot.spec, robot.arm_model, model.map, model.obstacles, robot.pose, boxes, work.avoided
-        )
+        avoided = avoided_points(robot.spec, model)
+        room = StandingRoom(robot.spec, robot.arm_model, model.map, avoided, robot.pose, boxes, work.avoided)
         if work.tracked == len(seam.points) - 1 or self._stays(work, room):
             self.found(kept=len(work.rest))
             return

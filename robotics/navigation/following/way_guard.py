@@ -23,8 +23,8 @@ NOTHING = np.empty((0, 2))
 class Held(NamedTuple):
     """What a robot would touch."""
 
-    shown_by: Literal["map", "scan", "unseen"]
-    """What says so; unseen: nothing, the lidar does not see there."""
+    shown_by: Literal["map", "scan", "contact", "unseen"]
+    """What says so; contact: the base ran into something there; unseen: the lidar does not see there."""
     x: float
     """Where it is on the map, in [m]."""
     y: float
@@ -40,6 +40,8 @@ class Held(NamedTuple):
             there = f"the lidar does not see the ground at ({self.x:.2f}, {self.y:.2f}) m"
             return f"{there}, and the base did not just drive there"
         there = f"the {self.shown_by} shows something at ({self.x:.2f}, {self.y:.2f}) m"
+        if self.shown_by == "contact":
+            there = f"it ran into something at ({self.x:.2f}, {self.y:.2f}) m before"
         return f"{there}, {self.room:.2f} m from its middle, needed: {self.needed:.2f} m"
 
 

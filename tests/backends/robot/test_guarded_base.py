@@ -15,6 +15,7 @@ from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.robot.guarded_base import BESIDE, GuardedBase, steady_points
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.maps.bump_area import bump_fronts
 from handcart.robotics.navigation.maps.grid_map import GridMap
 
 NOTHING = np.empty((0, 2))
@@ -83,6 +84,48 @@ def test_held_back_it_gains_speed_no_faster_than_it_can(spec: RobotFile) -> None
     assert speeds[0] < 0.3 * top
     assert np.diff(speeds).max() <= most
     assert speeds[-1] == top
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_held_back_it_keeps_the_direction_of_its_command(spec: RobotFile, way: float) -> None:
+    """Forwards and backwards: what is passed on is never the other way, and comes to full speed."""
+    near = [np.array([[way * (spec.footprint_radius_m + 0.02), 0.0]])]
+    rolling, top = Rolling(spec, 2.5, lambda _: near[0]), spec.drive.top_speed_m_s
+    rolling.base.drive(0.0, 0.0)
+    speeds = [rolling.drive(way * top)[0] for _ in range(3)]
+    near[0] = NOTHING
+    speeds += [rolling.drive(way * top)[0] for _ in range(40)]
+    assert all(way * speed >= 0.0 for speed in speeds)
+    assert abs(speeds[3]) < 0.3 * top
+    assert speeds[-1] == way * top
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_a_car_held_back_keeps_direction_and_curve(way: float) -> None:
+    spec = load_robot("el_verde")
+    near = [np.array([[way * (spec.footprint_radius_m + 0.02), 0.0]])]
+    rolling, speed = Rolling(spec, 1.5, lambda _: near[0]), spec.drive.top_speed_m_s
+    turn = 0.5 * spec.drive.sharpest_per_m * speed
+    rolling.base.drive(0.0, 0.0)
+    rolling.drive(way * speed, turn)
+    near[0] = NOTHING
+    passed = [rolling.drive(way * speed, turn) for _ in range(5)]
+    assert all(way * forward > 0.0 for forward, _ in passed)
+    assert [turned / forward for forward, turned in passed] == pytest.approx([way * turn / speed] * 5)
+
+
+def test_it_keeps_off_what_it_ran_into_and_can_leave(spec: RobotFile) -> None:
+    rolling, top = Rolling(spec, 2.0, lambda _: NOTHING), spec.drive.top_speed_m_s
+    rolling.drive(0.1)
+    bump = np.array([[*rolling.pose]])
+    rolling.base.keep_off(bump_fronts(bump, spec.footprint_radius_m))
+    assert rolling.drive(top)[0] == 0.0
+    _, held = rolling.base.taken()
+    assert held is not None
+    assert held.shown_by == "contact"
+    assert "it ran into something at (2." in held.words
+    for _ in range(20):
+        assert rolling.drive(-0.3)[0] < 0.0
 
 
 def test_it_does_not_creep_nearer_to_a_wall_than_where_it_began(spec: RobotFile) -> None:

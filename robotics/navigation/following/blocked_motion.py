@@ -1,0 +1,97 @@
+"""Whether a base that is commanded to drive gets on."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import NamedTuple
+
+from handcart.robotics.geometry.pose2 import Pose2
+
+SHORTEST_WINDOW_S = 0.4  # drives and sensors lag behind a command by less
+LONGEST_WINDOW_S = 0.9
+MIN_COMMANDED_M = 0.04  # commanded in a window, to tell standstill from noise of the pose
+MAX_PROGRESS = 0.25  # share of what was commanded: wheels that slip on a free floor get further
+CONFIRMED = 3  # periods in a row
+
+
+class _Period(NamedTuple):
+    """One control period."""
+
+    commanded: float
+    """Distance ahead, in [m]; negative backwards."""
+    rolled: float
+    """Distance by the encoders, likewise."""
+    before: Pose2
+    """map_T_base at its start, as estimated."""
+
+
+class Blocked(NamedTuple):
+    """Evidence that something stops a base that is driven."""
+
+    pose: Pose2
+    """map_T_base where it does not get on, as estimated."""
+    forwards: bool
+    """Whether it was driven forwards."""
+    commanded: float
+    """Distance commanded in the window, in [m]."""
+    rolled: float
+    """Distance that the wheels rolled in it by their encoders, in [m]."""
+    moved: float
+    """Distance that the base moved in it by all sensors, in [m]."""
+
+    @property
+    def slips(self) -> bool:
+        """Whether its wheels turn all the same; otherwise something stops them, or their drives are off."""
+        return self.rolled > MAX_PROGRESS * self.commanded
+
+
+class BlockedMotion:
+    """Compares what a base is commanded with what the sensors show, over a window of less than a second.
+
+    The window is the shortest in which the base was driven one way by `MIN_COMMANDED_M`. Slower motion than
+    `MIN_COMMANDED_M` in `LONGEST_WINDOW_S` is below the noise of the pose and is not judged.
+    """
+
+    def __init__(self, period: float) -> None:
+        """For a control period in [s]."""
+        self._shortest = max(2, round(SHORTEST_WINDOW_S / period))
+        self._periods: deque[_Period] = deque(maxlen=max(self._shortest, round(LONGEST_WINDOW_S / period)))
+        self._length = period
+        self._in_a_row = 0
+
+    def clear(self) -> None:
+        """Forget what was commanded so far."""
+        self._periods.clear()
+        self._in_a_row = 0
+
+    def update(self, speed: float, rolled: float, before: Pose2, now: Pose2) -> Blocked | None:
+        """Take in a period; return why the base does not get on, or None.
+
+        Args:
+            speed: commanded in the period, in [m/s].
+            rolled: mean of what both wheels rolled in it, in [m].
+            before: map_T_base at its start, as estimated.
+            now: map_T_base at its end.
+        """
+        commanded = speed * self._length
+        if commanded == 0.0 or (self._periods and commanded * self._periods[-1].commanded < 0.0):
+            self.clear()
+        if commanded != 0.0:
+            self._periods.append(_Period(commanded, rolled, before))
+        found = self._judged(now)
+        self._in_a_row = 0 if found is None else self._in_a_row + 1
+        return found if self._in_a_row >= CONFIRMED else None
+
+    def _judged(self, now: Pose2) -> Blocked | None:
+        commanded, rolled = 0.0, 0.0
+        for count, period in enumerate(reversed(self._periods), start=1):
+            commanded += period.commanded
+            rolled += period.rolled
+            if count < self._shortest or abs(commanded) < MIN_COMMANDED_M:
+                continue
+            moved = now.distance(period.before)
+            if moved > MAX_PROGRESS * abs(commanded):
+                return None
+            forwards = commanded > 0.0
+            return Blocked(now, forwards, abs(commanded), rolled if forwards else -rolled, moved)
+        return None

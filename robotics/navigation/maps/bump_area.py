@@ -1,0 +1,46 @@
+"""Where something stands that no sensor shows: a base ran into it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+UNSEEN_SIZE_M = 0.45  # assumed size of what was run into: only one point of its outline is known
+FRONT_ANGLE_DEG = 75.0  # to both sides of the motion, in which a disc that is stopped touches
+GUARDED_ANGLE_DEG = 60.0  # likewise, in which a base keeps off: wider, and it could not drive away
+SPACING_M = 0.05  # between points
+
+Floats = NDArray[np.float64]
+
+
+def bump_fronts(bumps: Floats, radius: float) -> Floats:
+    """Return (m, 2) points in [m] on the outline of a base where something stopped it.
+
+    Args:
+        bumps: (n, 3) map_T_base in [m], and direction of the motion on the map in [rad].
+        radius: of the base's footprint, in [m].
+    """
+    return _sectors(bumps, np.array([radius]), GUARDED_ANGLE_DEG)
+
+
+def bump_areas(bumps: Floats, radius: float) -> Floats:
+    """Return (m, 2) points in [m] that fill what may stand where a base was stopped.
+
+    The thing touches the front half of the footprint somewhere and may reach `UNSEEN_SIZE_M` beyond it; where
+    the footprint was, nothing stands. Arguments as of `bump_fronts`.
+    """
+    depths = np.arange(0.0, UNSEEN_SIZE_M + 1e-9, SPACING_M)
+    return _sectors(bumps, radius + depths, FRONT_ANGLE_DEG)
+
+
+def _sectors(bumps: Floats, radii: Floats, half_angle_deg: float) -> Floats:
+    bumps = np.asarray(bumps, dtype=np.float64).reshape(-1, 3)
+    if len(bumps) == 0:
+        return np.empty((0, 2))
+    count = 2 * math.ceil(math.radians(half_angle_deg) * float(radii.max()) / SPACING_M) + 1
+    angles = bumps[:, 2, None] + np.radians(np.linspace(-half_angle_deg, half_angle_deg, count))
+    rays = np.stack([np.cos(angles), np.sin(angles)], axis=-1)  # (n, a, 2)
+    points = bumps[:, None, None, :2] + radii[None, :, None, None] * rays[:, None]
+    return np.asarray(points.reshape(-1, 2))
