@@ -19,6 +19,7 @@ from handcart.files.suggest import listed
 from handcart.files.yaml.yaml_document import parse_document
 from handcart.robotics.geometry.earth_frame import EarthFrame
 
+from .checks.places import checked_places
 from .drive_log import BeaconLog, DriveLog
 from .log_header import UNITS, LogHeader
 
@@ -46,7 +47,11 @@ def read_csv_log(path: Path) -> DriveLog:
     columns = _table(path, lines[end + 1 :], end + 2, header)
     values = {name: scale * columns[name] for name, scale in scales.items()}
     _take_out_held(values, header.value)
-    return _log(values, header.value)
+    notes = list[str]()
+    if "latitude" in values:
+        latitudes, longitudes, notes = checked_places(values["latitude"], values["longitude"], values["time"])
+        values |= {"latitude": latitudes, "longitude": longitudes}
+    return _log(values, header.value)._replace(notes=tuple(notes))
 
 
 def _scales(header: Loaded[LogHeader]) -> dict[str, float]:

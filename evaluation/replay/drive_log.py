@@ -50,6 +50,10 @@ class DriveLog(NamedTuple):
     """Whether `rates` are those of a steering angle: there is no gyro."""
     beacons: BeaconLog | None = None
     """None where there were none."""
+    odometry_turns: Array | None = None
+    """(n,) turn rate by the wheels' odometry, in [rad/s]; NaN where nothing new came; None without one."""
+    notes: tuple[str, ...] = ()
+    """What is wrong with the log and can be lived with, in words."""
 
     def thinned(self, period: float) -> DriveLog:
         """With fixes about `period` [s] apart at least: those in between mostly err alike."""
@@ -69,6 +73,8 @@ class DriveLog(NamedTuple):
         travel = np.add.reduceat(np.nan_to_num(self.wheels), starts)
         ends = np.append(starts[1:], len(self.times))
         latest: dict[str, Any] = {name: _latest(getattr(self, name), starts, ends) for name in _READINGS}
+        if self.odometry_turns is not None:
+            latest["odometry_turns"] = _latest(self.odometry_turns, starts, ends)
         if self.beacons is not None:
             each = [_latest(column, starts, ends) for column in self.beacons.ranges.T]
             latest["beacons"] = self.beacons._replace(ranges=np.stack(each, axis=1))

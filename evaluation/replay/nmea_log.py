@@ -11,6 +11,7 @@ from handcart.backends.can.sensors.nmea_sentence import Accuracy, Position, read
 from handcart.files.errors import FileError, Finding
 from handcart.files.regular_file import read_regular_file
 
+from .checks.places import checked_places
 from .csv_log import MAX_BYTES, first_place, plane
 from .drive_log import DriveLog
 
@@ -43,14 +44,16 @@ def with_nmea(log: DriveLog, path: Path) -> DriveLog:
         raise FileError([Finding(str(path), 1, 1, wrong)])
     times = np.unwrap([each.utc for each in positions], period=DAY)
     times = times - times[0] + _first(log, positions[0].utc)
-    measured = np.array([each.lat for each in positions]), np.array([each.lon for each in positions])
-    places = plane(*measured, first_place(*measured))
+    lats, lons, notes = checked_places(
+        np.array([each.lat for each in positions]), np.array([each.lon for each in positions]), times
+    )
+    places = plane(lats, lons, first_place(lats, lons))
     fixes, sigmas = np.full_like(log.fixes, math.nan), np.full_like(log.sigmas, math.nan)
     for time, place, each in zip(times, places, positions, strict=True):
         row = int(np.searchsorted(log.times, time))
         if row < len(log.times) and time >= log.times[0]:
             fixes[row], sigmas[row] = place, accuracies.get(round(each.utc, 1), math.nan)
-    return log._replace(fixes=fixes, sigmas=sigmas)
+    return log._replace(fixes=fixes, sigmas=sigmas, notes=(*log.notes, *notes))
 
 
 def _first(log: DriveLog, utc: float) -> float:

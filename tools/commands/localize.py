@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from handcart.robotics.navigation.outdoors.field_noise import FieldNoise
 
 BAGS = (".bag", ".db3", ".mcap")
+STAMPS = ("header", "receive")
 RUN_LOG = "drive.csv"
 PICTURES = (".svg", ".png", ".pdf")
 
@@ -36,6 +37,9 @@ def localize(
     reference: Annotated[
         str | None, typer.Option(help="topic of a ROS bag on which the true poses are")
     ] = None,
+    stamps: Annotated[
+        str, typer.Option(help="times of a ROS bag's messages: header, or receive (when they were recorded)")
+    ] = "header",
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="FILE.svg, .png or .pdf: the track as a picture")
     ] = None,
@@ -60,14 +64,16 @@ def localize(
         raise typer.BadParameter(f"no localizer {localizer!r}{suggest(localizer, KINDS)}")
     if output is not None and output.suffix not in PICTURES:
         raise typer.BadParameter(f"no picture for {output.suffix!r}{suggest(output.suffix, PICTURES)}")
-    played = _read(log, nmea, reference)
+    if stamps not in STAMPS:
+        raise typer.BadParameter(f"no stamps {stamps!r}{suggest(stamps, STAMPS)}")
+    played = _read(log, nmea, reference, stamps)
     noise = _noise(robot or _robot_of(log))
     played = played.thinned(noise.gps_period)
     with share_shown("log") as passed:
         replayed = replay(played, localizer_for(played, noise, localizer), passed)
-    found = figures(replayed)
+    found = figures(replayed) | {"notes": list(played.notes)}
     if not as_json:
-        print(in_words(replayed))
+        print("\n".join([*(f"note: {note}" for note in played.notes), in_words(replayed)]))
     if output is not None:
         draw_replay(replayed, output, f"{log.name}, {localizer}")
     if track is not None:
@@ -111,20 +117,22 @@ def _noise(robot: str | None) -> FieldNoise:
     return field_noise(spec, spec.antenna)
 
 
-def _read(log: Path, nmea: Path | None, reference: str | None) -> DriveLog:
+def _read(log: Path, nmea: Path | None, reference: str | None, stamps: str) -> DriveLog:
     """The log, whatever it is; of a run's folder, the one in it."""
     if (log / RUN_LOG).is_file():
         log = log / RUN_LOG
     if log.is_dir() or log.suffix in BAGS:
-        from handcart.evaluation.replay.bag_log import read_bag_log
+        from handcart.evaluation.replay.bags.bag_log import read_bag_log
 
         if nmea is not None:
             raise typer.BadParameter("--nmea goes with a CSV file, not with a bag")
-        return read_bag_log(log, reference)
+        return read_bag_log(log, reference, "receive" if stamps == "receive" else "header")
     from handcart.evaluation.replay.csv_log import read_csv_log
 
     if reference is not None:
         raise typer.BadParameter("--reference is a bag's topic; a CSV file has true_x and true_y")
+    if stamps != STAMPS[0]:
+        raise typer.BadParameter("--stamps goes with a bag; a CSV file has one column `time`")
     played = read_csv_log(log)
     if nmea is None:
         return played

@@ -1,0 +1,1 @@
+"""Reading ROS bags, also damaged ones, as recorded logs."""

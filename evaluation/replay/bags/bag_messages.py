@@ -1,0 +1,151 @@
+"""Open a bag of any kind, complete or damaged, and decode the messages of some topics."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Collection, Iterator
+from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from .bag_recovery import RawMessage, recovered
+
+STORAGES = (".mcap", ".db3", ".bag")
+METADATA = "metadata.yaml"
+ALLOWED = "allowed: rosbag2 (SQLite, MCAP), rosbag1"
+
+
+class BagError(Exception):
+    """A bag that can't be read; the message says why."""
+
+
+class BagMessage(NamedTuple):
+    """A decoded message."""
+
+    topic: str
+    kind: str
+    received: float
+    """When it was recorded, in [s]."""
+    content: Any
+
+
+class Bag(NamedTuple):
+    """What a bag holds."""
+
+    topics: dict[str, str]
+    """The type of each topic, in the bag's order."""
+    messages: list[BagMessage]
+    """Of the topics that were asked for, in the order of recording."""
+    unreadable: dict[str, int]
+    """How many messages of each topic can't be decoded."""
+    notes: list[str]
+    """What is wrong with the bag itself, in words."""
+
+
+def read_bag(path: Path, kinds: Collection[str]) -> Bag:
+    """Read the messages of some types.
+
+    A bag whose index or end is missing, or that lacks metadata.yaml, is read from its storage files up to
+    the first damage.
+
+    Args:
+        path: a folder of rosbag2, or a .mcap, .db3 or .bag file.
+        kinds: message types, as `sensor_msgs/msg/Imu`.
+
+    Raises:
+        BagError: nothing can be read.
+    """
+    files, notes = _storage_files(path)
+    whole = [path] if path.is_dir() and (path / METADATA).is_file() else files
+    try:
+        return _complete(whole, kinds, notes)
+    except Exception as error:  # a reader of other people's bytes raises whatever they lead it to
+        return _damaged(files, kinds, notes, _first_line(error))
+
+
+def _storage_files(path: Path) -> tuple[list[Path], list[str]]:
+    """Return the storage files of a bag, and what is unusual about it.
+
+    Raises:
+        BagError: there are none.
+    """
+    if not path.is_dir():
+        return [path], []
+    files = sorted(each for each in path.iterdir() if each.suffix in STORAGES and each.is_file())
+    if not files:
+        raise BagError(f"no .mcap, .db3 or .bag file in the folder; {ALLOWED}")
+    if (path / METADATA).is_file():
+        return files, []
+    return files, [f"the folder has no {METADATA}: its {len(files)} storage files are read as they are"]
+
+
+def _complete(paths: list[Path], kinds: Collection[str], notes: list[str]) -> Bag:
+    """Read a bag by its index."""
+    from rosbags.highlevel import AnyReader
+    from rosbags.typesys import Stores, get_typestore
+
+    messages, unreadable = list[BagMessage](), Counter[str]()
+    with AnyReader(paths, default_typestore=get_typestore(Stores.LATEST)) as reader:
+        topics = {each.topic: each.msgtype for each in reader.connections}
+        chosen = [each for each in reader.connections if each.msgtype in kinds]
+        for connection, nanoseconds, raw in reader.messages(chosen) if chosen else ():
+            kind = connection.msgtype
+            try:
+                content = reader.deserialize(raw, kind)
+            except Exception:  # see `read_bag`
+                unreadable[connection.topic] += 1
+                continue
+            messages.append(BagMessage(connection.topic, kind, 1e-9 * nanoseconds, content))
+    return Bag(topics, messages, dict(unreadable), notes)
+
+
+def _damaged(files: list[Path], kinds: Collection[str], notes: list[str], why: str) -> Bag:
+    """Read a bag from its storage files, each up to its first damage.
+
+    Raises:
+        BagError: no message can be read.
+    """
+    topics, messages, unreadable = dict[str, str](), list[BagMessage](), Counter[str]()
+    notes = [*notes, f"the bag is damaged or cut off ({why}): it is read up to there"]
+    for raw in (raw for file in files for raw in _until_damage(file, notes)):
+        topics.setdefault(raw.topic, raw.kind)
+        if raw.kind not in kinds:
+            continue
+        try:
+            content = _decoded(raw)
+        except Exception:  # see `read_bag`
+            unreadable[raw.topic] += 1
+            continue
+        messages.append(BagMessage(raw.topic, raw.kind, raw.received, content))
+    if not topics:
+        raise BagError(f"no bag that can be read: {why}; {ALLOWED}")
+    messages.sort(key=lambda message: message.received)
+    return Bag(topics, messages, dict(unreadable), notes)
+
+
+def _until_damage(file: Path, notes: list[str]) -> Iterator[RawMessage]:
+    count = 0
+    try:
+        for raw in recovered(file):
+            count += 1
+            yield raw
+    except Exception as error:  # see `read_bag`
+        notes.append(f"{file.name}: {count} messages are read, then {_first_line(error)}")
+
+
+def _decoded(raw: RawMessage) -> Any:
+    store = _typestore(raw.is_ros1)
+    decode = store.deserialize_ros1 if raw.is_ros1 else store.deserialize_cdr
+    return decode(raw.data, raw.kind)
+
+
+@cache
+def _typestore(is_ros1: bool) -> Any:
+    from rosbags.typesys import Stores, get_typestore
+
+    return get_typestore(Stores.ROS1_NOETIC if is_ros1 else Stores.LATEST)
+
+
+def _first_line(error: Exception) -> str:
+    lines = str(error).splitlines()
+    return (lines[0] if lines else type(error).__name__).rstrip(".")

@@ -1,0 +1,1 @@
+"""What is wrong with the times, the fixes and the axes of a recorded log."""

@@ -1,0 +1,67 @@
+"""Find latitudes and longitudes at which no receiver was."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+FAR_DEG = 1.0  # from the median of all fixes: some 100 km
+HELD = 5  # equal fixes in a row, from which a receiver only repeats itself
+Array = NDArray[np.float64]
+
+
+def checked_places(latitudes: Array, longitudes: Array, times: Array) -> tuple[Array, Array, list[str]]:
+    """Leave out fixes that no receiver measured there, and say how many and when.
+
+    Args:
+        latitudes: (n,) in [deg]; NaN where there is no fix.
+        longitudes: (n,) in [deg].
+        times: (n,) in [s], for the words.
+
+    Returns:
+        Latitudes and longitudes with NaN in place of those left out, and notes in words.
+    """
+    known = np.isfinite(latitudes) & np.isfinite(longitudes)
+    notes = list[str]()
+    outside = known & ((np.abs(latitudes) > 90.0) | (np.abs(longitudes) > 360.0))
+    if known.any() and outside.sum() > 0.5 * known.sum() and (np.abs(longitudes[known]) <= 90.0).mean() > 0.5:
+        notes.append("latitudes beyond 90 degrees: latitude and longitude are exchanged")
+    zero = known & (latitudes == 0.0) & (longitudes == 0.0)
+    inside = known & ~outside & ~zero
+    away = np.zeros(len(known), dtype=bool)
+    if inside.any():
+        middle = np.median(latitudes[inside])
+        turned = np.abs((longitudes - np.median(longitudes[inside]) + 180.0) % 360.0 - 180.0)
+        near_pole = abs(middle) > 85.0
+        away = inside & ((np.abs(latitudes - middle) > FAR_DEG) | ((turned > 5.0 * FAR_DEG) & ~near_pole))
+    for wrong, what in (
+        (outside, "lie beyond the range of degrees"),
+        (zero, "are at (0, 0), which receivers report without a fix"),
+        (away, "lie more than 100 km from the others"),
+    ):
+        if wrong.any():
+            notes.append(_left_out(what, wrong, times))
+    held = _held(latitudes, longitudes, known)
+    if held.any():
+        notes.append(_left_out("only repeat the one before", held, times))
+    left = outside | zero | away | held
+    return np.where(left, np.nan, latitudes), np.where(left, np.nan, longitudes), notes
+
+
+def _left_out(what: str, wrong: NDArray[np.bool_], times: Array) -> str:
+    after = float(times[int(np.argmax(wrong))] - times[0])
+    return f"{int(wrong.sum())} fixes {what}, first after {after:.1f} s; they are left out"
+
+
+def _held(latitudes: Array, longitudes: Array, known: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return (n,) fixes that repeat the one before digit by digit, in rows of at least `HELD`."""
+    rows = np.flatnonzero(known)
+    found = np.zeros(len(known), dtype=bool)
+    if len(rows) < HELD:
+        return found
+    again = (np.diff(latitudes[rows]) == 0.0) & (np.diff(longitudes[rows]) == 0.0)
+    ends = np.diff(np.concatenate([[False], again, [False]]).astype(int))
+    for begin, end in zip(np.flatnonzero(ends > 0), np.flatnonzero(ends < 0), strict=True):
+        if end - begin >= HELD - 1:
+            found[rows[begin + 1 : end + 1]] = True
+    return found

@@ -1,0 +1,128 @@
+"""Find header stamps that can't be the times of their messages."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+JUMP_S = 1.0  # by which a stamp and the receive time may part between two messages
+JUMP_SPREADS = 10.0  # of the usual difference, besides: a bag that was replayed slowly or in bursts
+AROUND = 5  # messages on either side that a lasting jump is judged by
+APART_S = 2.0  # between the clocks of two topics: more can be no delay
+LATE_S = 0.2  # between two topics, from which a delay is reported
+MAX_WRONG = 0.5  # share of a topic's stamps: more, and they are no times
+Array = NDArray[np.float64]
+
+
+class StampReport(NamedTuple):
+    """What a topic's header stamps are worth."""
+
+    used: NDArray[np.bool_]
+    """(n,) messages whose stamp can be believed."""
+    notes: list[str]
+    """What is wrong and can be lived with, in words."""
+    unusable: str
+    """Why the stamps can't be played, in words; empty if they can."""
+
+
+def check_stamps(topic: str, stamps: Array, received: Array) -> StampReport:
+    """Compare the header stamps of a topic with the times at which its messages were recorded.
+
+    Args:
+        topic: its name, for the words.
+        stamps: (n,) in [s], in the order of recording.
+        received: (n,) in [s].
+    """
+    count, zero = len(stamps), stamps == 0.0
+    used, notes = ~zero, list[str]()
+    if zero.mean() > MAX_WRONG:
+        share = "all" if zero.all() else f"{int(zero.sum())} of {count}"
+        return StampReport(used, notes, f"{topic}: {share} stamps are zero ({count} messages)")
+    if zero.any():
+        notes.append(_left_out(topic, "are zero", zero, received))
+    wrong = used & _alone(stamps, received, used)
+    if wrong.any():
+        notes.append(_left_out(topic, "are off alone", wrong, received))
+        used &= ~wrong
+    rows = np.flatnonzero(used)
+    jumps = _jumps(stamps[rows], received[rows])
+    if len(jumps):
+        first, size = jumps[0]
+        after = received[rows[first]] - received[0]
+        times = "" if len(jumps) == 1 else f", and {len(jumps) - 1} times more"
+        words = f"{topic}: stamps jump by {size:+.1f} s after {after:.1f} s{times}"
+        return StampReport(used, notes, words)
+    steps = np.diff(stamps[rows])
+    back, again = steps < 0.0, steps == 0.0
+    if back.any():
+        at = received[rows[int(np.argmax(back)) + 1]] - received[0]
+        most = -float(steps.min())
+        notes.append(
+            f"{topic}: {int(back.sum())} stamps fall back, first after {at:.1f} s, by {most:.3f} s at most; "
+            "played in the order of the stamps"
+        )
+    if again.any():
+        at = received[rows[int(np.argmax(again)) + 1]] - received[0]
+        notes.append(f"{topic}: {int(again.sum())} stamps repeat the one before, first after {at:.1f} s")
+    return StampReport(used, notes, "")
+
+
+def check_offsets(delays: dict[str, float]) -> tuple[list[str], str]:
+    """Compare the clocks of the topics.
+
+    Args:
+        delays: of each topic, the median time from its stamps to their recording, in [s].
+
+    Returns:
+        Notes in words, and why the stamps can't be played together (empty if they can).
+    """
+    if len(delays) < 2:
+        return [], ""
+    least = min(delays, key=lambda topic: delays[topic])
+    most = max(delays, key=lambda topic: delays[topic])
+    apart = delays[most] - delays[least]
+    words = f"stamps of {most} are {apart:.2f} s older when they are recorded than those of {least}"
+    if apart > APART_S:
+        return [], f"{words}: two clocks"
+    return ([f"{words}: it comes late, or has another clock"], "") if apart > LATE_S else ([], "")
+
+
+def _left_out(topic: str, what: str, wrong: NDArray[np.bool_], received: Array) -> str:
+    after = received[int(np.argmax(wrong))] - received[0]
+    return (
+        f"{topic}: {int(wrong.sum())} stamps {what}, first after {after:.1f} s; those messages are left out"
+    )
+
+
+def _limit(parts: Array) -> float:
+    """Return from which difference on two clocks have parted, in [s]."""
+    return max(JUMP_S, JUMP_SPREADS * float(np.median(np.abs(parts)))) if len(parts) else JUMP_S
+
+
+def _alone(stamps: Array, received: Array, used: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return (n,) which stamps are off while those around them agree with each other."""
+    rows = np.flatnonzero(used)
+    found = np.zeros(len(stamps), dtype=bool)
+    if len(rows) < 2 * AROUND:
+        return found
+    offsets = (stamps - received)[rows]
+    padded = np.pad(offsets, 2, mode="edge")
+    usual = np.median(np.lib.stride_tricks.sliding_window_view(padded, 5), axis=1)
+    found[rows] = np.abs(offsets - usual) > _limit(np.diff(usual))
+    return found
+
+
+def _jumps(stamps: Array, received: Array) -> list[tuple[int, float]]:
+    """Return before which messages stamps and receive times part for good, and by how much in [s]."""
+    offsets = stamps - received
+    parts = np.diff(offsets)
+    limit = _limit(parts)
+    found = []
+    for k in np.flatnonzero(np.abs(parts) > limit) + 1:
+        before = float(np.median(offsets[max(0, k - AROUND) : k]))
+        after = float(np.median(offsets[k : k + AROUND]))
+        if abs(after - before) > limit and (parts[k - 1] > 0.0 or stamps[k] < stamps[k - 1]):
+            found.append((int(k), after - before))
+    return found

@@ -1,0 +1,169 @@
+"""ROS bags with faults: damaged files, types that are none, stamps that are no times."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("rosbags", reason="bags are read by the extra `bags`")
+
+from benchmarks.damage.bag_files import BEGUN, TOPICS, small_drive, write_bag
+from benchmarks.damage.mutated_bags import is_silent, mutated_bag, played
+from handcart.evaluation.replay.bags.bag_log import read_bag_log
+from handcart.evaluation.replay.drive_log import DriveLog
+from handcart.files.errors import FileError
+
+DRIVE = small_drive(duration=20.0)
+
+
+@pytest.fixture(scope="module")
+def bags(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """A whole bag in each format."""
+    folder = tmp_path_factory.mktemp("bags")
+    return {
+        "SQLITE3": write_bag(folder / "sqlite", DRIVE, "SQLITE3"),
+        "MCAP": write_bag(folder / "mcap", DRIVE, "MCAP"),
+        "ROS1": write_bag(folder / "drive.bag", DRIVE, "ROS1"),
+    }
+
+
+def storage_of(bag: Path) -> Path:
+    """The file with the messages."""
+    return bag if bag.is_file() else next(each for each in bag.iterdir() if each.suffix != ".yaml")
+
+
+def copied(bag: Path, folder: Path, share: float = 1.0, metadata: bool = True) -> Path:
+    """A copy of a bag, cut off after a share of its bytes."""
+    content = storage_of(bag).read_bytes()
+    folder.mkdir(exist_ok=True)
+    (folder / storage_of(bag).name).write_bytes(content[: int(share * len(content))])
+    if metadata and bag.is_dir():
+        (folder / "metadata.yaml").write_bytes((bag / "metadata.yaml").read_bytes())
+    return folder
+
+
+def refusal(path: Path, stamps: str = "header") -> str:
+    with pytest.raises(FileError) as caught:
+        read_bag_log(path, stamps=stamps)  # type: ignore[arg-type]
+    return "\n".join(str(each.message) for each in caught.value.findings)
+
+
+def same(one: DriveLog, other: DriveLog) -> bool:
+    return all(
+        np.array_equal(getattr(one, name), getattr(other, name), equal_nan=True)
+        for name in ("times", "rates", "wheels", "fixes", "sigmas")
+    )
+
+
+@pytest.mark.parametrize("storage", ["SQLITE3", "MCAP", "ROS1"])
+def test_a_whole_bag_is_read_without_a_note(bags: dict[str, Path], storage: str) -> None:
+    log = read_bag_log(bags[storage], "/truth")
+    assert log.notes == ()
+    assert np.isfinite(log.fixes[:, 0]).sum() == len(DRIVE.fix_rows)
+    assert np.nansum(log.wheels[:, 0]) == pytest.approx(DRIVE.times[-1], abs=0.2)
+    turns = log.odometry_turns
+    assert turns is not None
+    assert np.nanmax(np.abs(turns)) == pytest.approx(0.15, abs=0.01)
+
+
+@pytest.mark.parametrize("storage", ["SQLITE3", "MCAP"])
+def test_a_storage_file_alone_reads_as_its_folder_does(
+    bags: dict[str, Path], storage: str, tmp_path: Path
+) -> None:
+    whole = read_bag_log(bags[storage])
+    alone = read_bag_log(storage_of(bags[storage]))
+    without = read_bag_log(copied(bags[storage], tmp_path / "bag", metadata=False))
+    assert same(whole, alone)
+    assert same(whole, without)
+    assert "has no metadata.yaml" in without.notes[0]
+
+
+@pytest.mark.parametrize("storage", ["SQLITE3", "ROS1"])
+def test_a_bag_cut_off_is_read_up_to_there(bags: dict[str, Path], storage: str, tmp_path: Path) -> None:
+    whole = read_bag_log(bags[storage])
+    log = read_bag_log(copied(bags[storage], tmp_path / "bag", share=0.85))
+    assert any("damaged or cut off" in note for note in log.notes)
+    count = len(log.times)
+    assert 0.3 * len(whole.times) < count < len(whole.times)
+    sure = count - 10  # SQLite may lose single rows on the last pages
+    np.testing.assert_allclose(log.times[:sure], whole.times[:sure], atol=1e-6)
+    np.testing.assert_array_equal(log.rates[:sure], whole.rates[:sure])
+
+
+@pytest.mark.slow
+def test_a_cut_mcap_is_read_up_to_its_last_chunk(tmp_path: Path) -> None:
+    bag = write_bag(tmp_path / "bag", small_drive(duration=60.0), "MCAP")
+    whole, log = read_bag_log(bag), read_bag_log(copied(bag, tmp_path / "cut", share=0.85))
+    assert any("damaged or cut off" in note for note in log.notes)
+    assert 0.3 * len(whole.times) < len(log.times) < len(whole.times)
+    np.testing.assert_array_equal(log.rates, whole.rates[: len(log.times)])
+
+
+def test_a_folder_without_a_bag_says_what_it_needs(tmp_path: Path) -> None:
+    assert "no .mcap, .db3 or .bag file in the folder" in refusal(tmp_path)
+
+
+def test_stamps_that_are_zero_offer_the_receive_time(tmp_path: Path) -> None:
+    bag = write_bag(tmp_path / "bag", DRIVE, stamp=lambda topic, time: 0.0)
+    assert "/imu: all stamps are zero (400 messages)" in refusal(bag)
+    assert "--stamps receive" in refusal(bag)
+    log = read_bag_log(bag, stamps="receive")
+    assert log.times[-1] == pytest.approx(DRIVE.times[-1], abs=0.01)
+    assert "played by the times at which the messages were recorded" in log.notes[0]
+
+
+def test_a_clock_that_falls_back_is_refused_with_its_time(tmp_path: Path) -> None:
+    bag = write_bag(tmp_path / "bag", DRIVE, stamp=lambda topic, time: BEGUN + time - 20.0 * (time > 9.99))
+    assert "/odom: stamps jump by -20.0 s after 10.0 s" in refusal(bag)
+
+
+def test_a_receiver_on_gps_time_is_another_clock(tmp_path: Path) -> None:
+    bag = write_bag(
+        tmp_path / "bag", DRIVE, stamp=lambda topic, time: BEGUN + time + 18.0 * (topic == "/fix")
+    )
+    assert "18.00 s older" in refusal(bag)
+
+
+def test_a_topic_of_another_type_is_refused(tmp_path: Path) -> None:
+    topics = TOPICS | {"/imu": TOPICS["/odom"], "/odom": TOPICS["/imu"]}
+    assert "messages can't be read as" in refusal(write_bag(tmp_path / "bag", DRIVE, topics=topics))
+
+
+def test_readings_beyond_any_vehicle_are_left_out(tmp_path: Path) -> None:
+    rates = DRIVE.rates.copy()
+    rates[100:110] = 1e9
+    log = read_bag_log(write_bag(tmp_path / "bag", DRIVE._replace(rates=rates)))
+    assert "/imu: 10 of 400 readings are beyond any vehicle's" in log.notes[0]
+    assert np.nanmax(np.abs(log.rates)) < 1.0
+    rates[:] = 1e9
+    assert "needed: SI units" in refusal(write_bag(tmp_path / "all", DRIVE._replace(rates=rates)))
+
+
+def test_a_bag_without_an_imu_turns_as_the_twist_says(tmp_path: Path) -> None:
+    topics = {topic: kind for topic, kind in TOPICS.items() if topic != "/imu"}
+    log = read_bag_log(write_bag(tmp_path / "bag", DRIVE, topics=topics))
+    assert log.steered
+    assert np.abs(log.rates[:, 2]).max() == pytest.approx(0.15, abs=0.01)
+    assert "turns as Odometry's twist says" in log.notes[0]
+
+
+def test_a_variance_of_zero_is_no_accuracy(tmp_path: Path, bags: dict[str, Path]) -> None:
+    for variance in (0.0, 1e-12):
+        log = read_bag_log(write_bag(tmp_path / str(variance), DRIVE._replace(variance=variance)))
+        assert np.isnan(log.sigmas).all()
+    stated = read_bag_log(bags["MCAP"]).sigmas
+    assert np.nanmedian(stated) == pytest.approx(math.sqrt(DRIVE.variance))
+
+
+@pytest.mark.slow
+def test_mutated_bags_are_played_or_refused_in_words(tmp_path: Path) -> None:
+    """`benchmarks.damage.mutated_bags` plays 200."""
+    for seed in range(12):
+        path, words = mutated_bag(tmp_path / str(seed), seed)
+        status, out, err = played(path)
+        assert status in (0, 2), f"{words}: {err}"
+        assert "Traceback" not in err
+        assert not is_silent(status, out), words
