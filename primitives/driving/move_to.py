@@ -13,7 +13,6 @@ from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.capabilities.range_sensor import RangeSensor
-from handcart.backends.robot.lidar import MAX_BLIND_SHARE
 from handcart.backends.robot.localization.determination import difference, undetermined
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
@@ -33,6 +32,7 @@ from handcart.robotics.navigation.following.pose_regulator import PoseTolerance
 from handcart.robotics.navigation.localization.front_line import fit_front, pose_from_front
 
 from .driving import HORIZON, FieldObstacleMonitor, ObstacleMonitor, goal_pose, make_monitor, plan_tracker
+from .lidar_watch import LidarWatch
 
 ARRIVED = PoseTolerance(position=0.02, heading=0.01)
 DOCKED = PoseTolerance(position=0.004, heading=0.003)
@@ -42,7 +42,6 @@ STUCK = 6.0  # [s] without getting on, though nothing is seen in the way
 HELD = 2.0  # [s] that what the map shows may hold it, until another route is planned from there
 ANEW = 3  # times that this is done
 SLIPPED = 0.1  # [m] that the base was driven meanwhile: something stops it
-LIDAR_BLOCKED_S = 1.0  # for which most beams of the lidar show nothing, until it counts as blocked or dirty
 NOT_DETERMINED = "not determined"  # the check that found a pose to be uncertain
 NEAR = 0.05  # [m] before the goal, where it turns and comes to stand
 
@@ -73,7 +72,7 @@ class MoveTo(ActionPrimitive):
     _monitor: ObstacleMonitor | FieldObstacleMonitor | None = PrivateAttr(default=None)
     _ahead: NDArray[np.float64] = PrivateAttr(default_factory=lambda: np.empty((0, 2)))
     _blocked_since: float | None = PrivateAttr(default=None)
-    _blocked_lidar_since: float | None = PrivateAttr(default=None)
+    _lidar_watch: LidarWatch = PrivateAttr(default_factory=LidarWatch)
 
     def hand_use(self) -> HandUse:
         return UNDECLARED if self.together else UNUSED
@@ -202,7 +201,7 @@ class MoveTo(ActionPrimitive):
             raise NeedsPerson(f"the robot doesn't know where it is: {lost.why}", Measured(*lost[1:]))
         if not robot.localization.heading_known:
             raise Discrepancy("nobody told which way the robot heads: ORIENT finds it out", permanent=True)
-        self._watch_lidar(robot)
+        self._lidar_watch.watch(robot, model.map)
         if self._monitor is None or len(self._ahead) < 2:
             return
         sensed = self._monitor.unexpected(robot)
@@ -219,20 +218,6 @@ class MoveTo(ActionPrimitive):
                 f"an obstacle stands on the path to {self.place}, at ({x:.2f}, {y:.2f}) m",
                 measured=Measured("RangeSensor", "free way ahead", found[0], HORIZON, "m"),
             )
-
-    def _watch_lidar(self, robot: Robot) -> None:
-        """Raise `NeedsPerson` where most of the lidar's beams have shown nothing for a while."""
-        lidar = robot.lidar
-        if lidar is None or not lidar.blockage:
-            self._blocked_lidar_since = None
-            return
-        if self._blocked_lidar_since is None:
-            self._blocked_lidar_since = robot.time
-        if robot.time >= self._blocked_lidar_since + LIDAR_BLOCKED_S:
-            share = Measured(
-                "RangeSensor", "share of beams that show nothing", lidar.blind_share, MAX_BLIND_SHARE
-            )
-            raise NeedsPerson(lidar.blockage, share)
 
     def meant_contacts(self, model: WorldModel) -> Sequence[MeantContact]:
         """Nothing but what the arm takes meanwhile."""

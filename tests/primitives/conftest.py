@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from handcart.backends.description.range_spec import RangeSpec
 from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.registry import make_backend
 from handcart.backends.robot.robot import Robot
@@ -126,7 +127,7 @@ class Rig:
 
 @pytest.fixture
 def make_rig(tmp_path: Path) -> Callable[..., Rig]:
-    """Builds a rig: more lines for the world's file, a seed."""
+    """Builds a rig: more lines for the world's file, a seed, other keys of the lidar and of errors."""
 
     def make(
         more: str = "",
@@ -135,6 +136,8 @@ def make_rig(tmp_path: Path) -> Callable[..., Rig]:
         furniture: str = "",
         start_y: float = 1.0,
         localizer: str = "scan",
+        lidar: Mapping[str, Any] | None = None,
+        errors: Mapping[str, Any] | None = None,
     ) -> Rig:
         world = tmp_path / "world.yaml"
         text = WORLD.replace("shelves:\n", furniture + "shelves:\n").replace(
@@ -142,6 +145,10 @@ def make_rig(tmp_path: Path) -> Callable[..., Rig]:
         )
         world.write_text(text + more, encoding="utf-8")
         spec = load_robot("librarian").model_copy(update={"localizer": localizer})
+        assert spec.range_sensor is not None
+        sensor = RangeSpec.model_validate({**spec.range_sensor.model_dump(), **(lidar or {})})
+        erring = spec.errors.model_copy(update=dict(errors or {}))
+        spec = spec.model_copy(update={"range_sensor": sensor, "errors": erring})
         backend = make_backend("kinematic", spec, world, seed)
         grid = from_boxes(MAPPED + walls, 0.02, (-0.3, -0.3), (8.6, 6.6))
         model = WorldModel(grid, {"home": HOME, "shelf_1": SHELF})

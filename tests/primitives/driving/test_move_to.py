@@ -80,14 +80,15 @@ def test_passers_by_are_waited_for_one_by_one() -> None:
     """Each of them may take `wait_s`; two that follow each other are not one that stands there."""
     move, way = MoveTo(place="there", wait_s=5.0), np.array([[0.0, 0.0], [2.0, 0.0]])
     in_the_way = (0.5, np.array([1.0, 0.0]))
-    now: Any = SimpleNamespace(time=0.0, localization=SimpleNamespace(lost=None, heading_known=True))
+    known = SimpleNamespace(lost=None, heading_known=True)
+    now: Any = SimpleNamespace(time=0.0, lidar=None, localization=known)
     stands: list[Any] = [None]
     monitor = SimpleNamespace(
         unexpected=lambda _: way[1:], obstacle=lambda *_: stands[0], kept=lambda points, _: points
     )
     move._monitor = cast(Any, monitor)
     move._ahead = way
-    model: Any = SimpleNamespace(obstacles=np.empty((0, 2)))
+    model: Any = SimpleNamespace(obstacles=np.empty((0, 2)), map=None)
     for now.time, stands[0] in ((0.0, in_the_way), (4.9, in_the_way), (5.0, None), (5.1, in_the_way)):
         move.watch(now, model)
     now.time = 10.0

@@ -1,0 +1,97 @@
+"""Tasks with a lidar as its driver delivers it: `python -m benchmarks.driving.lidar_faults --seeds 20`
+
+Each task runs with a lidar that sees 180 degrees (`--view`). Of its beams, in each period anew, 5 percent
+(`--percent`) each read zero, NaN, -infinity and the robot's own body. Prints how many runs reach the goal,
+how many have outcomes that the ground truth contradicts, and how many touch anything that no action means to.
+Status 1 where a run failed, touched something or said something false.
+"""
+
+from __future__ import annotations
+
+import argparse
+import shutil
+import sys
+import tempfile
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import yaml
+from rich.console import Console
+from rich.progress import track
+
+from handcart.backends.description.robot_names import robot_path
+from handcart.evaluation.campaigns.campaign import run_campaign
+from handcart.evaluation.campaigns.campaign_setting import CampaignSetting
+from handcart.evaluation.campaigns.trial import Trial
+
+TASKS = Path(__file__).resolve().parents[2] / "tasks"
+FAULTS = ("range_zero_percent", "range_nan_percent", "range_too_close_percent", "range_own_body_percent")
+
+
+def faulty_robot(name: str, folder: Path, percent: float, view: float) -> Path:
+    """Write a copy of a shipped robot with such a lidar, and return its path."""
+    file = robot_path(name)
+    copy = folder / name
+    shutil.copytree(file.parent, copy)
+    content: dict[str, Any] = yaml.safe_load(file.read_text(encoding="utf-8"))
+    content["range_sensor"] |= {"range_min_m": 0.1, "start_deg": -view / 2, "end_deg": view / 2}
+    content["range_sensor"]["beams"] = round(view) + (view < 360.0)
+    content["errors"] |= dict.fromkeys(FAULTS, percent)
+    (copy / file.name).write_text(yaml.safe_dump(content), encoding="utf-8")
+    return copy / file.name
+
+
+def contacts(trial: Trial) -> int:
+    """Return how many contacts of a run no action means."""
+    return int(trial.summary.get("metrics", {}).get("contacts_unmeant", 0) or 0)
+
+
+def main() -> None:
+    """Print the table."""
+    words = argparse.ArgumentParser(
+        prog="python -m benchmarks.driving.lidar_faults",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    words.add_argument("--seeds", type=int, default=20)
+    words.add_argument("--first", type=int, default=0, help="the first seed")
+    words.add_argument("--percent", type=float, default=5.0, help="of the beams, of each kind of fault")
+    words.add_argument("--view", type=float, default=180.0, help="field of view in degrees")
+    words.add_argument("--tasks", nargs="+", default=["drive_map", "return_book"])
+    words.add_argument("--robot", default="librarian")
+    words.add_argument("--backend", default=None)
+    words.add_argument("--jobs", type=int, default=1)
+    words.add_argument("--runs", type=Path, default=None, help="folder to keep the runs in")
+    chosen = words.parse_args()
+    print(f"{'':16}{'Success':>10}{'false':>8}{'contacts':>10}   other ends", flush=True)
+    failed = False
+    with tempfile.TemporaryDirectory() as folder:
+        robot = faulty_robot(chosen.robot, Path(folder), chosen.percent, chosen.view)
+        for name in chosen.tasks:
+            setting = CampaignSetting(
+                TASKS / name / "task.yaml",
+                chosen.backend,
+                {"robot": str(robot)},
+                runs=chosen.runs or Path(folder) / "runs",
+            )
+            seeds = range(chosen.first, chosen.first + chosen.seeds)
+            running = run_campaign(setting, seeds, chosen.jobs)
+            trials = list(track(running, name, chosen.seeds, console=Console(stderr=True)))
+            good = sum(trial.success for trial in trials)
+            false = sum(bool(trial.untrue) for trial in trials)
+            touched = sum(contacts(trial) > 0 for trial in trials)
+            ends = Counter(
+                f"{trial.summary['outcome']}: {trial.summary.get('reason', '')}"
+                for trial in trials
+                if not trial.success
+            )
+            print(f"{name:16}{good:>4} / {len(trials):<3}{false:>8}{touched:>10}", flush=True)
+            for end, count in ends.most_common(3):
+                print(f"{'':18}{count} x {end[:150]}")
+            failed |= good < len(trials) or false > 0 or touched > 0
+    sys.exit(int(failed))
+
+
+if __name__ == "__main__":
+    main()
