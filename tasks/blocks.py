@@ -30,5 +30,8 @@ DOMAIN = Domain(
     commands={
         "wall": Command("handcart.tools.blocks.wall:wall", "Plan how a drawn wall is built; write a task.")
     },
-    rehearsals={_HERE / "stack_blocks" / "unload.yaml": {"blocks": "[1]"}},
+    rehearsals={
+        _HERE / "stack_blocks" / "unload.yaml": {"blocks": "[1]"},
+        _HERE / "stack_blocks" / "task.yaml": {"blocks": "[1]"},  # drives by its wheels alone
+    },
 )

@@ -18,7 +18,12 @@ from handcart.backends.robot.lidar import MIN_ECHOES, Lidar
 from handcart.backends.saved_state import NotAState
 from handcart.robotics.far import FarArray
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.localization.localizer import LEAST_INLIERS, Localizer, ScanLocalizer
+from handcart.robotics.navigation.localization.localizer import (
+    LEAST_INLIERS,
+    Localizer,
+    OdometryLocalizer,
+    ScanLocalizer,
+)
 from handcart.robotics.navigation.outdoors.watched_moment import Belief
 
 STILL_SCANS = 20  # periods at rest after which further scans tell nothing new
@@ -26,6 +31,7 @@ LOOK_AGAIN = 10  # periods at rest between scans that tell whether somebody move
 SCAN_REPEATABILITY = np.diag([0.004, 0.004, 0.0015]) ** 2  # [m², rad²]: scatter of scan matches at one place
 STANDS = 2e-4  # [m] by which encoders of wheels that stand differ, as an arm pulls at the base
 STALE = 1e-3  # [m], [rad] of motion in which a scan can't stay the same to the last bit
+RESTED = 4  # periods at rest after which a scan tells whether the base is where its wheels say
 UNANSWERED = 0.03  # [m] that wheels may be driven, by which alone it is reckoned, while they read the same
 
 
@@ -158,6 +164,11 @@ class Localization(ABC):
     def doubt(self) -> Lost | None:
         """Why what it claims about where it is isn't to be relied on just now; None while it is."""
         return self.lost
+
+    @property
+    def slips(self) -> int:
+        """How often a scan at rest contradicted where the wheels say that the base is after a drive."""
+        return 0
 
     @property
     def sensed(self) -> Sensed | None:
@@ -326,7 +337,10 @@ class ScanLocalization(Localization):
 
 
 class WheelLocalization(Localization):
-    """With a map and a range sensor, scans only tell whether the base was moved while its wheels stood.
+    """Wheels carry the pose on. With a map and a range sensor, scans at rest are evidence.
+
+    They tell whether the base was moved while its wheels stood, and whether it is where its wheels say after
+    each drive: where it isn't, the pose is the scan's, and where no pose near by explains the scan, it is lost.
 
     Where driven wheels read the same again and again, either they are stuck or their encoders are: nothing
     tells which, so nothing tells where the base is.
@@ -334,9 +348,12 @@ class WheelLocalization(Localization):
 
     STATE: ClassVar[Kinds] = {**Localization.STATE, "_unanswered": float}
 
-    def __init__(self, backend: Backend, wheels: Localizer, lidar: RangeSensor | None = None) -> None:
+    def __init__(
+        self, backend: Backend, wheels: OdometryLocalizer, lidar: RangeSensor | None = None
+    ) -> None:
         """Of a robot that stands."""
         super().__init__(backend, wheels, lidar)
+        self._reckoning = wheels
         self._period, self._unanswered = backend.period, 0.0
 
     @property
@@ -347,11 +364,31 @@ class WheelLocalization(Localization):
     @property
     def lost(self) -> Lost | None:
         """See `Localization`."""
+        if self._reckoning.astray:
+            share = "share of the scan that the map explains"
+            why = "after the drive its scan fits the map nowhere near where its wheels say"
+            return Lost(why, "RangeSensor", share, self._reckoning.explained, LEAST_INLIERS)
         if self._unanswered <= UNANSWERED:
             return None
         why = "its wheels are driven, and read the same again and again"
         way = "way driven since the wheels read anything new"
         return Lost(why, "Base", way, 1e3 * self._unanswered, 1e3 * UNANSWERED, "mm")
+
+    @property
+    def slips(self) -> int:
+        """See `Localization`."""
+        return self._reckoning.slips
+
+    def look_again(self) -> None:
+        """See `Localization`; after a drive, first compare the wheels' pose with a scan."""
+        if self._reckoning.unchecked and self.still >= RESTED and self._range_sensor is not None:
+            self._reckoning.check_drive(self._fresh_points())
+        super().look_again()
+
+    def _correct(self) -> None:
+        if self.still == RESTED:
+            self.look_again()
+        super()._correct()
 
     def update(self, driven: tuple[float, float]) -> None:
         """See `Localization`."""

@@ -22,7 +22,6 @@ from .faulty_backend import FaultyBackend
 
 QUIET = 2.0  # [s] in which nothing may move after the end
 PATIENCE = 2 * LONGEST_RESTORE  # [s] of the robot's time that an attempt gets after the fault
-SLIPPED = ("base mm", "base deg")  # what a robot that reckons by its wheels alone can't know of a slip
 
 
 class Endless(Exception):
@@ -104,7 +103,7 @@ class Underway:
             return self._ended("Error", message, count[0], (f"an exception came through: {message}",))
         if not isinstance(outcome, Success | Fail | GiveUp):
             return self._ended(str(outcome), "", count[0], (f"{outcome!r} is no outcome",))
-        wrong = self._untrue(outcome, fault)
+        wrong = self._untrue(outcome)
         if isinstance(outcome, GiveUp) and self._whole(fault):
             wrong.append("it gave up, although the robot is whole and nothing was done for good")
         reason = "" if isinstance(outcome, Success) else outcome.reason
@@ -134,15 +133,13 @@ class Underway:
                 return found
         raise Endless
 
-    def _untrue(self, outcome: Outcome, fault: Fault | None) -> list[str]:
+    def _untrue(self, outcome: Outcome) -> list[str]:
         after = self.backend.ground_truth()
         wrong = []
         if isinstance(outcome, Fail) and self._no_return:
             wrong.append("Fail after a point of no return")
         word = type(outcome).__name__
         untrue = self.surveys.ended(1, self.primitive, outcome)
-        if fault is not None and fault.kind is FaultKind.SLIP and self.robot.localization.dead_reckoned:
-            untrue = [each for each in untrue if not each.startswith(SLIPPED)]
         wrong += [f"{word}, but {each}" for each in untrue]
         bumps = 0 if self._bumps is None or after is None else after.bumps - self._bumps
         if isinstance(outcome, Fail) and bumps > 0:

@@ -24,7 +24,6 @@ from .periods import beside
 SPEED, CREEP, SWINGS = 0.2, 0.02, 0.3  # [m/s], [m/s], [rad/s]
 CLOSE = 0.002  # [m] left that count as nothing
 SHARE = 0.8  # of what was to be reached that must be
-UNFELT = 0.06  # [m] that wheels may slip in the kit's faults: a robot that reckons by them alone can't know
 PATIENCE = 3.0  # [s] that the fingers get
 
 
@@ -92,6 +91,4 @@ class Reach(ActionPrimitive):
         """What a Success promises and isn't so."""
         went = scene.base.relative_to(before.base).x
         least = SHARE * self.ahead_m - 0.02  # what the estimate of the pose may be off
-        if scene.robot.localizer == "odometry":
-            least -= UNFELT
         return [] if went > least else [f"the base went {went:.3f} m of {self.ahead_m} m"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import Any, ClassVar
@@ -23,6 +24,8 @@ LESS = 0.9  # share of the points explained so far; fewer, and the pose is looke
 DISPLACED = (0.010, 0.010)  # [m], [rad] by which scans of one place never differ: eight times their spread
 SURE = 3.0  # sigmas of a match by which its pose then lies elsewhere
 ROLLS = 0.02  # [m] of the wheels, after which a base drives, and is not where it stood
+SLIPPED = 4.0  # sigmas between a drive by its wheels and the scan after it that no chance explains
+HARDLY = 0.5  # share of the points explained before a drive; fewer after it, and the base is elsewhere
 SHARE_OF_CELL = 0.2  # by which they never differ on large cells, where several places fit alike
 
 
@@ -76,12 +79,25 @@ class Localizer(ABC):
 
 
 class OdometryLocalizer(Localizer):
-    """Wheels alone: what is left when scans are switched off.
+    """Wheels alone carry the pose while the base drives.
 
-    With a map, scans only tell whether the base was moved while its wheels stood.
+    With a map, scans at rest are evidence: whether the base was moved while its wheels stood, and where it came
+    to stand after a drive (`check_drive`).
+
+    Attributes:
+        slips: how often a scan contradicted the wheels after a drive.
+        astray: whether the map doesn't explain the scan after the last drive, though it did before.
+        explained: share of the points that the map explained when a scan was last compared with it.
     """
 
-    STATE: ClassVar[Mapping[str, Any]] = {"_stands": Pose2 | None, "_rolled": float}
+    STATE: ClassVar[Mapping[str, Any]] = {
+        "_stands": Pose2 | None,
+        "_rolled": float,
+        "_driven": float,
+        "slips": int,
+        "astray": bool,
+        "explained": float,
+    }
 
     def __init__(
         self,
@@ -97,6 +113,8 @@ class OdometryLocalizer(Localizer):
         self._field, self._sigma = field, sigma
         self._stands: Pose2 | None = None
         self._rolled = 0.0  # [m] by the wheels since that scan
+        self._driven = math.inf  # [m] since `check_drive`; at first the start is checked
+        self.slips, self.astray, self.explained = 0, False, 0.0
 
     @property
     def looks(self) -> bool:
@@ -108,6 +126,7 @@ class OdometryLocalizer(Localizer):
         before = self.pose
         super().predict(left, right)
         self._rolled += max(abs(left), abs(right))
+        self._driven += max(abs(left), abs(right))
         if self._rolled > ROLLS:
             self._stands = None
         elif self._stands is not None:
@@ -116,6 +135,38 @@ class OdometryLocalizer(Localizer):
     def correct(self, points: NDArray[np.float64]) -> bool:
         """Scans are not looked at."""
         return False
+
+    @property
+    def unchecked(self) -> bool:
+        """Whether it has driven since a scan was last compared with where the wheels say that it is."""
+        return self._field is not None and self._driven > ROLLS
+
+    def check_drive(self, points: NDArray[np.float64]) -> None:
+        """Correct the pose after a drive by a scan at rest, its end points (n, 2) in the base frame, in [m].
+
+        Where chance doesn't explain what lies between them, the wheels slipped, and the scan's pose counts
+        alone. A map that explained no scan before is no evidence.
+        """
+        if self._field is None or len(points) < FEWEST_POINTS:
+            return
+        prior, best = np.asarray(self.covariance + ROUGH), HARDLY * self.explained
+        match = match_scan(self._field, points, self.pose, prior, self._sigma)
+        if match.inliers < LESS * self.explained:
+            match = match_scan(self._field, points, self.pose, prior, self._sigma, anneal=True)
+        self._driven = 0.0
+        if match.inliers < LEAST_INLIERS:
+            self.astray = match.inliers < best
+            return
+        self.astray, self.explained = False, match.inliers
+        off, own = _between(self.pose, match.pose), self.covariance
+        gain = np.linalg.solve(own + match.covariance, own).T
+        if float(off @ np.linalg.solve(own + match.covariance, off)) > SLIPPED**2:
+            self.slips += 1
+            self._odometry.reset(match.pose, match.covariance)
+            return
+        x, y, turn = (gain @ off).tolist()
+        pose = Pose2(self.pose.x + x, self.pose.y + y, wrap(self.pose.theta + turn))
+        self._odometry.correct(pose, (np.eye(3) - gain) @ own)
 
     def find_again(self, points: NDArray[np.float64]) -> bool:
         """Whether the last two scans of a base that should stand fit the map at different places.
@@ -249,6 +300,11 @@ def _apart(before: Pose2, after: ScanMatch, field: LikelihoodField) -> bool:
     most = max(DISPLACED[0], SHARE_OF_CELL * field.map.resolution)
     if before.distance(after.pose) <= most and before.turn(after.pose) <= DISPLACED[1]:
         return False
-    x, y, turn = np.subtract(after.pose, before).tolist()
-    off = np.array([x, y, wrap(turn)])
+    off = _between(before, after.pose)
     return float(off @ np.linalg.solve(after.spread, off)) > SURE**2
+
+
+def _between(before: Pose2, after: Pose2) -> NDArray[np.float64]:
+    """(3,) x, y in [m] and turn in [rad] from one pose to another, on the map."""
+    x, y, turn = np.subtract(after, before).tolist()
+    return np.array([x, y, wrap(turn)])

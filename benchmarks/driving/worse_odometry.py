@@ -1,0 +1,169 @@
+"""False outcomes with wheels worse than the file: python -m benchmarks.driving.worse_odometry [--seeds N]
+
+Every shipped task runs on simulated wheels whose errors (radius, tread, slip; outdoors the ground's) are so many
+times those of the robot's file, while the localizer goes on assuming the file's. Every outcome is compared with
+the ground truth, within limits that don't grow with a claim. A row for each task; each false outcome is listed
+with its seed. The status is 1 if there is one. Ended by Ctrl-C, it reports on the runs until then.
+"""
+
+from __future__ import annotations
+
+import argparse
+import signal
+import sys
+import time
+from collections import Counter
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import replace
+from multiprocessing import get_context
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import NamedTuple
+
+from rich.console import Console
+from rich.progress import Progress
+from ruamel.yaml import YAML
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+
+from handcart.backends.description.ground_spec import GroundSpec
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.registry import make_backend
+from handcart.evaluation.truth.judge import Judge
+from handcart.files.models.model import FileModel
+from handcart.networks.run_options import RunOptions
+from handcart.networks.runs.run import execute
+from handcart.networks.task.preparing import Prepared, make_robot, prepare
+from handcart.networks.task.task_file import load_task
+
+TASKS = Path(__file__).resolve().parents[2] / "tasks"
+WHEELS = ("wheel_radius_percent", "tread_percent", "slip_percent")
+GROUND = ("scale_percent", "slip_percent", "turn_slip_percent")
+TIMES = 5.0
+
+
+class WorseRun(NamedTuple):
+    """How one run ended, and which of its outcomes are false."""
+
+    task: str
+    seed: int
+    outcome: str
+    reason: str
+    false: tuple[str, ...]
+    cpu_s: float
+
+
+def task_files(word: str = "") -> list[str]:
+    """Return the shipped tasks as paths below `tasks`, those with the word in them."""
+    found = (path for path in sorted(TASKS.glob("*/*.yaml")) if "handcart-task/" in path.read_text())
+    return [name for path in found if word in (name := str(path.relative_to(TASKS)))]
+
+
+def worse(part: FileModel, names: tuple[str, ...], times: float) -> FileModel:
+    """Return the same part of a file with some of its figures so many times as large."""
+    return part.model_copy(update={name: times * getattr(part, name) for name in names})
+
+
+def worse_robot(spec: RobotFile, times: float) -> RobotFile:
+    """Return the robot as it is simulated; the localizer is given `spec` itself."""
+    errors = worse(spec.errors, WHEELS, times)
+    return spec.model_copy(update={"errors": errors}).read_in(spec.folder)
+
+
+def worse_world(world: Path, folder: Path, times: float) -> Path:
+    """Return a world's file with worse ground; the file itself where it has none."""
+    yaml = YAML(typ="safe")
+    content = yaml.load(world.read_text(encoding="utf-8")) if world.suffix == ".yaml" else {}
+    if not isinstance(content, dict) or content.get("ground") is None:
+        return world
+    ground = GroundSpec.model_validate(content["ground"])
+    content["ground"] |= {name: times * getattr(ground, name) for name in GROUND}
+    path = folder / world.name
+    with path.open("w", encoding="utf-8") as file:
+        yaml.dump(content, file)
+    return path
+
+
+def run_worse(name: str, seed: int, times: float = TIMES, backend: str = "kinematic") -> WorseRun:
+    """Run a task below `tasks` once."""
+    begun = time.process_time()
+    with TemporaryDirectory(prefix="worse-odometry-") as made:
+        folder = Path(made)
+        with _prepared(TASKS / name, seed, times, backend, folder) as prepared:
+            judge = Judge(prepared)
+            ran = execute(prepared, folder / "run", RunOptions(observers=(judge,)))
+    false = tuple(map(str, ran.summary["metrics"]["untrue"]))
+    cpu_s = time.process_time() - begun
+    return WorseRun(name, seed, ran.end.outcome, str(ran.summary["reason"]), false, cpu_s)
+
+
+def _prepared(task: Path, seed: int, times: float, backend: str, folder: Path) -> Prepared:
+    world = load_task(task).path("world")
+    assert world is not None, "shipped tasks name their worlds"
+    settings = {"world": str(changed)} if (changed := worse_world(world, folder, times)) != world else {}
+    prepared = prepare(task, backend, settings, seed)
+    prepared.backend.close()
+    spec, start = prepared.robot.spec, prepared.task.knowledge.start
+    made = make_backend(backend, worse_robot(spec, times), changed, seed, start)
+    return replace(prepared, backend=made, robot=make_robot(prepared.task, made, spec, prepared.model))
+
+
+def report(runs: list[WorseRun]) -> Iterator[str]:
+    """Yield a line for each task, then one for each false outcome, then the sum."""
+    for name in sorted({each.task for each in runs}):
+        own = [each for each in runs if each.task == name]
+        ends = ", ".join(f"{count} {end}" for end, count in Counter(each.outcome for each in own).most_common())
+        false, cpu = sum(bool(each.false) for each in own), sum(each.cpu_s for each in own) / len(own)
+        yield f"{name:<32} {len(own):>3} runs: {ends}; {false} with false outcomes; {cpu:.1f} CPU s a run"
+    for each in sorted(runs):
+        yield from (f"  {each.task}, seed {each.seed}: {words}" for words in each.false)
+    yield f"false outcomes: {sum(len(each.false) for each in runs)} in {len(runs)} runs"
+
+
+def main() -> int:
+    """Print the report; 1 where an outcome is false."""
+    chosen = _arguments()
+    for each in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(each, signal.default_int_handler)
+    todo = [
+        (name, seed)
+        for seed in range(chosen.seed, chosen.seed + chosen.seeds)
+        for name in task_files(chosen.task)
+    ]
+    runs: list[WorseRun] = []
+    with (
+        ProcessPoolExecutor(chosen.jobs, get_context("spawn")) as pool,
+        Progress(console=Console(stderr=True)) as progress,
+    ):
+        bar = progress.add_task("runs", total=len(todo))
+        try:
+            for done in as_completed(
+                [pool.submit(run_worse, *each, chosen.times, chosen.backend) for each in todo]
+            ):
+                runs.append(done.result())
+                progress.advance(bar)
+                if chosen.verbose:
+                    progress.console.print(runs[-1], markup=False)
+        except KeyboardInterrupt:
+            pool.shutdown(wait=False, cancel_futures=True)
+    print("\n".join(report(runs)))
+    return int(any(each.false for each in runs))
+
+
+def _arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--seeds", type=int, default=20)
+    parser.add_argument("--seed", type=int, default=0, help="the first one")
+    parser.add_argument("--task", default="", help="only tasks with this in their path below tasks/")
+    parser.add_argument("--times", type=float, default=TIMES, help="as large as the file's errors")
+    parser.add_argument("--backend", default="kinematic")
+    parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--verbose", action="store_true", help="print each run when it ends")
+    return parser.parse_args()
+
+
+if __name__ == "__main__":
+    sys.exit(main())
