@@ -168,7 +168,7 @@ class RobotFile(FileModel):
     footprint_radius_m: Positive
     """Of the circle about the base's centre that holds base, arm in its travelling posture and load."""
     localizer: Literal["scan", "odometry", "positioning", "gyro", "particle", "gps_filter", "beacons"]
-    """How it finds out where it is: ranges against the map; wheels alone; outdoors wheels and gyros alone,
+    """How it finds out where it is: ranges against the map; wheels, and ranges at rest; outdoors wheels and gyros,
     the particle filter of Ohki et al. (2012), or a Kalman filter that knows the errors of all three; or one
     of wheels, gyros and ranges to radio beacons."""
     drive: Drive

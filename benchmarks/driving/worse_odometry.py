@@ -1,9 +1,9 @@
 """False outcomes with wheels worse than the file: python -m benchmarks.driving.worse_odometry [--seeds N]
 
-Every shipped task runs on simulated wheels whose errors (radius, tread, slip; outdoors the ground's) are so many
-times those of the robot's file, while the localizer goes on assuming the file's. Every outcome is compared with
-the ground truth, within limits that don't grow with a claim. A row for each task; each false outcome is listed
-with its seed. The status is 1 if there is one. Ended by Ctrl-C, it reports on the runs until then.
+Every shipped task runs on simulated wheels whose errors (radius, tread, slip; outdoors the ground's) are 5
+times those of the robot's file, while the localizer goes on assuming the file's. Every outcome is compared
+with the ground truth, within limits that don't grow with a claim. Prints a row for each task, and each false
+outcome with its seed; the status is 1 if there is one. Ended by Ctrl-C, it reports on the runs until then.
 """
 
 from __future__ import annotations
@@ -113,7 +113,8 @@ def report(runs: list[WorseRun]) -> Iterator[str]:
     """Yield a line for each task, then one for each false outcome, then the sum."""
     for name in sorted({each.task for each in runs}):
         own = [each for each in runs if each.task == name]
-        ends = ", ".join(f"{count} {end}" for end, count in Counter(each.outcome for each in own).most_common())
+        counts = Counter(each.outcome for each in own).most_common()
+        ends = ", ".join(f"{count} {end}" for end, count in counts)
         false, cpu = sum(bool(each.false) for each in own), sum(each.cpu_s for each in own) / len(own)
         yield f"{name:<32} {len(own):>3} runs: {ends}; {false} with false outcomes; {cpu:.1f} CPU s a run"
     for each in sorted(runs):

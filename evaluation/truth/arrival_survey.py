@@ -13,12 +13,17 @@ from handcart.primitives.knowledge.world_model import WorldModel
 from handcart.robotics.navigation.following.pose_regulator import PoseTolerance
 
 from .at_most import at_most
-from .sensor_sigmas import BASE_SIGMA_DEG, BASE_SIGMA_MM, SIGMAS
+from .sensor_sigmas import SIGMAS
 from .survey import Claim, FiguresSurvey, Survey, SurveyedRun
 
 STOOD_MM, STOOD_DEG = 5.0, 0.3  # that a base creeps which stands
 UNFELT_MM = 60.0  # that it may slide beside, which looks at nothing near it
-LOOKS_ROUND = ("scan", "particle", "positioning")  # localizers that feel a slide
+LOOKS_ROUND = (
+    "scan",
+    "odometry",
+    "particle",
+    "positioning",
+)  # localizers that feel a slide
 CAR_ARRIVED = PoseTolerance(position=0.25, heading=0.15)
 """What a car's MOVE_TO means by arrived: nothing is regulated at the end, it can't move sideways."""
 CAR_NEEDS = PoseTolerance(position=1.5, heading=math.radians(15.0))
@@ -98,10 +103,7 @@ def _claimed(robot: Robot, place: str, model: WorldModel) -> PoseTolerance:
 
 def _needed(robot: Robot, place: str, model: WorldModel) -> PoseTolerance:
     """Return how far from a place the base may truly be, whatever its localizer claims."""
-    claimed = _claimed(robot, place, model)
-    if claimed is CAR_ARRIVED:
+    if robot.spec.drive.kind == "ackermann":
         return CAR_NEEDS
-    return PoseTolerance(
-        claimed.position + SIGMAS * BASE_SIGMA_MM / 1e3,
-        claimed.heading + SIGMAS * math.radians(BASE_SIGMA_DEG),
-    )
+    need = model.places[place].need
+    return PoseTolerance(need.position, need.heading)

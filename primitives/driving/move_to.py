@@ -26,6 +26,7 @@ from handcart.primitives.preconditions.hand_use import UNDECLARED, UNUSED, HandU
 from handcart.primitives.restoring.retrace import LONGEST_REACH, reach_pose, retrace
 from handcart.primitives.restoring.snapshot import Snapshot, settle
 from handcart.primitives.restoring.trace import Trace
+from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.following.car_tracker import CarTracker
 from handcart.robotics.navigation.following.path_tracking import PathTracker
 from handcart.robotics.navigation.following.pose_regulator import PoseTolerance
@@ -43,6 +44,8 @@ HELD = 2.0  # [s] that what the map shows may hold it, until another route is pl
 ANEW = 3  # times that this is done
 SLIPPED = 0.1  # [m] that the base was driven meanwhile: something stops it
 NOT_DETERMINED = "not determined"  # the check that found a pose to be uncertain
+CORRECTIONS = 3  # times that a base which drives by its wheels alone is led on after a look at rest
+ASTRAY = 0.3  # [m] off the goal, from where a route is planned again
 NEAR = 0.05  # [m] before the goal, where it turns and comes to stand
 
 
@@ -99,6 +102,8 @@ class MoveTo(ActionPrimitive):
         )
         self.evidence.points["planned"] = points
         yield from self._follow(robot, model, tracker)
+        if robot.localization.dead_reckoned and robot.spec.drive.kind != "ackermann":
+            yield from self._follow_again(robot, model, goal)
         self._ahead = np.empty((0, 2))
         if model.places[self.place].docks:
             yield from self._dock(robot, model.places[self.place])
@@ -161,6 +166,19 @@ class MoveTo(ActionPrimitive):
             last = robot.localization.odometry_pose
             self.found(path_length_m=round(driven, 3))
         yield from arm
+
+    def _follow_again(self, robot: Robot, model: ModelView, goal: Pose2) -> Periods:
+        """Drive on where a scan at rest shows that the wheels led elsewhere than they say."""
+        arrived = self._arrived(model)
+        for _ in range(CORRECTIONS):
+            yield from settle(robot)
+            if robot.pose.distance(goal) < arrived.position and robot.pose.turn(goal) < arrived.heading:
+                return
+            if robot.pose.distance(goal) < ASTRAY:
+                yield from reach_pose(robot, goal, arrived)
+                continue
+            tracker, _ = yield from plan_tracker(robot, model, self.place, goal, arrived, self.reverse)
+            yield from self._follow(robot, model, tracker)
 
     def _held_by_map(self, robot: Robot, model: ModelView) -> bool:
         """Whether it came off its route, towards a wall: another one leads away from there first."""

@@ -339,8 +339,8 @@ class ScanLocalization(Localization):
 class WheelLocalization(Localization):
     """Wheels carry the pose on. With a map and a range sensor, scans at rest are evidence.
 
-    They tell whether the base was moved while its wheels stood, and whether it is where its wheels say after
-    each drive: where it isn't, the pose is the scan's, and where no pose near by explains the scan, it is lost.
+    They report whether the base was moved while its wheels stood, and where it stands after each drive.
+    Where no pose near by explains the scan, it is lost.
 
     Where driven wheels read the same again and again, either they are stuck or their encoders are: nothing
     tells which, so nothing tells where the base is.
@@ -348,9 +348,7 @@ class WheelLocalization(Localization):
 
     STATE: ClassVar[Kinds] = {**Localization.STATE, "_unanswered": float}
 
-    def __init__(
-        self, backend: Backend, wheels: OdometryLocalizer, lidar: RangeSensor | None = None
-    ) -> None:
+    def __init__(self, backend: Backend, wheels: OdometryLocalizer, lidar: RangeSensor | None = None) -> None:
         """Of a robot that stands."""
         super().__init__(backend, wheels, lidar)
         self._reckoning = wheels

@@ -81,8 +81,8 @@ class Localizer(ABC):
 class OdometryLocalizer(Localizer):
     """Wheels alone carry the pose while the base drives.
 
-    With a map, scans at rest are evidence: whether the base was moved while its wheels stood, and where it came
-    to stand after a drive (`check_drive`).
+    With a map, scans at rest are evidence: whether the base was moved while its wheels stood, and where it
+    came to stand after a drive (`check_drive`).
 
     Attributes:
         slips: how often a scan contradicted the wheels after a drive.

@@ -12,6 +12,7 @@ import pytest
 
 from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.ground_truth import Body, GroundTruth
+from handcart.backends.robot.localization.determination import PoseNeed
 from handcart.evaluation.blocks.block_survey import BlockSurvey
 from handcart.evaluation.calibration.calibration_survey import CalibrationSurvey
 from handcart.evaluation.field.field_survey import FieldSurvey
@@ -116,7 +117,8 @@ def test_arrival_is_held_against_what_is_claimed(
         localization=SimpleNamespace(sigma=(sigma, 0.001)),
         spec=SimpleNamespace(drive=SimpleNamespace(kind=kind)),
     )
-    model: Any = SimpleNamespace(places={"there": SimpleNamespace(pose=goal, docks=docks)})
+    need = PoseNeed(0.024 if docks else 0.04, math.radians(1.0))
+    model: Any = SimpleNamespace(places={"there": SimpleNamespace(pose=goal, docks=docks, need=need)})
     claim = claimed(SimpleNamespace(place="there"))
     untrue = false(ArrivalSurvey, "MOVE_TO", claim, robot=robot, model=model, world=scene)
     assert (untrue == []) is right

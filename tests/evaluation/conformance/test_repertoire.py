@@ -15,7 +15,7 @@ from handcart.primitives.registry import primitive_names
 TASKS = Path(__file__).resolve().parents[3] / "tasks"
 TRIED = {
     "librarian": "APPROACH INSERT MODIFY MOVE_TO PICK_UP RECOGNIZE RELEASE SEARCH",
-    "toyama": "CALIBRATE_CAMERA CALIBRATE_SUSPENSION FIXATE PICK_UP_BLOCK STACK",
+    "toyama": "CALIBRATE_CAMERA CALIBRATE_SUSPENSION FIXATE MOVE_TO PICK_UP_BLOCK STACK",
     "atrv": "DIVIDE MOVE_TO TRACK",
     "el_verde": "DEPLOY MODIFY MOVE_TO ORIENT STAND",
 }

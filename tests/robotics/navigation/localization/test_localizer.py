@@ -113,6 +113,46 @@ def test_by_wheels_alone_what_they_drove_is_no_push(
     assert not localizer.find_again(scan(library_boxes, slipped, rng))
 
 
+@pytest.mark.parametrize("slip", [0.0, 0.02, 0.12, 0.25])
+def test_wheels_that_slipped_are_corrected_at_rest(
+    library_field: LikelihoodField, library_boxes: Boxes, scan: Callable[..., np.ndarray], slip: float
+) -> None:
+    rng, covariance = np.random.default_rng(1), np.diag([0.05, 0.05, 0.035]) ** 2
+    localizer = OdometryLocalizer(START, TREAD, covariance=covariance, field=library_field)
+    assert localizer.unchecked
+    localizer.check_drive(scan(library_boxes, START, rng))
+    assert localizer.pose.distance(START) < 0.02
+    assert not localizer.unchecked
+    for _ in range(20):
+        localizer.predict(0.05, 0.05)
+    assert localizer.unchecked
+    truth = START.compose(Pose2(1.0 - slip, 0.0, 0.0))
+    localizer.check_drive(scan(library_boxes, truth, rng))
+    assert localizer.pose.distance(truth) < 0.03
+    assert localizer.slips == (slip > 0.1)
+    assert 0.003 < math.sqrt(localizer.covariance[0, 0]) < 0.025
+    assert not localizer.astray
+
+
+def test_a_drive_that_no_scan_explains_leads_astray(
+    library_field: LikelihoodField, library_boxes: Boxes, scan: Callable[..., np.ndarray]
+) -> None:
+    """Only where the map explained a scan before it."""
+    rng, nowhere = np.random.default_rng(0), np.random.default_rng(0).uniform(-3.0, 3.0, (300, 2))
+    blind = OdometryLocalizer(START, TREAD, field=library_field)
+    blind.check_drive(nowhere)
+    assert not blind.astray
+    localizer = OdometryLocalizer(START, TREAD, field=library_field)
+    localizer.check_drive(scan(library_boxes, START, rng))
+    localizer.predict(0.1, 0.1)
+    localizer.check_drive(nowhere)
+    assert localizer.astray
+    assert localizer.pose.distance(START) == pytest.approx(0.1, abs=0.02)
+    localizer.predict(-0.1, -0.1)
+    localizer.check_drive(scan(library_boxes, START, rng))
+    assert not localizer.astray
+
+
 def test_wheels_that_tremble_do_not_hide_a_push(
     library_field: LikelihoodField, library_boxes: Boxes, scan: Callable[..., np.ndarray]
 ) -> None:
