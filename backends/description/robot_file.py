@@ -168,9 +168,9 @@ class RobotFile(FileModel):
     footprint_radius_m: Positive
     """Of the circle about the base's centre that holds base, arm in its travelling posture and load."""
     localizer: Literal["scan", "odometry", "positioning", "gyro", "particle", "gps_filter", "beacons"]
-    """How it finds out where it is: ranges against the map; wheels, and ranges at rest; outdoors wheels and gyros,
-    the particle filter of Ohki et al. (2012), or a Kalman filter that knows the errors of all three; or one
-    of wheels, gyros and ranges to radio beacons."""
+    """How it finds out where it is: ranges against the map; wheels, and ranges at rest; outdoors wheels and
+    gyros, the particle filter of Ohki et al. (2012), or a Kalman filter that knows the errors of all three;
+    or one of wheels, gyros and ranges to radio beacons."""
     drive: Drive
     can: CanSpec | None = None
     """Where the backend `can` finds the robot's drives."""
