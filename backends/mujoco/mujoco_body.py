@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from functools import partial
-from pathlib import Path
 from typing import Any
-from xml.etree import ElementTree
 
 import numpy as np
 
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.physics.body.robot_body import RobotBody, held_still, sound_urdf
+from handcart.backends.physics.body.robot_body import RobotBody
 from handcart.backends.physics.body.surface import Surface
+from handcart.backends.physics.urdf.rigid_groups import passing_pairs
+from handcart.backends.physics.urdf.sound_urdf import held_still, sound_urdf
 from handcart.backends.urdf.driven_wheels import driven_wheels
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, inverse
@@ -21,6 +20,7 @@ from handcart.robotics.geometry.transform import Transform, inverse
 from .mujoco_engine import MujocoEngine
 from .mujoco_joints import GIVING, MujocoJoints
 from .mujoco_module import mujoco
+from .mujoco_urdf import read_robot
 from .rendering.robot_looks import PartLook, robot_looks
 from .world_spec import HARD, HOLDS_ON_SOFT, ROBOT, ROBOT_GROUP, SINKS, STANDS, STIFF, quaternion
 
@@ -38,9 +38,9 @@ class MujocoBody(RobotBody):
         self._engine = engine
         self.sprung = robot.errors.lean_mrad_per_m > 0.0
         self.id = engine.grow()
-        urdf, self.repairs = sound_urdf(robot)
-        self._urdf = urdf
-        child = _read(urdf)
+        self._urdf = sound_urdf(robot)
+        self.repairs = self._urdf.repairs
+        child = read_robot(self._urdf)
         self.effort = {joint.name: float(joint.actfrcrange[1]) for joint in child.joints}
         self._furnish(child, robot.arm.joints if robot.arm is not None else ())
         spec = engine.world.spec
@@ -83,9 +83,10 @@ class MujocoBody(RobotBody):
             _add_drive(robot, GIVING.format(name), name)
 
     def _leave_out(self, robot: RobotFile) -> None:
-        """Have links pass through those that carry them, and through those that may touch."""
+        """Have links pass through those that carry them, that they can't move against, and that may touch."""
         spec = self._engine.world.spec
         pairs = {frozenset(pair) for pair in robot.whole.allowed if set(pair) <= set(self.link_index)}
+        pairs |= {frozenset(pair) for pair in passing_pairs(self._urdf.text, held_still(robot))}
         for name in self.link_index:
             pairs |= {frozenset((name, above)) for above in self._above(name)}
         if self.sprung:
@@ -103,7 +104,7 @@ class MujocoBody(RobotBody):
 
     def looks(self) -> list[PartLook]:
         """How its links look."""
-        return robot_looks(partial(_read, self._urdf))
+        return robot_looks(partial(read_robot, self._urdf))
 
     # Where it is
 
@@ -198,26 +199,6 @@ def _add_drive(robot: Any, name: str, joint: str) -> None:
     drive.dyntype = mujoco().mjtDyn.mjDYN_INTEGRATOR
     drive.biastype = mujoco().mjtBias.mjBIAS_AFFINE
     drive.forcelimited, drive.forcerange = 1, (-1e-9, 1e-9)
-
-
-def _read(urdf: str, visuals: bool = False) -> Any:
-    """The `MjSpec` of a robot's URDF, all its links being bodies; with what is only seen, if asked for."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "robot.urdf"
-        path.write_text(_without_a_world(urdf), encoding="utf-8")
-        spec = mujoco().MjSpec.from_file(str(path))
-    spec.compiler.fusestatic, spec.compiler.discardvisual = False, not visuals
-    return spec
-
-
-def _without_a_world(urdf: str) -> str:
-    """The same robot, none of whose links has the name that MuJoCo keeps for the world's body."""
-    robot = ElementTree.fromstring(urdf)
-    for element in robot.iter():
-        key = "name" if element.tag == "link" else "link"
-        if element.tag in ("link", "parent", "child") and element.get(key) == "world":
-            element.set(key, "world_")
-    return ElementTree.tostring(robot, encoding="unicode")
 
 
 def _pose(position: Any, turn: Any) -> Transform:

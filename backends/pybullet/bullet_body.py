@@ -10,8 +10,10 @@ from typing import Any
 import numpy as np
 
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.physics.body.robot_body import RobotBody, held_still, sound_urdf
+from handcart.backends.physics.body.robot_body import RobotBody
 from handcart.backends.physics.body.surface import Surface
+from handcart.backends.physics.urdf.rigid_groups import passing_pairs
+from handcart.backends.physics.urdf.sound_urdf import held_still, sound_urdf
 from handcart.backends.urdf.driven_wheels import driven_wheels
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, inverse
@@ -37,10 +39,13 @@ class BulletBody(RobotBody):
             | p.URDF_USE_SELF_COLLISION_EXCLUDE_ALL_PARENTS
         )
         self.sprung = robot.errors.lean_mrad_per_m > 0.0
-        urdf, self.repairs = sound_urdf(robot)
+        sound = sound_urdf(robot)
+        self.repairs = sound.repairs
         with tempfile.TemporaryDirectory() as folder, quiet():
             path = Path(folder) / "robot.urdf"
-            path.write_text(urdf, encoding="utf-8")
+            path.write_text(sound.text, encoding="utf-8")
+            for name, hull in sound.hulls.items():
+                (Path(folder) / name).write_text(hull.obj(), encoding="utf-8")
             self.id = int(p.loadURDF(str(path), flags=flags, physicsClientId=client))
         count = p.getNumJoints(self.id, physicsClientId=client)
         infos = [p.getJointInfo(self.id, i, physicsClientId=client) for i in range(count)]
@@ -62,7 +67,7 @@ class BulletBody(RobotBody):
                 self.free(info[0])
         if self.sprung:
             self._pass_through_itself()
-        for one, other in robot.whole.allowed:
+        for one, other in (*robot.whole.allowed, *passing_pairs(sound.text, held_still(robot))):
             if {one, other} <= set(self.link_index):
                 self._pass_through(one, other)
         self._hold_the_rest(robot)

@@ -21,6 +21,7 @@ from handcart.robotics.kinematics.urdf_assembly import Part, with_mesh_files
 from handcart.robotics.kinematics.urdf_faults import urdf_faults
 from handcart.robotics.kinematics.urdf_reading import UrdfElement, read_urdf
 
+from .collada_unit import collada_unit_m
 from .mesh_path import is_mesh, mesh_path
 
 PACKAGE = "package://"
@@ -109,7 +110,11 @@ def read_part(urdf: str, folder: Path) -> ReadPart:
     }
     if robot.find(".//mesh") is not None:
         files = _mesh_files(robot, path, root, shown)
-        text = with_mesh_files(text, lambda name: str(files.get(name, name)))
+        text = with_mesh_files(
+            text,
+            lambda name: str(files[name].path) if name in files else name,
+            lambda name: files[name].unit_m if name in files else 1.0,
+        )
     return ReadPart(shown, text, places, doubts)
 
 
@@ -121,14 +126,22 @@ def read_srdf(srdf: str, folder: Path) -> str:
     return read_xml_text(path)
 
 
-def _mesh_files(robot: UrdfElement, path: Path, root: Path, shown: str) -> dict[str, Path]:
+class _MeshFile(NamedTuple):
+    """A mesh that a URDF names."""
+
+    path: Path
+    unit_m: float
+    """Unit of its coordinates, in [m]."""
+
+
+def _mesh_files(robot: UrdfElement, path: Path, root: Path, shown: str) -> dict[str, _MeshFile]:
     """Where the meshes of all links are, by name.
 
     Raises:
         FileError: one lies where it must not; or one that collides isn't there, can't be read or encloses
             nothing.
     """
-    found: dict[str, Path] = {}
+    found: dict[str, _MeshFile] = {}
     faults = []
     for link in robot.findall("link"):
         for kind in ("collision", "visual"):
@@ -137,8 +150,9 @@ def _mesh_files(robot: UrdfElement, path: Path, root: Path, shown: str) -> dict[
                 name = mesh.get("filename", "")
                 wrong = None
                 try:
-                    found[name] = mesh_path(name, path, root)
-                except UnsafePath as error:
+                    file = mesh_path(name, path, root)
+                    found[name] = _MeshFile(file, collada_unit_m(file) if is_mesh(file) else 1.0)
+                except (UnsafePath, ValueError) as error:
                     wrong = str(error)
                 if wrong is None and kind == "collision":
                     wrong = _mesh_fault(found[name], mesh.get("scale", "1 1 1"))
@@ -150,12 +164,13 @@ def _mesh_files(robot: UrdfElement, path: Path, root: Path, shown: str) -> dict[
     return found
 
 
-def _mesh_fault(file: Path, scale: str) -> str | None:
+def _mesh_fault(mesh_file: _MeshFile, scale: str) -> str | None:
+    file, unit = mesh_file
     if not is_mesh(file):
         return "it isn't there; allowed: a file beside the URDF, or beside or above it in its package"
     if wrong := lack("a mesh that collides", "arm"):
         return wrong
-    x, y, z = (float(word) for word in scale.split())
+    x, y, z = (unit * float(word) for word in scale.split())
     try:
         mesh = read_mesh(str(file), (x, y, z))
     except ValueError as error:

@@ -69,14 +69,22 @@ def radius_about(shape: Shape) -> float:
 
 def top(shape: Shape) -> float:
     """Height in [m] of the highest point of a body, along z of the frame that it is posed in."""
-    z = shape.pose[2, :3]
+    return float(shape.pose[2, 3]) + _reach(shape, shape.pose[2, :3])
+
+
+def bottom(shape: Shape) -> float:
+    """Height in [m] of the lowest point of a body, along z of the frame that it is posed in."""
+    return float(shape.pose[2, 3]) - _reach(shape, -shape.pose[2, :3])
+
+
+def _reach(shape: Shape, way: NDArray[np.float64]) -> float:
+    """Return how far a body reaches from its origin along a unit vector (3,) of its own frame, in [m]."""
     match shape:
         case Box():
-            above = float(np.abs(z) @ np.array(shape.size)) / 2
+            return float(np.abs(way) @ np.array(shape.size)) / 2
         case Cylinder():
-            above = shape.radius * float(np.hypot(z[0], z[1])) + shape.length / 2 * abs(float(z[2]))
+            return shape.radius * float(np.hypot(way[0], way[1])) + shape.length / 2 * abs(float(way[2]))
         case Sphere():
-            above = shape.radius
+            return shape.radius
         case Hull():
-            above = float((shape.points @ z).max())
-    return float(shape.pose[2, 3]) + above
+            return float((shape.points @ way).max())

@@ -50,12 +50,32 @@ def with_part(urdf_text: str, part: Part) -> str:
     return ElementTree.tostring(robot, encoding="unicode")
 
 
-def with_mesh_files(urdf_text: str, found: Callable[[str], str]) -> str:
-    """A URDF whose meshes are named by what `found` gives for the names that stand there."""
+def with_mesh_files(
+    urdf_text: str, found: Callable[[str], str], unit_m: Callable[[str], float] = lambda _: 1.0
+) -> str:
+    """Return a URDF with other names of its meshes, and with scales in the units that mesh files declare.
+
+    Args:
+        urdf_text: the URDF.
+        found: gives the new name of a mesh for the one in the URDF.
+        unit_m: gives the unit of the coordinates in a mesh file in [m], for the name in the URDF.
+    """
     robot = read_urdf(urdf_text)
     for mesh in robot.iter("mesh"):
-        mesh.set("filename", found(mesh.get("filename", "")))
+        name = mesh.get("filename", "")
+        mesh.set("filename", found(name))
+        if (unit := unit_m(name)) != 1.0:
+            _multiply_scale(mesh, unit)
     return ElementTree.tostring(robot, encoding="unicode")
+
+
+def _multiply_scale(mesh: ElementTree.Element, factor: float) -> None:
+    """Multiply the scale of a mesh; one of a visual mesh that is no list of numbers stays as it is."""
+    try:
+        scales = [factor * float(word) for word in mesh.get("scale", "1 1 1").split()]
+    except ValueError:
+        return
+    mesh.set("scale", " ".join(map(repr, scales)))
 
 
 Names = dict[str, str]

@@ -74,6 +74,20 @@ def links_of(urdf_text: str) -> list[LinkFacts]:
     return [_link(each) for each in known_urdf(urdf_text).findall("link")]
 
 
+def link_joints(urdf_text: str) -> list[tuple[str, str, str]]:
+    """Return name, parent link and child link of all joints, fixed ones too; raises as `joints_of`."""
+    return [
+        (each.get("name", ""), _end(each, "parent"), _end(each, "child"))
+        for each in known_urdf(urdf_text).findall("joint")
+    ]
+
+
+def links_with_bodies(urdf_text: str) -> list[str]:
+    """Return the names of the links that have collision bodies; raises as `joints_of`."""
+    links = known_urdf(urdf_text).findall("link")
+    return [each.get("name", "") for each in links if each.find("collision") is not None]
+
+
 def meshes_of(urdf_text: str) -> list[MeshUse]:
     """The meshes, in the file's order; raises ValueError where the text is no URDF."""
     return [
@@ -111,14 +125,19 @@ def _body(solid: ElementTree.Element, pose: Transform, link: str) -> Shape:
     return shape_of(hull_of_mesh(mesh, link), pose, link)
 
 
+def _end(joint: ElementTree.Element, tag: str) -> str:
+    found = joint.find(tag)
+    return "" if found is None else found.get("link", "")
+
+
 def _joint(joint: ElementTree.Element) -> JointFacts:
-    limit, child = joint.find("limit"), joint.find("child")
+    limit = joint.find("limit")
     kind = joint.get("type", "")
     bounded = limit is not None and kind != "continuous"
     return JointFacts(
         joint.get("name", ""),
         kind,
-        "" if child is None else child.get("link", ""),
+        _end(joint, "child"),
         _number(limit, "lower") if bounded else None,
         _number(limit, "upper") if bounded else None,
         _number(limit, "velocity"),

@@ -10,10 +10,11 @@ import numpy as np
 from handcart.backends.capabilities.base import WheelTravel
 from handcart.backends.description.ground_spec import GroundSpec
 from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.physics.urdf.sound_urdf import ROCKERS
 from handcart.backends.simulation.body.simulated_parts import CommandedBase
 from handcart.robotics.geometry.transform import inverse
 
-from .robot_body import ROCKERS, RobotBody
+from .robot_body import RobotBody
 from .surface import SOFT_TYRES
 from .wheel_drives import WheelDrives
 

@@ -3,25 +3,17 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 
-from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.urdf.driven_wheels import DrivenWheels, driven_wheels
+from handcart.backends.physics.urdf.sound_urdf import casters
+from handcart.backends.physics.urdf.sprung import CHASSIS
+from handcart.backends.physics.urdf.urdf_repairs import Repair
+from handcart.backends.urdf.driven_wheels import DrivenWheels
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform
-from handcart.robotics.kinematics.urdf_contents import joints_of, link_names
-from handcart.robotics.kinematics.urdf_tree import joint_leaders
 
 from .joint_group import JointGroup
-from .sprung import CHASSIS, sprung
 from .surface import Surface
-from .urdf_repairs import Repair, repaired
-
-MOVED = ("left_finger", "right_finger", "left_steering", "right_steering")
-"""Joints that are moved, besides the arm's and the wheels'."""
-ROCKERS = ("left_rocker", "right_rocker")
-"""Joints of a suspension that nobody moves, with opposite axes: a differential keeps them equal."""
-HOLDS = 1000.0  # what a joint that stands is held with, where the URDF doesn't say [Nm] or [N]
 
 
 class RobotBody(ABC):
@@ -100,35 +92,3 @@ class RobotBody(ABC):
     def casters(self) -> list[str]:
         """Links that slide on the floor."""
         return casters(self.link_index)
-
-
-def sound_urdf(robot: RobotFile) -> tuple[str, list[Repair]]:
-    """The URDF that engines get, with what isn't as the robot's files say.
-
-    Where the base leans, it stands on a chassis with a suspension.
-    """
-    text, repairs = repaired(robot.urdf_text())
-    if robot.errors.lean_mrad_per_m > 0.0:
-        links = link_names(text)
-        rolling = (*driven_wheels(links).all, *casters(links))
-        text, _ = repaired(sprung(text, robot.errors.lean_pivot_m, rolling))
-    return text, repairs
-
-
-def casters(links: Iterable[str]) -> list[str]:
-    """Those of these links that slide on the floor."""
-    return [name for name in links if "caster" in name]
-
-
-def held_still(robot: RobotFile) -> dict[str, tuple[float, float]]:
-    """Limited joints that nobody moves (a head, another arm), by name: where kinematics has them stand, and
-    what they are held with, in [Nm] or [N].
-    """
-    leaders = joint_leaders(robot.urdf_text())
-    moved: Collection[str] = {*(robot.arm.joints if robot.arm else ()), *MOVED, *ROCKERS}
-    found = {}
-    for joint in joints_of(robot.urdf_text()):
-        leader, _, offset = leaders.get(joint.name, (joint.name, 1.0, 0.0))
-        if leader not in moved and joint.kind != "continuous":
-            found[joint.name] = (offset, HOLDS if joint.effort <= 0.0 else joint.effort)
-    return found

@@ -7,12 +7,12 @@ from numpy.typing import NDArray
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.physics.engine import GRAVITY
+from handcart.backends.physics.urdf.sprung import PITCH, ROLL
 from handcart.backends.simulation.keyed_noise import keyed
 from handcart.robotics.geometry.transform import Transform, inverse
 from handcart.robotics.kinematics.arm_model import ArmModel
 
 from .robot_body import RobotBody
-from .sprung import PITCH, ROLL
 
 DAMPING_RATIO = 0.6
 _POSTURES = 200

@@ -11,6 +11,8 @@ import numpy as np
 from handcart.robotics.kinematics.urdf_contents import INERTIA_ROUNDED, LinkFacts, joints_of, links_of
 
 LIGHTEST = 1e-6  # of a link without mass [kg], and its inertia [kg m²]
+THINNEST = 1e-6
+"""Least share of its largest moment of inertia that each other moment has: engines reject what is thinner."""
 
 
 class Repair(NamedTuple):
@@ -42,6 +44,9 @@ def _repair(link: Element, facts: LinkFacts, matters: bool) -> str:
         has = "no mass" if facts.mass is None else f"a mass of {facts.mass:g} kg"
         return f"{has}; given {LIGHTEST:g} kg and {LIGHTEST:g} kg m²" if matters else ""
     small, middle, large = np.linalg.eigvalsh(facts.inertia)
+    if 0.0 < abs(small) < THINNEST * large:  # a needle, but for rounding
+        _widen(link, 2.0 * THINNEST * large)
+        small, middle, large = np.linalg.eigvalsh(facts.inertia + 2.0 * THINNEST * large * np.eye(3))
     lacking = max(large - middle - small, LIGHTEST - small if small <= 0.0 else -large)
     if lacking > -INERTIA_ROUNDED * large:
         _widen(link, lacking + INERTIA_ROUNDED * large)

@@ -10,8 +10,8 @@ import pytest
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.robot_loading import load_robot
-from handcart.backends.physics.body.urdf_repairs import LIGHTEST, repaired
 from handcart.backends.physics.physics_backend import PhysicsBackend
+from handcart.backends.physics.urdf.urdf_repairs import LIGHTEST, repaired
 from handcart.backends.simulation.world.world_file import WorldFile
 from handcart.robotics.kinematics.urdf_contents import LinkFacts, links_of
 

@@ -1,0 +1,1 @@
+"""The URDF of a robot as physics engines get it."""

@@ -1,0 +1,78 @@
+"""Which links of a robot can't collide with each other, and which must not with the floor."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import replace
+from itertools import combinations
+
+import numpy as np
+
+from handcart.robotics.geometry.transform import Transform, inverse
+from handcart.robotics.kinematics.shapes import Shape, bottom
+from handcart.robotics.kinematics.urdf_contents import bodies_of, joints_of, link_joints, links_with_bodies
+from handcart.robotics.kinematics.urdf_frames import link_poses
+
+Pair = tuple[str, str]
+_BASE = "base"
+
+
+def passing_pairs(urdf: str, still: Collection[str]) -> Iterator[Pair]:
+    """Yield pairs of links with bodies that pass through each other, as in `CollisionModel`.
+
+    These are links that can't move against each other, because all joints between them are fixed or held
+    still, and links that one moving joint joins.
+
+    Args:
+        urdf: of the robot.
+        still: joints that move in the URDF and are held where they are.
+    """
+    carrier = _carriers(urdf)
+    group = {link: _carried_by(link, carrier, _moving(urdf, still)) for link in links_with_bodies(urdf)}
+    moved = {link for link in group.values() if link in carrier}
+    above = {link: _carried_by(carrier[link][1], carrier, _moving(urdf, still)) for link in moved}
+    for one, other in combinations(sorted(group), 2):
+        a, b = group[one], group[other]
+        if a == b or above.get(a) == b or above.get(b) == a:
+            yield one, other
+
+
+def floor_T_body_links(urdf: str, rolling: Collection[str]) -> dict[str, Transform]:
+    """Return the poses (4, 4) of the links that the floor doesn't carry, but that are fixed onto the base.
+
+    Args:
+        urdf: of the robot.
+        rolling: links that roll or slide on the floor, whose lowest point is at z = 0.
+    """
+    poses, carrier = link_poses(urdf), _carriers(urdf)
+    moving = _moving(urdf, ())
+    floor_T_root = inverse(poses[_BASE]) if _BASE in poses else np.eye(4)
+    wheels = [each for each in bodies_of(urdf) if each.name in rolling]
+    heights = [_bottom_at(floor_T_root @ poses[each.name], each) for each in wheels]
+    floor_T_root[2, 3] -= min(heights, default=0.0)
+    base = _carried_by(_BASE, carrier, moving)
+    return {
+        link: floor_T_root @ poses[link]
+        for link in links_with_bodies(urdf)
+        if link not in rolling and _carried_by(link, carrier, moving) == base
+    }
+
+
+def _bottom_at(floor_T_link: Transform, body: Shape) -> float:
+    return bottom(replace(body, pose=floor_T_link @ body.pose))
+
+
+def _carriers(urdf: str) -> dict[str, tuple[str, str]]:
+    """Return the joint that moves a link and the link that carries it, by the link's name."""
+    return {child: (joint, parent) for joint, parent, child in link_joints(urdf)}
+
+
+def _moving(urdf: str, still: Collection[str]) -> set[str]:
+    return {each.name for each in joints_of(urdf)} - set(still)
+
+
+def _carried_by(link: str, carrier: Mapping[str, tuple[str, str]], moving: Collection[str]) -> str:
+    """Return the link that carries all links which can't move against this one."""
+    while link in carrier and carrier[link][0] not in moving:
+        link = carrier[link][1]
+    return link

@@ -1,0 +1,98 @@
+"""Driven wheels whose collision body is a mesh: they roll as discs."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element, SubElement
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.kinematics.shapes import Hull, Shape, bottom
+from handcart.robotics.kinematics.urdf_contents import bodies_of
+from handcart.robotics.kinematics.urdf_frames import link_poses, triple
+from handcart.robotics.kinematics.urdf_reading import read_urdf
+
+WIDTH = 0.4
+"""Width of a disc as a share of its radius: how wide its mesh is tells little, motors hang on some."""
+UPRIGHT = 0.9
+"""Least part of an axle along the base's y."""
+Vector = NDArray[np.float64]
+
+
+def with_round_wheels(urdf: str, wheels: Collection[str], tread: float) -> str:
+    """Replace the collision meshes of driven wheels by discs.
+
+    A mesh that rolls as its convex hull bumps over its facets, and over a motor that its maker drew with it.
+    The disc turns about the joint's axis and reaches as far down as the mesh does with all joints at zero.
+    The discs of both sides are `tread` apart, as far as their meshes reach along the axle.
+
+    Args:
+        urdf: of the robot; meshes named by absolute paths.
+        wheels: joints that drive the robot.
+        tread: distance between the wheels of the two sides, in [m].
+
+    Raises:
+        ValueError: a mesh can't be read, or encloses nothing.
+    """
+    robot, poses, bodies = read_urdf(urdf), link_poses(urdf), bodies_of(urdf)
+    links = {each.get("name", ""): each for each in robot.findall("link")}
+    base_T_root = np.linalg.inv(poses.get("base", np.eye(4)))
+    for joint in robot.findall("joint"):
+        child = joint.find("child")
+        name = "" if child is None else child.get("link", "")
+        hulls = [each for each in bodies if each.name == name and isinstance(each, Hull)]
+        if joint.get("name") in wheels and hulls and len(hulls) == sum(each.name == name for each in bodies):
+            disc = _disc(hulls, base_T_root @ poses[name], _axis(joint), tread)
+            if disc is not None:
+                _put_disc(links[name], *disc)
+    return ElementTree.tostring(robot, encoding="unicode")
+
+
+def _axis(joint: Element) -> Vector:
+    axis = joint.find("axis")
+    way = np.array([1.0, 0.0, 0.0] if axis is None else triple(axis, "xyz"))
+    return np.asarray(way / np.linalg.norm(way))
+
+
+def _disc(
+    hulls: list[Hull], base_T_wheel: Transform, axis: Vector, tread: float
+) -> tuple[Vector, Vector, float] | None:
+    """Return middle (3,) in [m] and axis (3,) of a disc in the wheel's frame, and its radius in [m].
+
+    None for a wheel that doesn't stand upright.
+    """
+    across = float(base_T_wheel[1, :3] @ axis)
+    if abs(across) < UPRIGHT:
+        return None
+    low = min(bottom(_posed(each, base_T_wheel)) for each in hulls)
+    radius = float(base_T_wheel[2, 3]) - low
+    along = np.concatenate(list(_corners(hulls))) @ axis
+    y = float(base_T_wheel[1, 3])
+    shift = (np.sign(y) * tread / 2 - y) / across
+    return np.clip(shift, along.min(), along.max()) * axis, axis, radius
+
+
+def _posed(hull: Hull, base_T_wheel: Transform) -> Shape:
+    return Hull(base_T_wheel @ hull.pose, hull.points, hull.name)
+
+
+def _corners(hulls: list[Hull]) -> Iterator[Vector]:
+    """Corners (n, 3) in the wheel's frame."""
+    return (each.points @ each.pose[:3, :3].T + each.pose[:3, 3] for each in hulls)
+
+
+def _put_disc(link: Element, middle: Vector, axis: Vector, radius: float) -> None:
+    for old in link.findall("collision"):
+        link.remove(old)
+    collision = SubElement(link, "collision")
+    turn, _ = Rotation.align_vectors([axis], [[0.0, 0.0, 1.0]])
+    rpy = turn.as_euler("xyz")
+    words = {"xyz": " ".join(map(repr, middle.tolist())), "rpy": " ".join(map(repr, rpy.tolist()))}
+    SubElement(collision, "origin", words)
+    solid = SubElement(SubElement(collision, "geometry"), "cylinder")
+    solid.set("radius", repr(radius))
+    solid.set("length", repr(WIDTH * radius))

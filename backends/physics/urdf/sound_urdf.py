@@ -1,0 +1,75 @@
+"""The URDF of a robot as engines get it, and which of its joints and links are what."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from typing import NamedTuple
+
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.urdf.collision_hulls import FLOOR_CLEARANCE_M, HullMesh, with_hulls
+from handcart.backends.urdf.driven_wheels import driven_wheels
+from handcart.robotics.kinematics.urdf_contents import joints_of, link_names
+from handcart.robotics.kinematics.urdf_tree import joint_leaders
+
+from .rigid_groups import floor_T_body_links
+from .round_wheels import with_round_wheels
+from .sprung import sprung
+from .urdf_repairs import Repair, repaired
+from .wheel_effort import with_wheel_efforts
+
+MOVED = ("left_finger", "right_finger", "left_steering", "right_steering")
+"""Joints that are moved, besides the arm's and the wheels'."""
+ROCKERS = ("left_rocker", "right_rocker")
+"""Joints of a suspension that nobody moves, with opposite axes: a differential keeps them equal."""
+HOLDS = 1000.0  # what a joint that stands is held with, where the URDF doesn't say [Nm] or [N]
+
+
+class SoundUrdf(NamedTuple):
+    """The URDF that engines get."""
+
+    text: str
+    """Its collision meshes named as in `hulls`."""
+    hulls: Mapping[str, HullMesh]
+    repairs: Sequence[Repair]
+    """What isn't as the robot's files say."""
+
+
+def sound_urdf(robot: RobotFile) -> SoundUrdf:
+    """Return the URDF that engines get: possible masses, wheels that drive and roll, convex collision meshes.
+
+    Where the base leans, it stands on a chassis with a suspension.
+
+    Raises:
+        ValueError: a mesh can't be read, or encloses nothing.
+    """
+    text, repairs = repaired(robot.urdf_text())
+    wheels = driven_wheels(each.name for each in joints_of(text)).all
+    text = with_wheel_efforts(text, wheels, robot.drive.wheel_radius_m)
+    text = with_round_wheels(text, wheels, robot.drive.tread_m)
+    if robot.errors.lean_mrad_per_m > 0.0:
+        links = link_names(text)
+        rolling = (*driven_wheels(links).all, *casters(links))
+        text, _ = repaired(sprung(text, robot.errors.lean_pivot_m, rolling))
+    on_floor = [name for name in link_names(text) if name.endswith("wheel") or "caster" in name]
+    hulls = with_hulls(text, floor_T_body_links(text, on_floor))
+    low = f"its mesh reaches down to the floor; cut off {1e3 * FLOOR_CLEARANCE_M:.0f} mm above it"
+    return SoundUrdf(hulls.text, hulls.hulls, [*repairs, *(Repair(link, low) for link in hulls.cut)])
+
+
+def casters(links: Iterable[str]) -> list[str]:
+    """Those of these links that slide on the floor."""
+    return [name for name in links if "caster" in name]
+
+
+def held_still(robot: RobotFile) -> dict[str, tuple[float, float]]:
+    """Limited joints that nobody moves (a head, another arm), by name: where kinematics has them stand, and
+    what they are held with, in [Nm] or [N].
+    """
+    leaders = joint_leaders(robot.urdf_text())
+    moved: Collection[str] = {*(robot.arm.joints if robot.arm else ()), *MOVED, *ROCKERS}
+    found = {}
+    for joint in joints_of(robot.urdf_text()):
+        leader, _, offset = leaders.get(joint.name, (joint.name, 1.0, 0.0))
+        if leader not in moved and joint.kind != "continuous":
+            found[joint.name] = (offset, HOLDS if joint.effort <= 0.0 else joint.effort)
+    return found

@@ -1,0 +1,50 @@
+"""Torque of driven wheels whose URDF states none, as is legal for continuous joints."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from xml.etree import ElementTree
+from xml.etree.ElementTree import SubElement
+
+from handcart.backends.physics.body.surface import TYRES
+from handcart.backends.physics.engine import GRAVITY
+from handcart.robotics.kinematics.urdf_contents import joints_of, links_of
+
+
+def slipping_torque(mass: float, radius: float, wheels: int) -> float:
+    """Return the torque at which a tyre slips if the driven wheels share the robot's weight, in [Nm].
+
+    Args:
+        mass: of the robot, in [kg].
+        radius: of the wheels, in [m].
+        wheels: number of driven wheels.
+    """
+    assert TYRES.friction is not None
+    return TYRES.friction * mass * GRAVITY * radius / wheels
+
+
+def with_wheel_efforts(urdf: str, wheels: Collection[str], radius: float) -> str:
+    """Give driven wheels without an effort limit the torque at which their tyres slip.
+
+    That torque is what arrives at the tyre: the joint's own friction and damping, which such a drive
+    overcomes as well, are left out.
+
+    Args:
+        urdf: of the robot.
+        wheels: the joints that drive it.
+        radius: of the wheels, in [m].
+    """
+    limp = {each.name for each in joints_of(urdf) if each.name in wheels and each.effort <= 0.0}
+    if not limp:
+        return urdf
+    mass = sum(each.mass or 0.0 for each in links_of(urdf))
+    torque = slipping_torque(mass, radius, len(wheels))
+    robot = ElementTree.fromstring(urdf)
+    for joint in robot.findall("joint"):
+        if joint.get("name") in limp:
+            limit = joint.find("limit")
+            limit = SubElement(joint, "limit") if limit is None else limit
+            limit.set("effort", repr(torque))
+            for dynamics in joint.findall("dynamics"):
+                joint.remove(dynamics)
+    return ElementTree.tostring(robot, encoding="unicode")

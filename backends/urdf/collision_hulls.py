@@ -1,0 +1,119 @@
+"""Collision meshes of a URDF as convex hulls, which every engine takes whatever the mesh's format was."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+from xml.etree import ElementTree
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.kinematics.coal_bodies import hull_of_mesh, read_mesh
+from handcart.robotics.kinematics.urdf_frames import origin_of
+from handcart.robotics.kinematics.urdf_reading import read_urdf
+
+
+class HullMesh(NamedTuple):
+    """A convex hull as a mesh, its scale applied."""
+
+    points: NDArray[np.float64]
+    """Corners (n, 3) in [m]."""
+    faces: NDArray[np.int64]
+    """Triangles (m, 3) of them, outward by the right-hand rule."""
+
+    def obj(self) -> str:
+        """Return it as a Wavefront OBJ file."""
+        corners = "".join(f"v {x!r} {y!r} {z!r}\n" for x, y, z in self.points.tolist())
+        return corners + "".join(f"f {a} {b} {c}\n" for a, b, c in (self.faces + 1).tolist())
+
+
+REACHES_DOWN_M = 0.003
+"""Bodies that reach to this height above the floor would drag on it: the base gives a little."""
+FLOOR_CLEARANCE_M = 0.01
+"""Height above the floor below which they are cut off."""
+
+
+class HullUrdf(NamedTuple):
+    """A URDF whose collision meshes are hulls."""
+
+    text: str
+    """Each collision mesh has a hull's name as its `filename`, and no scale."""
+    hulls: Mapping[str, HullMesh]
+    """By that name."""
+    cut: Sequence[str]
+    """Links whose mesh reached down to the floor."""
+
+
+def with_hulls(urdf_text: str, floor_T_links: Mapping[str, Transform] | None = None) -> HullUrdf:
+    """Replace the collision meshes of a URDF by their convex hulls; meshes are named by absolute paths.
+
+    The hulls are those that kinematics and motion planning check, so that all backends collide alike.
+
+    Args:
+        urdf_text: of the robot.
+        floor_T_links: (4, 4) of links that must not touch the floor, z = 0; what of their meshes reaches
+            down to it is cut off. Hulls of a base with its wheels and casters do.
+
+    Raises:
+        ValueError: a mesh can't be read, or encloses nothing.
+    """
+    robot, maker = read_urdf(urdf_text), _Hulls()
+    for link in robot.findall("link"):
+        name = link.get("name", "")
+        for collision in link.findall("collision"):
+            for mesh in collision.iterfind("geometry/mesh"):
+                hull = maker.of_mesh(mesh.get("filename", ""), mesh.attrib.pop("scale", "1 1 1"), name)
+                if floor_T_links is not None and name in floor_T_links:
+                    hull = maker.off_the_floor(hull, floor_T_links[name] @ origin_of(collision), name)
+                mesh.set("filename", hull)
+    used = {mesh.get("filename", "") for mesh in robot.iterfind("link/collision/geometry/mesh")}
+    hulls = {name: hull for name, hull in maker.hulls.items() if name in used}
+    return HullUrdf(ElementTree.tostring(robot, encoding="unicode"), hulls, maker.cut)
+
+
+class _Hulls:
+    """The hulls of a robot as they are made."""
+
+    def __init__(self) -> None:
+        self.hulls: dict[str, HullMesh] = {}
+        self.cut: list[str] = []
+        self._names: dict[tuple[str, str], str] = {}
+
+    def of_mesh(self, file: str, scale: str, link: str) -> str:
+        """Return the name of a mesh's hull; links that have the same mesh share it."""
+        if (file, scale) not in self._names:
+            self._names[file, scale] = self._add(_hull(file, scale, link))
+        return self._names[file, scale]
+
+    def off_the_floor(self, name: str, floor_T_mesh: Transform, link: str) -> str:
+        """Return the name of the same hull, or of another one that doesn't reach down to the floor."""
+        shorter = _off_the_floor(self.hulls[name], floor_T_mesh)
+        if shorter is None:
+            return name
+        self.cut.append(link)
+        return self._add(shorter)
+
+    def _add(self, hull: HullMesh) -> str:
+        name = f"hull_{len(self.hulls) + 1}.obj"
+        self.hulls[name] = hull
+        return name
+
+
+def _off_the_floor(hull: HullMesh, floor_T_mesh: Transform) -> HullMesh | None:
+    """Return the hull without what is near the floor; None where it is higher, or lower altogether."""
+    up, height = floor_T_mesh[2, :3], float(floor_T_mesh[2, 3])
+    heights = hull.points @ up + height
+    if heights.min() > REACHES_DOWN_M or heights.max() <= FLOOR_CLEARANCE_M:
+        return None
+    lifts = np.maximum(FLOOR_CLEARANCE_M - heights, 0.0)
+    return HullMesh(hull.points + lifts[:, None] * up, hull.faces)
+
+
+def _hull(file: str, scale: str, link: str) -> HullMesh:
+    x, y, z = map(float, scale.split())
+    hull: Any = hull_of_mesh(read_mesh(file, (x, y, z)), link)
+    triangles = (hull.polygons(number) for number in range(hull.num_polygons))
+    faces = np.array([[each[0], each[1], each[2]] for each in triangles], dtype=np.int64)
+    return HullMesh(np.array(hull.points()), faces)
