@@ -263,8 +263,9 @@ class ScanLocalizer(Localizer):
         if len(points) < FEWEST_POINTS:
             self._poor += 1
             return False
+        before = self.last_match.evidence if self.last_match and self.sure else None
         match = match_scan(
-            self._field, points, self.pose, self.covariance, self._sigma, self.lost, self._map_error
+            self._field, points, self.pose, self.covariance, self._sigma, self.lost, self._map_error, before
         )
         self.last_match = match
         if match.inliers < self._least_inliers:

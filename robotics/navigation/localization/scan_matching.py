@@ -19,6 +19,8 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.numerics.compiled import compiled
 
+from .scan_evidence import Evidence, confirmed, unrelated, weakest_evidence
+
 INLIER = 3.0  # scales within which a point counts as explained by the map
 OF_SIGMA = 0.6745  # of a normal error's sigma: half of the errors are smaller
 CELL_BIAS = 0.25  # of a cell: what a pose is wrong by because surfaces lie anywhere in their cells
@@ -46,6 +48,11 @@ class LikelihoodField:
         distances: NDArray[np.float64] = _read(self.distance, self.map.occupied, self._scaled(points))[:, 0]
         return distances
 
+    def slopes(self, points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Distances (n,) in [m] as `read` gives them, and their slopes (n, 2) along x and y."""
+        readings = _read(self.distance, self.map.occupied, self._scaled(points))
+        return readings[:, 0], readings[:, 1:3] / self.map.resolution
+
     def _scaled(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Column and row (n, 2), cell centres at whole numbers."""
         grid = self.map
@@ -66,6 +73,8 @@ class ScanMatch(NamedTuple):
     spread: NDArray[np.float64]
     """(3, 3), the same without the map's cells, and with the noise that the scan shows where that is more:
     how far matches from one place lie apart."""
+    evidence: Evidence
+    """What the scan says about the direction that it determines worst; the scan before isn't asked."""
     inliers: float
     """Share of the points that the map explains, 0 to 1."""
     residuals: FarArray
@@ -145,6 +154,7 @@ def match_scan(
     sigma: float = 0.01,
     anneal: bool = False,
     map_error: NDArray[np.float64] | None = None,
+    before: Evidence | None = None,
 ) -> ScanMatch:
     """The pose from which the scan looks like the map.
 
@@ -157,35 +167,45 @@ def match_scan(
         anneal: start from far: up to about 0.3 m and 10 degrees off. The robust scale then shrinks slowly and
             the prior counts only at the end.
         map_error: (3, 3) factor of the map's share in the prior, as in `ScanMatch`; zero if None.
+        before: evidence of the scan before, at about the same place, which has to confirm this one's.
     """
     noise = math.hypot(
         sigma, 0.3 * field.map.resolution
     )  # a uniform place in a cell has 0.29 cells of spread
     final = 2.5 * noise
-    information = np.asarray(np.linalg.inv(prior_covariance + 1e-12 * np.eye(3)), dtype=np.float64)
+    information = _inverse(prior_covariance)
     grid, near, points = field.map, np.array(prior), np.ascontiguousarray(points)
-    found = near
-    for scale in (*ANNEALED, final) if anneal else (3.0 * final, final):
-        trust = information if scale <= final or not anneal else 0.0 * information
-        found, hessian = _descend(
-            field.distance,
-            grid.occupied,
-            points,
-            found,
-            near,
-            trust,
-            (grid.origin_x, grid.origin_y),
-            grid.resolution,
-            scale,
-            noise,
+    found, evidence = near, Evidence(np.array([1.0, 0.0]), 1.0)
+    seen = evidence
+
+    def descend(trust: NDArray[np.float64], scale: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        where = (grid.origin_x, grid.origin_y), grid.resolution
+        return _descend(
+            field.distance, grid.occupied, points, found, near, trust, *seen, *where, scale, noise
         )
+
+    for scale in (*ANNEALED, final) if anneal else (3.0 * final, final):
+        found, hessian = descend(information if scale <= final or not anneal else 0.0 * information, scale)
+    if len(points):
+        evidence = weakest_evidence(
+            field, points, Pose2(*found.tolist()), hessian - information, final, noise
+        )
+        seen = confirmed(evidence, before)
+        if seen.share < 1.0:
+            information = _inverse(unrelated(prior_covariance, seen))
+            found, hessian = descend(information, final)
     pose = Pose2(*found.tolist())
     residuals = field.read(pose.apply(points)) if len(points) else np.empty(0)
     inliers = float(np.mean(residuals < INLIER * noise)) if len(points) else 0.0
     fit = np.asarray(np.linalg.inv(hessian + 1e-9 * np.eye(3)), dtype=np.float64)
     kept = fit @ information
     covariance, error = _posterior(fit, kept, _cells(points, field.map.resolution), map_error)
-    return ScanMatch(pose, covariance, error, kept, _excess(residuals, noise) * fit, inliers, residuals)
+    spread = _excess(residuals, noise) * fit
+    return ScanMatch(pose, covariance, error, kept, spread, evidence, inliers, residuals)
+
+
+def _inverse(covariance: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.asarray(np.linalg.inv(covariance + 1e-12 * np.eye(3)), dtype=np.float64)
 
 
 def _posterior(
@@ -220,12 +240,17 @@ def _descend(
     start: NDArray[np.float64],
     prior: NDArray[np.float64],
     information: NDArray[np.float64],
+    direction: NDArray[np.float64],
+    share: float,
     origin: tuple[float, float],
     resolution: float,
     scale: float,
     noise: float,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Gauss-Newton at one robust scale: the pose (3,) and its information (3, 3)."""
+    """Gauss-Newton at one robust scale: the pose (3,) and its information (3, 3).
+
+    The points are left a `share` of what they say about the position along a `direction` (2,).
+    """
     pose, off = np.empty(3), np.empty(3)
     moved, total = np.empty((len(points), 2)), np.empty((3, 3))
     pose[0], pose[1], pose[2] = start[0], start[1], start[2]
@@ -237,6 +262,7 @@ def _descend(
         hessian, gradient = _normal_equations(
             distance, occupied, moved, (pose[0], pose[1]), origin, resolution, scale
         )
+        _thin(hessian, gradient, direction, share)
         off[0], off[1], off[2] = pose[0] - prior[0], pose[1] - prior[1], _wrapped(pose[2] - prior[2])
         for j in range(3):
             gradient[j] /= noise**2
@@ -248,6 +274,26 @@ def _descend(
         if abs(x) + abs(y) < 1e-5 and abs(turn) < 1e-5:
             break
     return pose, total
+
+
+@compiled
+def _thin(
+    hessian: NDArray[np.float64], gradient: NDArray[np.float64], direction: NDArray[np.float64], share: float
+) -> None:
+    """Leave the points a share of what they say about the position along a direction (2,)."""
+    less = 1.0 - math.sqrt(share)
+    pull = gradient[0] * direction[0] + gradient[1] * direction[1]
+    along = np.empty(3)
+    for j in range(3):
+        along[j] = hessian[j, 0] * direction[0] + hessian[j, 1] * direction[1]
+    inner = along[0] * direction[0] + along[1] * direction[1]
+    for j in range(2):
+        gradient[j] -= (1.0 - share) * pull * direction[j]
+        hessian[j, 2] -= less * along[2] * direction[j]
+        hessian[2, j] = hessian[j, 2]
+        for k in range(2):
+            hessian[j, k] -= less * (along[j] * direction[k] + direction[j] * along[k])
+            hessian[j, k] += less**2 * inner * direction[j] * direction[k]
 
 
 @compiled
