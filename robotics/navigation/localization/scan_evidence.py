@@ -9,15 +9,14 @@ and its cost has to rise as the slopes claim (the idea of Olson, 2009: sample th
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
 
-if TYPE_CHECKING:
-    from .scan_matching import LikelihoodField
+from .likelihood_field import LikelihoodField
 
 SHIFTS = np.array([2.6, 3.3, 4.3, 5.2])  # cells, each way: more than one, and no multiples of each other
 MIN_SHARE = 0.12  # of the rise that the slopes claim; less is grain: up to 0.10 along a diagonal wall

@@ -1,24 +1,19 @@
-"""Matching a range scan with a map: robust Gauss-Newton on a likelihood field.
-
-The field is the distance to the nearest occupied surface cell (Thrun, Burgard and Fox, 2005, section 6.4),
-read between cell centres by bilinear interpolation. A surface lies somewhere in its cell, on average at the
-centre: measured from the cells' edges a pose comes out twice as wrong.
-"""
+"""Matching a range scan with a map: robust Gauss-Newton on a likelihood field."""
 
 from __future__ import annotations
 
 import math
 from typing import NamedTuple
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from handcart.robotics.far import FarArray
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.numerics.compiled import compiled
 
+from .likelihood_field import LikelihoodField as LikelihoodField
+from .likelihood_field import read_field
 from .scan_evidence import Evidence, confirmed, unrelated, weakest_evidence
 
 INLIER = 3.0  # scales within which a point counts as explained by the map
@@ -26,37 +21,6 @@ OF_SIGMA = 0.6745  # of a normal error's sigma: half of the errors are smaller
 CELL_BIAS = 0.25  # of a cell: what a pose is wrong by because surfaces lie anywhere in their cells
 LEAST = 1e-6  # of an information: what is seen may not tell all of a pose
 ANNEALED = (0.5, 0.35, 0.25, 0.17, 0.12)  # scales in [m] tried before the final one from a bad start
-
-
-class LikelihoodField:
-    """Distances to the surfaces of a map, ready for matching scans."""
-
-    def __init__(self, grid: GridMap) -> None:
-        """Compute the field; takes about a millisecond for 100,000 cells."""
-        solid = grid.occupied.astype(np.uint8)
-        inner = cv2.erode(solid, np.ones((3, 3), dtype=np.uint8), borderType=cv2.BORDER_REPLICATE)
-        away = (solid == inner).astype(np.uint8)
-        self.map = grid
-        if away.all():
-            self.distance = np.full(away.shape, np.inf, dtype=np.float32)
-        else:
-            cells = cv2.distanceTransform(away, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
-            self.distance = (cells * grid.resolution).astype(np.float32)
-
-    def read(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Distance (n,) in [m] of points (n, 2) of the map to the nearest surface; inf outside the map."""
-        distances: NDArray[np.float64] = _read(self.distance, self.map.occupied, self._scaled(points))[:, 0]
-        return distances
-
-    def slopes(self, points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Distances (n,) in [m] as `read` gives them, and their slopes (n, 2) along x and y."""
-        readings = _read(self.distance, self.map.occupied, self._scaled(points))
-        return readings[:, 0], readings[:, 1:3] / self.map.resolution
-
-    def _scaled(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Column and row (n, 2), cell centres at whole numbers."""
-        grid = self.map
-        return (points - (grid.origin_x, grid.origin_y)) / grid.resolution - 0.5
 
 
 class ScanMatch(NamedTuple):
@@ -79,29 +43,6 @@ class ScanMatch(NamedTuple):
     """Share of the points that the map explains, 0 to 1."""
     residuals: FarArray
     """(n,) distance of each point to the nearest surface, in [m]; inf outside the map."""
-
-
-@compiled
-def _read(
-    distance: NDArray[np.float32], occupied: NDArray[np.bool_], at: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Distance, its bilinear slopes along x and y per cell, 1 in solids: (n, 4); inf and zeros outside."""
-    height, width = distance.shape
-    out = np.empty((len(at), 4))
-    for i in range(len(at)):
-        column, row = math.floor(at[i, 0]), math.floor(at[i, 1])
-        if not (0 <= column < width - 1 and 0 <= row < height - 1):
-            # A whole row at once would take two seconds more to compile.
-            out[i, 0], out[i, 1], out[i, 2], out[i, 3] = np.inf, 0.0, 0.0, 0.0
-            continue
-        u, v = at[i, 0] - column, at[i, 1] - row
-        a, b = distance[row, column], distance[row, column + 1]
-        c, d = distance[row + 1, column], distance[row + 1, column + 1]
-        out[i, 0] = (a * (1 - u) + b * u) * (1 - v) + (c * (1 - u) + d * u) * v
-        out[i, 1] = (b - a) * (1 - v) + (d - c) * v
-        out[i, 2] = (c - a) * (1 - u) + (d - b) * u
-        out[i, 3] = occupied[int(row + v + 0.5), int(column + u + 0.5)]
-    return out
 
 
 @compiled
@@ -128,7 +69,7 @@ def _normal_equations(
     for i in range(len(points)):
         at[i, 0] = (points[i, 0] - origin[0]) / resolution - 0.5
         at[i, 1] = (points[i, 1] - origin[1]) / resolution - 0.5
-    readings = _read(distance, occupied, at)
+    readings = read_field(distance, occupied, at)
     for i in range(len(points)):
         residual = readings[i, 0]
         if residual > 4.0 * scale:
