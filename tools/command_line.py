@@ -20,6 +20,7 @@ COMMANDS = {
     "continue": ("commands.operate", "go_on", "Go on after a pause."),
     "stop": ("commands.operate", "stop", "Stop a run; the robot holds."),
     "cancel": ("commands.operate", "cancel", "Bring a run's action back, then end it."),
+    "restore": ("commands.operate", "restore", "Bring a run's action back, and go on."),
     "permit": ("commands.operate", "permit", "Permit the action that a run asks for."),
     "refuse": ("commands.operate", "refuse", "Refuse it."),
     "step": ("commands.operate", "step", "Let a run ask before every action."),

@@ -73,12 +73,33 @@ class Coordinator:
         self._watch = WorldWatch(robot, network, standing.seen if standing else {})
         self._permission = permission
 
-    def request(self, what: Request) -> bool:
+    def request(self, what: Request, number: int | None = None) -> bool:
+        """Ask for a pause, a stop and so on, as `ask` does; return whether it was taken."""
+        return not self.ask(what, number)
+
+    def ask(self, what: Request, number: int | None = None) -> str:
         """Ask for a pause, a stop and so on; honoured at the next period. Safe in a signal handler.
 
-        Whether it was taken: too much may wait already. A stop always is, and goes before all else.
+        Args:
+            what: is asked for. A stop is always taken, and goes before all else.
+            number: of the action that is meant, as `running` gives it; None: the run, or for a restore the
+                action that runs now.
+
+        Returns:
+            Why it is not taken, in words: that action is over or has not begun, or too much waits; empty if
+            it is taken.
         """
-        return self._supervision.ask(what)
+        return self._supervision.ask(what, number)
+
+    @property
+    def acting(self) -> int | None:
+        """Number of the action that runs now, from 1; None between two of them."""
+        return self._supervision.running
+
+    @property
+    def unapplied(self) -> Sequence[str]:
+        """Requests that were taken and not applied, because their action was over by then, in words."""
+        return tuple(self._supervision.unapplied)
 
     @property
     def situation(self) -> str:
@@ -187,7 +208,7 @@ class Coordinator:
         periods = attempt(
             primitive, self._robot, self._model, lambda why: self._restore(action, why), intents=log
         )
-        outcome = yield from self._supervision.to_its_end(periods, action.time_out_s)
+        outcome = yield from self._supervision.to_its_end(periods, log.started, action.time_out_s)
         if isinstance(outcome, NotStarted):
             return log.not_started(action, outcome.reason)
         if moves:

@@ -19,6 +19,7 @@ class NetworkBehaviour(Behaviour):
 
     SUCCESS when the goal is reached, FAILURE when no way is left (the robot then is restored). Interrupted
     by the tree it only stops; its next tick first brings back what the interrupted action did, then goes on.
+    Interrupted between two actions, or while one waits for permission, there is nothing to bring back.
     GiveUp is FAILURE too, and stays so whatever the tree tries: `end` tells it apart.
     """
 
@@ -52,7 +53,8 @@ class NetworkBehaviour(Behaviour):
         if self.latched:
             return
         if self._coordinator is not None:  # interrupted before
-            self._coordinator.request(Request.RESTORE)
+            if (number := self._coordinator.acting) is not None:
+                self._coordinator.request(Request.RESTORE, number)
             return
         self._coordinator = self._make()
         self._run = self._coordinator.run()

@@ -7,6 +7,7 @@ from collections import deque
 from collections.abc import Callable, Generator
 from contextlib import suppress
 from enum import Enum
+from typing import NamedTuple
 
 from handcart.backends.robot.robot import Robot
 from handcart.networks.graph.planner import NotStarted
@@ -51,6 +52,8 @@ _ENDING = {
 
 MOST = 64
 """Requests that may wait to be honoured."""
+MAX_UNAPPLIED = 20
+"""Requests that came too late, of which the words are kept."""
 CHECK = "supervision"
 """Who finds what is asked from outside, in the journal."""
 
@@ -63,52 +66,106 @@ class Interrupted(Exception):
         self.reason = reason
 
 
+class Asked(NamedTuple):
+    """A request that waits."""
+
+    what: Request
+    time: float
+    """The robot's, in [s]."""
+    number: int | None
+    """Of the action that it is meant for, from 1; None: it is meant for the run."""
+
+
 class Supervision:
-    """Honours requests at each period of an attempt."""
+    """Honours requests at each period of an attempt.
+
+    A pause, a continuation, a cancel and a stop are meant for the run, a restore for the action that runs
+    when it is asked for. Each may name an action; one that is over or has not begun is never replaced by
+    another.
+    """
 
     def __init__(
         self, robot: Robot, life: RunLife, on_stop: Callable[[str, float], None] = lambda cause, asked: None
     ) -> None:
         """Nothing is asked for yet; `on_stop` hears of each stop: why, and when it was asked for, in [s]."""
-        self._requests: deque[tuple[Request, float]] = deque()
+        self._requests: deque[Asked] = deque()
         self._stop: tuple[Request, float] | None = None  # waits in no queue
         self._robot = robot
         self._life = life
         self._on_stop = on_stop
         self._after_restoring: Request | None = None
+        self._latest = 0
+        self.running: int | None = None
+        """Number of the action that runs, from 1; None between two of them."""
+        self.unapplied: deque[str] = deque(maxlen=MAX_UNAPPLIED)
+        """Requests that were taken and not applied, because their action was over, in words."""
 
-    def ask(self, request: Request) -> bool:
-        """Somebody asks for something; honoured at the next period. Safe in a signal handler.
+    def ask(self, request: Request, number: int | None = None) -> str:
+        """Take a request, to be honoured at the next period. Safe in a signal handler.
 
-        Whether it was taken: too much may wait already. A stop always is, and goes before all else.
+        Args:
+            request: what is asked for. A stop is always taken, and goes before all else.
+            number: of the action that is meant, from 1; None: the run, or for a restore what runs now.
+
+        Returns:
+            Why it is not taken, in words; empty if it is.
         """
         if request in _STOPS:
             self._stop = self._stop or (request, self._robot.time)
-            return True
+            return ""
+        if wrong := self._misaddressed(request, number):
+            return wrong
         if len(self._requests) >= MOST:
-            return False
-        self._requests.append((request, self._robot.time))
-        return True
+            return "too much is asked for at once; allowed: to wait until it is done, and to stop"
+        meant = self.running if request is Request.RESTORE else number
+        self._requests.append(Asked(request, self._robot.time, meant))
+        return ""
+
+    def _misaddressed(self, request: Request, number: int | None) -> str:
+        """Return why a request can't be meant for what is done now; empty if it can."""
+        state, running = self._life.state, self.running
+        if state is RunState.ENDED:
+            return "the run is over; allowed: while it goes on"
+        if number is not None and number != running:
+            allowed = "an action that runs; none does now" if running is None else f"{running}, which runs"
+            was = "is over" if number <= self._latest else "has not begun"
+            return f"action {number} {was}; allowed: {allowed}"
+        if request is Request.RESTORE and running is None:
+            return "no action runs, so there is nothing to restore; allowed: while one runs"
+        if request is Request.RESTORE and state in (RunState.RESTORING, RunState.PAUSED_WHILE_RESTORING):
+            return f"action {running} is being restored already; allowed: once"
+        pauses = self._life.paused or any(each.what is Request.PAUSE for each in self._requests)
+        return "nothing is paused; allowed: after a pause" if request is Request.RESUME and not pauses else ""
 
     def to_its_end(
-        self, attempt: Attempt, time_out: float | None = None
+        self, attempt: Attempt, number: int, time_out: float | None = None
     ) -> Generator[None, None, Outcome | NotStarted]:
-        """The attempt's outcome; `NotStarted` if it was called back before it began.
+        """Run an attempt to its outcome; `NotStarted` if it was called back before it began.
 
         Args:
             attempt: the running one.
+            number: of its action, from 1.
             time_out: the robot's time in [s] after which it is called back; None: never.
 
         Raises:
             Interrupted: it was stopped; the robot holds where it is.
         """
+        self.running = self._latest = number
+        try:
+            return (yield from self._to_its_end(attempt, time_out))
+        finally:
+            self.running = None
+
+    def _to_its_end(
+        self, attempt: Attempt, time_out: float | None
+    ) -> Generator[None, None, Outcome | NotStarted]:
         latest = math.inf if time_out is None else self._robot.time + time_out
         try:
             next(attempt)
             while True:
                 yield
                 while (wanted := self._next()) is not None:
-                    outcome = yield from self._honour(*wanted, attempt)
+                    outcome = yield from self._honour(wanted.what, wanted.time, attempt)
                     if outcome is not None:
                         return outcome
                 if self._robot.time > latest and self._life.state is RunState.ACTING:
@@ -130,17 +187,27 @@ class Supervision:
         """
         if self._after_restoring is not None:
             raise Interrupted(_ENDING[self._after_restoring])
+        self._drop_late()
         stop = [] if self._stop is None else [self._stop]
-        for request, asked in [*stop, *self._requests]:  # a copy: a signal may add to it
+        waiting = [(each.what, each.time) for each in self._requests]
+        for request, asked in [*stop, *waiting]:
             if request in _ENDING:
                 self._robot.stop()
                 self._on_stop(_ENDING[request], asked)
                 raise Interrupted(_ENDING[request])
 
-    def _next(self) -> tuple[Request, float] | None:
+    def _next(self) -> Asked | None:
         if self._stop is not None:
-            return self._stop
+            return Asked(*self._stop, None)
+        self._drop_late()
         return self._requests.popleft() if self._requests else None
+
+    def _drop_late(self) -> None:
+        """Leave out the requests that are meant for an action that is over; a signal only adds stops."""
+        for each in [each for each in self._requests if each.number not in (None, self.running)]:
+            self._requests.remove(each)
+            words = f"{each.what.value} of action {each.number}, asked for at {each.time:.3f} s"
+            self.unapplied.append(f"{words}: that action was over")
 
     def _honour(self, request: Request, asked: float, attempt: Attempt) -> Periods:
         if request in _STOPS:
@@ -180,7 +247,7 @@ class Supervision:
 
     def _called(self) -> bool:
         """Whether something is asked for but one more pause."""
-        while self._requests and self._requests[0][0] is Request.PAUSE:
+        while self._requests and self._requests[0].what is Request.PAUSE:
             self._requests.popleft()
         return self._stop is not None or bool(self._requests)
 

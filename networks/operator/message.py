@@ -19,12 +19,17 @@ REQUESTS = {
 }
 WORDS = (*REQUESTS, "permit", "refuse", "step", "break", "status")
 KEYS: Mapping[str, Collection[str]] = {
+    "pause": ("number",),
+    "continue": ("number",),
+    "cancel": ("number",),
+    "restore": ("number",),
     "permit": ("action", "ask"),
     "refuse": ("action", "ask"),
     "step": ("on",),
     "break": ("at", "on"),
 }
-"""What a word may bring with it, beside `COMMON`."""
+"""What a word may bring with it, beside `COMMON`. `number`: of the action that is meant, as `status` gives it
+under `acting`; without it the run is meant, or by `restore` the action that runs."""
 COMMON = ("do", "by", "nonce")
 """`by`: who says it; `nonce`: text that no other message has, so that one that comes twice is done once."""
 LONGEST_WORD = 80
@@ -44,7 +49,7 @@ def fault_of(message: Message, situations: Collection[str]) -> str:
     known = {*COMMON, *KEYS.get(word, ())}
     if unknown := message.keys() - known:
         return f"unknown key {shown(min(unknown))}; allowed: {', '.join(sorted(known))}"
-    for key in ("action", "ask"):
+    for key in ("action", "ask", "number"):
         number = message.get(key)
         if number is not None and (isinstance(number, bool) or not isinstance(number, int)):
             return f"{_NAMED[key]} {shown(number)} is no number; allowed: {_NAMED[key]}'s number"
@@ -59,7 +64,7 @@ def fault_of(message: Message, situations: Collection[str]) -> str:
     return ""
 
 
-_NAMED = {"action": "the action", "ask": "the question"}
+_NAMED = {"action": "the action", "ask": "the question", "number": "the running action"}
 
 
 def shown(value: object) -> str:

@@ -64,8 +64,8 @@ class Operation(RunObserver):
                 self._permits.break_at(message["at"], message.get("on", True))
             case "status":
                 pass
-            case word if not self._coordinator.request(REQUESTS[word]):
-                wrong = "too much is asked for at once; allowed: to wait until it is done, and to stop"
+            case word:
+                wrong = self._coordinator.ask(REQUESTS[word], message.get("number"))
         if wrong:
             return _refused(wrong)
         self._heard.note(message, self._robot.time)
@@ -79,6 +79,8 @@ class Operation(RunObserver):
             "state": self._coordinator.life.state.value,
             "situation": self._coordinator.situation,
             "actions": self._coordinator.running,
+            "acting": self._coordinator.acting,
+            "unapplied": list(self._coordinator.unapplied),
             "sim_time_s": round(self._robot.time, 3),
             "asks": question,
             "step": self._permits.step,

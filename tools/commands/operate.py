@@ -11,18 +11,21 @@ import typer
 
 Run = Annotated[Path, typer.Argument(help="the run's folder")]
 Json = Annotated[bool, typer.Option("--json", help="one JSON object on stdout")]
+Number = Annotated[
+    int | None, typer.Option("--number", help="of the action that is meant, as `handcart status` tells it")
+]
 Off = Annotated[bool, typer.Option("--off", help="no more of it")]
 SOON = 10.0  # [s] in which a run that is told to stop ends
 
 
-def pause(run: Run, as_json: Json = False) -> None:
+def pause(run: Run, as_json: Json = False, number: Number = None) -> None:
     """Stop the robot where it is; it holds, and `handcart continue` goes on."""
-    _say("pause", run, as_json)
+    _say("pause", run, as_json, **_meant(number))
 
 
-def go_on(run: Run, as_json: Json = False) -> None:
+def go_on(run: Run, as_json: Json = False, number: Number = None) -> None:
     """Go on after a pause; moved by hand meanwhile, the action restores."""
-    _say("continue", run, as_json)
+    _say("continue", run, as_json, **_meant(number))
 
 
 def stop(run: Run, as_json: Json = False) -> None:
@@ -34,9 +37,14 @@ def stop(run: Run, as_json: Json = False) -> None:
     _tell_end(run, as_json)
 
 
-def cancel(run: Run, as_json: Json = False) -> None:
+def cancel(run: Run, as_json: Json = False, number: Number = None) -> None:
     """Bring back what the running action did, then end the run: the robot moves."""
-    _say("cancel", run, as_json)
+    _say("cancel", run, as_json, **_meant(number))
+
+
+def restore(run: Run, as_json: Json = False, number: Number = None) -> None:
+    """Bring back what the running action did, count that as its Fail, and go on: the robot moves."""
+    _say("restore", run, as_json, **_meant(number))
 
 
 def permit(run: Run, as_json: Json = False, action: int | None = None) -> None:
@@ -73,6 +81,10 @@ def _chosen(action: int | None) -> dict[str, int]:
     return {} if action is None else {"action": action}
 
 
+def _meant(number: int | None) -> dict[str, int]:
+    return {} if number is None else {"number": number}
+
+
 def _say(word: str, run: Path, as_json: bool, **more: object) -> None:
     import orjson
 
@@ -85,7 +97,9 @@ def _say(word: str, run: Path, as_json: bool, **more: object) -> None:
         if word != "status":
             print(_echo(word, reply, more))
         waits = reply["asks"] and f"; asks for permission: {reply['asks']['index']}. {reply['asks']['do']}"
-        print(f"{reply['state']} in {reply['situation']} at {reply['sim_time_s']:.1f} s{waits or ''}")
+        acting = "" if reply.get("acting") is None else f" (action {reply['acting']})"
+        at = f"in {reply['situation']} at {reply['sim_time_s']:.1f} s"
+        print(f"{reply['state']}{acting} {at}{waits or ''}")
     else:
         print(reply["error"], file=sys.stderr)
     if not reply["ok"]:
@@ -104,7 +118,12 @@ def _echo(word: str, reply: Mapping[str, Any], more: Mapping[str, object]) -> st
             asks = f"before it goes on from {', '.join(reply['breaks']) or 'any situation'}"
             return f"it asks {asks}" if reply["breaks"] else f"it asks no more {asks}"
         case _:
-            return {"pause": "told to pause", "continue": "told to go on", "cancel": "told to cancel"}[word]
+            return {
+                "pause": "told to pause",
+                "continue": "told to go on",
+                "cancel": "told to cancel",
+                "restore": "told to restore",
+            }[word]
 
 
 def _wait_for_end(run: Path) -> None:

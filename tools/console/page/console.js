@@ -409,8 +409,12 @@ for (const button of document.querySelectorAll("#buttons button")) {
   button.addEventListener("click", () => {
     const word = button.dataset.do;
     if (word === "step") command({ do: word, on: !(current() || {}).step });
-    else if (word === "cancel") sure("Cancel", "The robot moves: it brings back what the action did, then the run ends.",
-      chosen, () => post(at(chosen, "/command"), { do: word }));
+    else if (word === "cancel") {
+      const acting = (current() || {}).acting;  // the action that was shown when it was pressed
+      const meant = typeof acting === "number" ? { number: acting } : {};
+      sure("Cancel", "The robot moves: it brings back what the action did, then the run ends.",
+        chosen, () => post(at(chosen, "/command"), { do: word, ...meant }));
+    }
     else command({ do: word });
   });
 }
