@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from abc import abstractmethod
 from collections.abc import Mapping, Set
 from functools import cached_property
@@ -9,6 +10,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from handcart.backends.backend import RobotFault
 from handcart.backends.description.ground_spec import GroundSpec
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.sensor_specs import CameraSpec
@@ -47,6 +49,7 @@ SETTLES = 0.3  # [s] that everything gets to come to rest before time begins
 SETTLES_OUTDOORS = 1.5  # the same on rough ground, onto which the robot is let down
 LET_DOWN = 0.01  # [m] above its highest point under the wheels
 WHEELS = np.array([[x, y] for x in (0.0, 0.6) for y in (-0.3, 0.3)])  # of a car, about its rear axle [m]
+MAX_TILT_DEG = {"floor": 4.0, "terrain": 45.0}  # of the base, beyond which it has tipped
 _FELT = 4  # of a period's looks at what touches, the last ones in which the force on the hand is measured
 
 
@@ -122,6 +125,7 @@ class PhysicsBackend(SimulatedBackend):
             else PhysicsBase(robot, self._body, self._engine.chunk, seed)
         )
         self._body.cover(self._body.casters, CASTER)
+        self._on_floor = terrain is None
         self._build_sensors(robot, seed, outdoors=terrain is not None)
         for _ in range(round((SETTLES if terrain is None else SETTLES_OUTDOORS) / self.period)):
             self._run_period()
@@ -239,6 +243,7 @@ class PhysicsBackend(SimulatedBackend):
     def _end_period(self, felt: np.ndarray, touched: Set[tuple[str, str]]) -> None:
         self._base.read()
         self._sync.base()
+        self._check_upright()
         if self._springs is not None:
             self.scene.lean = self._springs.lean
         if self._imu is not None:
@@ -259,6 +264,13 @@ class PhysicsBackend(SimulatedBackend):
             self._arm.load = self._load()
         taken = "" if self._held is None else self._held.name
         self.scene.touch(frozenset(pair for pair in touched if pair[1] != taken))
+
+    def _check_upright(self) -> None:
+        """Raise `RobotFault` where the base has tipped over."""
+        tilt = math.degrees(math.acos(max(-1.0, min(1.0, float(self._body.base_pose()[2, 2])))))
+        if tilt > MAX_TILT_DEG["floor" if self._on_floor else "terrain"]:
+            why = "what it stands on does not carry its middle of mass, or something pushed it"
+            raise RobotFault(f"the base has tipped, by {tilt:.0f} degrees: {why}; see `handcart check`")
 
     def _find_held(self) -> Thing | None:
         """What is between fingers that press."""

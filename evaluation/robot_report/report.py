@@ -19,6 +19,7 @@ from handcart.tasks.domain import domains, imported
 from .domain_facts import DomainFacts
 from .masses import mass_faults
 from .meshes import MeshRow, mesh_row
+from .mount_remarks import mount_remarks
 from .reach import Reach, reach_of
 from .remark import Remark
 from .self_contact import SelfContact, self_contact
@@ -146,6 +147,7 @@ def report_of(robot: RobotFile, tried: bool = True) -> RobotReport:
             *_of_robot(robot, contents.joints),
             *(Remark("", words) for facts in of_domains.values() for words in facts.remarks),
             *_of_drives(robot),
+            *mount_remarks(robot),
         ],
     )
 
