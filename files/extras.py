@@ -16,6 +16,7 @@ EXTRAS: dict[str, Sequence[str]] = {
     "export": ("arro3", "foxglove"),
     "view": ("viser", "yourdfpy"),
     "console": ("aiohttp",),
+    "xacro": ("xacrodoc",),
 }
 """By the name of an extra in pyproject.toml: the modules that come with it."""
 

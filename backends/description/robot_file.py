@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import numpy as np
 from pydantic import Field, PrivateAttr
 
-from handcart.backends.urdf.robot_parts import PACKAGE, KeyPath, PartSpec, UrdfPlace
+from handcart.backends.urdf.packages import PACKAGE
+from handcart.backends.urdf.robot_parts import KeyPath, PartSpec, UrdfPlace
 from handcart.backends.urdf.robot_urdf import RobotUrdf, robot_urdf
 from handcart.files.errors import InputError
 from handcart.files.inside import resolve_inside

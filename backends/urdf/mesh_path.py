@@ -4,20 +4,26 @@ from __future__ import annotations
 
 import posixpath
 import stat
+from itertools import chain
 from pathlib import Path
+from urllib.parse import unquote
 
 from handcart.files.errors import UnsafePath
 from handcart.files.inside import resolve_inside
+from handcart.files.printable import printable
+
+from .packages import package_folders
 
 LARGEST = 100_000_000  # [bytes] of a mesh
 
 
 def mesh_path(name: str, urdf: Path, root: Path) -> Path:
-    """Where a mesh lies: from the URDF's folder, or in a ROS package beside or above it.
+    """Where a mesh lies: from the URDF's folder, or in a package.
 
     `package://NAME/PATH` (or `model://`) is looked for as a folder NAME beside the URDF or beside one of the
-    folders that hold it. An absolute path, or `file://` and one, is taken as it stands: tools of ROS write
-    those. The file need not exist.
+    folders that hold it, then where `package_folders` finds NAME. An absolute path, or `file://` and one, is
+    taken as it stands: tools of ROS write those. A name that isn't there is tried again with `%20` and its
+    like decoded. The file need not exist.
 
     Args:
         name: as in the URDF.
@@ -27,6 +33,15 @@ def mesh_path(name: str, urdf: Path, root: Path) -> Path:
     Raises:
         UnsafePath: the path leads out of its package, or out of `root`, by `..` or by a link.
     """
+    found = _place(name, urdf, root)
+    decoded = unquote(name)
+    if decoded == name or is_mesh(found) or printable(decoded) != decoded:
+        return found
+    again = _place(decoded, urdf, root)
+    return again if is_mesh(again) else found
+
+
+def _place(name: str, urdf: Path, root: Path) -> Path:
     _, scheme, rest = name.rpartition("://")
     if scheme and not name.startswith("file://"):
         return _in_package(name, rest, urdf)
@@ -49,8 +64,9 @@ def _in_package(name: str, rest: str, urdf: Path) -> Path:
     inside = posixpath.normpath(rest)
     if not package or package == ".." or not inside.startswith(f"{package}/"):
         raise UnsafePath(name[:1024], "leads out of its package")
-    places = [folder / rest for folder in urdf.resolve().parents]
-    return next((place for place in places if is_mesh(place)), urdf.parent / rest)
+    beside = (folder / rest for folder in urdf.resolve().parents)
+    installed = (folder / rest.partition("/")[2] for folder in package_folders(package))
+    return next((place for place in chain(beside, installed) if is_mesh(place)), urdf.parent / rest)
 
 
 def _root(urdf: Path, root: Path) -> Path:

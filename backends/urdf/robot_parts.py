@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Mapping, Sequence
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated, NamedTuple
 
@@ -23,9 +21,7 @@ from handcart.robotics.kinematics.urdf_reading import UrdfElement, read_urdf
 
 from .collada_unit import collada_unit_m
 from .mesh_path import is_mesh, mesh_path
-
-PACKAGE = "package://"
-_NAME = re.compile(r"[A-Za-z_]\w*")
+from .packages import NAME, PACKAGE, package_folders
 
 KeyPath = tuple[str | int, ...]
 
@@ -43,21 +39,21 @@ def _place(text: str) -> str:
     if not text.startswith(PACKAGE):
         return portable(text)
     package, _, path = text.removeprefix(PACKAGE).partition("/")
-    if not _NAME.fullmatch(package):
+    if not NAME.fullmatch(package):
         raise UnsafePath(text[:100], "names no package; allowed: package://NAME/PATH")
     portable(path)
     return text
 
 
 UrdfPlace = Annotated[str, AfterValidator(_place)]
-"""A path from the robot's file, or `package://NAME/PATH` in an installed Python package."""
+"""A path from the robot's file, or `package://NAME/PATH` in a package of Python or ROS."""
 
 
 class PartSpec(FileModel):
     """A URDF that is fixed, as it is, onto what stands before it in the file."""
 
     urdf: UrdfPlace
-    """A path from the robot's file, or `package://NAME/PATH` in an installed Python package."""
+    """A path from the robot's file, or `package://NAME/PATH` in a package of Python or ROS."""
     srdf: UrdfPlace | None = None
     """MoveIt's file for it: which of its links may touch each other (`disable_collisions`)."""
     onto: str
@@ -187,13 +183,27 @@ def _found(urdf: str, folder: Path) -> tuple[Path, Path, str]:
     if not urdf.startswith(PACKAGE):
         return resolve_inside(folder, urdf), folder, str(folder / urdf)
     package, _, path = urdf.removeprefix(PACKAGE).partition("/")
-    spec = find_spec(package)
-    if spec is None or not spec.submodule_search_locations:
+    roots = list(package_folders(package))
+    if not roots:
         how = "; it comes with: pip install 'handcart[pybullet]'" if package.startswith("pybullet") else ""
-        raise UrdfError(f"there is no Python package {package!r}; allowed: an installed one{how}")
-    root = Path(spec.submodule_search_locations[0])
-    found = resolve_inside(root, path)
-    return found, root, str(found)
+        raise UrdfError(f"there is no package {package!r}; allowed: {_PACKAGES}{how}")
+    root = next((root for root in roots if (root / path).is_file()), roots[0])
+    return _inside(root, path), root, str(_inside(root, path))
+
+
+def _inside(root: Path, path: str) -> Path:
+    """A file of a package; its folder may hold links into another one, as after `colcon --symlink-install`.
+
+    Raises:
+        UnsafePath: the path leads out of the package by `..`.
+    """
+    if ".." in path.split("/"):
+        return resolve_inside(root, path)
+    portable(path)
+    return root / path
+
+
+_PACKAGES = "an installed Python package, or one in AMENT_PREFIX_PATH, ROS_PACKAGE_PATH or a folder `share`"
 
 
 class UrdfText(NamedTuple):

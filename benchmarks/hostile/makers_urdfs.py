@@ -1,9 +1,11 @@
 """Check makers' URDFs and mutants: `python -m benchmarks.hostile.makers_urdfs FOLDER... --mutants 300`.
 
 Each URDF under the folders is checked as it is, drafted as a robot and checked as that, by `handcart check`
-in a process of its own. Without a folder: those that come with PyBullet. Exit status 1 where one isn't told
+in a process of its own; a robot without a fault is then built and stepped on simulated backends. Without a
+folder: the robots that are shipped, and those that come with PyBullet. Exit status 1 where one isn't told
 clearly: another status than 0 or 2, a traceback, something on stderr beside `--json`, no place in the URDF
-for what is wrong in it, more lines than a person reads, or no end in time.
+for what is wrong in it, more lines than a person reads, no end in time, or a backend that raises another
+error than one of bad input.
 """
 
 from __future__ import annotations
@@ -32,8 +34,15 @@ from typing import NamedTuple
 
 from benchmarks.damage.mutated_urdfs import mutated
 
+ROBOTS = Path(__file__).parents[2] / "backends" / "robots"
+DRIVE = """\
+drive: {wheel_radius_m: 0.1, tread_m: 0.5, top_speed_m_s: 0.5, top_turn_deg_s: 60, acceleration_m_s2: 0.5,
+        turn_acceleration_deg_s2: 90}
+"""
+STEPS = 3  # periods that a backend is stepped
 LONGEST = 60  # lines that a person is told without asking for more
 NAMED = re.compile(r"link|joint|URDF|mesh|xacro|well-formed|DOCTYPE|character|stand at")
+CRASH = re.compile(r"status (5|1|-)|a traceback|it crashed")
 EVERY = 4  # of the looks at what people are told
 WAITS = 20  # times as long as a processor's time it may take on a busy machine
 
@@ -47,6 +56,8 @@ class Case(NamedTuple):
     what: str
     people: bool
     """Whether what people are told is looked at too, and `--allow`."""
+    backends: tuple[str, ...] = ()
+    """On which the robot drafted from it is built."""
 
 
 class Seen(NamedTuple):
@@ -66,11 +77,15 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--limit-s", type=int, default=60, help="of a processor's time for one")
+    parser.add_argument("--build", default="kinematic", help="backends that robots are built on, or none")
     given = parser.parse_args()
-    folders = given.folders or [Path(str(find_spec("pybullet_data").submodule_search_locations[0]))]  # type: ignore
+    folders = given.folders or [ROBOTS, Path(str(find_spec("pybullet_data").submodule_search_locations[0]))]  # type: ignore
+    backends = tuple(each for each in given.build.split(",") if each not in ("", "none"))
     with tempfile.TemporaryDirectory(prefix="urdfs-", dir=os.environ.get("TMPDIR")) as scratch:
         copies = [_linked(each, Path(scratch) / str(n)) for n, each in enumerate(folders)]
-        cases = _cases(copies, given.mutants, given.most, given.seed)
+        cases = [
+            each._replace(backends=backends) for each in _cases(copies, given.mutants, given.most, given.seed)
+        ]
         sys.exit(_look(cases, given.jobs, given.limit_s))
 
 
@@ -109,15 +124,17 @@ def _cases(folders: list[Path], mutants: int, most: int, seed: int) -> list[Case
 
 def _look(cases: list[Case], jobs: int, limit: int) -> int:
     statuses: Counter[tuple[int, ...]] = Counter()
-    bad, slowest = 0, (0.0, "")
+    bad, crashed, slowest = 0, 0, (0.0, "")
     for number, (case, seen) in enumerate(_all(cases, jobs, limit), start=1):
         statuses[seen.statuses] += 1
         slowest = max(slowest, (seen.seconds, str(case.path)))
+        crashed += any(CRASH.search(each) for each in seen.violations)
         for each in seen.violations:
             bad += 1
             print(f"\r{case.path}, {case.what}: {each}")
         print(f"\r{number} of {len(cases)}, {bad} violations", end="", flush=True)
     print(f"\n{len(cases)} URDFs: {bad} violations; slowest {slowest[0]:.1f} s, {slowest[1]}")
+    print(f"of these {sum(case.text is not None for case in cases)} mutated; status 5: {crashed}")
     print("statuses (URDF; robot drafted from it; and with --allow):")
     for key, count in sorted(statuses.items()):
         print(f"  {', '.join(map(str, key)):<12} {count}")
@@ -190,7 +207,7 @@ def _child(case: Case, answer: Connection, limit: int) -> None:
     draft = path.with_name(f"{path.stem}.robot-{os.getpid()}.yaml")
     try:
         begun = time.process_time()
-        seen = _checked(path, draft, case.people)._replace(seconds=time.process_time() - begun)
+        seen = _checked(path, draft, case.people, case.backends)._replace(seconds=time.process_time() - begun)
     finally:
         draft.unlink(missing_ok=True)
         if case.text is not None:
@@ -198,10 +215,13 @@ def _child(case: Case, answer: Connection, limit: int) -> None:
     answer.send(seen)
 
 
-def _checked(path: Path, draft: Path, people: bool = True) -> Seen:
+def _checked(path: Path, draft: Path, people: bool = True, backends: tuple[str, ...] = ()) -> Seen:
     status, violations = _check(path, path.name, "--draft", str(draft), people=people)
     statuses = [status]
     if status == 0:
+        if "\ndrive:" not in draft.read_text(encoding="utf-8"):
+            with draft.open("a", encoding="utf-8") as file:  # as a person has to
+                file.write(DRIVE)
         status, more = _check(draft, path.name, people=people)
         violations += [f"as a robot: {each}" for each in more]
         statuses.append(status)
@@ -209,7 +229,35 @@ def _checked(path: Path, draft: Path, people: bool = True) -> Seen:
             status, more = _check(draft, path.name, "--allow", json_too=False)
             violations += [f"with --allow: {each}" for each in more]
             statuses.append(status)
+        if statuses[1] == 0:
+            violations += [wrong for backend in backends for wrong in _built(draft, backend)]
     return Seen(tuple(statuses), tuple(violations), 0.0)
+
+
+def _built(draft: Path, backend: str) -> Iterator[str]:
+    """What is wrong with a robot that is built in an empty world, and stepped with its arm commanded."""
+    from handcart.backends.capabilities.arm import Arm
+    from handcart.backends.description.robot_loading import load_robot
+    from handcart.backends.registry import make_backend
+    from handcart.files.errors import HandcartError
+
+    world = draft.with_suffix(".world.yaml")
+    world.write_text("format: handcart-world/1\nstart: {x_m: 0, y_m: 0, heading_deg: 0}\n", encoding="utf-8")
+    try:
+        robot = make_backend(backend, load_robot(str(draft)), world, 0)
+        arm = robot.get(Arm)  # type: ignore[type-abstract]
+        for _ in range(STEPS):
+            if arm is not None:
+                arm.move(arm.command())
+            robot.step()
+        robot.close()
+    except HandcartError as error:
+        if error.exit_status != 2:
+            yield f"status {error.exit_status} on {backend}: {error}"
+    except Exception as error:
+        yield f"status 5 on {backend}: {type(error).__name__}: {' '.join(str(error).split())[:300]}"
+    finally:
+        world.unlink(missing_ok=True)
 
 
 def _check(

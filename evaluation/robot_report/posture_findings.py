@@ -43,7 +43,7 @@ def posture_facts(robot: RobotFile) -> list[PostureFacts]:
         return []
     arm = _opened(robot)
     collision = CollisionModel(arm)
-    moved = _moved(arm)
+    moved = moved_links(arm)
     return [_facts(name, np.array(robot.posture(name)), arm, collision, moved) for name in robot.arm.postures]
 
 
@@ -79,8 +79,8 @@ def _opened(robot: RobotFile) -> ArmModel:
         return arm
 
 
-def _moved(arm: ArmModel) -> set[str]:
-    """Links that the arm's joints move."""
+def moved_links(arm: ArmModel) -> set[str]:
+    """Return the links that the arm's joints move, of those with collision bodies."""
     here = 0.5 * (arm.lower + arm.upper)
     names = [shape.name for shape in arm.link_shapes(here)]
     poses = zip(names, arm.link_poses(here), arm.link_poses(here + 0.1), strict=True)

@@ -8,7 +8,7 @@ from pathlib import Path
 from handcart.backends.urdf.robot_parts import read_part
 from handcart.backends.urdf.robot_urdf import RobotUrdf, SourcePlace
 
-from .outline import Outline, outline_of
+from .drafting.outline import Outline, outline_of
 from .report import Contents, contents_of
 
 
@@ -18,6 +18,8 @@ class UrdfReport:
 
     contents: Contents
     outline: Outline
+    text: str
+    """Its meshes named by absolute paths."""
 
 
 def urdf_report(path: Path) -> UrdfReport:
@@ -30,4 +32,4 @@ def urdf_report(path: Path) -> UrdfReport:
     part = read_part(path.name, path.parent)
     places = {key: SourcePlace(part.file, *spot) for key, spot in part.places.items()}
     whole = RobotUrdf(part.text, places, doubts=part.doubts)
-    return UrdfReport(contents_of(whole), outline_of(part.text))
+    return UrdfReport(contents_of(whole), outline_of(part.text), part.text)

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from difflib import get_close_matches
 
+from handcart.robotics.kinematics.urdf_doubts import joint_doubts
 from handcart.robotics.kinematics.urdf_reading import UrdfElement, UrdfFault, read_urdf
 
 KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
@@ -48,7 +49,7 @@ def urdf_faults(text: str) -> list[UrdfFault]:
         found += _joint_faults(joint, known, by_name)
     # A tree of links is asked for only where all references lead somewhere.
     grave = any(not each.mild for each in found)
-    return sorted([*found, *([] if grave else _tree_faults(robot, joints, known))])
+    return sorted(found if grave else [*found, *_tree_faults(robot, joints, known), *joint_doubts(by_name)])
 
 
 def _expression(robot: UrdfElement) -> UrdfFault | None:

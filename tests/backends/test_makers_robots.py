@@ -148,7 +148,7 @@ def test_a_missing_srdf_is_told(file: Path) -> None:
 
 def test_the_urdf_of_an_installed_package_stands_at_the_top_too(file: Path) -> None:
     wrong = changed(file, "urdf: lifter.urdf", 'urdf: "package://no_such_shop/lifter.urdf"')
-    assert "robot.yaml:2:7: there is no Python package 'no_such_shop'" in wrong
+    assert "robot.yaml:2:7: there is no package 'no_such_shop'" in wrong
     text = ROBOT.replace(
         "urdf: lifter.urdf", 'urdf: "package://handcart/backends/robots/librarian/librarian.urdf"'
     )

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from handcart.files.errors import FileError, Finding, InputError
+from handcart.files.errors import FileError, Finding
 
 from .check_robot import contents_lines
 
 if TYPE_CHECKING:
-    from handcart.evaluation.robot_report.outline import Outline
+    from collections.abc import Sequence
+
+    from handcart.evaluation.robot_report.drafting.outline import Outline
 
 CHAINS = 4  # that are told
+JOINTS = 3  # that are named of many
 
 
 def urdf_facts(file: Path, every: bool = False, draft: Path | None = None) -> dict[str, Any]:
@@ -27,25 +29,32 @@ def urdf_facts(file: Path, every: bool = False, draft: Path | None = None) -> di
     Raises:
         FileError: something in it is wrong.
         InputError: the draft can't be written there.
+
+    A xacro file is expanded for a draft alone, into a URDF beside the draft.
     """
     from handcart.backends.urdf.robot_parts import UrdfError
-    from handcart.evaluation.robot_report.draft import draft_text
     from handcart.evaluation.robot_report.remark import grouped
     from handcart.evaluation.robot_report.urdf_report import urdf_report
-    from handcart.tools.terminal.writing import write_text
 
+    from .drafting import write_draft, write_expanded
+    from .xacro_expansion import is_xacro
+
+    given = file
+    if draft is not None and is_xacro(file):
+        file = write_expanded(file, draft)
     try:
         report = urdf_report(file)
     except UrdfError as error:
         raise FileError([Finding(str(file), 1, 1, str(error))]) from None
     contents, outline = report.contents, report.outline
     if draft is not None:
-        write_text(draft, draft_text(outline, contents.joints, _named(file, draft)))
+        write_draft(draft, file, report)
     return {
         "format": "URDF",
         "warnings": [str(each) for each in contents.remarks],
         "grouped": grouped(contents.remarks),
         "lines": [
+            *([f"expanded into {file}"] if file != given else ()),
             *contents_lines(contents, outline.arm, every),
             *_outline_lines(outline),
             *_next(file, draft),
@@ -53,20 +62,6 @@ def urdf_facts(file: Path, every: bool = False, draft: Path | None = None) -> di
         "robot": {**contents.figures(), "outline": _figures(outline)},
         **({"draft": str(draft)} if draft is not None else {}),
     }
-
-
-def _named(urdf: Path, draft: Path) -> str:
-    """As the draft is to name the URDF; raises InputError where it can't."""
-    path = Path(os.path.relpath(urdf.resolve(), draft.parent.resolve())).as_posix()
-    if path.startswith(".."):
-        raise InputError(
-            f"{draft} can't name {urdf}; allowed: a file in the URDF's folder or in one above it"
-        )
-    if draft.suffix not in (".yaml", ".yml"):
-        raise InputError(f"{draft} is no robot's file; allowed: *.yaml")
-    if draft.exists():
-        raise InputError(f"{draft} is there already; allowed: a new file")
-    return path
 
 
 def _outline_lines(outline: Outline) -> list[str]:
@@ -87,7 +82,17 @@ def _outline_lines(outline: Outline) -> list[str]:
         lines.append(f"  hand: {outline.hand}")
     if outline.fingers is not None:
         lines.append(f"  gripper: {', '.join(outline.fingers)}")
-    return lines + [f"  {role}: {link}" for role, link in outline.frames.items()]
+    if outline.turning_fingers:
+        lines.append(f"  no gripper: {_some(outline.turning_fingers)} turn; fingers have to slide")
+    for role, found in outline.sensors.items():
+        onto = "the hand" if role == "camera" else "the base"
+        moves = f" (can't be used: {_some(found.between)} between it and {onto})" if found.between else ""
+        lines.append(f"  {role}: {found.link}{moves}")
+    return lines
+
+
+def _some(names: Sequence[str]) -> str:
+    return ", ".join(names[:JOINTS]) + (" ..." if len(names) > JOINTS else "")
 
 
 def _figures(outline: Outline) -> dict[str, Any]:
@@ -105,6 +110,7 @@ def _figures(outline: Outline) -> dict[str, Any]:
         "chains": outline.chains,
         "hand": outline.hand if outline.arm else None,
         "fingers": outline.fingers,
+        "turning_fingers": outline.turning_fingers,
         "frames": dict(outline.frames),
     }
 

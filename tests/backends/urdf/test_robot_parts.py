@@ -104,7 +104,7 @@ def test_a_urdf_without_parts_and_meshes_is_taken_as_it_is() -> None:
         (
             "urdf: stick.urdf",
             'urdf: "package://no_such_shop/stick.urdf"',
-            "robot.yaml:4:5: there is no Python package 'no_such_shop'",
+            "robot.yaml:4:5: there is no package 'no_such_shop'",
         ),
         ("urdf: stick.urdf", 'urdf: "package://../stick.urdf"', "names no package"),
         ("urdf: stick.urdf", "urdf: ../stick.urdf", "leads out of"),

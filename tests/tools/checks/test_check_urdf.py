@@ -31,6 +31,15 @@ CRANE = f"""\
 </robot>
 """
 
+DRIVE = """\
+drive: {wheel_radius_m: 0.1, tread_m: 0.5, top_speed_m_s: 0.5, top_turn_deg_s: 90, acceleration_m_s2: 0.5,
+        turn_acceleration_deg_s2: 90}
+"""
+ALLOWED = """\
+allowed_contacts:     # their hulls touch however the arm is; look whether they may
+  - ["base_link", "boom"]
+"""
+
 
 @pytest.fixture
 def crane(tmp_path: Path) -> Path:
@@ -45,6 +54,8 @@ def robot(handcart: Callable[..., Said], crane: Path) -> Path:
     """Its draft."""
     path = crane.with_name("robot.yaml")
     assert handcart("check", crane, "--draft", path).status == 0
+    text = path.read_text(encoding="utf-8")
+    path.write_text(text.replace(ALLOWED, "") + DRIVE, encoding="utf-8")
     return path
 
 

@@ -8,11 +8,10 @@ import pytest
 
 from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.description.robot_names import robot_path
-from handcart.evaluation.robot_report.draft import draft_text
-from handcart.evaluation.robot_report.outline import Outline, outline_of
+from handcart.evaluation.robot_report.drafting.draft import draft_text
+from handcart.evaluation.robot_report.drafting.outline import Outline, outline_of
 from handcart.evaluation.robot_report.remark import Remark, grouped, grouped_findings
 from handcart.files.errors import Finding
-from handcart.robotics.kinematics.urdf_contents import joints_of
 
 LIMIT = '<limit lower="{}" upper="{}" effort="5" velocity="1"/>'
 
@@ -46,7 +45,7 @@ PARTS = [
     joint("l_finger", "prismatic", "tool0", "finger_l"),
     joint("r_finger", "prismatic", "tool0", "finger_r"),
     joint("nod", "revolute", "base_link", "head"),
-    joint("eye", "fixed", "base_link", "laser_link"),
+    joint("eye", "fixed", "base_link", "laser_link", "0.1 0 0.2"),
 ]
 URDF = f"<robot name='r'>{''.join(PARTS)}</robot>"
 
@@ -71,11 +70,12 @@ def test_wheels_arm_fingers_and_frames_are_found(outline: Outline) -> None:
 def test_a_draft_is_a_robots_file(outline: Outline, tmp_path: Path) -> None:
     (tmp_path / "it's.urdf").write_text(URDF, encoding="utf-8")
     file = tmp_path / "robot.yaml"
-    file.write_text(draft_text(outline, joints_of(URDF), "it's.urdf"), encoding="utf-8")
+    file.write_text(draft_text(outline, URDF, "it's.urdf", {"gripper": "no boxes"}), encoding="utf-8")
     robot = load_robot(str(file))
     assert robot.posture("home") == pytest.approx((0.3, 0.3, 0.0), abs=2e-3)
     assert robot.drive.tread_m == 0.5
     assert robot.arm_model().joint_names == ("lift", "turn", "roll")
+    assert (robot.localizer, robot.range_sensor is not None) == ("scan", True)
 
 
 def test_the_librarian_is_guessed_from_its_urdf() -> None:

@@ -9,23 +9,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from handcart.backends.urdf.driven_wheels import driven_wheels
+from handcart.evaluation.robot_report.masses import corners_of
 from handcart.robotics.kinematics.shapes import Shape, Sphere
-from handcart.robotics.kinematics.urdf_contents import JointFacts, bodies_of, joints_of
-from handcart.robotics.kinematics.urdf_frames import link_poses
-from handcart.robotics.kinematics.urdf_reading import known_urdf
-from handcart.robotics.kinematics.urdf_tree import joint_leaders
+from handcart.robotics.kinematics.urdf_contents import JointFacts, bodies_of
 
-from .masses import corners_of
+from .link_tree import LinkTree
+from .sensor_frames import SensorFrame, sensor_frames
 
 ACROSS = 0.9  # of a wheel's axis: least part along y
 _WHEEL = re.compile(r"wheel", re.IGNORECASE)
 _IDLE = re.compile(r"caster|castor|steer|swivel|rotation", re.IGNORECASE)
-_FRAMES = {
-    "range_sensor": re.compile(r"laser|lidar|scan|rplidar|hokuyo|sick", re.IGNORECASE),
-    "camera": re.compile(r"optical_frame|camera", re.IGNORECASE),
-    "imu": re.compile(r"imu", re.IGNORECASE),
-    "gps": re.compile(r"gps|gnss", re.IGNORECASE),
-}
+_FINGER = re.compile(r"finger|gripper|jaw|knuckle|thumb", re.IGNORECASE)
+_FLOOR = 0.01  # [m] that a base frame may be above the floor
 _TOOLS = re.compile(r"tool|tcp|grasp|hand|gripper|ee_|_ee|end_effector", re.IGNORECASE)
 
 
@@ -47,7 +42,9 @@ class Outline:
     """A robot as its URDF lets one guess it."""
 
     root: str
-    """The link that carries all."""
+    """The link that carries all, or one fixed on it that is on the floor."""
+    height: float | None
+    """How far that is above the floor by the wheels, in [m]; None: unknown."""
     wheels: Wheels | None
     arm: tuple[str, ...]
     """Joints of the longest chain, from the root on; empty: nothing moves but wheels."""
@@ -55,64 +52,62 @@ class Outline:
     """The link at its end."""
     fingers: tuple[str, str] | None
     """Two joints that slide, on what the chain's last joint moves."""
-    frames: Mapping[str, str]
-    """By the name that a robot's file expects: a link that may stand for it."""
+    turning_fingers: tuple[str, ...]
+    """Joints there that turn, where no two slide: of fingers or of a hand."""
+    sensors: Mapping[str, SensorFrame]
+    """By the name that a robot's file expects: the link that fits best."""
     chains: Sequence[tuple[str, ...]]
     """All chains, the longest first."""
+
+    @property
+    def frames(self) -> dict[str, str]:
+        """By the name that a robot's file expects: the link that fits best."""
+        return {role: found.link for role, found in self.sensors.items()}
 
 
 def outline_of(urdf_text: str) -> Outline:
     """Guess; raises ValueError where the text is no sound URDF."""
-    tree = _Tree(urdf_text)
+    tree = LinkTree(urdf_text)
     wheels = _wheels(tree, bodies_of(urdf_text))
     driving = set() if wheels is None else {*wheels.left, *wheels.right}
     chains = _chains(tree, driving)
     arm = chains[0] if chains else ()
     last = tree.child[arm[-1]] if arm else tree.root
-    frames = {role: found for role in _FRAMES if (found := _frame(tree, role)) is not None}
-    return Outline(tree.root, wheels, arm, _hand(tree, last), _fingers(tree, last), frames, chains)
+    hand, fingers = _hand(tree, last), _fingers(tree, last)
+    root, height = _base(tree, wheels)
+    return Outline(
+        root,
+        height,
+        wheels,
+        arm,
+        hand,
+        fingers,
+        _turning_fingers(tree, last) if arm and fingers is None else (),
+        sensor_frames(tree, root, hand if arm else None),
+        chains,
+    )
 
 
-class _Tree:
-    """Links and joints, and where they stand with all joints at zero."""
-
-    def __init__(self, urdf_text: str) -> None:
-        robot = known_urdf(urdf_text)
-        joints = robot.findall("joint")
-        self.child = {each.get("name", ""): _end(each, "child") for each in joints}
-        self.parent = {each.get("name", ""): _end(each, "parent") for each in joints}
-        self.above = {self.child[name]: name for name in self.child}
-        self.links = [each.get("name", "") for each in robot.findall("link")]
-        self.root = next(name for name in self.links if name not in self.above)
-        self.moving = {each.name: each for each in joints_of(urdf_text)}
-        self.led = joint_leaders(urdf_text)
-        self.pose = link_poses(urdf_text)
-        self.axis = {each.get("name", ""): _axis(each.find("axis")) for each in joints}
-
-    def chain(self, link: str) -> list[str]:
-        """The joints that move a link, from the root on; those that follow another are left out."""
-        found = []
-        while link in self.above:
-            joint = self.above[link]
-            if joint in self.moving and joint not in self.led:
-                found.append(joint)
-            link = self.parent[joint]
-        return found[::-1]
-
-    def carried(self, link: str) -> list[str]:
-        """The link and those fixed onto it, in the file's order of joints."""
-        found = [link]
-        for each in found:
-            found += [self.child[j] for j in self.child if self.parent[j] == each and j not in self.moving]
-        return found
-
-    def moved_from(self, link: str) -> list[str]:
-        """The joints that stand on a link or on what is fixed onto it."""
-        body = set(self.carried(link))
-        return [joint for joint in self.moving if self.parent[joint] in body]
+def _base(tree: LinkTree, wheels: Wheels | None) -> tuple[str, float | None]:
+    """The link that is on the floor, of the root and those fixed on it, and its height above the floor."""
+    if wheels is None or wheels.radius is None:
+        return tree.root, None
+    floor = min(float(tree.pose[tree.child[each]][2, 3]) for each in wheels.left) - wheels.radius
+    heights = {link: float(tree.pose[link][2, 3]) - floor for link in tree.carried(tree.root)}
+    if abs(heights[tree.root]) < _FLOOR:
+        return tree.root, heights[tree.root]
+    level = [link for link in heights if _is_base_frame(tree, link) and abs(heights[link]) < _FLOOR]
+    base = min(level, key=lambda link: abs(heights[link]), default=tree.root)
+    return base, heights[base]
 
 
-def _wheels(tree: _Tree, bodies: Sequence[Shape]) -> Wheels | None:
+def _is_base_frame(tree: LinkTree, link: str) -> bool:
+    """Whether a link is turned as the root, on the root's axis."""
+    pose = tree.pose[link]
+    return bool(np.allclose(pose[:3, :3], np.eye(3), atol=1e-3) and np.abs(pose[:2, 3]).max() < _FLOOR)
+
+
+def _wheels(tree: LinkTree, bodies: Sequence[Shape]) -> Wheels | None:
     """Those of our names; else what is called a wheel and rolls ahead, the farthest out on both sides."""
     known = driven_wheels(tree.moving)
     if known.left and known.right:
@@ -131,7 +126,7 @@ def _wheels(tree: _Tree, bodies: Sequence[Shape]) -> Wheels | None:
     return Wheels(left, right, float(abs(y_left - y_right)), radius)
 
 
-def _rolls(tree: _Tree, joint: JointFacts) -> bool:
+def _rolls(tree: LinkTree, joint: JointFacts) -> bool:
     name = f"{joint.name} {joint.child}"
     if joint.kind == "prismatic" or not _WHEEL.search(name) or _IDLE.search(name):
         return False
@@ -148,7 +143,7 @@ def _radius(bodies: Sequence[Shape]) -> float | None:
     return float(np.sort(np.ptp(corners, axis=0))[1]) / 2
 
 
-def _chains(tree: _Tree, driving: set[str]) -> list[tuple[str, ...]]:
+def _chains(tree: LinkTree, driving: set[str]) -> list[tuple[str, ...]]:
     """Chains of joints without wheels, without fingers at their ends; the longest first."""
     ends = [link for link in tree.links if not tree.moved_from(link)]
     found = []
@@ -163,13 +158,13 @@ def _chains(tree: _Tree, driving: set[str]) -> list[tuple[str, ...]]:
     ]
 
 
-def _without_fingers(tree: _Tree, chain: Sequence[str]) -> Sequence[str]:
+def _without_fingers(tree: LinkTree, chain: Sequence[str]) -> Sequence[str]:
     """A chain to where several joints leave one body, if that is in its second half."""
     forks = (number for number, joint in enumerate(chain) if len(_beside(tree, joint)) > 1)
     return chain[: next((number for number in forks if 2 * number >= len(chain)), len(chain))]
 
 
-def _beside(tree: _Tree, joint: str) -> list[str]:
+def _beside(tree: LinkTree, joint: str) -> list[str]:
     """The joint and those that move from the same body: fingers of one hand."""
     link = tree.parent[joint]
     while link in tree.above and tree.above[link] not in tree.moving:
@@ -177,14 +172,14 @@ def _beside(tree: _Tree, joint: str) -> list[str]:
     return tree.moved_from(link)
 
 
-def _hand(tree: _Tree, last: str) -> str:
+def _hand(tree: LinkTree, last: str) -> str:
     carried = tree.carried(last)
     if "hand" in carried:
         return "hand"
     return next((link for link in carried if _TOOLS.search(link)), last)
 
 
-def _fingers(tree: _Tree, last: str) -> tuple[str, str] | None:
+def _fingers(tree: LinkTree, last: str) -> tuple[str, str] | None:
     sliding = [each for each in tree.moved_from(last) if tree.moving[each].kind == "prismatic"]
     if len(sliding) != 2:
         return None
@@ -193,18 +188,8 @@ def _fingers(tree: _Tree, last: str) -> tuple[str, str] | None:
     return first, next(each for each in sliding if each != first)
 
 
-def _frame(tree: _Tree, role: str) -> str | None:
-    if role in tree.links:
-        return role
-    return next((link for link in tree.links if _FRAMES[role].search(link)), None)
-
-
-def _end(joint: object, tag: str) -> str:
-    found = joint.find(tag)  # type: ignore[attr-defined]
-    return "" if found is None else str(found.get("link", ""))
-
-
-def _axis(element: object) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-    words = "1 0 0" if element is None else element.get("xyz", "1 0 0")  # type: ignore[attr-defined]
-    axis = np.array([float(word) for word in words.split()])
-    return axis / max(1e-9, float(np.linalg.norm(axis)))
+def _turning_fingers(tree: LinkTree, last: str) -> tuple[str, ...]:
+    """Joints that turn from a hand: those called so, or several."""
+    found = [each for each in tree.moved_from(last) if tree.moving[each].kind != "prismatic"]
+    called = any(_FINGER.search(f"{each} {tree.child[each]}") for each in found)
+    return tuple(found) if len(found) > 1 or called else ()

@@ -1,0 +1,1 @@
+"""A first robot file for a URDF."""

@@ -1,0 +1,102 @@
+"""A first posture for driving: free of the robot itself, near the base's axis, above the floor."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.description.joint_units import JointUnits
+from handcart.evaluation.robot_report.masses import corners_of
+from handcart.evaluation.robot_report.posture_findings import moved_links
+from handcart.evaluation.robot_report.self_contact import Pair, self_contact
+from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.kinematics.shapes import Shape
+from handcart.robotics.kinematics.urdf_contents import JointFacts, bodies_of
+from handcart.robotics.kinematics.urdf_frames import link_poses
+from handcart.robotics.manipulation.motions.collision_model import CollisionModel
+
+TRIES = 300
+BELOW = -1e-3  # [m] the floor: rounding
+DIGITS = 1  # of a posture in the draft, in [deg] or [mm]
+
+
+class Home(NamedTuple):
+    """What a draft says of the arm at rest, and of the room that the robot needs."""
+
+    posture: Sequence[float]
+    """In [deg], or [mm] for joints that slide."""
+    is_free: bool
+    """Whether it was found free of the robot itself and above the floor."""
+    always: Sequence[Pair]
+    """Links that touch however the arm is."""
+    radius: float
+    """Of the circle about the base's axis that holds all collision bodies, in [m]; 0 without any."""
+    farthest: str
+    """The link that is farthest from that axis; empty without bodies."""
+
+
+def home_of(urdf_text: str, base: str, hand: str, joints: Sequence[JointFacts], units: JointUnits) -> Home:
+    """Search a posture for driving.
+
+    Args:
+        urdf_text: a sound URDF.
+        base: link on the floor.
+        hand: link at the arm's end.
+        joints: facts of the arm's joints.
+        units: of these.
+    """
+    arm = ArmModel(urdf_text, units.names, tip=hand, base=base)
+    always = self_contact(arm).always
+    free = CollisionModel(arm, allowed=always)
+    moved = moved_links(arm)
+    middle = np.array([middle_of(each) for each in joints])
+    drawn = np.random.default_rng(0).uniform(arm.lower, arm.upper, (TRIES, arm.dof))
+    best, extent = None, math.inf
+    for q in (middle, *drawn):
+        rounded = np.array(units.si(_rounded(units, q)))
+        own = [shape for shape in arm.link_shapes(rounded) if shape.name in moved]
+        out = _farthest(own)[0]
+        if out < extent and _lowest(own) > BELOW and not free.in_collision(rounded):
+            best, extent = rounded, out
+    chosen = middle if best is None else best
+    radius, farthest = _farthest(arm.link_shapes(chosen))
+    return Home(_rounded(units, chosen), best is not None, always, radius, farthest)
+
+
+def radius_of(urdf_text: str, base: str) -> float:
+    """Radius about a link's axis that holds all bodies of a robot with its joints at zero, in [m]."""
+    poses = link_poses(urdf_text)
+    base_T_root = np.linalg.inv(poses[base])
+    corners = [_placed(base_T_root @ poses[each.name], corners_of(each)) for each in bodies_of(urdf_text)]
+    return float(np.hypot(*np.vstack(corners)[:, :2].T).max()) if corners else 0.0
+
+
+def middle_of(joint: JointFacts) -> float:
+    """Zero, where the limits allow it; otherwise midway between them, in [rad] or [m]."""
+    if joint.kind == "continuous" or joint.lower is None or joint.upper is None:
+        return 0.0
+    return 0.0 if joint.lower <= 0.0 <= joint.upper else 0.5 * (joint.lower + joint.upper)
+
+
+def _rounded(units: JointUnits, q: NDArray[np.float64]) -> list[float]:
+    """In people's units, towards zero, so that no limit is passed."""
+    scale = 10.0**DIGITS
+    return [float(each) + 0.0 for each in np.trunc(np.array(units.user_units(q.tolist())) * scale) / scale]
+
+
+def _farthest(shapes: Sequence[Shape]) -> tuple[float, str]:
+    """How far bodies reach from the z axis in [m], and the name of the one that does."""
+    out = ((float(np.hypot(*corners_of(shape)[:, :2].T).max()), shape.name) for shape in shapes)
+    return max(out, default=(0.0, ""))
+
+
+def _lowest(shapes: Sequence[Shape]) -> float:
+    return min((float(corners_of(shape)[:, 2].min()) for shape in shapes), default=0.0)
+
+
+def _placed(pose: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.asarray(points @ pose[:3, :3].T + pose[:3, 3])

@@ -1,0 +1,74 @@
+"""Links and joints of a URDF as a tree, and where they are with all joints at zero."""
+
+from __future__ import annotations
+
+from xml.etree import ElementTree
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.kinematics.urdf_contents import joints_of
+from handcart.robotics.kinematics.urdf_frames import link_poses
+from handcart.robotics.kinematics.urdf_reading import known_urdf
+from handcart.robotics.kinematics.urdf_tree import joint_leaders
+
+
+class LinkTree:
+    """Links and joints of a sound URDF.
+
+    Attributes:
+        child, parent: by joint, its links. above: by link, the joint that carries it.
+        links: names in the file's order. root: the link that carries all.
+        moving: by name, facts of the joints that move. led: those that follow another.
+        pose: by link, root_T_link (4, 4). axis: by joint, its unit vector (3,) in the child link.
+    """
+
+    def __init__(self, urdf_text: str) -> None:
+        robot = known_urdf(urdf_text)
+        joints = robot.findall("joint")
+        self.child = {each.get("name", ""): _end(each, "child") for each in joints}
+        self.parent = {each.get("name", ""): _end(each, "parent") for each in joints}
+        self.above = {self.child[name]: name for name in self.child}
+        self.links = [each.get("name", "") for each in robot.findall("link")]
+        self.root = next(name for name in self.links if name not in self.above)
+        self.moving = {each.name: each for each in joints_of(urdf_text)}
+        self.led = joint_leaders(urdf_text)
+        self.pose = link_poses(urdf_text)
+        self.axis = {each.get("name", ""): _axis(each.find("axis")) for each in joints}
+
+    def moved_by(self, link: str) -> list[str]:
+        """All joints that move a link, from the root on."""
+        found = []
+        while link in self.above:
+            joint = self.above[link]
+            if joint in self.moving:
+                found.append(joint)
+            link = self.parent[joint]
+        return found[::-1]
+
+    def chain(self, link: str) -> list[str]:
+        """The joints that move a link, without those that follow another."""
+        return [joint for joint in self.moved_by(link) if joint not in self.led]
+
+    def carried(self, link: str) -> list[str]:
+        """The link and those fixed onto it, in the file's order of joints."""
+        found = [link]
+        for each in found:
+            found += [self.child[j] for j in self.child if self.parent[j] == each and j not in self.moving]
+        return found
+
+    def moved_from(self, link: str) -> list[str]:
+        """The joints that are mounted on a link or on what is fixed onto it."""
+        body = set(self.carried(link))
+        return [joint for joint in self.moving if self.parent[joint] in body]
+
+
+def _end(joint: ElementTree.Element, tag: str) -> str:
+    found = joint.find(tag)
+    return "" if found is None else found.get("link", "")
+
+
+def _axis(element: ElementTree.Element | None) -> NDArray[np.float64]:
+    words = "1 0 0" if element is None else element.get("xyz", "1 0 0")
+    axis = np.array([float(word) for word in words.split()])
+    return axis / max(1e-9, float(np.linalg.norm(axis)))

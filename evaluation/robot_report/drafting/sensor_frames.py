@@ -1,0 +1,83 @@
+"""Which links of a URDF may be the frames of sensors that a robot's file expects."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from typing import NamedTuple
+
+from .link_tree import LinkTree
+
+LEVEL = 0.99  # least cosine between a range sensor's z axis and the vertical
+LOWEST = 0.03  # [m] of a range sensor above the floor
+_NAMES = {
+    "range_sensor": re.compile(r"laser|lidar|scan|rplidar|hokuyo|sick", re.IGNORECASE),
+    "camera": re.compile(r"optical|camera|kinect|xtion|realsense", re.IGNORECASE),
+    "imu": re.compile(r"imu", re.IGNORECASE),
+    "gps": re.compile(r"gps|gnss", re.IGNORECASE),
+}
+_OPTICAL = re.compile(r"optical", re.IGNORECASE)
+_COLOUR = re.compile(r"rgb|colou?r", re.IGNORECASE)
+_OF_A_CAMERA = re.compile(r"rgbd|depth|infra|camera|optical|(?<![a-z])ir(?![a-z])", re.IGNORECASE)
+_MOUNT = re.compile(r"mount|screw|bracket|plate|box|support", re.IGNORECASE)
+
+
+class SensorFrame(NamedTuple):
+    """A link that may be a sensor's frame."""
+
+    link: str
+    between: tuple[str, ...]
+    """Joints that move it against what it is expected to be fixed on: the hand, for others the base."""
+
+
+def sensor_frames(tree: LinkTree, base: str, hand: str | None) -> dict[str, SensorFrame]:
+    """Find for each role the link that fits best; roles without one are left out.
+
+    Of cameras those fixed on the hand come first, then optical frames, then those of colour. Other sensors
+    are expected on the base; a range sensor is level and above the floor: virtual frames often are not.
+
+    Args:
+        tree: of the robot.
+        base: the link on the floor.
+        hand: the link at the arm's end; None without an arm.
+    """
+    found = {}
+    for role, names in _NAMES.items():
+        links = [link for link in tree.links if link == role or names.search(link)]
+        if role == "range_sensor":
+            links = [link for link in links if _scans_level(tree, base, link)]
+        onto = hand if role == "camera" else None
+        frames = [SensorFrame(link, _between(tree, link, onto)) for link in links]
+        if frames:
+            found[role] = min(frames, key=_camera_rank if role == "camera" else _rank(role))
+    return found
+
+
+def _scans_level(tree: LinkTree, base: str, link: str) -> bool:
+    height = float(tree.pose[link][2, 3] - tree.pose[base][2, 3])
+    return abs(float(tree.pose[link][2, 2])) > LEVEL and height > LOWEST
+
+
+def _between(tree: LinkTree, link: str, onto: str | None) -> tuple[str, ...]:
+    """Joints that move one link against another; against the root, where that is None."""
+    own, other = tree.moved_by(link), [] if onto is None else tree.moved_by(onto)
+    return (*(each for each in own if each not in other), *(each for each in other if each not in own))
+
+
+def _camera_rank(frame: SensorFrame) -> tuple[bool, ...]:
+    return (
+        frame.link != "camera",
+        bool(frame.between),
+        not _OPTICAL.search(frame.link),
+        not _COLOUR.search(frame.link),
+        bool(_MOUNT.search(frame.link)),
+    )
+
+
+def _rank(role: str) -> Callable[[SensorFrame], tuple[bool, ...]]:
+    return lambda frame: (
+        frame.link != role,
+        bool(frame.between),
+        bool(_OF_A_CAMERA.search(frame.link)),
+        bool(_MOUNT.search(frame.link)),
+    )

@@ -1,0 +1,70 @@
+"""Expanding a xacro file into a URDF, with the optional library `xacrodoc`."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+from pathlib import Path
+
+from handcart.files.errors import FileError, Finding, UnsafePath
+from handcart.files.extras import lack
+
+SUFFIX = ".xacro"
+
+
+def is_xacro(file: Path) -> bool:
+    """Whether a file is for xacro, by its ending."""
+    return file.suffix.lower() == SUFFIX
+
+
+def expanded(file: Path) -> str:
+    """Return the URDF that xacro makes of a file, its meshes named by absolute paths where they are found.
+
+    xacro evaluates the Python expressions in the file, though with few functions: nothing calls this but
+    for a file that the user named.
+
+    Raises:
+        FileError: `xacrodoc` is not installed, or xacro rejects the file.
+    """
+    from handcart.backends.urdf.mesh_path import is_mesh, mesh_path
+    from handcart.robotics.kinematics.urdf_assembly import with_mesh_files
+
+    def found(name: str) -> str:
+        try:
+            path = mesh_path(name, file, file.parent)
+        except UnsafePath:
+            return name
+        return str(path) if is_mesh(path) else name
+
+    return with_mesh_files(_run_xacro(file), found)
+
+
+def _run_xacro(file: Path) -> str:
+    if wrong := lack("a xacro file", "xacro"):
+        raise FileError([Finding(str(file), 1, 1, f"{wrong}; or write a URDF: xacro FILE > robot.urdf")])
+    import xacrodoc
+    from xacro import substitution_args
+
+    substitution_args._eval_find = lambda package: str(_package_folder(package, file))
+    try:
+        with contextlib.redirect_stderr(io.StringIO()), contextlib.redirect_stdout(io.StringIO()):
+            document = xacrodoc.XacroDoc.from_file(str(file), walk_up=False, resolve_packages=False)
+            return str(document.to_urdf_string())
+    except (Exception, SystemExit) as error:  # whatever an expression of the file raises
+        words = " ".join(str(error).split())[:300] or type(error).__name__
+        raise FileError([Finding(str(file), 1, 1, f"xacro can't expand it: {words}")]) from None
+
+
+def _package_folder(name: str, file: Path) -> Path:
+    """Where `$(find NAME)` leads: a folder that holds the file or is beside such a one, or a package."""
+    from handcart.backends.urdf.packages import package_folders
+
+    for folder in file.resolve().parents:
+        if folder.name == name:
+            return folder
+        if (folder / name).is_dir():
+            return folder / name
+    found = next(package_folders(name), None)
+    if found is None:
+        raise LookupError(f"there is no package {name!r}")
+    return found
