@@ -72,8 +72,11 @@ def run(
     settings = [*(settings or []), *([f"robot={robot}"] if robot else [])]
     if dry_run or script is not None:
         from handcart.tools.checks.dry_run import dry_run as imagine
+        from handcart.tools.terminal.first_use import announced
 
-        sys.exit(imagine(task, backend, settings, seed, situation, script, as_json))
+        with announced(f"checking {task}"):
+            status = imagine(task, backend, settings, seed, situation, script, as_json)
+        sys.exit(status)
     from handcart.evaluation.trials.running import run_task
     from handcart.files.models.settings import split_setting
     from handcart.networks.coordination.interrupts import Interrupts

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cached_property, update_wrapper
@@ -11,6 +12,10 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 AHEAD: dict[str, list[tuple[Kernel, str]]] = {}
 """By module: what `compiled_for` has compiled, and for which arguments."""
+
+
+WAITING: list[Callable[[], None]] = []
+"""Functions that begin to listen to numba; called as numba is imported for the first kernel."""
 
 
 class Kernel:
@@ -29,6 +34,9 @@ class Kernel:
         """Numba's; what it compiles is kept on disk for the next process, where there is room for it."""
         import numba
 
+        for listen in WAITING:
+            listen()
+        WAITING.clear()
         try:
             return numba.njit(cache=True)(self._function)
         except RuntimeError:  # neither beside the source nor at home
@@ -69,7 +77,30 @@ def compiled_for(arguments: str) -> Callable[[Function], Function]:
 
 @contextmanager
 def hearing_of_compiling(heard: Callable[[bool], None]) -> Iterator[None]:
-    """Call `heard` with True as compiling begins, and with False as it is over; not for what is on disk."""
+    """Call `heard` with True as compiling begins, and with False as it is over; not for what is on disk.
+
+    Numba is not imported for it: listening begins with the first kernel that is called.
+    """
+    ended: list[Callable[[], None]] = []
+
+    def listen() -> None:
+        ended.append(_listen(heard))
+
+    if "numba" in sys.modules:
+        listen()
+    else:
+        WAITING.append(listen)
+    try:
+        yield
+    finally:
+        if listen in WAITING:
+            WAITING.remove(listen)
+        for end in ended:
+            end()
+
+
+def _listen(heard: Callable[[bool], None]) -> Callable[[], None]:
+    """Register `heard` with numba; return what ends that."""
     from numba.core import event
 
     class Listener(event.Listener):
@@ -89,10 +120,7 @@ def hearing_of_compiling(heard: Callable[[bool], None]) -> Iterator[None]:
 
     listener, events = Listener(), cast(Any, event)
     events.register(_COMPILE, listener)
-    try:
-        yield
-    finally:
-        events.unregister(_COMPILE, listener)
+    return lambda: events.unregister(_COMPILE, listener)
 
 
 _COMPILE = "numba:compile"

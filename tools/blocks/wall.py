@@ -28,13 +28,15 @@ def wall(
     from handcart.primitives.blocks.drawing import Drawing
     from handcart.primitives.contract.discrepancy import Discrepancy
     from handcart.primitives.knowledge.place import load_map
+    from handcart.tools.terminal.first_use import announced
     from handcart.tools.terminal.writing import NotWritable, check_folder
 
     check_folder(output)
     loaded = load_document(read_document(drawing), Drawing)
     spec, (grid, _) = load_robot(robot), load_map(chart)
     try:
-        plan = plan_wall(loaded, spec, grid)
+        with announced(f"planning how {drawing} is built"):
+            plan = plan_wall(loaded, spec, grid)
     except Discrepancy as lacking:
         raise InputError(f"{robot} can't build walls: {lacking.reason}") from None
     own = robot.endswith((".yaml", ".yml"))

@@ -58,10 +58,12 @@ def check(
 
     from handcart.files.errors import FileError, InputError
     from handcart.files.models.settings import split_setting
+    from handcart.tools.terminal.first_use import announced
 
     try:
         given = dict(split_setting(each) for each in settings or [])
-        facts = file_facts(file, given, Asked(picture, every, allow, draft))
+        with announced(f"checking {file}"):
+            facts = file_facts(file, given, Asked(picture, every, allow, draft))
     except InputError as error:
         if not as_json:
             if isinstance(error, FileError) and not every:

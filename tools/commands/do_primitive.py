@@ -41,6 +41,7 @@ def do(
     from handcart.evaluation.trials.rig import RigFiles, build_rig
     from handcart.networks.runs.robot_claim import claimed
     from handcart.primitives.contract.outcome import Success
+    from handcart.tools.terminal.first_use import announced
 
     made = _made(primitive, parameters or [])
     task = _task(knowledge, settings or [])
@@ -48,7 +49,11 @@ def do(
     given = {"world": world, "map": map, "places": places, "start": start}
     files = replace(own, **{name: value for name, value in given.items() if value is not None})  # type: ignore[arg-type]
     whose = robot or (DEFAULT if task is None else task.robot)
-    with build_rig(files, whose, backend, seed, put_at_start=start is not None) as rig, claimed(rig.backend):
+    with (
+        announced(f"running {primitive}"),
+        build_rig(files, whose, backend, seed, put_at_start=start is not None) as rig,
+        claimed(rig.backend),
+    ):
         _check_names(made, rig.knowledge)
         outcome = rig.do(made)
     word = type(outcome).__name__

@@ -30,13 +30,15 @@ def place(
     from handcart.files.errors import FileError
     from handcart.files.models.loading import load
     from handcart.primitives.seam.work_piece import WorkPiece
+    from handcart.tools.terminal.first_use import announced
     from handcart.tools.terminal.writing import NotWritable, check_folder
 
     check_folder(output)
     spec = load_robot(robot)
     piece = load(work_piece, WorkPiece) if work_piece else None
     try:
-        placed = place_seam(spec, path, piece, placements)
+        with announced(f"placing the base along {path}"):
+            placed = place_seam(spec, path, piece, placements)
     except NoToolArm as error:
         raise FileError([_document(robot).finding(error.key, str(error))]) from None
     except UnknownPosture as error:

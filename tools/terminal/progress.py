@@ -22,9 +22,9 @@ from handcart.networks.run_observer import RunObserver
 from handcart.networks.task.preparing import Prepared
 from handcart.primitives.contract.outcome import Fail, GiveUp, Success
 from handcart.robotics.numerics.compiled import hearing_of_compiling
+from handcart.tools.terminal.first_use import COMPILING as COMPILING
 
 LOADING = "loading"
-COMPILING = "compiling inner loops: only once after installing"
 COLOURS = {"Success": "green", "Fail": "yellow", "GiveUp": "red"}
 
 

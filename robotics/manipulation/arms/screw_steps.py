@@ -131,6 +131,32 @@ def without_free(pose: Floats, free: int, rows: Floats) -> None:
 
 
 @compiled
+def determinant_in_place(matrix: Floats) -> float:
+    """Return the determinant of a small square matrix (n, n), by Gaussian elimination with row pivots.
+
+    The matrix is overwritten. Written out because numba takes a second to compile LAPACK's.
+    """
+    n, product = len(matrix), 1.0
+    for column in range(n):
+        pivot = column
+        for row in range(column + 1, n):
+            if abs(matrix[row, column]) > abs(matrix[pivot, column]):
+                pivot = row
+        if matrix[pivot, column] == 0.0:
+            return 0.0
+        if pivot != column:
+            product = -product
+            for other in range(column, n):
+                matrix[column, other], matrix[pivot, other] = matrix[pivot, other], matrix[column, other]
+        product *= matrix[column, column]
+        for row in range(column + 1, n):
+            factor = matrix[row, column] / matrix[column, column]
+            for other in range(column, n):
+                matrix[row, other] -= factor * matrix[column, other]
+    return product
+
+
+@compiled
 def solve_in_place(matrix: Floats, right: Floats) -> bool:
     """Gauss with pivots for a small square matrix (n, n), the solution into `right` (n,); False: singular."""
     n = len(right)

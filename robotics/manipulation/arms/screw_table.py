@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from handcart.robotics.manipulation.placement.score_rule import UNUSABLE, worth
 from handcart.robotics.numerics.compiled import compiled
 
-from .screw_steps import descend, solve_in_place, tip_and_jacobian, without_free
+from .screw_steps import descend, determinant_in_place, solve_in_place, tip_and_jacobian, without_free
 
 Floats = NDArray[np.float64]
 Masks = NDArray[np.bool_]
@@ -94,7 +94,10 @@ def tool_rates(pose: Floats, jacobian: Floats, twist: Floats, free: int, rates: 
     reduced, along = jacobian.copy(), twist.copy().reshape((6, 1))
     without_free(pose, free, reduced)
     without_free(pose, free, along)
-    square = reduced @ reduced.T
+    square = np.empty((6, 6))
+    for r in range(6):
+        for c in range(6):
+            square[r, c] = _row_product(reduced, r, c)
     tasks = 6
     if free:
         tasks = 5
@@ -105,25 +108,57 @@ def tool_rates(pose: Floats, jacobian: Floats, twist: Floats, free: int, rates: 
         for i in range(3):
             for j in range(3):
                 square[3 + i, 3 + j] += axis[i] * axis[j]
-    determinant = np.linalg.det(square)
+    determinant = determinant_in_place(square.copy())
     if n < tasks or determinant < 1e-18:
         return 0.0
     right = along[:, 0].copy()
     if not solve_in_place(square.copy(), right):
         return 0.0
-    found = reduced.T @ right
     for i in range(n):
-        rates[i] = found[i]
+        rates[i] = _column_product(reduced, i, right)
     if n == tasks + 1:
         _spread_evenly(reduced, square, rates)
     return math.sqrt(determinant)
 
 
 @compiled
+def _row_product(matrix: Floats, one: int, other: int) -> float:
+    """Return the scalar product of two rows; written out because numba compiles `@` for half a second."""
+    total = 0.0
+    for k in range(matrix.shape[1]):
+        total += matrix[one, k] * matrix[other, k]
+    return total
+
+
+@compiled
+def _column_product(matrix: Floats, column: int, vector: Floats) -> float:
+    """Return the scalar product of a column and a vector."""
+    total = 0.0
+    for k in range(len(vector)):
+        total += matrix[k, column] * vector[k]
+    return total
+
+
+@compiled
+def _largest_size(rates: Floats, amount: float, slope: Floats) -> float:
+    """Return the largest size of `rates + amount * slope`."""
+    largest = 0.0
+    for i in range(len(rates)):
+        largest = max(largest, abs(rates[i] + amount * slope[i]))
+    return largest
+
+
+@compiled
 def _spread_evenly(reduced: Floats, square: Floats, rates: Floats) -> None:
     """Moves along the one spare motion to where the largest rate is least: a linear program in one number."""
     n = len(rates)
-    spare = np.eye(n) - reduced.T @ np.linalg.solve(square, reduced)
+    spare = np.eye(n)
+    for column in range(n):
+        right = reduced[:, column].copy()
+        if not solve_in_place(square.copy(), right):
+            return
+        for i in range(n):
+            spare[i, column] -= _column_product(reduced, i, right)
     widest = 0
     for i in range(n):
         if spare[i, i] > spare[widest, widest]:
@@ -136,11 +171,12 @@ def _spread_evenly(reduced: Floats, square: Floats, rates: Floats) -> None:
                 bottom = slope[i] + sign * slope[j]
                 if abs(bottom) > 1e-12:
                     amount = -(rates[i] + sign * rates[j]) / bottom
-                    largest = np.max(np.abs(rates + amount * slope))
+                    largest = _largest_size(rates, amount, slope)
                     if largest < least:
                         best, least = amount, largest
-    if least < np.max(np.abs(rates)):
-        rates += best * slope
+    if least < _largest_size(rates, 0.0, slope):
+        for i in range(n):
+            rates[i] += best * slope[i]
 
 
 @compiled
@@ -227,7 +263,8 @@ def screw_table(
             last = best_q.copy()
             warm = True
             if angles.size:
-                angles[b, j] = best_q
+                for i in range(n):
+                    angles[b, j, i] = best_q[i]
     return values, usable, joined
 
 

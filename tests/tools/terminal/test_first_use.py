@@ -1,0 +1,61 @@
+"""What a command says while it computes."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+import pytest
+
+from handcart.tools.terminal import first_use
+from handcart.tools.terminal.first_use import COMPILING, announced
+
+ROOT = Path(__file__).resolve().parents[3]
+
+
+def test_command_that_takes_long_says_what_it_does(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(first_use, "SILENT_TIME_S", 0.0)
+    said, say = threading.Event(), first_use._say
+
+    def say_and_note(words: str) -> None:
+        say(words)
+        said.set()
+
+    monkeypatch.setattr(first_use, "_say", say_and_note)
+    with announced("checking my.yaml"):
+        assert said.wait(10.0)
+    assert capsys.readouterr().err == "checking my.yaml ...\n"
+
+
+def test_command_that_is_quick_says_nothing(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(first_use, "SILENT_TIME_S", 3600.0)
+    with announced("checking my.yaml"):
+        pass
+    assert capsys.readouterr().err == ""
+
+
+def test_first_check_says_that_it_compiles(tmp_path: Path) -> None:
+    words = [sys.executable, "-m", "handcart", "check", "drive_map"]
+    env = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
+    ended = subprocess.run(words, cwd=ROOT, env=env, capture_output=True, text=True, check=False)
+    assert ended.returncode == 0
+    assert ended.stderr.count(COMPILING) == 1
+
+
+def test_announcing_does_not_import_numba(tmp_path: Path) -> None:
+    code = (
+        "import sys\n"
+        "from handcart.tools.terminal.first_use import announced\n"
+        "with announced('a command'):\n"
+        "    print('numba' in sys.modules)"
+    )
+    words = [sys.executable, "-c", code]
+    ended = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert ended.stdout == "False\n"

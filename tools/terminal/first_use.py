@@ -1,0 +1,41 @@
+"""Say what a command does while it is silent for long: it computes, or compiles for the first time."""
+
+from __future__ import annotations
+
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from handcart.robotics.numerics.compiled import hearing_of_compiling
+from handcart.robotics.numerics.compiling_ahead import compiling_ahead
+
+COMPILING = "compiling inner loops: only once after installing"
+SILENT_TIME_S = 1.0
+
+
+@contextmanager
+def announced(what: str) -> Iterator[None]:
+    """Print `what` to stderr after a second, and that inner loops are compiled as soon as that begins.
+
+    Compiling goes on on all cores. Nothing is printed by a command that ends within the second.
+    """
+    timer = threading.Timer(SILENT_TIME_S, _say, [f"{what} ..."])
+    timer.daemon = True
+    said: list[str] = []
+
+    def heard(compiling: bool) -> None:
+        if compiling and not said:
+            said.append(COMPILING)
+            _say(COMPILING)
+
+    timer.start()
+    try:
+        with compiling_ahead(), hearing_of_compiling(heard):
+            yield
+    finally:
+        timer.cancel()
+
+
+def _say(words: str) -> None:
+    print(words, file=sys.stderr, flush=True)
