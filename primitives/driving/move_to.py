@@ -75,6 +75,7 @@ class MoveTo(ActionPrimitive):
     _monitor: ObstacleMonitor | FieldObstacleMonitor | None = PrivateAttr(default=None)
     _ahead: NDArray[np.float64] = PrivateAttr(default_factory=lambda: np.empty((0, 2)))
     _blocked_since: float | None = PrivateAttr(default=None)
+    _restores: bool = PrivateAttr(default=False)
     _lidar_watch: LidarWatch = PrivateAttr(default_factory=LidarWatch)
 
     def hand_use(self) -> HandUse:
@@ -145,10 +146,10 @@ class MoveTo(ActionPrimitive):
         progress, since, rolled, driven, last = 0.0, robot.time, 0.0, 0.0, robot.localization.odometry_pose
         anew = 0
         while not tracker.finished(robot.pose):
-            self._ahead = tracker.ahead
             waits = self._blocked_since is not None
-            drive = tracker.hold(robot.period) if waits else tracker.command(robot.pose, robot.period)
-            robot.base.drive(*drive)
+            follow = tracker.hold if waits else tracker.command
+            robot.base.drive(*follow(robot.pose, robot.period))
+            self._ahead = tracker.ahead
             if tracker.progress > progress + 0.01 or waits:
                 progress, since, rolled = tracker.progress, robot.time, 0.0
             if anew < ANEW and robot.time > since + HELD and self._held_by_map(robot, model):
@@ -233,9 +234,14 @@ class MoveTo(ActionPrimitive):
             self.evidence.points |= {"sensed": sensed, "in the way": found[1][None], "ahead": self._ahead}
             x, y = found[1]
             raise Discrepancy(
-                f"an obstacle stands on the path to {self.place}, at ({x:.2f}, {y:.2f}) m",
+                f"an obstacle stands on {self._way}, at ({x:.2f}, {y:.2f}) m",
                 measured=Measured("RangeSensor", "free way ahead", found[0], HORIZON, "m"),
             )
+
+    @property
+    def _way(self) -> str:
+        """Which way is watched, in words."""
+        return "the way back" if self._restores else f"the path to {self.place}"
 
     def meant_contacts(self, model: WorldModel) -> Sequence[MeantContact]:
         """Nothing but what the arm takes meanwhile."""
@@ -243,7 +249,7 @@ class MoveTo(ActionPrimitive):
 
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
         """Drive back the way it came; what stands there now is waited for."""
-        self._blocked_since = None
+        self._blocked_since, self._restores = None, True
         behind = np.array([[moment.pose.x, moment.pose.y] for moment in trace.moments])[::-1]
         way_back = retrace(robot, start, trace, model.speed_limits)
         while True:

@@ -105,8 +105,11 @@ class CarTracker:
         self._bend = bend
         return self._drive(leg)
 
-    def hold(self, dt: float) -> tuple[float, float]:
-        """Speed and turn rate with which to come to rest and stay there."""
+    def hold(self, pose: Pose2, dt: float) -> tuple[float, float]:
+        """Return speed and turn rate with which to come to rest and stay there; see `PathTracker.hold`."""
+        if self._at < len(self._legs):
+            leg = self._legs[self._at]
+            leg.pursuit.advance(leg.seen(pose))
         self._speed = max(0.0, self._speed - self._limits.acceleration * dt)
         return self._drive(self._legs[self._at]) if self._at < len(self._legs) else (0.0, 0.0)
 

@@ -98,8 +98,16 @@ class PathTracker:
         speed, turn_rate = self._track(Pose2(pose.x, pose.y, wrap(pose.theta + self._flip)))
         return self._ramp.towards(-speed if self._flip else speed, turn_rate, dt)
 
-    def hold(self, dt: float) -> tuple[float, float]:
-        """Speed in [m/s] and turn rate in [rad/s] with which to come to rest and stay there."""
+    def hold(self, pose: Pose2, dt: float) -> tuple[float, float]:
+        """Return the speed in [m/s] and turn rate in [rad/s] with which to come to rest and stay there.
+
+        While the base rolls on, its progress goes on: what it has passed is no longer ahead.
+
+        Args:
+            pose: of the base on the map.
+            dt: the control period, in [s].
+        """
+        self._advance(pose)
         return self._ramp.towards(0.0, 0.0, dt)
 
     def _advance(self, pose: Pose2) -> None:

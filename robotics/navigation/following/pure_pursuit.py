@@ -53,14 +53,15 @@ class PurePursuit:
 
     def command(self, pose: Pose2, speed: float, dt: float) -> tuple[float, float]:
         """Speed in [m/s] and curvature in [1/m] for the next `dt` [s], the car at `pose` with `speed` now."""
-        self._advance(pose)
+        self.advance(pose)
         return self._pace(pose, speed, dt), self._steer(pose)
 
     def astray(self, pose: Pose2) -> float:
         """Distance from the nearest point of the path, in [m]."""
         return float(np.hypot(*(self._poses[self._at, :2] - pose[:2])))
 
-    def _advance(self, pose: Pose2) -> None:
+    def advance(self, pose: Pose2) -> None:
+        """Move progress to the nearest point of the path not far ahead; never back."""
         end = int(np.searchsorted(self._along, self._along[self._at] + LOOK, side="right"))
         away = np.hypot(*(self._poses[self._at : end, :2] - pose[:2]).T)
         self._at += int(np.argmin(away))

@@ -7,6 +7,9 @@ from numpy.typing import NDArray
 
 from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
 
+MIN_APPROACH_M = 0.005
+"""By which the route must come nearer to a point that is too near already, for that to be in the way."""
+
 
 def unexpected_points(
     points: NDArray[np.float64], field: LikelihoodField, margin: float
@@ -41,7 +44,9 @@ def path_blocked(
     horizon: float,
     fewest: int = 2,
 ) -> tuple[float, NDArray[np.float64]] | None:
-    """Where along a route a robot would touch sensed points.
+    """Return where along a route a robot would touch sensed points.
+
+    A point that is too near already, and from which the route only leads away, is not in the way.
 
     Args:
         route: (n, 2) the route ahead, from where the robot is, in [m].
@@ -60,7 +65,9 @@ def path_blocked(
     end = min(horizon, float(along[-1]))
     at = np.linspace(0.0, end, max(2, int(end / (0.1 * radius)) + 1))
     centres = np.column_stack([np.interp(at, along, route[:, i]) for i in (0, 1)])
-    near = np.hypot(*(centres[:, None] - points[None]).transpose(2, 0, 1)) < radius
+    away = np.hypot(*(centres[:, None] - points[None]).transpose(2, 0, 1))
+    near = away < radius
+    near &= ~near[0] | (away.min(axis=0) < away[0] - MIN_APPROACH_M)
     if np.count_nonzero(near.any(axis=0)) < fewest:
         return None
     first = int(np.argmax(near.any(axis=1)))

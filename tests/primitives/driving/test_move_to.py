@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from handcart.primitives.contract.discrepancy import Discrepancy
-from handcart.primitives.contract.outcome import Fail, Success
+from handcart.primitives.contract.outcome import Fail, GiveUp, Success
 from handcart.primitives.driving.modify import Modify
 from handcart.primitives.driving.move_to import MoveTo
 from handcart.robotics.geometry.pose2 import Pose2
@@ -108,3 +108,22 @@ def test_with_the_arm_out_the_base_does_not_drive(
     assert isinstance(outcome, Fail)
     assert "the hand stands out beyond the robot's footprint" in outcome.reason
     assert rig.robot.time < 2.0
+
+
+def test_who_comes_behind_a_waiting_base_is_not_in_its_way(make_rig: Callable[..., Rig]) -> None:
+    """The base rolls on for 0.4 m after it began to wait: what then stands behind it is not ahead."""
+    pallet = BOX.format(x=3.0, y=1.1, more=", leaves_s: 12")
+    person = (
+        "  - {name: person, x_m: 1.333, y_m: 1.077, heading_deg: 0, size_m: [0.1, 0.1, 1.7], appears_s: 8}\n"
+    )
+    rig = make_rig(f"{pallet}{person}\n")
+    outcome = rig.run(MoveTo(place="shelf_1", wait_s=18.0))
+    assert isinstance(outcome, Success), outcome
+    assert rig.robot.time < 45.0
+
+
+def test_what_stands_behind_while_restoring_is_on_the_way_back(make_rig: Callable[..., Rig]) -> None:
+    rig = make_rig(BOX.format(x=1.5, y=1.1, more=", appears_s: 5"))
+    outcome = rig.run(MoveTo(place="shelf_1", wait_s=2.0), cancel=lambda: rig.robot.time > 5.0)
+    assert isinstance(outcome, GiveUp)
+    assert "restoring failed: an obstacle stands on the way back, at (" in outcome.reason

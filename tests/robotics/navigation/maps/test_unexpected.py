@@ -71,11 +71,19 @@ def test_distance_is_along_the_route() -> None:
         (np.array([[1.5, 0.0]]), 10.0),
         (np.array([[1.5, 0.0], [1.5, 0.9], [0.5, -1.2]]), 10.0),
         (np.empty((0, 2)), 10.0),
+        (np.array([[-0.3, 0.0], [-0.28, 0.1]]), 10.0),
+        (np.array([[0.0, 0.35], [0.0, 0.36]]), 0.3),
     ],
-    ids=["beside", "beyond the horizon", "a lone point", "a lone point among others", "nothing"],
+    ids=["beside", "beyond the horizon", "a lone point", "lone among others", "nothing", "behind", "aside"],
 )
 def test_a_route_is_not_blocked_by(points: NDArray[Any], horizon: float) -> None:
     assert path_blocked(ROUTE, points, 0.4, horizon) is None
+
+
+def test_what_is_too_near_ahead_blocks_at_once() -> None:
+    found = path_blocked(ROUTE, np.array([[0.3, 0.0], [0.3, 0.1]]), 0.4, 1.0)
+    assert found is not None
+    assert found[0] == 0.0
 
 
 def test_no_route_is_never_blocked() -> None:
