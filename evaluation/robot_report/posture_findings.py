@@ -41,7 +41,7 @@ def posture_facts(robot: RobotFile) -> list[PostureFacts]:
     """Look at all postures of a robot's file; nothing where it has no arm."""
     if robot.arm is None:
         return []
-    arm = _opened(robot)
+    arm = opened_arm(robot)
     collision = CollisionModel(arm)
     moved = moved_links(arm)
     return [_facts(name, np.array(robot.posture(name)), arm, collision, moved) for name in robot.arm.postures]
@@ -69,7 +69,8 @@ def posture_findings(robot_name: str, robot: RobotFile) -> Iterator[Finding]:
             yield document.finding(key, f"{wrong} {allowed}")
 
 
-def _opened(robot: RobotFile) -> ArmModel:
+def opened_arm(robot: RobotFile) -> ArmModel:
+    """Return the robot's arm, its fingers open."""
     arm = robot.arm_model()
     if robot.gripper is None:
         return arm

@@ -22,7 +22,7 @@ from .meshes import MeshRow, mesh_row
 from .mount_remarks import mount_remarks
 from .reach import Reach, reach_of
 from .remark import Remark
-from .self_contact import SelfContact, self_contact
+from .self_contact import SelfContact, self_contact, touching_words
 
 AWAY = 0.3  # [m] from the camera: where it reads labels
 
@@ -212,7 +212,7 @@ def _of_contact(contact: SelfContact | None, reach: Reach | None) -> list[Remark
             Remark("", f"{words}; if they may, `handcart check --allow` writes that into the file")
         )
     if reach is None:
-        often = ", ".join(f"{a!r} with {b!r} in {share:.0%}" for (a, b), share in contact.often[:3])
+        often = ", ".join(touching_words(*each) for each in contact.often[:3])
         remarks.append(Remark("", f"no posture was found that is free of the robot itself: {often}"))
     return remarks
 

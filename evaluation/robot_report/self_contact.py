@@ -29,11 +29,24 @@ class SelfContact:
     """Pairs that touch in all but 5 % of the postures: their bodies overlap by the way they are drawn."""
     often: Sequence[tuple[Pair, float]]
     """Other pairs, with the share of postures in which they touch, the most frequent first."""
+    always_shares: Sequence[float] = ()
+    """Of postures in which the pairs of `always` touch."""
 
     @property
     def words(self) -> str:
         """In one line."""
         return f"{self.tried - self.free} of {self.tried} random postures touch the robot itself"
+
+    @property
+    def pairs(self) -> list[str]:
+        """Each pair that touches, with its share of the postures, in words; the most frequent first."""
+        always = zip(self.always, self.always_shares, strict=True)
+        return [touching_words(pair, share) for pair, share in (*always, *self.often)]
+
+
+def touching_words(pair: Pair, share: float) -> str:
+    """How often two links touch, as people read it."""
+    return f"{pair[0]} touches {pair[1]} in {100.0 * share:.0f} % of postures"
 
 
 def self_contact(arm: ArmModel, seed: int = 0) -> SelfContact:
@@ -48,4 +61,5 @@ def self_contact(arm: ArmModel, seed: int = 0) -> SelfContact:
         touching.update(pairs)
     always = sorted(pair for pair, count in touching.items() if count >= ALWAYS * SAMPLES)
     others = sorted((-count, pair) for pair, count in touching.items() if pair not in always)
-    return SelfContact(SAMPLES, free, always, [(pair, -count / SAMPLES) for count, pair in others])
+    shares = [touching[pair] / SAMPLES for pair in always]
+    return SelfContact(SAMPLES, free, always, [(pair, -count / SAMPLES) for count, pair in others], shares)

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 WIDTH = 110
 MOST = 3  # links that are named as heavy
+PAIRS = 5  # links that touch each other, that are named
 PICTURES = (".svg", ".png", ".pdf")
 
 
@@ -98,7 +99,9 @@ def _lines(report: RobotReport, every: bool) -> list[str]:
     """The report for people."""
     parts: list[Any] = []
     if report.contact is not None:
-        parts.append(report.contact.words)
+        pairs = report.contact.pairs
+        parts += [report.contact.words, *(f"  {each}" for each in (pairs if every else pairs[:PAIRS]))]
+        parts += [f"  and {len(pairs) - PAIRS} pairs more"] if len(pairs) > PAIRS and not every else []
     if report.reach is not None:
         parts += [_reach_words(report.reach), *_domain_tables(report), ""]
     if report.camera is not None:

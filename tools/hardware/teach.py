@@ -3,13 +3,27 @@
 from __future__ import annotations
 
 import difflib
+import math
 import re
+import sys
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 if TYPE_CHECKING:
     from handcart.backends.description.robot_file import ArmSpec, RobotFile
+    from handcart.evaluation.robot_report.postures import HandAim
+
+ONE_OF = "what is the posture? allowed: either --joints, --hand or --from-posture"
+PAIRS = 3  # links that touch each other, that are named
+WAYS = {
+    "ahead": (1.0, 0.0, 0.0),
+    "back": (-1.0, 0.0, 0.0),
+    "left": (0.0, 1.0, 0.0),
+    "right": (0.0, -1.0, 0.0),
+    "up": (0.0, 0.0, 1.0),
+    "down": (0.0, 0.0, -1.0),
+}
 
 
 def teach(
@@ -25,6 +39,15 @@ def teach(
     ] = None,
     hand: Annotated[
         str | None, typer.Option(help="X,Y,Z in metres: where the hand is to be, upright and pointing ahead")
+    ] = None,
+    pointing: Annotated[
+        str, typer.Option(help="with --hand: ahead, back, left, right, up, down, or X,Y,Z of a direction")
+    ] = "ahead",
+    roll: Annotated[
+        float | None,
+        typer.Option(
+            help="with --hand: degrees about that; default: upright, any where it points up or down"
+        ),
     ] = None,
     from_posture: Annotated[str | None, typer.Option(help="a posture in the file, to copy")] = None,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="only show what would change")] = False,
@@ -42,7 +65,10 @@ def teach(
         raise typer.BadParameter(
             f"{name!r} is no name; allowed: small letters, digits and _, such as pick_up_1"
         )
-    angles = _found(spec, hand, joints, from_posture) if hand else _angles(spec.arm, joints, from_posture)
+    aimed = hand is not None or pointing != "ahead" or roll is not None
+    if aimed and (joints is not None or from_posture is not None):
+        raise typer.BadParameter(ONE_OF)
+    angles = _found(spec, _aim(hand, pointing, roll)) if aimed else _angles(spec.arm, joints, from_posture)
     _check_posture(angles, spec, spec.arm)
     before = file.read_text(encoding="utf-8")
     after = _with_posture(before, name, angles)
@@ -53,25 +79,52 @@ def teach(
     print(f"{name} {'would be' if dry_run else 'is'} recorded in {file}")
 
 
-def _found(spec: RobotFile, hand: str, joints: str | None, from_posture: str | None) -> list[float]:
-    from handcart.evaluation.robot_report.postures import posture_at
+def _aim(hand: str | None, way: str, roll: float | None) -> HandAim:
+    from handcart.evaluation.robot_report.postures import HandAim
+    from handcart.files.suggest import suggest
 
-    if joints is not None or from_posture is not None:
-        raise typer.BadParameter("what is the posture? allowed: either --joints, --hand or --from-posture")
+    if hand is None:
+        raise typer.BadParameter("where is the hand to be? needed: --hand X,Y,Z")
+    place = _triple(hand)
+    if place is None:
+        raise typer.BadParameter(f"{hand!r} is no place; allowed: X,Y,Z in metres")
+    direction = WAYS.get(way) or _triple(way)
+    if direction is None or not any(direction):
+        hint = suggest(way, WAYS) if direction is None else "; allowed: not all 0"
+        raise typer.BadParameter(f"{way!r} is no direction{hint}, or X,Y,Z in the base frame")
+    if roll is not None and not math.isfinite(roll):
+        raise typer.BadParameter(f"a roll of {roll} deg; allowed: a finite number")
+    return HandAim(place, direction, roll)
+
+
+def _triple(text: str) -> tuple[float, float, float] | None:
+    """Three finite numbers with commas, or None."""
     try:
-        x, y, z = (float(each) for each in hand.split(","))
+        x, y, z = (float(each) for each in text.split(","))
     except ValueError:
-        raise typer.BadParameter(f"{hand!r} is no place; allowed: X,Y,Z in metres") from None
-    angles = posture_at(spec, (x, y, z))
-    if angles is None:
-        wrong = f"no posture has the hand at {hand} m, free of the robot itself"
-        raise typer.BadParameter(f"{wrong}; allowed: what `handcart check` tells of its reach")
-    return angles
+        return None
+    return (x, y, z) if all(map(math.isfinite, (x, y, z))) else None
+
+
+def _found(spec: RobotFile, aim: HandAim) -> list[float]:
+    from handcart.evaluation.robot_report.postures import posture_at
+    from handcart.evaluation.robot_report.self_contact import touching_words
+
+    found = posture_at(spec, aim)
+    if found.angles is not None:
+        return found.angles
+    at = f"the hand at {','.join(f'{each:g}' for each in aim.place)} m"
+    if not found.reached:
+        reach = "what `handcart check` tells of its reach, or another --pointing"
+        raise typer.BadParameter(f"no posture has {at}, pointing that way; allowed: {reach}")
+    pairs = "; ".join(touching_words(*each) for each in found.touching[:PAIRS])
+    wrong = f"none of {found.reached} postures that have {at} is free of the robot itself: {pairs}"
+    raise typer.BadParameter(f"{wrong}; allowed: another place, or `handcart check --allow`")
 
 
 def _angles(arm: ArmSpec, joints: str | None, from_posture: str | None) -> list[float]:
     if (joints is None) == (from_posture is None):
-        raise typer.BadParameter("what is the posture? allowed: either --joints, --hand or --from-posture")
+        raise typer.BadParameter(ONE_OF)
     if from_posture is not None:
         return _copied(arm, from_posture)
     assert joints is not None
@@ -96,6 +149,18 @@ def _check_posture(angles: list[float], spec: RobotFile, arm: ArmSpec) -> None:
     faults = posture_faults(spec.arm_model(), spec.joint_units, tuple(angles))
     if faults:
         raise typer.BadParameter("; ".join(faults))
+    _warn_of_contacts(angles, spec)
+
+
+def _warn_of_contacts(angles: list[float], spec: RobotFile) -> None:
+    """Print the links that touch each other in a posture, the fingers open, on stderr."""
+    import numpy as np
+
+    from handcart.evaluation.robot_report.posture_findings import opened_arm
+    from handcart.robotics.manipulation.motions.collision_model import CollisionModel
+
+    for one, other in CollisionModel(opened_arm(spec)).contacts(np.array(spec.joint_units.si(angles))):
+        print(f"warning: {one} touches {other} in this posture", file=sys.stderr)
 
 
 def _with_posture(text: str, name: str, angles: list[float]) -> str:

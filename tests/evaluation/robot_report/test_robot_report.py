@@ -10,7 +10,7 @@ import pytest
 from handcart.backends.description.robot_loading import load_robot
 from handcart.evaluation.robot_report.masses import mass_faults
 from handcart.evaluation.robot_report.meshes import mesh_row
-from handcart.evaluation.robot_report.postures import posture_at
+from handcart.evaluation.robot_report.postures import HandAim, posture_at
 from handcart.evaluation.robot_report.report import RobotReport, contents_of, report_of
 from handcart.robotics.kinematics.shapes import Box
 from handcart.robotics.kinematics.urdf_contents import LinkFacts, MeshUse
@@ -124,7 +124,7 @@ def test_a_cart_without_an_arm_is_told_of_too() -> None:
 
 def test_a_posture_is_found_for_the_hand() -> None:
     robot = load_robot("librarian")
-    angles = posture_at(robot, (0.1, -0.05, 0.8))
+    angles = posture_at(robot, HandAim((0.1, -0.05, 0.8))).angles
     assert angles is not None
     assert np.allclose(robot.arm_model().forward(np.radians(angles))[:3, 3], (0.1, -0.05, 0.8), atol=1e-6)
-    assert posture_at(robot, (3.0, 0.0, 0.8)) is None
+    assert posture_at(robot, HandAim((3.0, 0.0, 0.8))).angles is None

@@ -91,6 +91,7 @@ def test_links_that_always_touch_are_proposed_and_allowed(handcart: Callable[...
     assert report["robot"]["self_contact"]["free"] == 0
     assert report["robot"]["reach"] is not None
     assert any("touch however the arm stands: base with boom;" in each for each in report["warnings"])
+    assert "  base touches boom in 100 % of postures\n" in handcart("check", robot).out
     said = handcart("check", robot, "--allow")
     assert said.status == 0
     assert "+  - [base, boom]" in said.err

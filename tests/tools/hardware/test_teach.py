@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from tests.tools.conftest import Said
@@ -72,3 +74,59 @@ def test_what_cant_be_recorded_is_refused(
     assert said.status == 2
     assert message in said.err
     assert robot.read_bytes() == before
+
+
+@pytest.mark.parametrize(
+    ("options", "x", "z"),
+    [
+        (("--hand=0.3,-0.2,0.8",), (1, 0, 0), (0, 0, 1)),
+        (("--hand=0.3,-0.2,0.8", "--pointing", "down"), (0, 0, -1), None),
+        (("--hand=0.3,-0.2,0.8", "--pointing", "down", "--roll", "90"), (0, 0, -1), (0, -1, 0)),
+        (("--hand=0.2,-0.4,0.8", "--pointing", "right"), (0, -1, 0), (0, 0, 1)),
+        (("--hand=0.4,-0.2,0.7", "--pointing=1,0,-1"), (0.7071, 0, -0.7071), (0.7071, 0, 0.7071)),
+    ],
+)  # fmt: skip
+def test_hand_points_the_given_way(
+    handcart: Callable[..., Said],
+    robot: Path,
+    options: tuple[str, ...],
+    x: tuple[float, ...],
+    z: tuple[float, ...] | None,
+) -> None:
+    from handcart.backends.description.robot_loading import load_robot
+
+    said = handcart("teach", "look", "--robot", robot, *options)
+    assert said.status == 0, said.err
+    assert said.err == ""
+    spec = load_robot(str(robot))
+    pose = spec.arm_model().forward(np.array(spec.posture("look")))
+    assert pose[:3, 3] == pytest.approx([float(each) for each in options[0][7:].split(",")], abs=1e-4)
+    assert pose[:3, 0] == pytest.approx(x, abs=1e-3)
+    assert z is None or pose[:3, 2] == pytest.approx(z, abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (("--pointing", "down"), "where is the hand to be? needed: --hand X,Y,Z"),
+        (("--hand=0.3,0,0.8", "--pointing", "dwn"), "'dwn' is no direction; did you mean 'down'?"),
+        (("--hand=0.3,0,0.8", "--pointing=0,0,0"), "'0,0,0' is no direction; allowed: not all 0"),
+        (("--hand=0.3,0,nan",), "'0.3,0,nan' is no place"),
+        (("--hand=3,0,0.8", "--pointing", "down"), "no posture has the hand at 3,0,0.8 m, pointing"),
+        (("--hand=-0.12,0.05,0.45", "--pointing", "down"), "is free of the robot itself"),
+    ],
+)  # fmt: skip
+def test_hand_that_cannot_point_there_is_refused(
+    handcart: Callable[..., Said], robot: Path, options: tuple[str, ...], words: str
+) -> None:
+    said = handcart("teach", "look", "--robot", robot, *options)
+    assert said.status == 2
+    assert words in " ".join(said.err.replace("│", " ").split())
+
+
+def test_posture_that_touches_itself_is_taught_with_a_warning(
+    handcart: Callable[..., Said], robot: Path
+) -> None:
+    said = handcart("teach", "folded", "--robot", robot, "--joints", "0,-90,150,0,100,0")
+    assert said.status == 0
+    assert re.search(r"warning: \w+ touches \w+ in this posture", said.err)
