@@ -3,51 +3,77 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Callable
 
 from aiohttp import web
 
 from .guard import Handler
 
-MOST = 200
+MOST_KNOWN = 200
+"""Connections kept of those that have shown the token."""
+MOST_UNKNOWN = 512
+"""Other connections. Many times what is accepted in one round of the loop (`ACCEPTED_AT_ONCE` on each of two
+addresses): a request that comes with its connection is read a few rounds later, long before that connection
+could be the oldest of them."""
+ACCEPTED_AT_ONCE = 16
+WAITING_TO_BE_ACCEPTED = 4096
+"""Length of the kernel's queue: who finds it full is heard only a second later."""
 SILENT_S = 10.0
 """[s] in which a new connection has to have sent a whole request's head."""
 
 
 class Connections:
-    """Makes each new connection; one too many, or one that doesn't come to the point, is closed."""
+    """Makes each new connection, and keeps room for whoever has the token.
 
-    def __init__(self) -> None:
-        """None yet."""
+    A connection is unknown until it sends a request with the token. Where there are too many unknown ones,
+    the oldest is closed, never a new one: any process of this machine can open hundreds, and a STOP has to
+    arrive all the same.
+    """
+
+    def __init__(self, has_token: Callable[[web.Request], bool]) -> None:
+        """`has_token`: whether a request has it."""
+        self._has_token = has_token
         self.of: web.Server | None = None
         """The application's server; None: it isn't set up."""
-        self._new: set[asyncio.BaseProtocol] = set()
+        self._silent: set[asyncio.BaseProtocol] = set()
+        self._known: set[asyncio.BaseProtocol] = set()
 
     def __call__(self) -> asyncio.BaseProtocol:
         """For `loop.create_server`."""
         assert self.of is not None
         protocol: asyncio.BaseProtocol = self.of()
         loop = asyncio.get_running_loop()
-        self._new.add(protocol)
+        self._silent.add(protocol)
         loop.call_later(SILENT_S, self._look, protocol)
         # It is connected in the loop's next round: before that it can neither be counted nor closed.
-        loop.call_soon(loop.call_soon, self._count, protocol)
+        loop.call_soon(loop.call_soon, self._count)
         return protocol
 
     @web.middleware
     async def heard(self, request: web.Request, handler: Handler) -> web.StreamResponse:
-        """Note that a connection has sent a request."""
-        self._new.discard(request.protocol)
+        """Note that a connection has sent a request, and whether it has shown the token."""
+        self._silent.discard(request.protocol)
+        if self._has_token(request) and len(self._known) < MOST_KNOWN:
+            self._known.add(request.protocol)
         return await handler(request)
 
-    def _count(self, protocol: asyncio.BaseProtocol) -> None:
+    def _count(self) -> None:
         assert self.of is not None
-        if len(self.of.connections) > MOST:
-            _close(protocol)
+        opened = [each for each in self.of.connections if _is_open(each)]
+        self._known &= set(opened)
+        unknown = [each for each in opened if each not in self._known]
+        for each in unknown[: len(unknown) - MOST_UNKNOWN] if len(unknown) > MOST_UNKNOWN else []:
+            _close(each)
 
     def _look(self, protocol: asyncio.BaseProtocol) -> None:
-        if protocol in self._new:
-            self._new.discard(protocol)
+        if protocol in self._silent:
+            self._silent.discard(protocol)
             _close(protocol)
+
+
+def _is_open(protocol: asyncio.BaseProtocol) -> bool:
+    transport = getattr(protocol, "transport", None)
+    return transport is not None and not transport.is_closing()
 
 
 def _close(protocol: asyncio.BaseProtocol) -> None:

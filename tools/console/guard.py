@@ -53,7 +53,7 @@ class Guard(OwnPage):
             return said(403, "there are no sockets here")
         if request.path in OPEN or request.path.startswith(TICKETS):
             return None if request.method == "GET" else said(405, "only GET")
-        if not self._known(request.headers.get(hdrs.AUTHORIZATION, "")):
+        if not self.has_token(request):
             return said(401, "the token is missing or wrong; it is in the address that was printed")
         if request.method not in ("GET", "POST"):
             return said(405, "only GET and POST")
@@ -61,8 +61,9 @@ class Guard(OwnPage):
             return said(403, "commands are JSON")
         return None
 
-    def _known(self, authorization: str) -> bool:
-        kind, _, token = authorization.partition(" ")
+    def has_token(self, request: web.Request) -> bool:
+        """Whether a request brings the token."""
+        kind, _, token = request.headers.get(hdrs.AUTHORIZATION, "").partition(" ")
         return kind == "Bearer" and self.knows(token)
 
 

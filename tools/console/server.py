@@ -13,8 +13,9 @@ from pathlib import Path
 from aiohttp import web
 
 from handcart.files.errors import InputError
+from handcart.networks.operator.accepting import accept_no_more
 
-from .connections import Connections
+from .connections import ACCEPTED_AT_ONCE, WAITING_TO_BE_ACCEPTED, Connections
 from .guard import Guard, Handler
 from .handlers import MOST_BODY, Handlers
 from .watcher import Watcher
@@ -69,7 +70,7 @@ class Server:
             each.close()
 
     async def _serve(self, over: Callable[[], bool]) -> None:
-        watcher, connections = Watcher(self._runs), Connections()
+        watcher, connections = Watcher(self._runs), Connections(self._guard.has_token)
         app = web.Application(middlewares=[connections.heard, self._guard.check], client_max_size=MOST_BODY)
         app.add_routes(Handlers(watcher).routes())
         app.add_routes([web.get(path, _page(*page)) for path, page in _PAGES.items()])
@@ -81,7 +82,12 @@ class Server:
         assert runner.server is not None
         connections.of = runner.server
         loop = asyncio.get_running_loop()
-        listening = [await loop.create_server(connections, sock=each) for each in self._sockets]
+        listening = [
+            await loop.create_server(connections, sock=each, backlog=ACCEPTED_AT_ONCE)
+            for each in self._sockets
+        ]
+        for each in self._sockets:
+            each.listen(WAITING_TO_BE_ACCEPTED)
         watching = asyncio.create_task(watcher.watch())
         try:
             while not over():
@@ -92,8 +98,9 @@ class Server:
             watching.cancel()
             with suppress(asyncio.CancelledError):
                 await watching
-            for each in listening:
-                each.close()
+            await accept_no_more(self._sockets)
+            for server in listening:
+                server.close()
             watcher.close()
             await runner.cleanup()
 
@@ -148,7 +155,7 @@ def _opened(host: str, port: int) -> socket.socket:
         if family == socket.AF_INET6:
             made.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_V6ONLY, 1)
         made.bind((host, port))
-        made.listen(128)
+        made.listen(WAITING_TO_BE_ACCEPTED)
     except OSError:
         made.close()
         raise

@@ -9,10 +9,11 @@ from functools import partial
 from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
+from handcart.networks.operator.accepting import accept_no_more
 from handcart.networks.operator.own_page import HEADERS, OwnPage
 
 if TYPE_CHECKING:
-    from websockets.asyncio.server import ServerConnection
+    from websockets.asyncio.server import ServerConnection, serve
     from websockets.http11 import Request, Response
 
 Answer = Callable[["ServerConnection", "Request"], "Response | None"]
@@ -45,7 +46,7 @@ class Gate(OwnPage):
         def guarded(*args: Any, process_request: Answer, **options: Any) -> Any:
             self.guards = True
             answer = partial(self.answer, process_request)
-            return real(*args, process_request=answer, logger=_unheard(), **options)
+            return _drained(real)(*args, process_request=answer, logger=_unheard(), **options)
 
         server.serve = guarded  # type: ignore[misc, assignment]
         try:
@@ -92,6 +93,24 @@ class Gate(OwnPage):
         }.items():
             page.headers[name] = value
         return page
+
+
+def _drained(serve: type[serve]) -> type[serve]:
+    """The same server; it leaves no socket open, also none that comes while it ends.
+
+    websockets itself waits ten seconds for connections that say nothing.
+    """
+    from websockets.protocol import State
+
+    class Drained(serve):  # type: ignore[misc, valid-type]
+        async def __aexit__(self, *error: Any) -> None:
+            await accept_no_more(self.server.sockets)
+            for connection in list(self.server.handlers):
+                if connection.protocol.state is State.CONNECTING:
+                    connection.transport.abort()
+            await super().__aexit__(*error)
+
+    return Drained
 
 
 def _unheard() -> logging.Logger:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import http.client
 import logging
 import socket
+from collections import deque
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
 from time import monotonic, sleep
 
+import orjson
 import pytest
 
 from handcart.tools.console import connections, server
@@ -218,6 +221,44 @@ def test_u11_nonsense_is_refused_and_prints_nothing(
     assert printed.out + printed.err + caplog.text == ""
 
 
+@pytest.mark.usefixtures("few")
+def test_u11_a_stop_arrives_beside_a_hostile_crowd(
+    served: Served, live: LiveRun, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Before each stop, more sockets that ask half a question than are kept; the places are taken by them."""
+    monkeypatch.setattr(connections, "MOST_UNKNOWN", 100)
+    served.wait_for(f"/api/runs/{LIVE}")
+    crowd: deque[socket.socket] = deque()
+    for _ in range(10):
+        for _ in range(120):
+            line = socket.create_connection(("127.0.0.1", served.server.port), timeout=20)
+            crowd.append(line)
+            with suppress(OSError):
+                line.sendall(b"GET")
+        begun = monotonic()
+        assert served.ask("POST", f"/api/runs/{LIVE}/stop", {}).status == 200
+        assert monotonic() - begun < 1.0
+        while len(crowd) > 100:
+            crowd.popleft().close()
+    for line in crowd:
+        line.close()
+    assert live.stops
+
+
+@pytest.mark.usefixtures("few")
+def test_u11_a_page_with_the_token_is_kept_in_a_crowd(served: Served) -> None:
+    line = http.client.HTTPConnection("127.0.0.1", served.server.port, timeout=20)
+    headers = {"Authorization": f"Bearer {served.token}", "Host": served.host}
+    line.request("GET", "/api/events", headers=headers)
+    answer = line.getresponse()
+    assert answer.status == 200
+    many = [socket.create_connection(("127.0.0.1", served.server.port), timeout=20) for _ in range(60)]
+    _until_closed(40, many)
+    for _ in range(2):  # it is told something every two seconds
+        assert orjson.loads(answer.readline())["runs"]
+    line.close()
+
+
 def said_by(served: Served, sent: bytes) -> bytes:
     """All that comes back until the line is closed."""
     answer = b""
@@ -231,7 +272,7 @@ def said_by(served: Served, sent: bytes) -> bytes:
 @pytest.fixture
 def few(monkeypatch: pytest.MonkeyPatch) -> None:
     """A console that lets in 20, and waits for them."""
-    monkeypatch.setattr(connections, "MOST", 20)
+    monkeypatch.setattr(connections, "MOST_UNKNOWN", 20)
     monkeypatch.setattr(connections, "SILENT_S", 300.0)
     monkeypatch.setattr(server, "KEPT_S", 300.0)
 
@@ -251,7 +292,7 @@ def test_u11_of_a_crowd_that_comes_at_once_few_are_let_in(served: Served) -> Non
 
 @pytest.mark.usefixtures("few")
 def test_u11_who_says_nothing_is_hung_up_on(served: Served, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Slow heads, too; and of very many connections the last ones."""
+    """Slow heads, too; and of very many connections the first ones."""
     monkeypatch.setattr(connections, "SILENT_S", 0.3)
     slow = [socket.create_connection(("127.0.0.1", served.server.port), timeout=20) for _ in range(10)]
     for each in slow:

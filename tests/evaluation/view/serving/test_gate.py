@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import gc
 import logging
 import socket
+import time
+import warnings
 from collections.abc import Iterator
 from contextlib import closing, nullcontext, suppress
 
@@ -199,6 +202,31 @@ def test_a_library_that_lets_nobody_guard_it_serves_nothing(monkeypatch: pytest.
     monkeypatch.setattr(Gate, "before_servers", lambda self: nullcontext())
     with pytest.raises(NoView, match="can't be guarded against strangers"), open_server(0, "test"):
         pass
+
+
+def test_no_socket_is_left_open_that_comes_while_the_server_ends() -> None:
+    """Its end, and three that say nothing, wait for the loop at the same time."""
+    with open_server(0, SECRET) as opened:
+        inside = opened.server._websock_server
+        loop, ends = inside._background_event_loop, inside._stop_event
+        assert loop is not None
+        assert ends is not None
+        loop.call_soon_threadsafe(time.sleep, 0.1)
+        loop.call_soon_threadsafe(ends.set)
+        lines = [socket.create_connection((HOST, port_of(opened)), timeout=20) for _ in range(3)]
+        begun = time.monotonic()
+    thread = inside._server_thread
+    assert thread is not None
+    assert not thread.is_alive()
+    assert time.monotonic() - begun < 5.0
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        del opened, inside, loop, ends
+        gc.collect()
+    assert not [str(each.message) for each in caught if each.category is ResourceWarning]
+    for line in lines:
+        with line, suppress(ConnectionResetError):
+            assert line.recv(1) == b""
 
 
 def test_other_servers_are_made_as_always(opened: Opened) -> None:
