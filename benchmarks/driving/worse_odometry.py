@@ -13,7 +13,7 @@ import signal
 import sys
 import time
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import replace
 from multiprocessing import get_context
@@ -54,10 +54,11 @@ class WorseRun(NamedTuple):
     cpu_s: float
 
 
-def task_files(word: str = "") -> list[str]:
-    """Return the shipped tasks as paths below `tasks`, those with the word in them."""
-    found = (path for path in sorted(TASKS.glob("*/*.yaml")) if "handcart-task/" in path.read_text())
-    return [name for path in found if word in (name := str(path.relative_to(TASKS)))]
+def task_files(words: Sequence[str] = ()) -> list[str]:
+    """Return the shipped tasks as paths below `tasks`, those with one of the words in them."""
+    found = [path for path in sorted(TASKS.glob("*/*.yaml")) if "handcart-task/" in path.read_text()]
+    names = [str(path.relative_to(TASKS)) for path in found]
+    return [name for name in names if not words or any(word in name for word in words)]
 
 
 def worse(part: FileModel, names: tuple[str, ...], times: float) -> FileModel:
@@ -158,7 +159,9 @@ def _arguments() -> argparse.Namespace:
     )
     parser.add_argument("--seeds", type=int, default=20)
     parser.add_argument("--seed", type=int, default=0, help="the first one")
-    parser.add_argument("--task", default="", help="only tasks with this in their path below tasks/")
+    parser.add_argument(
+        "--task", action="append", default=[], help="only tasks with this in their path; several times"
+    )
     parser.add_argument("--times", type=float, default=TIMES, help="as large as the file's errors")
     parser.add_argument("--backend", default="kinematic")
     parser.add_argument("--jobs", type=int, default=1)

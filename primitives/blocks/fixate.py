@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Generator
 from typing import Annotated, ClassVar
 
+import numpy as np
 from pydantic import Field
 
 from handcart.backends.capabilities.arm import Arm
@@ -23,7 +24,7 @@ from handcart.primitives.restoring.snapshot import is_holding
 from .base_turn import turn_by_gyros
 from .building import LandmarkPlan
 from .building_site import building, surroundings
-from .fixating import Rule, fixate, fixed_by, planned_view, sought
+from .fixating import Rule, fixate, fixed_by, planned_view, sought, upright, upright_sigma
 
 MOST_TURNED = 0.002  # [rad] that the base may turn once it was found
 
@@ -75,7 +76,8 @@ class Fixate(ActionPrimitive):
             moves=found.moves,
         )
         blocks.fixed = fixed_by(robot, self.landmark, place, planned, found)
-        robot.localization.found_at(blocks.fixed.pose, blocks.fixed.sigma)
+        pose = upright(blocks.fixed, robot.spec.suspension.model, mark.height_m, np.eye(4))
+        robot.localization.found_at(pose, upright_sigma(blocks.fixed, pose))
 
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
         """The base stands as it was found: its gyros, where it has some, have felt no turn since."""

@@ -9,6 +9,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from handcart.backends.robot.localization.localization import worst_sigmas
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.blocks.blocks import Fixed
 from handcart.primitives.contract.action_primitive import Periods
@@ -26,6 +27,7 @@ from handcart.robotics.manipulation.suspension.fixation import (
     on_floor,
     placing_posture,
 )
+from handcart.robotics.manipulation.suspension.suspension_model import SuspensionModel
 from handcart.robotics.perception.landmarks.constellation import Belief, Kind, Mark
 
 from .building import LandmarkPlan
@@ -35,7 +37,8 @@ from .landmark_views import LandmarkViews, Sought, offsets
 Rule = Literal["residual", "paper"]
 RULES = {"residual": StopRule(), "paper": PAPER_RULE}
 MOST_MOVES = 6  # of the hand, until the landmark stands where it should
-HEADING_SIGMA = 0.0004  # [rad] of a landmark's direction in a picture
+HEADING_NOISE = 0.0004  # [rad] of a landmark's direction in one picture
+LEAN_SHARE = 0.3  # of what the base leans by its model: what may be wrong with that
 AGREE, AGREE_TURN = 0.003, 0.003  # [m], [rad] between errors that tell of one place of the base
 CENTRAL = 0.02  # [m] from its place in the picture, within which a landmark counts
 RINGS = 2  # of views in a search
@@ -56,8 +59,8 @@ class Fixation(NamedTuple):
     """Pictures that were taken."""
     moves: int
     """Of the hand after it came to the planned posture."""
-    looks: int
-    """Pictures that the error was taken from: after each move the arm errs anew."""
+    seen: tuple[Pose2, ...]
+    """The error by each picture that it was taken from: after each move the arm errs anew."""
 
 
 def planned_view(
@@ -150,14 +153,14 @@ def fixate(
         there = stop.met(view.camera_T_landmark, seen)
         if rule == "paper" and there:
             by_posture = on_floor(view.travelling_error_by_posture(base_T_hand))
-            return Fixation(by_posture, base_T_hand, views.frames, moves, 1)
+            return Fixation(by_posture, base_T_hand, views.frames, moves, (by_posture,))
         away = float(np.hypot(*(seen[:2, 3] - view.camera_T_landmark[:2, 3])))
         if away < CENTRAL:
             error = on_floor(view.travelling_error(base_T_hand, seen))
             # Where the base was moved meanwhile, what was seen before is over.
             found = [each for each in found if _agree(each, error)] + [error]
         if there and len(found) >= looks:
-            return Fixation(_mean(found), base_T_hand, views.frames, moves, len(found))
+            return Fixation(_mean(found), base_T_hand, views.frames, moves, tuple(found))
         yield from move_straight(robot, _level(view.next_hand(base_T_hand, seen), view), held, around)
     off = Measured("Camera", "landmark off its place in the picture", 1e3 * away, 1e3 * stop.position, "mm")
     raise Discrepancy("the hand doesn't come to stand over the landmark", measured=off)
@@ -169,10 +172,40 @@ def fixed_by(robot: Robot, name: str, place: str, planned: Pose2, found: Fixatio
     reach = (float(found.base_T_hand[0, 3]), float(found.base_T_hand[1, 3]))
     attitude = (*robot.attitude.tilt, robot.attitude.yaw)
     left, right = robot.base.wheel_travel()
-    sigma = robot.spec.arm.accuracy_mm / 1e3 / math.sqrt(found.looks) if robot.spec.arm else 0.0
-    return Fixed(
-        name, place, pose, (sigma, HEADING_SIGMA), reach, attitude, (left, right), robot.attitude.moved
-    )
+    noise = robot.spec.arm.accuracy_mm / 1e3 if robot.spec.arm else 0.0
+    sigma = worst_sigmas(covariance_of_mean(found.seen, (noise, HEADING_NOISE)))
+    return Fixed(name, place, pose, sigma, reach, attitude, (left, right), robot.attitude.moved)
+
+
+def covariance_of_mean(seen: Sequence[Pose2], noise: tuple[float, float]) -> NDArray[np.float64]:
+    """Return the covariance (3, 3) of the mean of poses, of x, y in [m] and heading in [rad].
+
+    Args:
+        seen: the poses, close together.
+        noise: sigma of one of them at least, of its position in [m] and its heading in [rad]. How far they
+            lie apart is added: few poses may agree by chance.
+    """
+    position, heading = noise
+    scatter = np.cov(np.array(seen), rowvar=False) if len(seen) > 1 else np.zeros((3, 3))
+    return np.asarray((scatter + np.diag([position, position, heading]) ** 2) / len(seen))
+
+
+def upright(fixed: Fixed, known: SuspensionModel, height: float, beside: Transform) -> Pose2:
+    """Return map_T_base as it would stand if it did not lean.
+
+    It leaned as its model says, and by `beside` (4, 4) more: a landmark at that height in [m] is seen
+    displaced.
+    """
+    hand = transform((*fixed.reach, height))
+    seen = beside @ known.displaced(hand, np.eye(4), 0)
+    x, y = (hand - seen)[:2, 3].tolist()
+    return fixed.pose.compose(Pose2(x, y, 0.0))
+
+
+def upright_sigma(fixed: Fixed, pose: Pose2) -> tuple[float, float]:
+    """Return the sigma of the pose that `upright` gave, of its position in [m] and its heading in [rad]."""
+    position, heading = fixed.sigma
+    return math.hypot(position, LEAN_SHARE * fixed.pose.distance(pose)), heading
 
 
 def _agree(one: Pose2, other: Pose2) -> bool:

@@ -27,10 +27,10 @@ from handcart.primitives.motions.pushing import push, relax
 from handcart.primitives.preconditions.hand_use import LETS_GO
 from handcart.primitives.restoring.snapshot import settle
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.geometry.transform import Transform, inverse, transform
+from handcart.robotics.geometry.transform import Transform, inverse
 from handcart.robotics.kinematics.shapes import Box
 from handcart.robotics.manipulation.suspension.fixation import placing_posture, split_goal
-from handcart.robotics.manipulation.suspension.suspension_model import SuspensionModel, base_motion
+from handcart.robotics.manipulation.suspension.suspension_model import base_motion
 
 from .base_lean import felt_beside, unmodelled_leans
 from .base_turn import fused, turn_by_gyros, turn_by_model
@@ -38,7 +38,7 @@ from .block_view import see_block
 from .building import Building, LandmarkPlan
 from .building_site import VIEW, building, standing, surroundings
 from .fixate import landmark_of
-from .fixating import Rule, fixate, fixed_by, planned_view, sought
+from .fixating import Rule, fixate, fixed_by, planned_view, sought, upright
 from .pick_up_block import ABOVE, OPEN, unlike_block
 from .supports import TRAY, held_on
 
@@ -172,8 +172,7 @@ class Stack(ActionPrimitive):
             known, turn = robot.spec.suspension.model, self._turned(robot, fixed, swings_to_come)
             height = landmark_of(model, fixed.landmark).height_m
             then, now = self._leans
-            upright = _upright(fixed, known, height, then)
-            turned = upright.compose(Pose2(0.0, 0.0, turn)).lift() @ now
+            turned = upright(fixed, known, height, then).compose(Pose2(0.0, 0.0, turn)).lift() @ now
             return known.corrected(inverse(turned) @ goal.pose, np.eye(4), 0)
         if self.method == "imu" and swings_to_come == 0:
             return inverse(_felt(robot, fixed)) @ base_T_block
@@ -288,17 +287,6 @@ def _is_swing(robot: Robot, base_T_hand: Transform) -> int:
     here = robot.arm_model.forward(robot.arm.command())
     across = float(np.linalg.norm(base_T_hand[:2, 3] - here[:2, 3]))
     return int(across >= robot.spec.suspension.swing_from_mm / 1e3)
-
-
-def _upright(fixed: Fixed, known: SuspensionModel, height: float, beside: Transform) -> Pose2:
-    """map_T_base as it would stand if it didn't lean: a landmark at that height in [m] is seen displaced.
-
-    It leaned as its model says, and by `beside` (4, 4) more.
-    """
-    hand = transform((*fixed.reach, height))
-    seen = beside @ known.displaced(hand, np.eye(4), 0)
-    x, y = (hand - seen)[:2, 3].tolist()
-    return fixed.pose.compose(Pose2(x, y, 0.0))
 
 
 def _raised(base_T_hand: Transform, by: float) -> Transform:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Generator, Iterator, Sequence
 from typing import Annotated, ClassVar
 
@@ -13,7 +14,7 @@ from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.capabilities.range_sensor import RangeSensor
-from handcart.backends.robot.localization.determination import difference, undetermined
+from handcart.backends.robot.localization.determination import SURE, difference, undetermined
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured, NeedsPerson
@@ -30,7 +31,7 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.following.car_tracker import CarTracker
 from handcart.robotics.navigation.following.path_tracking import PathTracker
 from handcart.robotics.navigation.following.pose_regulator import PoseTolerance
-from handcart.robotics.navigation.localization.front_line import fit_front, pose_from_front
+from handcart.robotics.navigation.localization.front_line import FrontLine, fit_front, pose_from_front
 
 from .driving import HORIZON, FieldObstacleMonitor, ObstacleMonitor, goal_pose, make_monitor, plan_tracker
 from .lidar_watch import LidarWatch
@@ -259,6 +260,18 @@ class MoveTo(ActionPrimitive):
                 return
             yield
 
+    def _check_front(self, front: FrontLine, place: Place) -> None:
+        """Raise `Discrepancy` where the front does not determine that the base stands before it as needed."""
+        sizes = 1e3 * SURE * front.distance_std, math.degrees(SURE * front.angle_std)
+        limits = 1e3 * place.need.position, math.degrees(place.need.heading)
+        for size, limit, unit in zip(sizes, limits, ("mm", "deg"), strict=True):
+            if not size <= limit:
+                measured = Measured("RangeSensor", "3 sigma of the front", size, limit, unit)
+                why = f"not determined: the front before {self.place} is measured to {size:.1f} {unit}"
+                raise Discrepancy(
+                    f"{why}, at most {limit:.1f} {unit} allowed", True, measured, NOT_DETERMINED
+                )
+
     def _dock(self, robot: Robot, place: Place) -> Periods:
         """Correct the pose by the front until it stands square before it."""
         for _ in range(DOCKINGS):
@@ -275,6 +288,7 @@ class MoveTo(ActionPrimitive):
             seen = pose_from_front(robot.pose, front, place.front)
             self.found(dock_mm=round(1e3 * seen.distance(place.pose), 1))
             if seen.distance(place.pose) < DOCKED.position and seen.turn(place.pose) < DOCKED.heading:
+                self._check_front(front, place)
                 return
             yield from reach_pose(robot, robot.pose.compose(place.pose.relative_to(seen)), DOCKED)
         off = Measured(

@@ -20,6 +20,7 @@ from .noise_model import field_localizer
 from .outdoor_localization import OutdoorLocalization
 from .positioning_localization import PositioningLocalization
 
+LEAST_RANGE = 0.01  # [m]: no range sensor is believed to be better
 START_SIGMA = np.diag([0.05**2, 0.05**2, 0.035**2])  # [m², rad²] of where a task says the robot starts
 
 
@@ -41,10 +42,12 @@ def localization_of(
         return PositioningLocalization(
             backend, PositioningLocalizer(start, tread, sigma, covariance=START_SIGMA), lidar
         )
+    noise = max(LEAST_RANGE, spec.range_sensor.sigma_mm / 1e3) if spec.range_sensor else LEAST_RANGE
     field = LikelihoodField(grid) if grid is not None and lidar is not None else None
     if field is not None and spec.localizer not in ("odometry", *OUTDOORS):
-        return ScanLocalization(backend, ScanLocalizer(field, start, tread, covariance=START_SIGMA), lidar)
-    wheels = OdometryLocalizer(start, tread, covariance=START_SIGMA, field=field)
+        matching = ScanLocalizer(field, start, tread, covariance=START_SIGMA, sigma=noise)
+        return ScanLocalization(backend, matching, lidar)
+    wheels = OdometryLocalizer(start, tread, covariance=START_SIGMA, field=field, sigma=noise)
     if spec.localizer in OUTDOORS:
         return OutdoorLocalization(backend, wheels, field_localizer(spec, start, spec.antenna), lidar)
     return WheelLocalization(backend, wheels, lidar)

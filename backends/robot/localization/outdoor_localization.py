@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import ClassVar
 
 import numpy as np
@@ -25,7 +24,6 @@ from .localization import Localization, Lost, Sensed
 Array = NDArray[np.float64]
 
 
-RECKONED = (0.3, math.radians(2.0))  # [m], [rad]: how well wheels and gyros tell a way of some metres
 BLIND = 0.15  # [m] that the wheels may roll while the gyros tell nothing new
 
 
@@ -54,6 +52,7 @@ class OutdoorLocalization(Localization):
         self._felt, self._felt_at = np.zeros(6), self.travel
         self._here: Pose2 | None = None
         """The filter's pose, asked many times in a period."""
+        self.set_origin()
 
     @property
     def pose(self) -> Pose2:
@@ -87,9 +86,9 @@ class OutdoorLocalization(Localization):
         return self._filter.particles
 
     @property
-    def sigma(self) -> tuple[float, float]:
+    def repeatability(self) -> Array:
         """See `Localization`: before the heading is known, poses are by wheels and gyros alone."""
-        return super().sigma if self.heading_known else RECKONED
+        return self.covariance if self.heading_known else self._filter.displacement.covariance
 
     @property
     def tilt(self) -> tuple[float, float]:

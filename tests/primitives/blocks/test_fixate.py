@@ -12,7 +12,7 @@ import pytest
 from handcart.evaluation.trials.rig import Rig, RigFiles, build_rig
 from handcart.primitives.blocks.blocks import Blocks
 from handcart.primitives.blocks.fixate import Fixate, landmark_of
-from handcart.primitives.blocks.fixating import fixate, fixed_by, planned_view, sought
+from handcart.primitives.blocks.fixating import covariance_of_mean, fixate, fixed_by, planned_view, sought
 from handcart.primitives.contract.evidence import Evidence
 from handcart.primitives.contract.outcome import Fail, Success
 from handcart.robotics.geometry.pose2 import Pose2
@@ -177,7 +177,7 @@ def test_what_was_seen_before_the_base_was_moved_is_over() -> None:
                 moved_base(rig, 0.006, -0.004, 0.0)
 
         planned, found = looked_at(rig, 3, shifted)
-        assert found.looks == 3
+        assert len(found.seen) == 3
         assert found.frames > 4
         assert planned.compose(found.planned_T_base).distance(scene_of(rig).base) < 0.0025
 
@@ -187,8 +187,36 @@ def test_what_is_looked_at_more_often_is_surer() -> None:
         planned, found = looked_at(rig, 4)
         assert rig.robot.spec.arm is not None
         accuracy_mm = rig.robot.spec.arm.accuracy_mm
-        once = fixed_by(rig.robot, "stacking", "stacking", planned, found._replace(looks=1))
+        once = fixed_by(rig.robot, "stacking", "stacking", planned, found._replace(seen=found.seen[:1]))
         often = fixed_by(rig.robot, "stacking", "stacking", planned, found)
-        assert found.looks == 4
+        assert len(found.seen) == 4
         assert once.sigma[0] == pytest.approx(accuracy_mm / 1e3)
-        assert often.sigma[0] == pytest.approx(once.sigma[0] / 2)
+        assert once.sigma[0] / 2 < often.sigma[0] < once.sigma[0]
+
+
+def test_looks_that_differ_are_less_sure() -> None:
+    """By how far they lie apart, and by the arm's accuracy where few agree by chance."""
+    seen = [
+        Pose2(0.01 + x, 0.0, turn)
+        for x, turn in ((0.002, 0.0), (-0.002, 0.001), (0.002, 0.0), (-0.002, 0.001))
+    ]
+    found, noise = covariance_of_mean(seen, (3e-4, 4e-4)), (3e-4**2, 4e-4**2)
+    assert found[0, 0] == pytest.approx((0.004**2 / 3 + noise[0]) / 4)
+    assert found[1, 1] == pytest.approx(noise[0] / 4)
+    assert found[2, 2] == pytest.approx((0.001**2 / 3 + noise[1]) / 4)
+    assert covariance_of_mean(seen[:1] * 3, (3e-4, 4e-4))[0, 0] == pytest.approx(noise[0] / 3)
+    assert covariance_of_mean(seen[:1], (3e-4, 4e-4))[2, 2] == pytest.approx(noise[1])
+
+
+def test_a_fixed_pose_is_as_far_off_as_its_sigma_says() -> None:
+    """The base leans under the arm: what the localizer is given stands upright."""
+    squares = []
+    for seed in range(4):
+        with at_the_wall(seed=seed) as rig:
+            rig.do(Fixate(landmark="stacking"))
+            off = scene_of(rig).base.distance(rig.robot.pose)
+            sigma = rig.robot.localization.sigma[0]
+            assert 1e-4 < sigma < 1.5e-3
+            squares.append((off / sigma) ** 2)
+    assert np.mean(squares) < 4.0
+    assert max(squares) < 16.0
