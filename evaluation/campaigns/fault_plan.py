@@ -27,7 +27,9 @@ _OF_A_SENSOR = ("stale sensor", "NaN")
 class PlannedFault(FileModel):
     """A fault, and when it comes: one of `at_s`, `every_s` and `rate_per_s`."""
 
-    kind: Literal["exception", "refused command", "stuck actuator", "slip", "stale sensor", "NaN"]
+    kind: Literal[
+        "exception", "refused command", "stuck actuator", "slip", "stale sensor", "NaN", "lidar faults"
+    ]
     sensor: str = ""
     """Which one is concerned; of an exception, empty: the next command."""
     periods: Annotated[int, Field(ge=1, le=1_000_000)] = 1

@@ -37,6 +37,8 @@ class FaultKind(Enum):
     """Somebody calls the attempt back."""
     TIME_OUT = "time-out"
     """Whoever runs the attempt loses patience."""
+    LIDAR = "lidar faults"
+    """Some of a lidar's beams read zero, NaN, -infinity or the robot's own body, as drivers deliver it."""
     WORLD = "world"
     """Something happens to what a domain's primitives work on: see `Domain.faults`."""
 
@@ -44,7 +46,13 @@ class FaultKind(Enum):
 EVERYWHERE = tuple(kind for kind in FaultKind if kind is not FaultKind.WORLD)
 """Kinds that are tried in any primitive."""
 
-HARMLESS = (FaultKind.EXCEPTION, FaultKind.REFUSED, FaultKind.CANCEL, FaultKind.TIME_OUT)
+HARMLESS = (
+    FaultKind.EXCEPTION,
+    FaultKind.REFUSED,
+    FaultKind.CANCEL,
+    FaultKind.TIME_OUT,
+    FaultKind.LIDAR,
+)
 """After these the robot is whole: it can be restored."""
 
 
@@ -98,6 +106,8 @@ def variant(kind: FaultKind, number: int, sensors: Sequence[str] = SENSORS) -> F
             return Fault(kind, sensor, _STALE[turn % len(_STALE)])
         case FaultKind.NAN:
             return Fault(kind, sensor, _NAN[turn % len(_NAN)])
+        case FaultKind.LIDAR:
+            return Fault(kind, "range", FOR_GOOD)
     return Fault(kind, periods=FOR_GOOD)
 
 

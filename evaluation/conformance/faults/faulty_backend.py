@@ -15,6 +15,8 @@ from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base, WheelTravel
 from handcart.backends.capabilities.capability import Capability, Reading
 from handcart.backends.capabilities.gripper import Gripper
+from handcart.backends.capabilities.scan import Scan
+from handcart.backends.simulation.sensors.range_faults import RangeFaults
 from handcart.evaluation.conformance.rig.layered_backend import Kind, LayeredBackend
 from handcart.evaluation.conformance.rig.numbers import broken
 from handcart.evaluation.conformance.rig.parts import part_of
@@ -24,6 +26,7 @@ from handcart.evaluation.truth.survey import simulated_world
 from .fault import SENSORS, Fault, FaultKind
 
 SLIPS = 0.5  # share of the wheels' roll that is lost
+LIDAR_FAULTS = RangeFaults(zero=0.05, nan=0.05, too_close=0.05, own_body=0.05)
 SLIDE = 0.1  # [m/s] of a standing car, see `Fault.speed`
 Vector = NDArray[np.float64]
 
@@ -198,6 +201,10 @@ class FaultyBackend(LayeredBackend):
         if concerned and self._is(FaultKind.NAN):
             self.bitten += 1
             return broken(value, reading.measured)
+        if self._is(FaultKind.LIDAR) and isinstance(value, Scan):
+            self.bitten += 1
+            rng = np.random.default_rng(self._left)  # the same however often it is asked for in a period
+            return value._replace(ranges=LIDAR_FAULTS.spoil(value.ranges, rng))
         return value
 
     def _call(self, sensor: str) -> None:
