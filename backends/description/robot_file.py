@@ -27,7 +27,7 @@ from .beacons_spec import BeaconsSpec
 from .can_spec import CanSpec
 from .ground_spec import GpsSpec, GroundSpec
 from .joint_units import JointUnits
-from .sensor_specs import CameraSpec, ImuSpec, PositioningSpec, RangeSpec
+from .sensor_specs import CameraSpec, ImuSpec, OdometrySpec, PositioningSpec, RangeSpec
 from .simulated_errors import Errors
 
 if TYPE_CHECKING:
@@ -185,6 +185,8 @@ class RobotFile(FileModel):
     beacons: BeaconsSpec | None = None
     ground: GroundSpec = GroundSpec()
     """What the robot takes open ground to be like."""
+    odometry: OdometrySpec = OdometrySpec()
+    """How exactly its wheels are taken to tell the way on a floor."""
     tool: ToolSpec | None = None
     suspension: SuspensionSpec = SuspensionSpec()
     """What the robot knows of how its base gives."""

@@ -7,11 +7,38 @@ from typing import Annotated
 from pydantic import Field
 
 from handcart.files.models.model import FileModel
+from handcart.robotics.navigation.localization.odometry import OdometryErrors
 
 from .range_spec import RangeSpec as RangeSpec
 
 Positive = Annotated[float, Field(gt=0.0)]
 NotNegative = Annotated[float, Field(ge=0.0)]
+
+
+class OdometrySpec(FileModel):
+    """Accuracy of the wheels as the localizer assumes it: sigmas. What simulated wheels do is in `errors`.
+
+    The defaults are for wheels that nobody calibrated. Claims are only as good as these figures where nothing
+    else determines the pose.
+    """
+
+    wheel_radius_percent: Positive = 2.0
+    """Of each wheel's radius, the same all the time."""
+    tread_percent: Positive = 2.0
+    """Of the distance between the wheels, the same all the time."""
+    slip_percent: Positive = 2.0
+    """Of each wheel's travel, another one every `slip_length_m`."""
+    slip_length_m: Positive = 0.1
+
+    @property
+    def errors(self) -> OdometryErrors:
+        """The same in SI units."""
+        return OdometryErrors(
+            self.wheel_radius_percent / 100,
+            self.tread_percent / 100,
+            self.slip_percent / 100,
+            self.slip_length_m,
+        )
 
 
 class CalibratedCamera(FileModel):

@@ -36,18 +36,18 @@ def localization_of(
         grid: what scans are compared with.
         lidar: the range sensor whose scans are compared with it; None without one.
     """
-    tread, positioning = spec.drive.tread_m, spec.positioning
+    tread, positioning, errors = spec.drive.tread_m, spec.positioning, spec.odometry.errors
     if spec.localizer == "positioning" and positioning and backend.get(Positioning):  # type: ignore[type-abstract]
         sigma = positioning.sigma_mm / 1e3, positioning.heading_sigma_mrad / 1e3
         return PositioningLocalization(
-            backend, PositioningLocalizer(start, tread, sigma, covariance=START_SIGMA), lidar
+            backend, PositioningLocalizer(start, tread, sigma, errors, START_SIGMA), lidar
         )
     noise = max(LEAST_RANGE, spec.range_sensor.sigma_mm / 1e3) if spec.range_sensor else LEAST_RANGE
     field = LikelihoodField(grid) if grid is not None and lidar is not None else None
     if field is not None and spec.localizer not in ("odometry", *OUTDOORS):
-        matching = ScanLocalizer(field, start, tread, covariance=START_SIGMA, sigma=noise)
+        matching = ScanLocalizer(field, start, tread, errors, START_SIGMA, noise)
         return ScanLocalization(backend, matching, lidar)
-    wheels = OdometryLocalizer(start, tread, covariance=START_SIGMA, field=field, sigma=noise)
+    wheels = OdometryLocalizer(start, tread, errors, START_SIGMA, field, noise)
     if spec.localizer in OUTDOORS:
         return OutdoorLocalization(backend, wheels, field_localizer(spec, start, spec.antenna), lidar)
     return WheelLocalization(backend, wheels, lidar)

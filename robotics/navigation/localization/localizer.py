@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.localization.odometry import Odometry, OdometryErrors
 from handcart.robotics.navigation.localization.scan_matching import LikelihoodField, ScanMatch, match_scan
+from handcart.robotics.navigation.localization.slip_monitor import SlipMonitor, turn_variance
 
 FEWEST_POINTS = 20
 LEAST_INLIERS = 0.4  # share of a scan's points that the map must explain for a match to be believed
@@ -20,6 +21,7 @@ ROUGH = np.diag([0.3, 0.3, 0.17]) ** 2  # [m², rad²] of a pose that is looked 
 NUDGED = (
     np.diag([0.0125, 0.0125, 0.005]) ** 2
 )  # [m², rad²] by which somebody may have moved a base that stands
+SCANS_TELL = 0.3  # share of the heading's error that a scan leaves, at most, to be held against the wheels
 LESS = 0.9  # share of the points explained so far; fewer, and the pose is looked for farther away
 DISPLACED = (0.010, 0.010)  # [m], [rad] by which scans of one place never differ: eight times their spread
 SURE = 3.0  # sigmas of a match by which its pose then lies elsewhere
@@ -201,6 +203,7 @@ class ScanLocalizer(Localizer):
         "last_match": ScanMatch | None,
         "_poor": int,
         "_map_error": NDArray[np.float64],
+        "_rolled": tuple[float, float],
     }
 
     def __init__(
@@ -233,6 +236,9 @@ class ScanLocalizer(Localizer):
         self._patience = patience
         self._poor = 0
         self._map_error = np.zeros((3, 3))  # factor, as in `ScanMatch`
+        self.slip = SlipMonitor()
+        """Whether the wheels slip more than is claimed."""
+        self._rolled = (0.0, 0.0)  # by the wheels in its window
         self.last_match: ScanMatch | None = None
 
     @property
@@ -247,8 +253,11 @@ class ScanLocalizer(Localizer):
 
     def predict(self, left: float, right: float) -> None:
         """See `Localizer`."""
-        before = self.pose
+        before, errors, tread = self.pose, self._odometry.errors, self._odometry.tread
+        self._odometry.slip_factor = self.slip.factor
         super().predict(left, right)
+        self.slip.roll(left, right, turn_variance(errors.slip, errors.slip_length, left, right, tread))
+        self._rolled = (self._rolled[0] + left, self._rolled[1] + right)
         x, y, heading = self._map_error
         moved = np.outer((before.y - self.pose.y, self.pose.x - before.x), heading)
         self._map_error = np.vstack([x + moved[0], y + moved[1], heading])
@@ -271,9 +280,20 @@ class ScanLocalizer(Localizer):
         if match.inliers < self._least_inliers:
             self._poor += 1
             return False
+        self._count_slip(match)
         self._poor, self._map_error = 0, match.map_error
         self._odometry.correct(match.pose, match.covariance, match.kept)
         return True
+
+    def _count_slip(self, match: ScanMatch) -> None:
+        """Compare the turn that the wheels missed with what is claimed, where the scan alone tells it."""
+        if match.kept[2, 2] > SCANS_TELL or self._poor:
+            self.slip.begin()
+        else:
+            missed = wrap(float(match.pose.theta - self.pose.theta))
+            self.slip.take(missed, self._odometry.turn_variance(*self._rolled))
+        if self.slip.begun:
+            self._rolled = (0.0, 0.0)
 
     def find_again(self, points: NDArray[np.float64]) -> bool:
         """See `Localizer`; up to about 0.3 m and 10 degrees away."""

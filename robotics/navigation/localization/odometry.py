@@ -11,17 +11,18 @@ from numpy.typing import NDArray
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.outdoors.watched_moment import Belief, WatchedMoment
 
+FAR = 2.0  # sigmas by which a wheel's radius is off, from which on what was claimed of both is doubted
 _LEAST = 1e-12 * np.eye(3)  # [m², rad²] of a pose that is certain: it can be divided by
 
 
 class OdometryErrors(NamedTuple):
-    """One-sigma errors of a differential drive's wheels."""
+    """One-sigma errors of a differential drive's wheels; by default of wheels that nobody calibrated."""
 
-    radius: float = 0.002
+    radius: float = 0.02
     """Of each wheel's radius, relative, the same all the time."""
-    tread: float = 0.005
+    tread: float = 0.02
     """Of the distance between the wheels, relative, the same all the time."""
-    slip: float = 0.01
+    slip: float = 0.02
     """Of each wheel's travel, relative, new every `slip_length`."""
     slip_length: float = 0.1
     """In [m]."""
@@ -40,6 +41,7 @@ class Odometry:
         "_scales": NDArray[np.float64],
         "_state": NDArray[np.float64],
         "_origin": WatchedMoment,
+        "_radius": float,
     }
     """Attributes that change, with their types."""
 
@@ -61,6 +63,9 @@ class Odometry:
         self.tread = tread
         """Distance between the wheels, in [m]."""
         self._errors = errors
+        self.slip_factor = 1.0
+        """By which the variance of slip is larger than `errors` has it."""
+        self._radius = errors.radius
         self._scales = np.zeros(3)  # relative: left travel, right travel, tread
         self._state = np.diag([0.0, 0.0, 0.0, errors.radius**2, errors.radius**2, errors.tread**2])
         self._origin = WatchedMoment(Belief(np.array(pose), np.zeros((3, 3))), np.zeros((3, 6)))
@@ -128,7 +133,7 @@ class Odometry:
         )
         self._state = step @ self._state @ step.T
         self._origin = self._origin.stepped(step)
-        slip, length = self._errors.slip**2, self._errors.slip_length
+        slip, length = self._errors.slip**2 * self.slip_factor, self._errors.slip_length
         slips = np.array([slip * abs(left) * length, slip * abs(right) * length])
         self._state[:3, :3] += (by_wheel * slips) @ by_wheel.T
         self.pose = self.pose.compose(_arc(chord, turn))
@@ -157,6 +162,26 @@ class Odometry:
         self._state = self._state + gain @ (covariance - prior) @ gain.T
         self._state[:3, :3] = covariance
         self.pose = pose
+        self._doubt_radius()
+
+    @property
+    def errors(self) -> OdometryErrors:
+        """What the wheels are taken to be good for."""
+        return self._errors
+
+    def turn_variance(self, left: float, right: float) -> float:
+        """Variance in [rad²] of a turn by what is not known of the wheels, over their travel in [m]."""
+        by_scale = np.array([-left, right, -(right - left)]) / self.tread
+        return float(by_scale @ self._state[3:, 3:] @ by_scale)
+
+    def _doubt_radius(self) -> None:
+        """Where a radius turns out to be off by more than `FAR` sigmas, expect as much of both wheels."""
+        learned = float(np.abs(self._scales[:2]).max())
+        if learned > FAR * self._radius:
+            more = learned**2 - self._radius**2
+            self._state[3, 3] += more
+            self._state[4, 4] += more
+            self._radius = learned
 
 
 def _wheel_jacobian(forward: float, cos: float, sin: float, tread: float) -> NDArray[np.float64]:

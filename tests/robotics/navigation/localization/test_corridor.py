@@ -43,7 +43,7 @@ def drive(
     boxes, rng = corridor(angle), np.random.default_rng(seed)
     start = Pose2(3.0, 20.0, angle).compose(Pose2(2.0, 0.0, 0.0))
     field = LikelihoodField(from_boxes(boxes, 0.05, (0.0, 0.0), (46.0, 46.0)))
-    localizer = ScanLocalizer(field, start, TREAD, OdometryErrors(radius=0.02))
+    localizer = ScanLocalizer(field, start, TREAD, OdometryErrors(radius=0.02, slip=0.01))
     localizer.correct(near(scan(boxes, start, rng)))
     localizer.odometry.set_origin()
     truth = Odometry(start, TREAD, EXACT)

@@ -1,0 +1,69 @@
+"""Whether wheels slip more than is claimed, by how far scans find the heading from where wheels put it."""
+
+from __future__ import annotations
+
+import math
+from typing import ClassVar
+
+import numpy as np
+
+WINDOW_M = 0.3  # travel of a wheel over which the turn is compared: scan noise counts for little
+MAX_WINDOWS = 10
+MIN_WINDOWS = 3
+SCAN_TURN_VARIANCE = 2.0 * 0.003**2  # [rad²] of a turn between two scans
+MAX_FACTOR = 400.0  # of the claimed variance: 20 times its sigma
+
+
+class SlipMonitor:
+    """Compares turns that wheels missed with the variance claimed for them (Mehra, 1970).
+
+    The heading is determined wherever a wall is seen, also along a corridor. Slip of
+    both wheels alike is not seen there: it is taken to be as large as that of one alone.
+    """
+
+    STATE: ClassVar = {"_missed": float, "_claimed": float, "_rolled": float, "_ratios": tuple[float, ...]}
+
+    def __init__(self) -> None:
+        """Start with what is claimed."""
+        self._missed = self._claimed = self._rolled = 0.0
+        self._ratios: tuple[float, ...] = ()
+
+    @property
+    def factor(self) -> float:
+        """By how much the variance of slip is larger than claimed; at least 1."""
+        if len(self._ratios) < MIN_WINDOWS:
+            return 1.0
+        return float(np.clip(np.mean(self._ratios), 1.0, MAX_FACTOR))
+
+    @property
+    def begun(self) -> bool:
+        """Whether a window has just begun."""
+        return self._rolled == 0.0
+
+    def roll(self, left: float, right: float, variance: float) -> None:
+        """Count wheels' travel in [m], and the `variance` in [rad²] that slip is claimed to add by it."""
+        self._rolled += max(abs(left), abs(right))
+        self._claimed += variance
+
+    def take(self, missed: float, other: float) -> None:
+        """Count a turn in [rad] that a scan found the wheels to have missed.
+
+        Args:
+            missed: by which the heading was corrected.
+            other: variance in [rad²] of the turn in the window for other reasons than slip.
+        """
+        self._missed += missed
+        if self._rolled < WINDOW_M:
+            return
+        beyond = max(0.0, self._missed**2 - SCAN_TURN_VARIANCE - other)
+        self._ratios = (*self._ratios[1 - MAX_WINDOWS :], beyond / max(self._claimed, 1e-12))
+        self.begin()
+
+    def begin(self) -> None:
+        """Start a window: what was counted in this one is left out."""
+        self._missed = self._claimed = self._rolled = 0.0
+
+
+def turn_variance(slip: float, length: float, left: float, right: float, tread: float) -> float:
+    """Variance in [rad²] of a turn by slip over wheels' travel in [m]; see `OdometryErrors`."""
+    return slip**2 * length * (abs(left) + abs(right)) / tread**2 if math.isfinite(left + right) else 0.0
