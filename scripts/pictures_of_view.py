@@ -10,7 +10,6 @@ import threading
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-EYE = (-2.6, -2.4, 2.3)  # from the robot [m]
 DRAWN = 9000  # [ms] until a browser without a GPU has drawn all of it
 
 
@@ -30,10 +29,7 @@ def main() -> None:
         replay.step(0.0)
         drawing = threading.Thread(target=replay.run, args=(stop.is_set,), daemon=True)
         drawing.start()
-        x, y, _ = playback.at(time).base[:3].tolist()
-        for name, size, low in (("desk", DESK, 0.6), ("phone", PHONE, -0.9)):
-            server.initial_camera.position = (x + EYE[0], y + EYE[1], EYE[2])
-            server.initial_camera.look_at = (x + 0.3, y - 0.3, low)
+        for name, size in (("desk", DESK), ("phone", PHONE)):
             with browsing(size) as seen:
                 seen.page.goto(address)
                 seen.page.wait_for_timeout(DRAWN)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from handcart.evaluation.playback.scenery import Scenery, ThingShape
 from handcart.networks.journal.past_run import PastAction
 
+from .eye import eye_on
 from .frame import Frame
 from .panel import Panel
 from .robot_nodes import RobotNodes
@@ -20,10 +21,8 @@ if TYPE_CHECKING:
     import viser
 
 Array = NDArray[np.float64]
-AWAY = np.array([-3.2, -3.6, 4.2])  # of the eye from the robot, at first [m]
-BEFORE = np.array([0.4, 0.4, 0.0])  # share of the way to the robot: on a phone the panel covers what is below
+WIDE_PICTURE = 1.6  # width over height of a window that is not known yet
 FEWER = 2  # of the rays that hit something, every how many is drawn
-OUTDOORS = 1.6  # times that far
 LAYERS = {
     "range sensor": ("rays", "hits"),
     "planned path": ("planned",),
@@ -51,6 +50,7 @@ class Page:
         self._follow = False
         self._outdoors = scenery.outdoors
         self._at: Array | None = None
+        server.on_client_connect(self._aim)
 
     def add_layers(self) -> None:
         """Check boxes for what may be hidden, and whether the eye goes along with the robot."""
@@ -104,11 +104,11 @@ class Page:
         self._look(moment.base[:3])
 
     def _look(self, at: Array) -> None:
-        """At first from behind and above; later along with the robot, where that is wanted."""
+        """Aim at the robot at first; later move along with it, where that is wanted."""
         if self._at is None:
-            eye = at + AWAY * (OUTDOORS if self._outdoors else 1.0)
-            self._server.initial_camera.position = tuple(eye.tolist())
-            self._server.initial_camera.look_at = tuple((at + BEFORE * (eye - at)).tolist())
+            camera = self._server.initial_camera
+            eye = eye_on(at, camera.fov, WIDE_PICTURE, self._outdoors)
+            camera.position, camera.look_at = tuple(eye.position.tolist()), tuple(eye.look_at.tolist())
         elif self._follow and not np.array_equal(at, self._at):
             for client in self._server.get_clients().values():
                 moved = at - self._at
@@ -116,6 +116,15 @@ class Page:
                 client.camera.position = client.camera.position + moved
                 client.camera.look_at = look_at
         self._at = at.copy()
+
+    def _aim(self, client: viser.ClientHandle) -> None:
+        """Let a browser that connects look at the robot, whatever the form of its window."""
+        if self._at is None:
+            return
+        eye = eye_on(self._at, client.camera.fov, client.camera.aspect, self._outdoors)
+        with client.atomic():
+            client.camera.position = eye.position
+            client.camera.look_at = eye.look_at
 
     def _add_layer(self, label: str, nodes: Sequence[viser.SceneNodeHandle]) -> None:
         box = self._server.gui.add_checkbox(label, True)

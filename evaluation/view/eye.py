@@ -1,0 +1,44 @@
+"""Where the page's camera is at first: the robot is in the middle of what the panel leaves visible."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Vector = NDArray[np.float64]
+EYE_FROM_ROBOT_M = np.array([-2.5, -2.8, 3.9])
+OUTDOOR_FACTOR = 1.6
+ROBOT_HEIGHT_M = 0.4
+PANEL_SHARE = 0.5  # of a tall picture's height that the panel covers, below; beside a wide one it is apart
+
+
+class Eye(NamedTuple):
+    """Pose of the camera."""
+
+    position: Vector
+    """(3,) in the world, in [m]."""
+    look_at: Vector
+    """(3,) in the world, in [m]: what is in the middle of the picture."""
+
+
+def eye_on(robot: Vector, fov: float, aspect: float, outdoors: bool) -> Eye:
+    """Return the eye from which the robot is in the middle of the part that the panel leaves visible.
+
+    Args:
+        robot: (3,) where its base is in the world, in [m].
+        fov: vertical angle of view, in [rad].
+        aspect: width of the picture over its height.
+        outdoors: whether to look from farther away.
+    """
+    middle = robot + np.array([0.0, 0.0, ROBOT_HEIGHT_M])
+    position = middle + EYE_FROM_ROBOT_M * (OUTDOOR_FACTOR if outdoors else 1.0)
+    ahead = middle - position
+    distance = float(np.linalg.norm(ahead))
+    ahead = ahead / distance
+    right = np.cross(ahead, [0.0, 0.0, 1.0])
+    up = np.cross(right / np.linalg.norm(right), ahead)
+    covered = PANEL_SHARE if aspect < 1.0 else 0.0
+    return Eye(position, middle - covered * distance * math.tan(0.5 * fov) * up)
