@@ -91,8 +91,8 @@ class Robot:
         self.lidar = None if sensor is None else Lidar(sensor, spec)
         """Its range sensor, with scans that are read by the robot's file; None without one."""
         wheels = self.get(Base)  # type: ignore[type-abstract]
-        unseen = None if self.lidar is None else self._unseen_ground(self.lidar)
-        self._guarded = GuardedBase(wheels, spec, grid, lambda: self.pose, self.surroundings, unseen)
+        self._unseen = None if self.lidar is None else self._unseen_ground(self.lidar)
+        self._guarded = GuardedBase(wheels, spec, grid, lambda: self.pose, self.surroundings, self._unseen)
         self.driven = (0.0, 0.0)
         """Speed in [m/s] and turn rate in [rad/s] that the base was commanded in the last period."""
         self.held: Held | None = None
@@ -283,11 +283,14 @@ class Robot:
 
     def state(self) -> dict[str, Any]:
         """What was estimated so far, for a checkpoint, as plain data."""
-        return {
+        state = {
             "robot": attributes(self, self.STATE),
             "attitude": attributes(self.attitude, self.attitude.STATE),
             "localization": self.localization.state(),
         }
+        if self._unseen is not None and self._unseen.is_partial:
+            state["driven"] = attributes(self._unseen, self._unseen.STATE)
+        return state
 
     def set_state(self, state: object) -> None:
         """Take over what `state` gave, on a backend that stands as it did then.
@@ -295,11 +298,13 @@ class Robot:
         Raises:
             NotAState: it is of something else.
         """
-        if not isinstance(state, dict) or state.keys() != {"robot", "attitude", "localization"}:
+        if not isinstance(state, dict) or state.keys() - {"driven"} != {"robot", "attitude", "localization"}:
             raise NotAState("no state of this robot; needed: robot, attitude, localization")
         set_attributes(self, self.STATE, state["robot"])
         set_attributes(self.attitude, self.attitude.STATE, state["attitude"])
         self.localization.set_state(state["localization"])
+        if self._unseen is not None and "driven" in state:
+            set_attributes(self._unseen, self._unseen.STATE, state["driven"])
 
     def moved_by(self, who: object) -> bool:
         """Note who moves the robot in this period; whether nobody else does, nor did in the last one."""

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import ClassVar
 
 import numpy as np
 
+from handcart.backends.plain_values import Kinds
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.following.unseen_ground import is_driven, unseen_edge
 from handcart.robotics.navigation.following.way_guard import Held
@@ -26,6 +28,9 @@ class UnseenGround:
     it drives back the way it came, and nowhere else.
     """
 
+    STATE: ClassVar[Kinds] = {"_driven": list[tuple[float, float, float]]}
+    """Attributes that a checkpoint keeps, with their types."""
+
     def __init__(
         self, lidar: Lidar, radius: float, rolled: Callable[[], Pose2], clock: Callable[[], float]
     ) -> None:
@@ -39,6 +44,11 @@ class UnseenGround:
         """
         self._lidar, self._radius, self._rolled, self._clock = lidar, radius, rolled, clock
         self._driven: list[tuple[float, float, float]] = []
+
+    @property
+    def is_partial(self) -> bool:
+        """Whether there is always ground that the lidar does not see."""
+        return bool(self._lidar.spec.masked_deg) or not self._lidar.spec.is_full_turn
 
     def starts_here(self) -> None:
         """A new action begins: what was driven long ago may have changed since."""

@@ -129,3 +129,23 @@ def test_where_walls_are_beyond_the_reach_silence_is_no_fault(make_rig: Callable
     ended = rig.run(MoveTo(place="shelf_1"))
     assert rig.robot.time > 15.0  # it drove there, though wheels alone don't determine how exactly
     assert "lidar" not in getattr(ended, "reason", "")
+
+
+@pytest.mark.parametrize("kept", [True, False])
+def test_where_it_drove_is_in_a_checkpoint(make_rig: Callable[..., Rig], kept: bool) -> None:
+    rig = make_rig(lidar=HALF)
+    rig.run(Drive(ahead=60, back=0))
+    state = rig.robot.state()
+    rig.robot.set_state({**state, "driven": {"_driven": []}})
+    if kept:
+        rig.robot.set_state(state)
+    rig.run(Drive(ahead=0, back=60))
+    assert (rig.scene.base.y < 1.0 + NEAR) is kept
+    assert "driven" not in make_rig().robot.state()
+
+
+def test_it_does_not_creep_into_unseen_ground_attempt_by_attempt(make_rig: Callable[..., Rig]) -> None:
+    rig = make_rig(start_y=4.0, lidar=HALF)
+    for _ in range(4):
+        rig.run(Drive(ahead=0, back=20))
+        assert rig.scene.base.y > 4.0 - NEAR
