@@ -50,7 +50,7 @@ def checked_joints(model: ArmModel, joints: Vector, last: Vector, most: Vector) 
     wanted = np.array(joints, dtype=np.float64)
     if wanted.shape != last.shape or not np.isfinite(wanted).all():
         raise CommandError(f"joint angles {wanted.tolist()}; allowed: {model.dof} finite numbers")
-    beyond = (wanted < model.lower - _ROUNDING) | (wanted > model.upper + _ROUNDING)
+    beyond = np.abs(wanted - model.clipped(wanted)) > _ROUNDING
     if beyond.any():
         raise CommandError(_each(model, beyond, lambda number: _beyond(model, number, wanted[number])))
     step = np.abs(wanted - last)

@@ -45,7 +45,7 @@ class CanArm(Arm):
         that is no further than it moves in a period.
         """
         measured = self.joints()
-        within = np.clip(measured, self._model.lower, self._model.upper)
+        within = self._model.clipped(measured)
         self.holds(np.where(np.abs(within - measured) <= self._most, within, measured))
 
     def holds(self, joints: Vector) -> None:

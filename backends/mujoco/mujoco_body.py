@@ -16,13 +16,14 @@ from handcart.backends.physics.urdf.sound_urdf import held_still, sound_urdf
 from handcart.backends.urdf.driven_wheels import driven_wheels
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, inverse
+from handcart.robotics.kinematics.urdf_tree import joint_leaders
 
 from .mujoco_engine import MujocoEngine
 from .mujoco_joints import GIVING, MujocoJoints
 from .mujoco_module import mujoco
 from .mujoco_urdf import read_robot
 from .rendering.robot_looks import PartLook, robot_looks
-from .world_spec import HARD, HOLDS_ON_SOFT, ROBOT, ROBOT_GROUP, SINKS, STANDS, STIFF, quaternion
+from .world_spec import HARD, HOLDS_ON_SOFT, LINKAGE, ROBOT, ROBOT_GROUP, SINKS, STANDS, STIFF, quaternion
 
 TOP_ACCELERATION = 100.0  # of a drive that moves nothing but itself [rad/s²]
 TOP_SLIDE_ACCELERATION = 50.0  # the same of one that slides [m/s²]
@@ -33,6 +34,8 @@ _FOLLOWS = 0.1  # of the way to where it belongs that a joint that is held makes
 class MujocoBody(RobotBody):
     """See `RobotBody`. Its drives have the inertia that drives have: it holds their motion steady."""
 
+    COUPLES_MIMICS = True
+
     def __init__(self, engine: MujocoEngine, robot: RobotFile, base: Pose2) -> None:
         """Load it with `base` as world_T_base."""
         self._engine = engine
@@ -41,8 +44,9 @@ class MujocoBody(RobotBody):
         self._urdf = sound_urdf(robot)
         self.repairs = self._urdf.repairs
         child = read_robot(self._urdf)
+        leaders = joint_leaders(self._urdf.text)
         self.effort = {joint.name: float(joint.actfrcrange[1]) for joint in child.joints}
-        self._furnish(child, robot.arm.joints if robot.arm is not None else ())
+        self._furnish(child, robot.arm.joints if robot.arm is not None else (), leaders)
         spec = engine.world.spec
         spec.attach(child, prefix=ROBOT, frame=spec.worldbody.add_frame())
         root = next(each for each in spec.bodies if each.name.startswith(ROBOT))
@@ -63,16 +67,22 @@ class MujocoBody(RobotBody):
         self._root_T_base = inverse(self.link_pose(self._root)) @ self.link_pose("base")
         for joint, (position, force) in held_still(robot).items():
             self.reset(joint, position)
-            self.joints([joint]).stand(np.array([position]), np.array([force]), _FOLLOWS)
+            if joint not in leaders:
+                self.joints([joint]).stand(np.array([position]), np.array([force]), _FOLLOWS)
         self.put(base)
 
-    def _furnish(self, robot: Any, arm: Collection[str]) -> None:
-        """Give joints their drives, the arm's two each, and links the friction that they all have."""
+    def _furnish(self, robot: Any, arm: Collection[str], followers: Collection[str]) -> None:
+        """Give joints their drives, the arm's two each, and links the friction that they all have.
+
+        Joints that mimic another have no drive: a linkage moves them.
+        """
+        for linkage in robot.equalities:
+            linkage.solref, linkage.solimp = STIFF, LINKAGE
         for geometry in robot.geoms:
             geometry.group, geometry.solref = ROBOT_GROUP, STIFF
             geometry.friction = (LINKS_RUB**2, 0.005, 0.0001)
         for joint in robot.joints:
-            if self.effort[joint.name] <= 0.0:
+            if self.effort[joint.name] <= 0.0 or joint.name in followers:
                 continue
             turns = joint.type == mujoco().mjtJoint.mjJNT_HINGE
             joint.armature = self.effort[joint.name] / (TOP_ACCELERATION if turns else TOP_SLIDE_ACCELERATION)

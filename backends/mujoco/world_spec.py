@@ -27,6 +27,8 @@ remedies for slipping (`impratio` 10, `noslip_iterations` 5), friction would hol
 """
 STANDS = (0.995, 0.999, 0.0005, 0.5, 2.0)
 """The same of tyres that stick: with MuJoCo's own, a car on rough ground turns by 0.6 degrees in a minute."""
+LINKAGE = (0.999, 0.9999, 0.0005, 0.5, 2.0)
+"""The same of a linkage between two joints: what hangs on the one that follows moves it by less than 1e-5."""
 SINKS = (0.9, 0.9, 0.001, 0.5, 2.0)
 """The same of wheels on ground that gives: the same at each depth, so that a point carries in proportion to
 it. MuJoCo's force at rest is its stiffness times the depth, over (1 - impedance) and how easily the body is

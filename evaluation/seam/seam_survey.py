@@ -157,7 +157,7 @@ class SeamSurvey(Survey):
         """Periods and joints with an angle, a speed or a torque beyond its limit."""
         arm = self.run.robot.arm_model
         joints = np.vstack([each.joints for each in self.stretches])
-        beyond = (joints < arm.lower - ROUNDING) | (joints > arm.upper + ROUNDING)
+        beyond = np.abs(np.array([arm.clipped(row) for row in joints]) - joints) > ROUNDING
         return sum(use.violations for use in self.uses()) + int(beyond.sum())
 
     def _use(self, stretch: Stretch) -> LimitUse:

@@ -80,7 +80,8 @@ def check_state(robot: Robot, past: Past) -> StateCheck:
     if expected is None:
         unknown.append("how the robot stood: the journal doesn't tell")
         return StateCheck(None, now, {}, {}, tuple(unknown), False, robot.spec.joint_units)
-    found = residuals(expected, now, robot.spec.joint_units.slides)
+    units = robot.spec.joint_units
+    found = residuals(expected, now, units.slides, units.endless)
     if robot.localization.dead_reckoned:
         found = {name: size for name, size in found.items() if name not in _BY_SCANS}
         unknown.append("where the base stands: only its wheels tell, and they were not heard meanwhile")

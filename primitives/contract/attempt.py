@@ -224,7 +224,8 @@ def _restore(
             primitive.evidence.blame(error, restoring=True)
             yield from halt(robot)
             return GiveUp(f"{reason}; and restoring failed: {_words(error)}")
-        found = residuals(start, now, robot.spec.joint_units.slides)
+        units = robot.spec.joint_units
+        found = residuals(start, now, units.slides, units.endless)
         primitive.evidence.limits = limits(robot, found, room)
         verdict = fail_if_restored(reason, permanent, found, primitive.evidence.limits)
         if isinstance(verdict, Fail):

@@ -66,6 +66,8 @@ def move_to_joints(
 ) -> Periods:
     """Move to joint angles (n,) in [rad], free of collisions with the robot and what it knows of.
 
+    Continuous joints turn the shorter way.
+
     Args:
         robot: the arm holds where it was last commanded.
         joints: where to.
@@ -76,6 +78,7 @@ def move_to_joints(
         Discrepancy: no free way was found.
     """
     here = robot.arm.command()
+    joints = robot.arm_model.nearest(joints, here)
     if np.allclose(here, joints, atol=CLOSE):
         return
     collision = collision_model(robot, held, around)
@@ -144,17 +147,19 @@ def _plan_another_way(
 
 def _no_way(robot: Robot, collision: CollisionModel, here: Vector, joints: Vector) -> Discrepancy:
     hits = collision.contacts(joints) or collision.contacts(here)
-    return Discrepancy(_beyond(robot, here) or f"the arm finds no free way{_between(hits)}")
+    beyond = _beyond(robot, here, "is at") or _beyond(robot, joints, "would go to")
+    return Discrepancy(beyond or f"the arm finds no free way{_between(hits)}")
 
 
-def _beyond(robot: Robot, here: Vector) -> str:
-    """Which joints are beyond their limits, in words, where any is."""
+def _beyond(robot: Robot, angles: Vector, verb: str) -> str:
+    """Return which joints are beyond their limits, in words, where any is."""
     arm, units = robot.arm_model, robot.spec.joint_units
+    limits = enumerate(zip(angles, arm.lower, arm.upper, arm.endless, strict=True))
     return "; ".join(
-        f"{units.names[number]} is at {units.words(number, at)}; allowed: {units.words(number, lower)}"
+        f"{units.names[number]} {verb} {units.words(number, at)}; allowed: {units.words(number, lower)}"
         f" to {units.words(number, upper)}"
-        for number, (at, lower, upper) in enumerate(zip(here, arm.lower, arm.upper, strict=True))
-        if not lower <= at <= upper
+        for number, (at, lower, upper, endless) in limits
+        if not endless and not lower <= at <= upper
     )
 
 

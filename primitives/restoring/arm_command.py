@@ -34,7 +34,7 @@ def hold_measured(robot: Robot) -> Generator[None, None, None]:
     """
     arm, model = robot.arm, robot.arm_model
     start = arm.command()
-    goal = np.clip(arm.joints(), model.lower, model.upper)
+    goal = model.clipped(arm.joints())
     periods = float(np.nan_to_num(np.abs(goal - start) / (robot.joint_speeds * robot.period)).max())
     for share in np.linspace(1.0, 0.0, max(1, math.ceil(periods - ROUNDING)), endpoint=False)[::-1]:
         arm.move(goal if share == 1.0 else start + share * (goal - start))
@@ -54,6 +54,7 @@ def command_moment(robot: Robot, moment: Moment, periods: int = 1) -> Generator[
         yield from robot.wait(GRIP_PAUSE)
     arm = robot.backend.get(Arm)  # type: ignore[type-abstract]
     start = moment.joints if arm is None else arm.command()
+    end = moment.joints if arm is None else robot.arm_model.nearest(moment.joints, start)
     for share in np.linspace(0.0, 1.0, periods + 1)[1:]:
-        if renew_arm(robot, moment._replace(joints=start + share * (moment.joints - start))):
+        if renew_arm(robot, moment._replace(joints=start + share * (end - start))):
             yield

@@ -92,7 +92,8 @@ def reach_again(robot: Robot, start: Snapshot, room: float) -> Generator[None, N
 
 
 def _sure_of(robot: Robot, start: Snapshot, room: float) -> bool:
-    found = residuals(start, take_snapshot_since_start(robot, {}), robot.spec.joint_units.slides)
+    units = robot.spec.joint_units
+    found = residuals(start, take_snapshot_since_start(robot, {}), units.slides, units.endless)
     allowed = limits(robot, found, room)
     return all(size <= allowed[name] for name, size in found.items() if "unsure" in name)
 

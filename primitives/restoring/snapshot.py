@@ -102,7 +102,9 @@ def take_snapshot_since_start(robot: Robot, seen: Seen) -> Snapshot:
     return replace(take_snapshot(robot, seen), displacement=robot.localization.displacement)
 
 
-def residuals(start: Snapshot, now: Snapshot, slides: Sequence[bool] = ()) -> dict[str, float]:
+def residuals(
+    start: Snapshot, now: Snapshot, slides: Sequence[bool] = (), endless: Sequence[bool] = ()
+) -> dict[str, float]:
     """How far `now` is from `start`: name with unit to size.
 
     What no longer is there, or isn't held any more, is infinitely far. Beside the base's residual stands how
@@ -111,7 +113,8 @@ def residuals(start: Snapshot, now: Snapshot, slides: Sequence[bool] = ()) -> di
     Args:
         start: what was measured before.
         now: what is measured now.
-        slides: which of the arm's joints slide; left out: none.
+        slides: which of the arm's joints slide (default: none).
+        endless: which of them are continuous: a turn more or less is no change (default: none).
     """
     (away, turned), unsure = _apart(start, now), _unsure(start, now)
     result = {
@@ -123,6 +126,8 @@ def residuals(start: Snapshot, now: Snapshot, slides: Sequence[bool] = ()) -> di
         "held": math.inf if start.holding != now.holding else 0.0,
     }
     off = np.abs(now.joints - start.joints)
+    if any(endless):
+        off = np.where(endless, np.abs(np.remainder(off + math.pi, 2.0 * math.pi) - math.pi), off)
     sliding = np.array(slides, dtype=bool) if len(slides) else np.zeros(off.shape, dtype=bool)
     if not sliding.all():
         result["joints_deg"] = math.degrees(float(off[~sliding].max()))
@@ -187,7 +192,8 @@ def moved(robot: Robot, stood: Snapshot, now: Snapshot) -> dict[str, float]:
 
     That a pose isn't surely known is no motion.
     """
-    found = residuals(stood, now, robot.spec.joint_units.slides)
+    units = robot.spec.joint_units
+    found = residuals(stood, now, units.slides, units.endless)
     found = {name: size for name, size in found.items() if "unsure" not in name}
     allowed = limits(robot, found)
     return {name: size for name, size in found.items() if not size <= allowed[name]}

@@ -12,7 +12,8 @@ from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.coal_bodies import hull_of_mesh, meshes, shape_of
 from handcart.robotics.kinematics.libraries import pin
 from handcart.robotics.kinematics.shapes import Shape
-from handcart.robotics.kinematics.urdf_tree import urdf_of_arm
+from handcart.robotics.kinematics.urdf_reading import known_urdf
+from handcart.robotics.kinematics.urdf_tree import followers_of, urdf_of_arm
 
 Vector = NDArray[np.float64]
 
@@ -21,13 +22,16 @@ class ArmModel:
     """The joints `joint_names` of a URDF robot, from its link `base` to its link `tip`.
 
     All other joints (wheels, fingers) stand still: at `others[name]` in [rad] or [m], else at zero; those
-    that mimic one of the arm's follow it. A joint that slides has [m] where others have [rad]. A continuous
-    joint counts as one limited to a turn, -pi to pi. Poses are given in `base`. A link's mesh counts as its
-    convex hull; its file is named by an absolute path.
+    that mimic one of the arm's follow it, wherever they are in the tree. A joint that slides has [m] where
+    others have [rad]. Poses are given in `base`. A link's mesh counts as its convex hull; its file is named
+    by an absolute path.
     An object holds work space: use it from one thread at a time.
 
     Attributes:
-        lower, upper: joint limits (n,), in [rad]; velocity: joint speed limits (n,), in [rad/s].
+        lower, upper: joint limits (n,), in [rad]; of a continuous joint -pi and pi, one turn of many.
+        endless: (n,) whether a joint is continuous: it has no limits, see `within` and `nearest`.
+        followers: names (k,) of joints that mimic one of the arm's.
+        velocity: joint speed limits (n,), in [rad/s].
         slides: (n,) whether a joint is prismatic, so that its numbers are in [m].
         allowed: pairs of links that may touch each other.
     Raises:
@@ -58,13 +62,20 @@ class ArmModel:
         for body in self._geometry.geometryObjects:
             if isinstance(body.geometry, pin.coal.BVHModelBase):
                 body.geometry = hull_of_mesh(body.geometry, self._model.frames[body.parentFrame].name)
-        indices = [self._model.idx_qs[self._model.getJointId(name)] for name in joint_names]
-        self._order = np.array(indices, dtype=np.intp)
+        self._order = np.array([self._index(name) for name in joint_names], dtype=np.intp)
+        led = followers_of(urdf_text, self.joint_names)
+        self.followers = tuple(led)
+        self._spread, self._offset = self._following(led)
+        self._led = np.array([self._index(name) for name in led], dtype=np.intp)
+        types = {each.get("name"): each.get("type") for each in known_urdf(urdf_text).findall("joint")}
+        self.endless = np.array([types[name] == "continuous" for name in joint_names], dtype=bool)
         self.lower: Vector = self._model.lowerPositionLimit[self._order]
         self.upper: Vector = self._model.upperPositionLimit[self._order]
         self.velocity: Vector = self._model.velocityLimit[self._order]
         kinds = [self._model.joints[self._model.getJointId(name)].shortname() for name in joint_names]
         self.slides = np.array([kind.startswith("JointModelP") for kind in kinds], dtype=bool)
+        self._lowest = np.where(self.endless, -np.inf, self.lower)
+        self._highest = np.where(self.endless, np.inf, self.upper)
         self._data = self._model.createData()
         self._last_poses: dict[tuple[bytes, int], Transform] = {}  # asked several times in a period
         self._frames: dict[str, int] = {}
@@ -92,6 +103,26 @@ class ArmModel:
         """Number of joints n."""
         return len(self.joint_names)
 
+    def within(self, q: Vector, rounding: float = 0.0) -> bool:
+        """Return whether joint angles (n,) are within the limits of all joints that have some.
+
+        Args:
+            q: in [rad].
+            rounding: how far beyond a limit still counts as within, in [rad].
+        """
+        return bool(np.all(q >= self._lowest - rounding) and np.all(q <= self._highest + rounding))
+
+    def clipped(self, q: Vector) -> Vector:
+        """Return the joint angles (n,) within the limits that are nearest to `q` (n,)."""
+        return np.clip(q, self._lowest, self._highest)
+
+    def nearest(self, q: Vector, near: Vector) -> Vector:
+        """Return the same posture with continuous joints in the turn that is nearest to `near`, both (n,)."""
+        if not self.endless.any():
+            return q
+        turns = np.round((near - q) / (2.0 * np.pi))
+        return np.where(self.endless, q + 2.0 * np.pi * turns, q)
+
     def forward(self, q: Vector, frame: str | None = None) -> Transform:
         """base_T_frame (4, 4) at the joint angles `q` (n,) in [rad]; `frame` is any link, else the tip."""
         index = self._tip_id if frame is None else self._frame(frame)
@@ -109,15 +140,22 @@ class ArmModel:
         """(6, n): velocity of the tip [m/s; rad/s], in the axes of `base`, for each joint's [rad/s]."""
         aligned = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
         root_J = pin.computeFrameJacobian(self._model, self._data, self.ordered(q), self._tip_id, aligned)
-        root_J = root_J.reshape(6, -1)  # Pinocchio gives a single column as (6,)
+        root_J = self.of_arm(root_J.reshape(6, -1))  # Pinocchio gives a single column as (6,)
         turn = self._base_T_root.rotation
-        columns = self._order
-        return np.vstack((turn @ root_J[:3, columns], turn @ root_J[3:, columns]))
+        return np.vstack((turn @ root_J[:3], turn @ root_J[3:]))
 
     def gravity_torque(self, q: Vector) -> Vector:
         """Torques (n,) in [Nm] that carry the arm's own weight, the base upright."""
-        torque: Vector = pin.computeGeneralizedGravity(self._model, self._data, self.ordered(q))[self._order]
-        return torque
+        return self.of_arm(pin.computeGeneralizedGravity(self._model, self._data, self.ordered(q)))
+
+    def own_gravity_torques(self, q: Vector) -> tuple[Vector, Vector]:
+        """Return the torques that carry the arm's weight if followers have drives of their own, in [Nm].
+
+        Returns:
+            Those of the arm's joints (n,), without what followers carry, and those of `followers` (k,).
+        """
+        torques: Vector = pin.computeGeneralizedGravity(self._model, self._data, self.ordered(q))
+        return torques[self._order], torques[self._led]
 
     def load_torque(self, q: Vector, point: Vector, mass: float) -> Vector:
         """Torques (n,) in [Nm] that carry a `mass` in [kg] held by the tip at a `point` (3,) of `base`."""
@@ -135,8 +173,8 @@ class ArmModel:
     ) -> Vector | None:
         """Joint angles (n,) within the limits that put the tip at `base_T_tip` (4, 4), or None.
 
-        The descent from `near` (n,) is taken when it arrives. Else `restarts` seeded random starts are
-        tried, those closest to `near` first.
+        The descent from `near` (n,) is taken when it arrives. Otherwise `restarts` seeded random starts are
+        tried, those closest to `near` first. Continuous joints are in the turn nearest to `near`.
         """
         return next(self.solutions(base_T_tip, near, restarts, seed), None)
 
@@ -154,13 +192,15 @@ class ArmModel:
         target, found = self._root_T_base * pin.SE3(base_T_tip), list[Vector]()
         for start in self._all_starts(target, near, restarts, seed):
             q = self._descend(target, start)
+            q = None if q is None else self.nearest(q, near)
             if q is not None and all(float(np.abs(q - other).max()) > _SAME for other in found):
                 found.append(q)
                 yield q
 
     def _all_starts(self, root_T_target: pin.SE3, near: Vector, restarts: int, seed: int) -> Iterator[Vector]:
-        yield np.clip(near, self.lower, self.upper)
-        starts = self._starts(root_T_target, restarts, np.random.default_rng(seed)) if restarts else []
+        yield self.clipped(near)
+        drawn = self._starts(root_T_target, restarts, np.random.default_rng(seed)) if restarts else []
+        starts = [self.nearest(start, near) for start in drawn]
         yield from sorted(starts, key=lambda start: float(np.linalg.norm(start - near)))
 
     def link_poses(self, q: Vector) -> NDArray[np.float64]:
@@ -195,10 +235,51 @@ class ArmModel:
         return frame.parentJoint, frame.placement
 
     def ordered(self, q: Vector) -> Vector:
-        """The angles `q` (n,) of `joint_names` in Pinocchio's order (n,)."""
+        """Return the angles (m,) of all joints that move, in Pinocchio's order, for those of the arm (n,)."""
+        if self._spread is not None:
+            return np.asarray(self._spread @ q + self._offset)
         result = np.empty(self.dof)
         result[self._order] = q
         return result
+
+    def ordered_rates(self, rates: Vector) -> Vector:
+        """Return the same of speeds or accelerations (n,)."""
+        return self.ordered(rates) - self._offset
+
+    def effort_limits(self) -> Vector:
+        """Return the effort limits (n,) of the URDF, in [Nm] or [N]."""
+        limits: Vector = self._model.effortLimit[self._order]
+        return limits
+
+    def of_arm(self, columns: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return torques or columns (..., n) of the arm's joints for those (..., m) in Pinocchio's order.
+
+        A joint carries what those carry that follow it.
+        """
+        if self._spread is not None:
+            return np.asarray(columns @ self._spread)
+        return np.asarray(columns[..., self._order])
+
+    def _index(self, joint: str) -> int:
+        return int(self._model.idx_qs[self._model.getJointId(joint)])
+
+    def _following(
+        self, followers: Mapping[str, tuple[str, float, float]]
+    ) -> tuple[NDArray[np.float64] | None, Vector]:
+        """Return how the angles (m,) of all joints follow from those of the arm (n,): factors, offsets.
+
+        None in place of the factors (m, n) where no joint mimics another. Pinocchio's own mimic joints can't
+        be nearer to the root than the joint that they follow.
+        """
+        offsets = np.zeros(int(self._model.nq))
+        if not followers:
+            return None, offsets
+        factors = np.zeros((int(self._model.nq), self.dof))
+        factors[self._order, np.arange(self.dof)] = 1.0
+        for name, (leader, factor, offset) in followers.items():
+            factors[self._index(name), self.joint_names.index(leader)] = factor
+            offsets[self._index(name)] = offset
+        return factors, offsets
 
     def _frame(self, name: str) -> int:
         if name not in self._frames:
@@ -215,13 +296,13 @@ class ArmModel:
 
     def _descend(self, root_T_target: pin.SE3, start: Vector) -> Vector | None:
         """Levenberg-Marquardt with damping by the error: Sugihara (2011), eq. 15 and 16, limits clamped."""
-        q = self.ordered(start)
-        lower, upper = self._model.lowerPositionLimit, self._model.upperPositionLimit
+        q = np.array(start, dtype=np.float64)
+        lower, upper = self._lowest, self._highest
         for _ in range(_ITERATIONS):
             error, J = self._error(root_T_target, q)
             squared = float(error @ error)
             if squared < _TOLERANCE**2:
-                return np.asarray(q[self._order])
+                return q
             g = J.T @ error
             stuck = ((q <= lower) & (g < 0.0)) | ((q >= upper) & (g > 0.0))
             J[:, stuck] = 0.0
@@ -245,10 +326,10 @@ class ArmModel:
         return float(np.linalg.norm(pin.log6(root_T_tip.actInv(root_T_target)).vector))
 
     def _error(self, root_T_target: pin.SE3, q: Vector) -> tuple[Vector, NDArray[np.float64]]:
-        pin.computeJointJacobians(self._model, self._data, q)
+        pin.computeJointJacobians(self._model, self._data, self.ordered(q))
         J = pin.getFrameJacobian(self._model, self._data, self._tip_id, pin.ReferenceFrame.LOCAL)
         root_T_tip = pin.updateFramePlacement(self._model, self._data, self._tip_id)
-        return pin.log6(root_T_tip.actInv(root_T_target)).vector, J.reshape(6, -1)
+        return pin.log6(root_T_tip.actInv(root_T_target)).vector, self.of_arm(J.reshape(6, -1))
 
 
 _GRAVITY = 9.81  # [m/s²]

@@ -36,10 +36,10 @@ def kinematic_urdf(urdf_text: str) -> str:
 def urdf_of_arm(urdf_text: str, moving: Collection[str], standing: Mapping[str, float]) -> str:
     """The URDF with only the joints `moving` left movable, and those that follow one of them.
 
-    Every other joint becomes fixed where it stands: at `standing[name]` in [rad] or [m], else at zero; one
-    that mimics another where that has it. A moving continuous joint becomes a revolute one limited to -pi to
-    pi: Pinocchio would describe it by a cosine and a sine, and we want one number a joint. Visual bodies are
-    left out.
+    Those that follow move by themselves here: see `followers_of`. Every other joint becomes fixed where it
+    stands: at `standing[name]` in [rad] or [m], else at zero; one that mimics another where that has it. A
+    moving continuous joint becomes a revolute one limited to -pi to pi: Pinocchio would describe it by a
+    cosine and a sine, and we want one number a joint. Visual bodies are left out.
 
     Raises:
         ValueError: the text is no URDF, or one of the names is no movable joint of it, or one that follows
@@ -63,10 +63,16 @@ def _urdf_of_arm(urdf_text: str, moving: tuple[str, ...], standing_at: tuple[tup
         if leader in moving:
             if joints[name].get("type") == "continuous":
                 _bound(joints[name])
-            _follow(joints[name], leader, factor, offset)
+            _free(joints[name])
         else:
             _fix(joints[name], standing.get(name, factor * standing.get(leader, 0.0) + offset))
     return _text(robot)
+
+
+def followers_of(urdf_text: str, moving: Collection[str]) -> dict[str, tuple[str, float, float]]:
+    """Return the joints that follow one of `moving`: its name, a factor and an offset, as `joint_leaders`."""
+    leaders = joint_leaders(urdf_text)
+    return {name: led for name, led in leaders.items() if led[0] in moving and name not in moving}
 
 
 def joint_leaders(urdf_text: str) -> dict[str, tuple[str, float, float]]:
@@ -136,8 +142,7 @@ def _text(robot: Element) -> str:
 def _fix(joint: Element, value: float) -> None:
     kind = joint.get("type")
     joint.set("type", "fixed")
-    for mimic in joint.findall("mimic"):
-        joint.remove(mimic)
+    _free(joint)
     if value == 0.0:
         return
     origin, tag = joint.find("origin"), joint.find("axis")
@@ -153,12 +158,10 @@ def _fix(joint: Element, value: float) -> None:
         origin.set("rpy", _words(pin.rpy.matrixToRpy(turn @ pin.exp3(motion))))
 
 
-def _follow(joint: Element, leader: str, factor: float, offset: float) -> None:
+def _free(joint: Element) -> None:
+    """Have a joint mimic no other one."""
     for mimic in joint.findall("mimic"):
         joint.remove(mimic)
-    if leader != joint.get("name"):
-        led = {"joint": leader, "multiplier": repr(factor), "offset": repr(offset)}
-        ElementTree.SubElement(joint, "mimic", led)
 
 
 def _numbers(text: str | None, default: str) -> NDArray[np.float64]:

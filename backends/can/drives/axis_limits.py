@@ -58,7 +58,10 @@ def joint_limits(robot: RobotFile, spec: JointDriveSpec, model: ArmModel, joint:
     assert robot.arm is not None
     speed = min(float(model.velocity[joint]), float(robot.joint_speeds()[joint]))
     rate = float(robot.joint_accelerations()[joint])
-    lower, upper = float(model.lower[joint]), float(model.upper[joint])
+    endless = bool(model.endless[joint])
+    lower, upper = (
+        (-math.inf, math.inf) if endless else (float(model.lower[joint]), float(model.upper[joint]))
+    )
     window = spec.following
     return AxisLimits(speed, _STIFFER * rate, _QUICKER * rate, lower, upper, window, FULL_TORQUE)
 

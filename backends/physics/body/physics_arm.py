@@ -8,9 +8,10 @@ from typing import ClassVar
 import numpy as np
 
 from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.physics.urdf.sound_urdf import HOLDS
 from handcart.backends.simulation.body.simulated_parts import SimulatedArm, Vector
 from handcart.robotics.kinematics.arm_model import ArmModel
-from handcart.robotics.kinematics.urdf_tree import joint_leaders
+from handcart.robotics.kinematics.urdf_tree import followers_of
 
 from .robot_body import RobotBody
 
@@ -50,11 +51,8 @@ class PhysicsArm(SimulatedArm):
         super().__init__(robot, model, self._drives.states()[0], seed)
         self._fastest = HEADROOM * model.velocity
         self._effort = np.array([body.effort[name] for name in model.joint_names])
-        leaders = joint_leaders(robot.urdf_text())
-        self._followers = {name: led for name, led in leaders.items() if led[0] in model.joint_names}
-        self._following = {
-            name: (body.joints([name]), np.array([body.effort[name]])) for name in self._followers
-        }
+        self._followers = followers_of(robot.urdf_text(), model.joint_names)
+        self._following = [] if body.COUPLES_MIMICS else [_Follower(body, name) for name in model.followers]
         for name, angle in zip(model.joint_names, self._command + self._offset, strict=True):
             body.reset(name, float(angle))
         for name, (leader, factor, offset) in self._followers.items():
@@ -82,24 +80,40 @@ class PhysicsArm(SimulatedArm):
         rate = way / period
         off = self._from + share * way + self._offset - angles
         self._drives.give(off, rate, self._effort, self._fastest, CATCHES_UP)
-        self._drives.push(self._weight(angles + self._ahead * rate))
-        self._lead(angles, rate)
+        soon = angles + self._ahead * rate
+        torques = self._lead(soon, angles, rate) if self._following else self._model.gravity_torque(soon)
+        self._drives.push(torques + self._load_torque(soon))
 
-    def _lead(self, angles: Vector, rates: Vector) -> None:
-        """Have the joints that mimic one of the arm's stand where it has them."""
-        for name, (leader, factor, offset) in self._followers.items():
+    def _lead(self, soon: Vector, angles: Vector, rates: Vector) -> Vector:
+        """Have the joints that mimic one of the arm's stand where it has them, by drives of their own.
+
+        Return the torques (n,) in [Nm] that carry what they don't.
+        """
+        torques, of_followers = self._model.own_gravity_torques(soon)
+        for follower, torque in zip(self._following, of_followers, strict=True):
+            leader, factor, offset = self._followers[follower.name]
             led = self._model.joint_names.index(leader)
-            joint, most = self._following[name]
             rate = factor * float(rates[led])
             there = factor * float(angles[led]) + offset + 2 * self._ahead * rate
-            joint.stand(np.array([there]), most, FOLLOWS, np.array([rate]))
+            follower.joint.stand(np.array([there]), follower.most, FOLLOWS, np.array([rate]))
+            follower.joint.push(np.array([torque]))
+        return torques
 
     def end(self) -> None:
         """A period has ended."""
         self._from = self._command.copy()
 
-    def _weight(self, angles: Vector) -> Vector:
-        """Torques (n,) in [Nm] that carry arm and load."""
-        torque = self._model.gravity_torque(angles)
+    def _load_torque(self, angles: Vector) -> Vector | float:
+        """Return the torques (n,) in [Nm] that carry the load."""
         mass, middle = self.load
-        return torque + self._model.load_torque(angles, middle, mass) if mass > 0.0 else torque
+        return self._model.load_torque(angles, middle, mass) if mass > 0.0 else 0.0
+
+
+class _Follower:
+    """A joint that mimics another, with a drive of its own."""
+
+    def __init__(self, body: RobotBody, name: str) -> None:
+        self.name = name
+        self.joint = body.joints([name])
+        effort = body.effort[name]
+        self.most = np.array([effort if effort > 0.0 else HOLDS])

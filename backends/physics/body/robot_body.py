@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
+from typing import ClassVar
 
 from handcart.backends.physics.urdf.sound_urdf import casters
 from handcart.backends.physics.urdf.sprung import CHASSIS
@@ -22,6 +23,8 @@ class RobotBody(ABC):
     Where the file has the base lean, it stands on a chassis with a suspension; see `sprung`.
     """
 
+    COUPLES_MIMICS: ClassVar[bool] = False
+    """Whether the engine has joints follow those that they mimic; otherwise drives of their own do."""
     id: int
     """The engine's number of it."""
     sprung: bool

@@ -58,7 +58,7 @@ def beside(spec: RobotFile, joints: NDArray[np.float64], number: int, way: float
     """The same joints (n,) but for one that is `way` further on, or back where its limit is too near."""
     model, goal = spec.arm_model(), joints.copy()
     goal[number] += way
-    if not model.lower[number] <= goal[number] <= model.upper[number]:
+    if not model.within(goal):
         goal[number] -= 2.0 * way
     return goal
 

@@ -44,7 +44,9 @@ class ScrewChain(NamedTuple):
             name = arm.joint_names[int(np.argmax(slides))]
             raise ValueError(f"joint {name!r} slides; allowed: arms whose joints all turn")
         points = base_T_tip[:3, 3] + np.cross(axes, jacobian[:3].T)
-        return cls(np.ascontiguousarray(axes), points, base_T_tip, arm.lower.copy(), arm.upper.copy())
+        lower = np.where(arm.endless, -np.inf, arm.lower)
+        upper = np.where(arm.endless, np.inf, arm.upper)
+        return cls(np.ascontiguousarray(axes), points, base_T_tip, lower, upper)
 
     @property
     def dof(self) -> int:

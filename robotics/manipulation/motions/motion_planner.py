@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from itertools import pairwise
 
 import numpy as np
@@ -32,17 +32,26 @@ def plan_motion(
     """A free path from `q_start` (n,) to `q_goal` (n,) of straight joint lines, (m, n) in [rad], or None.
 
     The straight line is taken when it is free; else RRT-Connect (Kuffner and LaValle 2000, from OMPL)
-    searches between the joint limits and its path is shortened. The same seed gives the same path: effort is
-    bounded by `max_branches` lines tried, not by time. `step` [rad] lies between checks on a line. None
-    too when an end itself is in collision (`collision.contacts` says with what) or beyond the limits.
+    searches between the joint limits and its path is shortened. Continuous joints turn the shorter way: the
+    path ends in the turn of `q_goal` that is nearest to `q_start`; if no path is found, one of them after
+    the other turns the longer way. The same seed gives the same path: effort is bounded by `max_branches`
+    lines tried for each, not by time. `step` [rad] lies between checks on a line. None too when an end
+    itself is in collision (`collision.contacts` says with what) or beyond the limits.
     """
-    if not (_within(arm, q_start) and _within(arm, q_goal)):
+    if not (arm.within(q_start) and arm.within(q_goal)):
         return None
+    q_goal = arm.nearest(q_goal, q_start)
     if collision.in_collision(q_start) or collision.in_collision(q_goal):
         return None
-    if collision.line_free(q_start, q_goal, step):
-        return np.array([q_start, q_goal])
-    found = _rrt_connect(arm, collision, q_start, q_goal, seed, max_branches, step)
+    goals = [q_goal, *_longer_ways(arm, q_start, q_goal)]
+    for goal in goals:
+        if collision.line_free(q_start, goal, step):
+            return np.array([q_start, goal])
+    found = None
+    for goal in goals:
+        found = _rrt_connect(arm, collision, q_start, goal, seed, max_branches, step)
+        if found is not None:
+            break
     if found is None:
         return None
     return _shorten(found, lambda a, b: collision.line_free(a, b, step), np.random.default_rng(seed))
@@ -80,8 +89,12 @@ _RANGE = 0.6  # [rad] longest branch of the trees
 _SHORTCUTS = 80
 
 
-def _within(arm: ArmModel, q: Vector) -> bool:
-    return bool(np.all(q >= arm.lower) and np.all(q <= arm.upper))
+def _longer_ways(arm: ArmModel, q_start: Vector, q_goal: Vector) -> Iterator[Vector]:
+    """Yield the same posture with one continuous joint each turned the longer way to it."""
+    for joint in np.flatnonzero(arm.endless):
+        goal = np.array(q_goal, dtype=np.float64)
+        goal[joint] -= np.copysign(2.0 * np.pi, goal[joint] - q_start[joint])
+        yield goal
 
 
 def _between(start: pin.SE3, goal: pin.SE3, share: float) -> Transform:
@@ -124,7 +137,7 @@ def _rrt_connect(
     # and planner anew, gives each call its own stream; OMPL only complains about it in its log.
     ou.setLogLevel(ou.LogLevel.LOG_NONE)
     ou.RNG.setSeed(1 + seed % (2**31 - 1))
-    information = ob.SpaceInformation(_space(arm))
+    information = ob.SpaceInformation(_space(arm, q_start, q_goal))
     information.setStateValidityChecker(lambda state: not collision.in_collision(_angles(state, arm.dof)))
     lines = _Lines(information, collision, arm.dof, step)
     information.setMotionValidator(lines)
@@ -142,11 +155,15 @@ def _rrt_connect(
     return np.array([_angles(states.getState(index), arm.dof) for index in range(states.getStateCount())])
 
 
-def _space(arm: ArmModel) -> ob.RealVectorStateSpace:
+def _space(arm: ArmModel, q_start: Vector, q_goal: Vector) -> ob.RealVectorStateSpace:
+    """Return the joint limits; of continuous joints the turns about both ends."""
+    around = np.array([q_start, q_goal])
+    lower = np.where(arm.endless, around.min(axis=0) - np.pi, arm.lower)
+    upper = np.where(arm.endless, around.max(axis=0) + np.pi, arm.upper)
     bounds = ob.RealVectorBounds(arm.dof)
     for index in range(arm.dof):
-        bounds.setLow(index, float(arm.lower[index]))
-        bounds.setHigh(index, float(arm.upper[index]))
+        bounds.setLow(index, float(lower[index]))
+        bounds.setHigh(index, float(upper[index]))
     space = ob.RealVectorStateSpace(arm.dof)
     space.setBounds(bounds)
     return space

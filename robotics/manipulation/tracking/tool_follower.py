@@ -61,7 +61,7 @@ class ToolFollower:
         """
         base_T_tools = inverse(world_T_base) @ path.poses
         angles = np.empty((len(base_T_tools), self.arm.dof))
-        before = np.clip(near, self.arm.lower, self.arm.upper)
+        before = self.arm.clipped(near)
         for index, base_T_tool in enumerate(base_T_tools):
             angles[index] = self._step(base_T_tool, before, index, world_T_base)
             if index > 0 and np.abs(angles[index] - before).max() > _JUMP:
@@ -91,14 +91,14 @@ class ToolFollower:
         tip_and_jacobian(*self._chain[:3], q, pose, jacobian)
         without_free(pose, int(self.free), jacobian)
         # What counts is the share of a joint's range, and most where little of it is left.
-        share = (q - self._middle) / self._half
+        share = np.where(self.arm.endless, 0.0, (q - self._middle) / self._half)
         wish = -_EAGER * share**3 * self._half
         ease = wish - np.linalg.pinv(jacobian, rcond=_SINGULAR) @ (jacobian @ wish)
         return np.asarray(q + ease * min(1.0, _EASES / max(1e-12, float(np.abs(ease).max()))))
 
     def _limit(self, q: Floats) -> str:
         """Which joints stopped the arm, in words."""
-        held = np.minimum(q - self.arm.lower, self.arm.upper - q) < 1e-6
+        held = ~self.arm.endless & (np.minimum(q - self.arm.lower, self.arm.upper - q) < 1e-6)
         names = [name for name, at_limit in zip(self.arm.joint_names, held, strict=True) if at_limit]
         return f": {', '.join(names)} at the limit" if names else ""
 

@@ -40,14 +40,13 @@ class ArmLoad:
         self._arm = arm
         self._model = arm.for_collision()[0]
         self._data = self._model.createData()
-        self._back = np.argsort(arm.ordered(np.arange(arm.dof, dtype=np.float64)))
-        self.torque: Floats = np.asarray(self._model.effortLimit[self._back])
+        self.torque: Floats = arm.effort_limits()
 
     def torques(self, q: Floats, speed: Floats, acceleration: Floats) -> Floats:
         """(n,) in [Nm] at angles (n,), speeds in [rad/s] and accelerations in [rad/s²]."""
-        order = self._arm.ordered
-        found = pin.rnea(self._model, self._data, order(q), order(speed), order(acceleration))
-        return np.asarray(found[self._back])
+        arm = self._arm
+        moved = arm.ordered(q), arm.ordered_rates(speed), arm.ordered_rates(acceleration)
+        return arm.of_arm(pin.rnea(self._model, self._data, *moved))
 
     def push(self, q: Floats, force: Floats) -> Floats:
         """(n,) in [Nm]: for a force (3,) of the tool on its surroundings, in [N] and the base's axes."""

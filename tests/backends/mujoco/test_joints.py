@@ -46,7 +46,7 @@ def test_a_joint_that_was_held_back_comes_back_no_faster_than_it_may(backend: An
     for step in range(400):
         if step % 20 == 0:
             drives.give(goal - drives.states()[0], nowhere, effort, fastest, CATCHES_UP)
-            drives.push(arm._weight(goal))
+            drives.push(arm._model.gravity_torque(goal))
         engine.step()
         speeds.append(drives.states()[1][0])
     assert max(speeds) < 1.05 * fastest[0]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,12 +18,16 @@ from handcart.backends.registry import make_backend
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.discrepancy import Discrepancy
 from handcart.primitives.contract.tracking_error_monitor import IN_A_ROW, LATE, TrackingErrorMonitor
-from handcart.primitives.motions.arm_motion import MARGIN, follow, move_to_pose
+from handcart.primitives.motions.arm_motion import MARGIN, follow, move_to_joints, move_to_pose
 from handcart.primitives.motions.pushing import push, relax
+from handcart.primitives.restoring.arm_command import command_moment
+from handcart.primitives.restoring.snapshot import residuals, settle, take_snapshot
+from handcart.primitives.restoring.trace import Moment
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import transform
 from handcart.robotics.kinematics.shapes import Sphere
 from handcart.robotics.manipulation.motions.collision_model import CollisionModel
+from handcart.robotics.manipulation.motions.motion_planner import plan_motion
 from tests.primitives.conftest import WORLD, Rig
 
 ROBOT = """\
@@ -159,3 +164,54 @@ def test_pose_is_reached_where_the_first_posture_collides(make_rig: Callable[...
         reached = rig.robot.arm_model.forward(arm.command())
         assert np.abs(reached - pose).max() < 1e-6
         assert not CollisionModel(rig.robot.arm_model, around).in_collision(arm.command())
+
+
+def test_endless_joint_turns_the_shorter_way(lifter: Robot) -> None:
+    drive(lifter, move_to_joints(lifter, np.array([0.2, math.radians(179.0)])))
+    begun = lifter.time
+    drive(lifter, move_to_joints(lifter, np.array([0.2, math.radians(-179.0)])))
+    assert np.degrees(lifter.arm.command()[1]) == pytest.approx(181.0)
+    assert lifter.time - begun < 0.6  # 358 degrees take 4.4 s
+    for degrees in (-60.0, 60.0, 179.0):
+        drive(lifter, move_to_joints(lifter, np.array([0.2, math.radians(degrees)])))
+    assert np.degrees(lifter.arm.joints()[1]) == pytest.approx(539.0)
+
+
+def test_pose_in_another_turn_is_reached_without_turning_back(lifter: Robot) -> None:
+    for degrees in (120.0, 240.0, 360.0):
+        drive(lifter, move_to_joints(lifter, np.array([0.2, math.radians(degrees)])))
+    drive(lifter, move_to_pose(lifter, lifter.arm_model.forward(np.array([0.25, 0.1]))))
+    assert lifter.arm.command() == pytest.approx([0.25, 2.0 * math.pi + 0.1], abs=1e-6)
+
+
+def test_goal_beyond_a_limit_is_named(lifter: Robot) -> None:
+    with pytest.raises(Discrepancy, match=r"lift would go to 500.0 mm; allowed: 0.0 mm to 300.0 mm"):
+        drive(lifter, move_to_joints(lifter, np.array([0.5, 0.0])))
+
+
+def test_restoring_unwinds_to_the_nearest_turn(lifter: Robot) -> None:
+    """A robot that is switched on again reads its endless joint within one turn."""
+    drive(lifter, move_to_joints(lifter, np.array([0.2, math.radians(170.0)])))
+    drive(lifter, move_to_joints(lifter, np.array([0.2, math.radians(190.0)])))
+    moment = Moment(Pose2(1.0, 1.0, 0.0), np.array([0.2, math.radians(-160.0)]), 0.0)
+    drive(lifter, command_moment(lifter, moment, periods=10))
+    assert np.degrees(lifter.arm.command()[1]) == pytest.approx(200.0)
+
+
+def test_a_turn_of_an_endless_joint_is_no_residual(lifter: Robot) -> None:
+    drive(lifter, settle(lifter))
+    start = take_snapshot(lifter, {})
+    turned = replace(start, joints=start.joints + np.array([0.0, 2.0 * math.pi + math.radians(1.0)]))
+    units = lifter.spec.joint_units
+    assert residuals(start, turned, units.slides, units.endless)["joints_deg"] == pytest.approx(1.0)
+    assert residuals(start, turned, units.slides)["joints_deg"] == pytest.approx(361.0)
+
+
+def test_endless_joint_takes_the_longer_way_around_an_obstacle(lifter: Robot) -> None:
+    arm = lifter.arm_model
+    stick = Sphere(transform((0.3, 0.0, 0.0)), 0.02, "stick")
+    wall = Sphere(transform((-0.3, 0.0, 0.2)), 0.1, "wall")
+    collision = CollisionModel(arm, [wall], held=stick, margin=MARGIN)
+    path = plan_motion(arm, collision, np.array([0.2, 2.4]), np.array([0.2, -2.4]))
+    assert path is not None
+    assert path[-1] == pytest.approx([0.2, -2.4])
