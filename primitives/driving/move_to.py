@@ -35,6 +35,7 @@ from handcart.robotics.navigation.localization.front_line import FrontLine, fit_
 
 from .driving import HORIZON, FieldObstacleMonitor, ObstacleMonitor, goal_pose, make_monitor, plan_tracker
 from .lidar_watch import LidarWatch
+from .looks_at_rest import LooksAtRest
 
 ARRIVED = PoseTolerance(position=0.02, heading=0.01)
 DOCKED = PoseTolerance(position=0.004, heading=0.003)
@@ -145,9 +146,9 @@ class MoveTo(ActionPrimitive):
     def _follow(self, robot: Robot, model: ModelView, tracker: PathTracker | CarTracker) -> Periods:
         arm = self._arm(robot, model, lambda: tracker.remaining)
         progress, since, rolled, driven, last = 0.0, robot.time, 0.0, 0.0, robot.localization.odometry_pose
-        anew = 0
+        anew, looks = 0, LooksAtRest(robot.localization)
         while not tracker.finished(robot.pose):
-            waits = self._blocked_since is not None
+            waits = self._blocked_since is not None or looks.due(tracker.remaining)
             follow = tracker.hold if waits else tracker.command
             robot.base.drive(*follow(robot.pose, robot.period))
             self._ahead = tracker.ahead

@@ -171,6 +171,11 @@ class Localization(ABC):
         return 0
 
     @property
+    def added_sigma(self) -> float:
+        """Sigma in [m] that the drive has added to the pose, and that a scan at rest takes away."""
+        return 0.0
+
+    @property
     def sensed(self) -> Sensed | None:
         """What was sensed outdoors in the last period; None indoors."""
         return None
@@ -376,6 +381,11 @@ class WheelLocalization(Localization):
     def slips(self) -> int:
         """See `Localization`."""
         return self._reckoning.slips
+
+    @property
+    def added_sigma(self) -> float:
+        """See `Localization`."""
+        return self._reckoning.added_sigma
 
     def look_again(self) -> None:
         """See `Localization`; after a drive, first compare the wheels' pose with a scan."""

@@ -96,6 +96,7 @@ class OdometryLocalizer(Localizer):
         "_stands": Pose2 | None,
         "_rolled": float,
         "_driven": float,
+        "_then": float,
         "slips": int,
         "astray": bool,
         "explained": float,
@@ -116,6 +117,7 @@ class OdometryLocalizer(Localizer):
         self._stands: Pose2 | None = None
         self._rolled = 0.0  # [m] by the wheels since that scan
         self._driven = math.inf  # [m] since `check_drive`; at first the start is checked
+        self._then = math.inf  # [m²] variance along the worst direction after it
         self.slips, self.astray, self.explained = 0, False, 0.0
 
     @property
@@ -143,19 +145,33 @@ class OdometryLocalizer(Localizer):
         """Whether it has driven since a scan was last compared with where the wheels say that it is."""
         return self._field is not None and self._driven > ROLLS
 
+    @property
+    def added_sigma(self) -> float:
+        """Sigma in [m], along the worst direction, that the drive since then has added to the pose.
+
+        0 where no scan at rest can take it away: without a map, and where the map explained none.
+        """
+        if not self.unchecked or self.astray or self.explained < LEAST_INLIERS:
+            return 0.0
+        return math.sqrt(max(0.0, _worst_variance(self.covariance) - self._then))
+
     def check_drive(self, points: NDArray[np.float64]) -> None:
         """Correct the pose after a drive by a scan at rest, its end points (n, 2) in the base frame, in [m].
 
         Where chance doesn't explain what lies between them, the wheels slipped, and the scan's pose counts
         alone. A map that explained no scan before is no evidence.
         """
-        if self._field is None or len(points) < FEWEST_POINTS:
+        if self._field is None:
             return
+        if len(points) >= FEWEST_POINTS:
+            self._correct_at_rest(self._field, points)
+        self._driven, self._then = 0.0, _worst_variance(self.covariance)
+
+    def _correct_at_rest(self, field: LikelihoodField, points: NDArray[np.float64]) -> None:
         prior, best = np.asarray(self.covariance + ROUGH), HARDLY * self.explained
-        match = match_scan(self._field, points, self.pose, prior, self._sigma)
+        match = match_scan(field, points, self.pose, prior, self._sigma)
         if match.inliers < LESS * self.explained:
-            match = match_scan(self._field, points, self.pose, prior, self._sigma, anneal=True)
-        self._driven = 0.0
+            match = match_scan(field, points, self.pose, prior, self._sigma, anneal=True)
         if match.inliers < LEAST_INLIERS:
             self.astray = match.inliers < best
             return
@@ -329,3 +345,8 @@ def _between(before: Pose2, after: Pose2) -> NDArray[np.float64]:
     """(3,) x, y in [m] and turn in [rad] from one pose to another, on the map."""
     x, y, turn = np.subtract(after, before).tolist()
     return np.array([x, y, wrap(turn)])
+
+
+def _worst_variance(covariance: NDArray[np.float64]) -> float:
+    """In [m²], of a position along its worst direction."""
+    return float(np.linalg.eigvalsh(covariance[:2, :2])[-1])

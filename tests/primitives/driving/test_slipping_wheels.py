@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, cast
 
 import pytest
 
@@ -11,6 +13,9 @@ from handcart.evaluation.conformance.faults.fault import FOR_GOOD, Fault, FaultK
 from handcart.evaluation.conformance.faults.faulty_backend import FaultyBackend
 from handcart.evaluation.conformance.faults.underway import Ending, Underway
 from handcart.evaluation.trials.rig import RigFiles, build_rig
+from handcart.primitives.contract.attempt import attempt
+from handcart.primitives.contract.outcome import Success
+from handcart.primitives.driving.looks_at_rest import LooksAtRest
 from handcart.primitives.driving.move_to import MoveTo
 
 TASK = Path(__file__).resolve().parents[3] / "tasks" / "stack_blocks"
@@ -48,3 +53,41 @@ def test_wheels_that_slip_for_good_claim_nothing_false() -> None:
     assert ending.bitten
     assert ending.outcome != "Success"
     assert ending.wrong == ()
+
+
+def test_a_drive_by_wheels_stops_to_look_and_goes_on_then() -> None:
+    """At a limit that is lower on the last stretch; from there until the scan has been looked at."""
+    where = SimpleNamespace(added_sigma=0.0)
+    looks = LooksAtRest(cast(Any, where))
+    due = []
+    for where.added_sigma, remaining in (
+        (0.0, 3.0),
+        (0.005, 2.0),
+        (0.0065, 1.5),
+        (0.003, 1.4),
+        (0.0, 1.4),
+        (0.001, 0.4),
+        (0.003, 0.3),
+        (0.0, 0.3),
+    ):
+        due.append(looks.due(remaining))
+    assert due == [False, False, True, True, False, False, True, False]
+
+
+def test_a_drive_by_wheels_is_looked_at_on_the_way() -> None:
+    """Where the sensors determine the pose no worse than the place needs it, it ends."""
+    with build_rig(FILES, "toyama", seed=2) as rig:
+        added, stood = [], 0
+        periods = attempt(MoveTo(place="stacking"), rig.robot, rig.model)
+        while True:
+            try:
+                next(periods)
+            except StopIteration as end:
+                outcome = end.value
+                break
+            rig.robot.step()
+            added.append(rig.robot.localization.added_sigma)
+            stood += added[-1] == 0.0 and added[-2:-1] > [0.002]
+        assert isinstance(outcome, Success)
+        assert max(added) < 0.008
+        assert stood >= 3

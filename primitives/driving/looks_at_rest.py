@@ -1,0 +1,24 @@
+"""Where a base that drives by its wheels alone stands to look where it is."""
+
+from __future__ import annotations
+
+from handcart.backends.robot.localization.localization import Localization
+
+REST_SIGMA = 0.006  # [m] that the drive may add to the pose
+LAST_SIGMA, LAST_WAY = 0.002, 0.5  # [m] the same on the last stretch, and how long that is
+
+
+class LooksAtRest:
+    """Stops that a scan needs: wheels that are worse than the robot's file says would lead it astray."""
+
+    def __init__(self, localization: Localization) -> None:
+        """Of a robot that sets out."""
+        self._localization = localization
+        self._due = False
+
+    def due(self, remaining: float) -> bool:
+        """Return whether the base is to stand; `remaining` is the way ahead, in [m]. Ask once a period."""
+        added = self._localization.added_sigma
+        limit = LAST_SIGMA if remaining < LAST_WAY else REST_SIGMA
+        self._due = added > 0.0 and (self._due or added > limit)
+        return self._due
