@@ -41,7 +41,8 @@ class KinematicBackend(SimulatedBackend):
     - No mass: wheels, joints and fingers follow their commands within the period; limits of speed are
       checked, those of acceleration are not. Nothing swings, tips or heats up.
     - Contacts are quasi-static. The base is a disc and stops where it meets something, its wheels slipping.
-      The arm stops where a contact begins; the force grows by 2 N a mm of further command, up to 60 N.
+      The arm stops where a contact begins; the force grows by 2 N a mm of further command, up to 60 N. The
+      hand, and what it holds, slides along what it presses on, with a coefficient of friction of 0.4.
       The arm is not checked against itself and its base; it, what is mounted on the base above its body
       and what stands there stop the base as well where it drives them into something.
     - What is gripped sits in the hand as if glued and centred: it neither slips nor sags.

@@ -17,7 +17,7 @@ from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.kinematics.shapes import Box, Shape, radius_about, top
 
 from .near_pairs import Boxes, Pairs, near_boxes, near_spheres
-from .rigid_body import RigidBody, overlap
+from .rigid_body import RigidBody, meet
 
 HELD = "load"
 FINGERS = ("left_finger", "right_finger")
@@ -68,6 +68,10 @@ class Touch(NamedTuple):
     """[m]"""
     body: str
     other: str
+    normal: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Along which the body leaves the other by the shortest way, in the world; zero if unknown."""
+    point: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Where they touch, in the world, in [m]."""
 
 
 FREE = Touch(0.0, "", "")
@@ -99,6 +103,7 @@ class ArmContact:
         self._hands = [g for g, i in enumerate(self._links) if self._names[i] in _HANDS]
         out = [float(np.hypot(*shapes[i].pose[:2, 3]) + self._radius[i]) for i in self._mounted]
         self._mounted_reach = max(out, default=0.0)
+        self._on_hand = {HELD, *FINGERS, *_fixed_on_tip(arm, self._names)}
         self._fixed = [solid.box for solid in scene.solids]
         self._boxes: list[Box] = []
         self._stood: dict[str, tuple[Transform, Box]] = {}
@@ -138,6 +143,10 @@ class ArmContact:
         if len(near) and (scene.open_ground or scene.riding() or not self._far(scene.base, joints)):
             worst = self._deepest(bodies, near, skip)
         return max(worst, self._against_robot(bodies, poses))
+
+    def rides_on_hand(self, body: str) -> bool:
+        """Whether a body of the arm moves as the hand does: a link fixed on it, a finger, what it holds."""
+        return body in self._on_hand
 
     def _far(self, base: Pose2, joints: NDArray[np.float64]) -> bool:
         """Whether all that is solid in the room is beyond the arm's reach."""
@@ -226,9 +235,9 @@ class ArmContact:
             name, box = bodies.names[g], self._boxes[n]
             if skip is not None and skip(name, box.name):
                 continue
-            depth = overlap(bodies.geometry[g], bodies.poses[g], self._solids[n], box.pose)
-            if depth > worst.depth:
-                worst = Touch(depth, name, box.name)
+            met = meet(bodies.geometry[g], bodies.poses[g], self._solids[n], box.pose)
+            if met.depth > worst.depth:
+                worst = Touch(met.depth, name, box.name, met.normal, met.point)
         return worst
 
     def _against_robot(self, bodies: _Bodies, poses: NDArray[np.float64]) -> Touch:
@@ -238,8 +247,8 @@ class ArmContact:
         worst = FREE
         for g, k in near.tolist():
             i, hand = self._own[k], hands[g]
-            depth = overlap(bodies.geometry[hand], bodies.poses[hand], self._geometry[i], poses[i])
-            worst = max(worst, Touch(depth, bodies.names[hand], self._names[i]))
+            met = meet(bodies.geometry[hand], bodies.poses[hand], self._geometry[i], poses[i])
+            worst = max(worst, Touch(met.depth, bodies.names[hand], self._names[i], met.normal, met.point))
         return worst
 
     def _refresh(self) -> None:
@@ -272,3 +281,10 @@ def _still(arm: ArmModel, shapes: Collection[Shape]) -> set[str]:
     here = {s.name: s.pose for s in arm.link_shapes(0.5 * (arm.lower + arm.upper))}
     there = {s.name: s.pose for s in arm.link_shapes(0.5 * (arm.lower + arm.upper) + 0.1)}
     return {name for name, pose in here.items() if np.allclose(pose, there[name])}
+
+
+def _fixed_on_tip(arm: ArmModel, names: list[str]) -> set[str]:
+    """Names of the links with bodies that stand still against the arm's tip."""
+    here, there = 0.5 * (arm.lower + arm.upper), 0.5 * (arm.lower + arm.upper) + 0.1
+    tip_T_bodies = [inverse(arm.forward(q)) @ arm.link_poses(q) for q in (here, there)]
+    return {name for name, a, b in zip(names, *tip_T_bodies, strict=True) if np.allclose(a, b, atol=1e-6)}

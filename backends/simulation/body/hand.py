@@ -7,14 +7,18 @@ from numpy.typing import NDArray
 
 from handcart.backends.simulation.scene import Scene
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import inverse
 from handcart.robotics.kinematics.arm_model import ArmModel
 
 from .arm_contact import FREE, HELD, ArmContact, Touch
 from .hand_rule import FORCE_CAP, STIFFNESS, HandRule
+from .sliding import push_out, slide
 
 _STEP = 0.02  # that a link goes between two looks: panels and boards are as thick [m]
 _GRAZES = 0.003  # [m]
 _HALVINGS = 7
+_PUSHES = 3  # by which a hand that slid is put back out of what it meets
+_CLEAR = 1e-5  # [m]
 
 Vector = NDArray[np.float64]
 
@@ -23,8 +27,9 @@ class Hand:
     """Moves the arm of a scene as far as what is solid lets it.
 
     Quasi-static: the arm stops at the posture where a contact begins, and `scene.hand_force` grows with how
-    far it is commanded beyond, 2 N a mm, up to 60 N where its drives give way. What gives way instead is
-    decided by the `HandRule`s of the scene's props.
+    far it is commanded beyond, 2 N a mm, up to 60 N where its drives give way. Commanded along a surface that
+    it presses on, the hand slides, against friction; an arm that meets something elsewhere stops. What gives
+    way instead is decided by the `HandRule`s of the scene's props.
     """
 
     def __init__(self, scene: Scene, arm: ArmModel) -> None:
@@ -81,7 +86,10 @@ class Hand:
             self.carry(self.scene.joints)
 
     def _stop_at_solids(self, start: Vector, target: Vector) -> tuple[Vector, frozenset[tuple[str, str]]]:
-        """How far the straight joint line is free; a motion that lessens an overlap always is."""
+        """How far the straight joint line is free, and the hand then slides along what it meets.
+
+        A motion that lessens an overlap is always free.
+        """
         free, blocked, there = self._first_hit(start, target)
         if there.depth == 0.0:
             return target, frozenset()
@@ -93,13 +101,32 @@ class Hand:
         for _ in range(_HALVINGS):
             middle = (free + blocked) / 2
             hit = self.contact.deepest_of_arm(start + middle * (target - start), self._skip)
-            free, blocked = (middle, blocked) if hit.depth == 0.0 else (free, middle)
-        return start + free * (target - start), frozenset({(there.body, there.other)})
+            free, blocked, there = (middle, blocked, there) if hit.depth == 0.0 else (free, middle, hit)
+        stands = start + free * (target - start)
+        return self._slide(stands, target, there), frozenset({(there.body, there.other)})
+
+    def _slide(self, stands: Vector, target: Vector, met: Touch) -> Vector:
+        """Where the arm comes to that touches something and is commanded on; `stands` where it sticks."""
+        if not self.contact.rides_on_hand(met.body) or not any(met.normal):
+            return stands
+        base_T_world = inverse(self.scene.world_T_base)
+        normal = base_T_world[:3, :3] @ met.normal
+        point = (base_T_world @ (*met.point, 1.0))[:3]
+        end = slide(self.arm, stands, target, point, normal)
+        if end is None:
+            return stands
+        for _ in range(_PUSHES):
+            hit = self.contact.deepest_of_arm(end, self._skip)
+            if hit.depth == 0.0:
+                break
+            end = push_out(self.arm, end, (hit.depth + _CLEAR) * normal)
+        free, _, there = self._first_hit(stands, end)
+        return end if there.depth == 0.0 else stands + free * (end - stands)
 
     def _first_hit(self, start: Vector, target: Vector) -> tuple[float, float, Touch]:
         """The first overlap on the line, looked for in steps that no thin board is missed by.
 
-        What the arm only grazes on its way doesn't stop it: nothing here slides along anything. Gives two
+        What the arm only grazes on its way doesn't stop it. Gives two
         shares of the line, the last one that was free and the one that isn't, and what is met.
         """
         steps = max(1, int(np.ceil(self.contact.travel(start, target) / _STEP)))

@@ -38,16 +38,37 @@ class RigidBody(NamedTuple):
         return cls(*_box(x, y, z))
 
 
-def overlap(one: RigidBody, pose: Transform, other: RigidBody, other_pose: Transform) -> float:
-    """How deep two bodies stand in each other at these poses (4, 4), in [m]; 0 where they don't touch."""
+class Meeting(NamedTuple):
+    """How two bodies overlap."""
+
+    depth: float
+    """[m]; 0 where they don't touch."""
+    normal: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Along which the first one leaves the other by the shortest way, of length 1; zero if unknown."""
+    point: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Where they touch, in [m]."""
+
+
+APART = Meeting(0.0)
+
+
+def meet(one: RigidBody, pose: Transform, other: RigidBody, other_pose: Transform) -> Meeting:
+    """How two bodies overlap at these poses (4, 4)."""
     if not touch(one.judging, pose, other.judging, other_pose):
-        return 0.0
+        return APART
     request, result = pin.coal.CollisionRequest(), pin.coal.CollisionResult()
     if not pin.coal.collide(
         one.measuring, _for_coal(pose), other.measuring, _for_coal(other_pose), request, result
     ):
-        return BARELY
-    return max(BARELY, -float(result.getContact(0).penetration_depth))
+        return Meeting(BARELY)
+    contact = result.getContact(0)
+    (x, y, z), point = (-contact.normal).tolist(), contact.pos.tolist()
+    return Meeting(max(BARELY, -float(contact.penetration_depth)), (x, y, z), (point[0], point[1], point[2]))
+
+
+def overlap(one: RigidBody, pose: Transform, other: RigidBody, other_pose: Transform) -> float:
+    """How deep two bodies stand in each other at these poses (4, 4), in [m]; 0 where they don't touch."""
+    return meet(one, pose, other, other_pose).depth
 
 
 def _for_coal(pose: Transform) -> object:

@@ -1,0 +1,59 @@
+"""A hand that is commanded into a surface slides along it, against friction."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.kinematics.arm_model import ArmModel
+
+FRICTION = 0.4
+"""Coulomb's coefficient between the hand, or what it holds, and what it meets."""
+_ROUNDS = 3  # of Newton's method
+_DAMPING = 1e-6
+
+Vector = NDArray[np.float64]
+
+
+def slide(arm: ArmModel, stands: Vector, target: Vector, point: Vector, normal: Vector) -> Vector | None:
+    """Return where the arm comes to rest that strives for `target` with its hand on a surface.
+
+    The arm is a spring that is the same in all directions. Pressed in by a depth, the hand sticks while its
+    command is less than `FRICTION` times that depth away along the surface; otherwise it follows until it
+    lags by so much. It turns as commanded.
+
+    Args:
+        arm: its model.
+        stands: (n,) joints with which the hand touches the surface.
+        target: (n,) commanded joints.
+        point: (3,) where the hand touches, in the base frame, in [m].
+        normal: (3,) of length 1, away from the surface, in the base frame.
+
+    Returns:
+        (n,) joints within the limits; None where the hand sticks, or is commanded away from the surface.
+    """
+    tip_point = np.linalg.inv(arm.forward(stands)) @ np.append(point, 1.0)
+    way = (arm.forward(target) @ tip_point)[:3] - point
+    depth = -float(normal @ way)
+    along = way + depth * normal
+    far = float(np.linalg.norm(along))
+    if depth <= 0.0 or far <= FRICTION * depth:
+        return None
+    goal = point + (1.0 - FRICTION * depth / far) * along
+    joints = target.copy()
+    for _ in range(_ROUNDS):
+        off = goal - (arm.forward(joints) @ tip_point)[:3]
+        joints = np.clip(joints + _moved_by(arm, joints, off), arm.lower, arm.upper)
+    return joints
+
+
+def push_out(arm: ArmModel, joints: Vector, way: Vector) -> Vector:
+    """Return the joints (n,) with the hand moved by `way` (3,) in the base frame, in [m], unturned."""
+    return np.clip(joints + _moved_by(arm, joints, way), arm.lower, arm.upper)
+
+
+def _moved_by(arm: ArmModel, joints: Vector, way: Vector) -> Vector:
+    """Joint steps (n,) that move the hand by a way and don't turn it, by damped least squares."""
+    J = arm.jacobian(joints)
+    twist = np.concatenate((way, np.zeros(3)))
+    return np.asarray(J.T @ np.linalg.solve(J @ J.T + _DAMPING * np.eye(6), twist))

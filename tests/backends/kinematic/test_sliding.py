@@ -1,0 +1,78 @@
+"""A hand that presses on a surface slides along it, against friction."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from handcart.backends.simulation.body.sliding import FRICTION
+from handcart.robotics.geometry.pose2 import Pose2
+from tests.backends.kinematic.conftest import Puppet
+
+DESK_M = 0.75
+FINGER_M = 0.03
+"""Height of a finger, half of which is below the hand's frame."""
+
+
+@pytest.fixture
+def at_desk(puppet: Puppet) -> Puppet:
+    """Before the middle of the desk's long side, the closed hand over it."""
+    puppet.scene.move_base(Pose2(0.68, 1.25, np.radians(-80.0)))
+    puppet.to(0.10, 0.0, 0.90)
+    puppet.fingers(0.0)
+    puppet.to(0.45, -0.05, 0.90)
+    return puppet
+
+
+def hand(puppet: Puppet) -> NDArray[np.float64]:
+    """Where the hand truly is, in the base frame."""
+    return np.asarray(puppet.scene.arm.forward(puppet.scene.joints)[:3, 3])
+
+
+def test_wiping_hand_follows_the_surface_against_friction(at_desk: Puppet) -> None:
+    at_desk.to(0.45, -0.05, 0.80)
+    pressed = 0.010
+    surface = lowered(at_desk)
+    at_desk.to(0.45, -0.05, surface - pressed)
+    touched = hand(at_desk)
+    force = at_desk.scene.hand_force
+    assert force[2] == pytest.approx(2000.0 * pressed, rel=0.1)
+    at_desk.to(0.45, 0.10, surface - pressed)
+    wiped, force = hand(at_desk), at_desk.scene.hand_force
+    assert wiped[1] - touched[1] == pytest.approx(0.15 - FRICTION * pressed, abs=1.5e-3)
+    assert wiped[2] == pytest.approx(touched[2], abs=5e-4)
+    assert force[2] == pytest.approx(2000.0 * pressed, rel=0.1)
+    assert force[1] == pytest.approx(-FRICTION * 2000.0 * pressed, rel=0.15)
+    assert {contact.other for contact in at_desk.scene.contacts} == {"desk"}
+
+
+def lowered(puppet: Puppet) -> float:
+    """Lower the hand until it feels something; return the height of its frame there."""
+    height = 0.80
+    while puppet.scene.hand_force[2] < 2.0:
+        height -= 0.002
+        puppet.to(0.45, -0.05, height)
+    return float(hand(puppet)[2])
+
+
+def test_hand_sticks_within_the_cone_of_friction(at_desk: Puppet) -> None:
+    surface = lowered(at_desk)
+    at_desk.to(0.45, -0.05, surface - 0.010)
+    touched = hand(at_desk)
+    at_desk.to(0.45, -0.05 + 0.9 * FRICTION * 0.010, surface - 0.010)
+    assert hand(at_desk) == pytest.approx(touched, abs=3e-4)
+    at_desk.to(0.45, -0.05, surface + 0.05)
+    assert hand(at_desk) == pytest.approx((0.45, -0.05, surface + 0.05), abs=2e-3)
+    assert at_desk.scene.hand_force == pytest.approx(np.zeros(3), abs=1e-9)
+
+
+def test_hand_that_slides_stops_at_what_stands_there(at_desk: Puppet) -> None:
+    """Off the desk's edge it goes down to its command; it never stands in anything."""
+    surface = lowered(at_desk)
+    at_desk.to(0.45, -0.05, surface - 0.010)
+    at_desk.to(0.45, 0.45, surface - 0.010)
+    hand_of_robot = at_desk.backend._hand
+    assert hand_of_robot is not None
+    assert hand_of_robot.contact.deepest_of_arm(at_desk.scene.joints).depth < 1e-4
+    assert hand(at_desk)[2] == pytest.approx(surface - 0.010, abs=2e-3)
