@@ -9,17 +9,25 @@ from io import StringIO
 from pathlib import Path
 from typing import NamedTuple
 
-from canopen.objectdictionary import ObjectDictionary
+from canopen.objectdictionary import ObjectDictionary, ODVariable, datatypes
 from canopen.objectdictionary.eds import import_eds
 
 from handcart.files.errors import FileError, Finding
 from handcart.files.regular_file import read_regular_file
 
+from .eds_text import as_the_library_spells, decoded
+
 MAX_BYTES = 4 << 20
 _OBJECT = re.compile(r"[0-9A-Fa-f]{4}")
 _MEMBER = re.compile(r"([0-9A-Fa-f]{4})[Ss]ub([0-9A-Fa-f]+)")
 _VARIABLES = (2, 7)  # object types that have a data type of their own: DOMAIN, VAR
-_OCTAL = "a number such as 10 or 0x0A; a leading 0 alone is none"
+_ALLOWED = "a number such as 10, 0x0A or 012 (octal)"
+SIGNED_BITS = {
+    datatypes.INTEGER8: 8,
+    datatypes.INTEGER16: 16,
+    datatypes.INTEGER32: 32,
+    datatypes.INTEGER64: 64,
+}
 _NUMBERS = {
     "DeviceInfo": ("VendorNumber", "ProductNumber", "RevisionNumber", "NrOfRXPDO", "NrOfTXPDO"),
     "Comments": ("Lines",),
@@ -41,16 +49,16 @@ class _Section(NamedTuple):
 
 
 def read_eds(path: Path, node: int) -> ObjectDictionary:
-    """A maker's EDS or DCF, for a node with this ID; read by the library `canopen`.
+    """Read a maker's EDS or DCF for a node with this ID, by the library `canopen`.
 
-    Makers write them in Windows-1252 as well as in UTF-8. Default values that are no numbers are left out, as
-    the library does.
+    The spellings that CiA 306 allows and the library does not are accepted (`eds_text`). Default values that
+    are not numbers are left out, as the library does.
 
     Raises:
         FileError: it is missing, or the library can't read it: each place with what is allowed there.
     """
     name = str(path)
-    text = _text(read_regular_file(path, MAX_BYTES))
+    text = as_the_library_spells(decoded(read_regular_file(path, MAX_BYTES)))
     sections = _sections(text)
     findings = list(_findings(name, sections))
     if findings:
@@ -64,7 +72,17 @@ def read_eds(path: Path, node: int) -> ObjectDictionary:
         raise FileError([Finding(name, 1, 1, f"{wrong}; allowed: an EDS or DCF by CiA 306")]) from None
     if not len(dictionary):
         raise FileError([Finding(name, 1, 1, "it describes no object; allowed: sections such as [6040]")])
+    _sign_defaults(dictionary)
     return dictionary
+
+
+def _sign_defaults(dictionary: ObjectDictionary) -> None:
+    """Give defaults of signed objects their sign: the library reads 0xFB of an INTEGER8 as 251."""
+    for entry in dictionary.values():
+        for variable in (entry,) if isinstance(entry, ODVariable) else entry.values():
+            bits = SIGNED_BITS.get(variable.data_type or 0)
+            if bits and isinstance(variable.default, int) and variable.default >> (bits - 1) == 1:
+                variable.default -= 1 << bits
 
 
 def missing_objects(dictionary: ObjectDictionary, needed: Mapping[int, str], name: str) -> list[Finding]:
@@ -73,13 +91,6 @@ def missing_objects(dictionary: ObjectDictionary, needed: Mapping[int, str], nam
     if not lacking:
         return []
     return [Finding(name, 1, 1, f"it describes no {', no '.join(lacking)}; needed: all of them")]
-
-
-def _text(content: bytes) -> str:
-    try:
-        return content.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        return content.decode("cp1252", errors="replace")
 
 
 def _sections(text: str) -> list[_Section]:
@@ -108,7 +119,7 @@ def _findings(name: str, sections: list[_Section]) -> Iterator[Finding]:
         for key in _OF_OBJECTS if is_object else _NUMBERS.get(section.name, ()):
             entry = section.entries.get(key)
             if entry is not None and not _is_number(entry.value):
-                wrong = f"{key} in [{section.name}] is {entry.value!r}; allowed: {_OCTAL}"
+                wrong = f"{key} in [{section.name}] is {entry.value!r}; allowed: {_ALLOWED}"
                 yield Finding(name, entry.line, entry.column, wrong)
         if is_object:
             yield from _lacking(name, section, bool(member))
@@ -123,9 +134,7 @@ def _lacking(name: str, section: _Section, is_member: bool) -> Iterator[Finding]
     needed = ("ParameterName", "DataType", "AccessType") if is_variable else ("ParameterName",)
     for key in needed:
         if key not in section.entries:
-            alike = next((each for each in section.entries if each.lower() == key.lower()), None)
-            spelled = f"; it is spelled {alike} here" if alike else ""
-            yield Finding(name, section.line, 1, f"[{section.name}] has no {key}{spelled}; needed: {key}=...")
+            yield Finding(name, section.line, 1, f"[{section.name}] has no {key}; needed: {key}=...")
 
 
 def _is_number(text: str) -> bool:

@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+from benchmarks.damage.mutated_eds import checked, mutated_eds, robot_with_eds
 from handcart.backends.can.devices.eds_file import missing_objects, read_eds
 from handcart.files.errors import FileError
 
@@ -94,8 +95,8 @@ ParameterValue=
             "16:1: [6041] has no DataType; needed: DataType=...",
         ),
         (
-            "[6041]\nParameterName=Statusword\nDatatype=0x6\nAccessType=ro\n",
-            "16:1: [6041] has no DataType; it is spelled Datatype here; needed: DataType=...",
+            "[6041]\nParameterName=Statusword\nDataType=\nAccessType=ro\n",
+            "16:1: [6041] has no DataType; needed: DataType=...",
         ),
         (
             "[6041]\nParameterName=Statusword\nDataType= 0x6h\nAccessType=ro\n",
@@ -114,7 +115,7 @@ def test_what_the_library_chokes_on_is_told_with_its_place(tmp_path: Path, wrong
 
 
 def test_all_of_it_at_once(tmp_path: Path) -> None:
-    text = (HEAD + WORD).replace("0x9A", "001").replace("0x0006", "word").replace("ParameterName", "Name")
+    text = (HEAD + WORD).replace("0x9A", "009").replace("0x0006", "word").replace("ParameterName", "Name")
     assert [each.split(" ")[0] for each in refused(tmp_path, text)] == ["7:14:", "10:1:", "13:10:"]
 
 
@@ -163,3 +164,44 @@ def test_no_file(tmp_path: Path) -> None:
     for path in (tmp_path / "missing.eds", tmp_path):
         with pytest.raises(FileError):
             read_eds(path, 5)
+
+
+def test_spellings_of_the_standard_are_read(tmp_path: Path) -> None:
+    """Octal numbers, keys and sections in any case, empty numbers, both spellings, the end of a DOS file."""
+    text = (HEAD + WORD).replace("0x9A", "012").replace("[DeviceInfo]", "[deviceinfo]")
+    text = text.replace("ParameterName", "parametername").replace("PDOMapping=1", "PDOMAPPING=")
+    text += "DefaultValue=017\n[DeviceCommissioning]\nNodeID=012\nBaudrate=0x1F4\n\x1a"
+    dictionary: Any = read_eds(eds(tmp_path, text), 5)
+    assert dictionary.device_information.vendor_number == 10
+    assert dictionary.bitrate == 500_000
+    assert dictionary[0x6040].name == "Controlword"
+    assert dictionary[0x6040].default == 15
+    assert not dictionary[0x6040].pdo_mappable
+
+
+@pytest.mark.parametrize("encoding", ["utf-16", "utf-8-sig", "cp1252"])
+@pytest.mark.parametrize("ends", ["\r\n", "\r", "\n"])
+def test_encodings_and_line_ends_are_read(tmp_path: Path, encoding: str, ends: str) -> None:
+    dictionary: Any = read_eds(eds(tmp_path, (HEAD + WORD).replace("\n", ends), encoding), 5)
+    assert dictionary[0x6040].data_type == 6
+
+
+def test_text_that_looks_octal_stays_text(tmp_path: Path) -> None:
+    text = HEAD + "[1009]\nParameterName=Version\nDataType=9\nAccessType=ro\nDefaultValue=0123\n"
+    dictionary: Any = read_eds(eds(tmp_path, text), 5)
+    assert dictionary[0x1009].default == "0123"
+
+
+def test_default_of_a_signed_object_has_its_sign(tmp_path: Path) -> None:
+    text = HEAD + "[2102]\nParameterName=S\nDataType=2\nAccessType=rw\nDefaultValue=0xFB\n"
+    dictionary: Any = read_eds(eds(tmp_path, text), 5)
+    assert dictionary[0x2102].default == -5
+
+
+def test_mutated_eds_gives_no_traceback(tmp_path: Path) -> None:
+    robot = robot_with_eds(tmp_path)
+    for seed in range(12):
+        content, words = mutated_eds(seed)
+        (tmp_path / "maker.eds").write_bytes(content)
+        status, err = checked(robot)
+        assert status in (0, 2), (words, err)
