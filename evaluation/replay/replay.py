@@ -22,6 +22,7 @@ from .drive_log import DriveLog
 
 EACH = 1.0  # [s] between points of the track
 CLOUDS = 5  # instants at which particles are kept: as many as figure 3 of Ohki et al. (2012) shows
+HEADING_SIGMA = math.radians(10.0)  # of a heading that is known well enough for a track
 UNSURE = 3.0  # sigmas of a fix: how well the first one tells where the base is
 STEERED: dict[str, Any] = {
     "gyro_white": math.radians(0.5),
@@ -105,7 +106,7 @@ def localizer_for(
         return _by_beacons(log, noise, start, position)
     if kind == "gps_filter":
         supposed = [suppositions(noise)[0]._replace(share=1.0, worse=0)] if alone else None
-        return GpsFilter(start, noise, position, supposed=supposed)
+        return GpsFilter(start, noise, position, supposed=supposed, heading_sigma=HEADING_SIGMA)
     errors = ParticleErrors(
         gps=max(noise.gps_white, 0.05), start_position=position, start_heading=noise.start_heading
     )
@@ -148,8 +149,9 @@ def replay(
         if log.times[row] >= due or row == len(log.times) - 1:
             due = max(due + EACH, log.times[row])
             rows.append(row)
-            poses.append(localizer.pose)
-            covariances.append(localizer.covariance)
+            meanwhile = localizer.meanwhile
+            poses.append(localizer.pose if meanwhile is None else meanwhile.mean)
+            covariances.append(localizer.covariance if meanwhile is None else meanwhile.covariance)
             known.append(localizer.heading_known)
             if passed is not None:
                 passed(row / len(log.times))

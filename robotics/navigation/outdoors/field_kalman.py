@@ -354,6 +354,34 @@ class FieldKalman:
         mean[known], spread[np.ix_(known, known)] = self._mean[known], self._spread[np.ix_(known, known)]
         spread[:3, :3] = found.covariance
         self._mean, self._spread = mean, spread
+        self._forget_past()
+
+    def begin_with(self, belief: Belief, supposed: FieldNoise) -> None:
+        """Start with a belief (13,), (13, 13) that was found by supposing `supposed`.
+
+        Where this filter supposes larger errors, so much is added: a larger slow error of the fixes is one of
+        the place too.
+        """
+        mean, spread = belief.mean.copy(), belief.covariance.copy()
+        mean[states.HEADING] = wrap(float(mean[states.HEADING]))
+        here, there = (
+            np.diag(self._model.start(mean[:3], 0.0)[1]),
+            np.diag(FieldModel(supposed).start(mean[:3], 0.0)[1]),
+        )
+        more = np.maximum(here - there, 0.0)
+        slips = [states.SCALE, states.TURN_SLIP, states.SLIP, states.SIDE]
+        spread[slips, slips] += more[slips]
+        for place, error in ((states.X, states.GPS_X), (states.Y, states.GPS_Y)):
+            spread[place, place] += more[error]
+            spread[error, error] += more[error]
+            spread[place, error] -= more[error]
+            spread[error, place] -= more[error]
+        self._mean, self._spread = mean, spread
+        self._still = np.zeros(2)
+        self._forget_past()
+
+    def _forget_past(self) -> None:
+        """Begin anew: nothing that was seen before counts beside what the filter starts with."""
         self._origin = None if self._origin is None else self._origin.unrelated()
         self._past.clear()
         self._monitor.reset()

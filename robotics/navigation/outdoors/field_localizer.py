@@ -72,6 +72,14 @@ class FieldLocalizer(ABC):
         return True
 
     @property
+    def meanwhile(self) -> Belief | None:
+        """Pose (3,) and covariance (3, 3) by the fixes while the heading is open; None once it is known.
+
+        `pose` is by wheels and gyros alone until then, so that the base comes back to where it was.
+        """
+        return None
+
+    @property
     def inconsistency(self) -> Inconsistency | None:
         """How the fixes of the last minute contradict what the filter claims; None while they don't."""
         return None

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
-from handcart.robotics.navigation.localization.lost_track import FoundTrack
 from handcart.robotics.navigation.outdoors.field_kalman import FieldKalman
 from handcart.robotics.navigation.outdoors.field_localizer import (
     CONSISTENCY_WINDOW,
@@ -18,11 +17,9 @@ from handcart.robotics.navigation.outdoors.field_localizer import (
     Inconsistency,
     inconsistency_of,
 )
-from handcart.robotics.navigation.outdoors.field_model import level_lever
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE, FieldNoise
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance
-from handcart.robotics.navigation.outdoors.heading_search import HeadingSearch
-from handcart.robotics.navigation.outdoors.sky import log_normal
+from handcart.robotics.navigation.outdoors.heading_bank import KNOWN, HeadingBank
 from handcart.robotics.navigation.outdoors.smoothing import TrackRecord
 from handcart.robotics.navigation.outdoors.suppositions import Supposition, suppositions
 from handcart.robotics.navigation.outdoors.watched_moment import Belief, spread_about
@@ -48,10 +45,9 @@ class GpsFilter(FieldLocalizer):
     STATE: ClassVar[Mapping[str, Any]] = {
         **FieldLocalizer.STATE,
         "_weights": Array,
-        "_search": HeadingSearch | None,
+        "_searching": bool,
         "log_likelihood": float,
         "_clock": float,
-        "_moved": float,
         "_squares": list[tuple[float, float | None]],
     }
 
@@ -62,6 +58,7 @@ class GpsFilter(FieldLocalizer):
         start_position: float = 0.05,
         record: bool = False,
         supposed: Sequence[Supposition] | None = None,
+        heading_sigma: float = KNOWN,
     ) -> None:
         """Start at a pose whose position is right to `start_position` [m] an axis.
 
@@ -71,12 +68,16 @@ class GpsFilter(FieldLocalizer):
             start_position: sigma in [m].
             record: whether `smoothed` is asked for.
             supposed: what else to suppose; `suppositions` of `noise` if None.
+            heading_sigma: to which a heading that nobody gave has to be found before it counts as known, in
+                [rad].
         """
         super().__init__(start)
         self._noise, self._begun, self._start_position = noise, start, start_position
-        self._search = HeadingSearch() if noise.start_heading > UNKNOWN else None
         supposed = suppositions(noise) if supposed is None else supposed
-        self._clock, self._moved = 0.0, 0.0  # [s] in all, and of that not at rest
+        self._bank = HeadingBank(start, supposed[0].noise, start_position)
+        self._searching = noise.start_heading > UNKNOWN
+        self._heading_sigma = heading_sigma
+        self._clock = 0.0  # [s]
         self._squares: list[
             tuple[float, float | None]
         ] = []  # times of fixes, and squares as in `Fixed`; None if refused
@@ -118,7 +119,15 @@ class GpsFilter(FieldLocalizer):
     @property
     def heading_known(self) -> bool:
         """Whether it was told, or has been found out."""
-        return self._search is None
+        return not self._searching
+
+    @property
+    def meanwhile(self) -> Belief | None:
+        """See `FieldLocalizer`: the mixture of all headings."""
+        if not self._searching:
+            return None
+        mean, covariance = self._bank.belief
+        return Belief(mean[:3], covariance[:3, :3])
 
     @property
     def inconsistency(self) -> Inconsistency | None:
@@ -126,14 +135,14 @@ class GpsFilter(FieldLocalizer):
         return inconsistency_of(self._squares)
 
     @property
-    def parts(self) -> list[FieldKalman]:
+    def parts(self) -> list[FieldKalman | HeadingBank]:
         """See `FieldLocalizer`."""
-        return self.filters
+        return [*self.filters, self._bank]
 
     @property
     def covariance(self) -> Array:
         """See `FieldLocalizer`."""
-        if self._search is not None:
+        if self._searching:
             away = self._start_position**2 + self._estimate().distance(self._begun) ** 2
             return np.diag([away, away, math.pi**2 / 3.0])
         if self._spread is None:
@@ -159,7 +168,7 @@ class GpsFilter(FieldLocalizer):
         return self._mixed([each.relative_pose for each in self.filters])
 
     def _estimate(self) -> Pose2:
-        if self._search is not None:
+        if self._searching:
             return self._since
         if self._here is None:
             x, y, heading = _mean([each.belief.mean for each in self.filters], self._weights)[:3].tolist()
@@ -173,14 +182,15 @@ class GpsFilter(FieldLocalizer):
     def _advance(self, advance: Advance) -> None:
         self.forget_derived()
         self._clock += advance.time
-        self._moved += advance.time - advance.rest
+        if self._searching:
+            self._bank.advance(advance)
         for each in self.filters:
             each.advance(advance)
 
     def _fix(self, position: Array, sigma: float | None) -> bool:
         self.forget_derived()
-        if self._search is not None:
-            self._find_heading(self._search, position, self._noise.gps_white if sigma is None else sigma)
+        if self._searching:
+            self._find_heading(position, self._noise.gps_white if sigma is None else sigma)
             return True
         fixed = [each.fix(position, sigma, self._odometry) for each in self.filters]
         likely = np.array([one.log_likelihood for one in fixed])
@@ -209,30 +219,13 @@ class GpsFilter(FieldLocalizer):
         covariances = np.array([each.covariance[:first, :first] for each in beliefs])
         return Belief(mean, spread_about(away, self._weights, covariances, cautious))
 
-    def _find_heading(self, search: HeadingSearch, position: Array, sigma: float) -> None:
-        """By this fix and those before it; the filters begin when it is found."""
-        here, begun = self._odometry.pose, np.array(self._begun[:2])
-        antenna = np.array(here[:2]) + level_lever(self._noise.antenna, self.tilt, here.theta)
-        search.take(antenna - begun, position - begun, self._moved)
-        away = Pose2(here.x - self._begun.x, here.y - self._begun.y, here.theta)
-        wandered = math.hypot(sigma, _wandered(self._noise, self._clock))
-        start = math.hypot(self._start_position, self._noise.gps_drift)
-        found = search.found(away, wandered, start, self.best.bias_sigma)
-        if found is None:
-            # it may be anywhere that it can have come to
-            self.log_likelihood += log_normal(np.zeros(2), self.covariance[:2, :2] + sigma**2 * np.eye(2))
-            return
-        x, y, heading = found.pose
-        pose = Pose2(x + self._begun.x, y + self._begun.y, heading)
-        for each in self.filters:
-            worse = 1.0 + (_wandered(each.noise, self._clock) / wandered) ** 2
-            each.begin(FoundTrack(pose, worse * found.covariance))
-        self._search = None
-
-
-def _wandered(noise: FieldNoise, time: float) -> float:
-    """Sigma by which the fixes' slow error is another one after `time` [s], an axis, in [m]."""
-    return noise.gps_drift * math.sqrt(min(1.0, 2.0 * time / noise.gps_drift_time))
+    def _find_heading(self, position: Array, sigma: float) -> None:
+        """Take in a fix before the heading is known; the filters begin when it is."""
+        self.log_likelihood += self._bank.fix(position, sigma, self._odometry)
+        if self._bank.is_known(self._heading_sigma):
+            for each in self.filters:
+                each.begin_with(self._bank.belief, self.filters[0].noise)
+            self._searching = False
 
 
 def _computable(noise: FieldNoise) -> FieldNoise:

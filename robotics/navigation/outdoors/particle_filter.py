@@ -14,7 +14,7 @@ from handcart.robotics.navigation.localization.fix_monitor import FixMonitor
 from handcart.robotics.navigation.localization.lost_track import LostTrack
 from handcart.robotics.navigation.outdoors.field_localizer import FieldLocalizer
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance
-from handcart.robotics.navigation.outdoors.heading_search import KNOWN
+from handcart.robotics.navigation.outdoors.heading_bank import KNOWN
 from handcart.robotics.navigation.outdoors.watched_moment import Belief
 from handcart.robotics.numerics.compiled import compiled
 

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from benchmarks.field.field_course import straight_course
 from benchmarks.field.field_drive import PERIOD, FieldTimes
@@ -14,8 +17,15 @@ from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.outdoors.field_localizer import FieldLocalizer
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE, RTK, FieldNoise
 from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
-from handcart.robotics.navigation.outdoors.heading_search import MOST, HeadingSearch, _biases
+from handcart.robotics.navigation.outdoors.gyro_odometry import Advance, GyroOdometry
+from handcart.robotics.navigation.outdoors.heading_bank import KNOWN, HeadingBank
 from handcart.robotics.navigation.outdoors.particle_filter import ParticleErrors, ParticleFilter
+
+Away = Callable[[int], NDArray[np.float64]]
+
+
+def no_error(second: int) -> NDArray[np.float64]:
+    return np.zeros(2)
 
 
 def driven_until_known(localizer: FieldLocalizer, noise: FieldNoise, seed: int) -> tuple[float, float]:
@@ -68,6 +78,8 @@ def test_standing_still_tells_no_heading() -> None:
         localizer.fix(np.array([5.0, 7.0]) + rng.standard_normal(2))
     assert not localizer.heading_known
     assert localizer.covariance[2, 2] == pytest.approx(math.pi**2 / 3.0)
+    assert localizer.meanwhile is not None
+    assert localizer.meanwhile.covariance[2, 2] > 1.0
 
 
 def test_the_particles_find_it_too() -> None:
@@ -91,55 +103,96 @@ def test_particles_that_are_elsewhere_start_again() -> None:
     assert localizer.pose.distance(Pose2(*log.drive.poses[-1].tolist())) < 2.0
 
 
-def driven(
-    bias: float, heading: float, odd: int = 0, stretched: float = 1.0
-) -> tuple[HeadingSearch, Pose2, Pose2]:
-    """A search with 60 fixes of a drive, one a second; where odometry has the base, and the truth.
+class Drive(NamedTuple):
+    """A bank, or a filter, after a drive, and where the base is then."""
 
-    Odometry turns by `bias` [rad/s] more than the base; for the first `odd` seconds it told
-    `stretched` times the way.
+    bank: HeadingBank
+    truth: Pose2
+
+
+def driven(
+    bias: float, heading: float, odd: int = 0, stretched: float = 1.0, away: Away = no_error, seed: int = 5
+) -> Drive:
+    """A bank with 60 fixes of a drive at 5 m/s, one a second.
+
+    Odometry turns by `bias` [rad/s] more than the base; for the first `odd` seconds it read `stretched` times
+    the way. `away` is what a fix is off besides its white error, by its number.
     """
-    rng, search = np.random.default_rng(5), HeadingSearch()
-    truth, reckoned = Pose2(0.0, 0.0, heading), Pose2(0.0, 0.0, 0.0)
+    rng = np.random.default_rng(seed)
+    noise = REFERENCE._replace(antenna=(0.0, 0.0, 0.0), gyro_bias=math.radians(1.0), start_heading=math.inf)
+    bank, truth = HeadingBank(Pose2(0.0, 0.0, 0.0), noise, 2.0), Pose2(0.0, 0.0, heading)
+    odometry = GyroOdometry()
     for second in range(60):
         turn, way = 0.005 * math.sin(0.3 * second), stretched if second < odd else 1.0
         for _ in range(10):
             truth = truth.compose(Pose2(0.5, 0.0, turn))
-            reckoned = reckoned.compose(Pose2(0.5 * way, 0.0, turn + 0.1 * bias))
-        search.take(np.array(reckoned[:2]), np.array(truth[:2]) + rng.standard_normal(2), second + 1.0)
-        if second < 59:
-            search.found(reckoned, 1.0, 0.1, math.radians(1.0))
-    return search, reckoned, truth
+            bank.advance(Advance(0.5 * way, turn + 0.1 * bias, 0.0, 0.1, 0.0, 0.0))
+        bank.fix(np.array(truth[:2]) + rng.standard_normal(2) + away(second), 1.0, odometry)
+    return Drive(bank, truth)
 
 
 @pytest.mark.parametrize("heading", [0.0, 2.0, -3.0])
 @pytest.mark.parametrize("bias", [-1.5, 0.0, 1.5])
 def test_a_biased_gyro_bends_the_track(heading: float, bias: float) -> None:
-    search, reckoned, truth = driven(math.radians(bias), heading)
-    found = search.found(reckoned, 1.0, 0.1, math.radians(1.0))
-    assert found is not None
-    off = np.array([found.pose.x - truth.x, found.pose.y - truth.y, wrap(found.pose.theta - truth.theta)])
-    assert off @ np.linalg.solve(found.covariance, off) < 14.2  # 99.7 %
+    bank, truth = driven(math.radians(bias), heading)
+    assert bank.is_known(KNOWN)
+    mean, covariance = bank.belief
+    off = np.array([mean[0] - truth.x, mean[1] - truth.y, wrap(float(mean[2]) - truth.theta)])
+    assert off @ np.linalg.solve(covariance[:3, :3], off) < 14.2  # 99.7 %
     assert abs(off[2]) < math.radians(6.0)
 
 
-def test_a_gyro_whose_bias_is_known_bends_nothing() -> None:
-    """What nobody allowed for shows as a track that doesn't fit, or is far off."""
-    search, reckoned, truth = driven(math.radians(1.5), 1.0)
-    found = search.found(reckoned, 1.0, 0.1, 0.0)
-    assert found is None or abs(wrap(found.pose.theta - truth.theta)) > math.radians(10.0)
-
-
 def test_odometry_that_was_wrong_at_first_is_forgotten() -> None:
-    search, reckoned, truth = driven(0.0, 1.0, odd=12, stretched=1.8)
-    found = search.found(reckoned, 1.0, 0.1, math.radians(0.1))
-    assert found is not None
-    assert abs(wrap(found.pose.theta - truth.theta)) < math.radians(6.0)
-    assert found.pose.distance(truth) < 4.0
+    bank, truth = driven(0.0, 1.0, odd=12, stretched=1.8)
+    assert abs(wrap(bank.pose.theta - truth.theta)) < math.radians(6.0)
+    assert bank.pose.distance(truth) < 4.0
 
 
-def test_no_bias_is_tried_where_it_would_turn_nothing() -> None:
-    """A base that stood knows its gyro: one heading costs no more than before."""
-    assert len(_biases(math.radians(0.001), 100.0)) == 1
-    assert len(_biases(math.radians(1.0), 10.0)) == 61
-    assert len(_biases(math.radians(1.0), 1e4)) == 2 * MOST + 1
+@pytest.mark.parametrize("seed", range(4))
+def test_fixes_that_are_off_together_at_first_mislead_for_a_moment(seed: int) -> None:
+    """A jump against the direction of travel looks like the opposite heading."""
+    back = np.array([-25.0, 0.0])
+    bank, truth = driven(0.0, 0.0, away=lambda second: back * (second in range(3, 8)), seed=seed)
+    assert abs(wrap(bank.pose.theta - truth.theta)) < math.radians(6.0)
+    assert bank.pose.distance(truth) < 3.0
+
+
+def test_slow_errors_of_the_fixes_cancel_within_a_minute() -> None:
+    """Two metres of slow error cost nothing: they are the same from fix to fix."""
+    still, slow = (
+        driven(0.0, 0.7, away=each).bank for each in (no_error, lambda second: np.array([2.0, -2.0]))
+    )
+    one, other = (bank.belief.covariance[2, 2] for bank in (still, slow))
+    assert abs(wrap(still.pose.theta - slow.pose.theta)) < 0.01
+    assert one == pytest.approx(other, rel=0.3)
+
+
+def test_the_place_follows_the_fixes_while_the_heading_is_open() -> None:
+    rng = np.random.default_rng(2)
+    localizer = GpsFilter(
+        Pose2(0.0, 0.0, 0.0), REFERENCE._replace(start_heading=math.inf), 3.0, heading_sigma=1e-3
+    )
+    truth, most = Pose2(0.0, 0.0, 2.0), 0.0
+    for _fix in range(40):
+        for _ in range(20):
+            truth = truth.compose(Pose2(0.05, 0.0, 0.0))
+            localizer.predict(np.zeros(3), np.array([0.0, 0.0, 9.81]), np.full(2, 0.05), 0.05)
+        localizer.fix(np.array(truth[:2]) + rng.standard_normal(2))
+        meanwhile = localizer.meanwhile
+        assert meanwhile is not None
+        off = meanwhile.mean[:2] - np.array(truth[:2])
+        assert off @ np.linalg.solve(meanwhile.covariance[:2, :2], off) < 20.0
+        most = max(most, float(np.hypot(*off)))
+    assert not localizer.heading_known
+    assert most < 5.0
+    assert localizer.pose.distance(truth) > 20.0  # by wheels and gyros alone, as a robot needs it
+
+
+def test_a_track_needs_its_heading_less_exactly_than_a_sensor() -> None:
+    loose, strict = (
+        GpsFilter(Pose2(0.0, 0.0, 0.0), REFERENCE._replace(start_heading=math.inf), heading_sigma=sigma)
+        for sigma in (math.radians(10.0), math.radians(2.0))
+    )
+    first, second = (driven_until_known(each, REFERENCE, 3)[0] for each in (loose, strict))
+    assert first < second
+    assert math.sqrt(loose.covariance[2, 2]) <= math.radians(10.5)

@@ -1,0 +1,170 @@
+"""Which way a base heads whose start heading is unknown: a Kalman filter for each of many headings."""
+
+from __future__ import annotations
+
+import math
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.navigation.outdoors.field_model import (
+    BIAS,
+    HEADING,
+    SIZE,
+    WARM_UP,
+    FieldModel,
+    corrected,
+    fix_forecast,
+    level_lever,
+    went_on,
+)
+from handcart.robotics.navigation.outdoors.field_noise import FieldNoise
+from handcart.robotics.navigation.outdoors.gyro_odometry import Advance, GyroOdometry
+from handcart.robotics.navigation.outdoors.sky import log_normal
+from handcart.robotics.navigation.outdoors.watched_moment import Belief, spread_about
+
+HEADINGS = 36
+KNOWN = math.radians(4.0)  # sigma of a heading that is known well enough to lay sensors by
+REFLECTED_SHARE = 0.05  # of the fixes
+REFLECTED_M = 10.0  # [m] an axis, how far those are off
+SURPRISE = 1e-3  # share of all headings that stay possible after each fix: fixes may be off together
+MIN_FIXES = 6  # before a heading counts as known
+LEAST_DRIFT = 0.75  # of a fix's white error: the slow error that is supposed at least
+LEAST_DRIFT_TIME_S = 60.0  # over which that changes
+MEMORY = 10.0  # fixes over which the share of those that fit no heading is averaged
+MAX_ODD = 0.6  # of that share: more, and odometry was wrong at some time, so it begins anew
+_BIAS_ROW = np.array([[1.0 if state in (BIAS, WARM_UP) else 0.0 for state in range(SIZE)]])
+Array = NDArray[np.float64]
+
+
+class HeadingBank:
+    """Weighs headings all around by how likely the fixes are by each (multiple models, Magill, 1965).
+
+    Each heading has an extended Kalman filter with all states of `FieldModel`. So a slow error of the fixes
+    cancels between fixes that are near in time, and a gyro's bias, slipping wheels and late fixes are found
+    out at the same time. Where the base is meanwhile is the mixture of all: about the middle of the fixes.
+    """
+
+    STATE: ClassVar = {
+        "_weights": Array,
+        "_means": Array,
+        "_spreads": Array,
+        "_rested": bool,
+        "_fixes": int,
+        "_speed": float,
+        "_odd": float,
+    }
+    """Attributes that a checkpoint keeps, with their types."""
+
+    def __init__(self, start: Pose2, noise: FieldNoise, start_position: float) -> None:
+        """See `begin`; `noise` is what to believe of wheels, gyros and GPS.
+
+        Fixes without any slow error would be believed too much: where one jumps, nothing else shows it yet.
+        """
+        self._noise = noise
+        supposed = noise._replace(start_heading=0.6 * 2.0 * math.pi / HEADINGS)
+        if noise.gps_drift < LEAST_DRIFT * noise.gps_white:
+            supposed = supposed._replace(
+                gps_drift=LEAST_DRIFT * noise.gps_white, gps_drift_time=LEAST_DRIFT_TIME_S
+            )
+        self._model = FieldModel(supposed)
+        self._figures = self._model.figures
+        self.begin(start, start_position)
+
+    def begin(self, start: Pose2, start_position: float) -> None:
+        """Begin at a place that is known to `start_position` [m] an axis, with any heading.
+
+        Args:
+            start: world_T_base; its heading is the first one that is tried.
+            start_position: sigma in [m].
+        """
+        turn = 2.0 * math.pi / HEADINGS
+        mean, spread = self._model.start(np.array(start), start_position)
+        self._means = np.tile(mean, (HEADINGS, 1))
+        self._means[:, 2] += turn * np.arange(HEADINGS)
+        self._spreads = np.tile(spread, (HEADINGS, 1, 1))
+        self._weights = np.full(HEADINGS, 1.0 / HEADINGS)
+        self._rested, self._fixes, self._speed, self._odd = True, 0, 0.0, 0.0
+
+    @property
+    def belief(self) -> Belief:
+        """Mean (13,) and covariance (13, 13) of the mixture, the heading about the likeliest one."""
+        best = self._means[int(np.argmax(self._weights))]
+        away = self._means - best
+        away[:, 2] = (away[:, 2] + math.pi) % (2.0 * math.pi) - math.pi
+        mean = self._weights @ away
+        return Belief(best + mean, spread_about(away - mean, self._weights, self._spreads, self._weights))
+
+    @property
+    def pose(self) -> Pose2:
+        """world_T_base; its heading means little before it is known."""
+        x, y, heading = self.belief.mean[:3].tolist()
+        return Pose2(x, y, wrap(heading))
+
+    def is_known(self, sigma: float) -> bool:
+        """Return whether the heading is known to `sigma` [rad]."""
+        if self._fixes < MIN_FIXES or self._odd > 0.5 * MAX_ODD:
+            return False
+        return float(self.belief.covariance[2, 2]) <= sigma**2
+
+    def advance(self, advance: Advance) -> None:
+        """Take in one step of wheels and gyros."""
+        new_leg = self._rested and advance.rest < advance.time
+        self._rested = advance.rest > 0.0
+        self._speed = advance.forward / advance.time
+        step = np.array(advance)
+        for k in range(HEADINGS):
+            mean, spread, _ = went_on(self._means[k], self._spreads[k], step, new_leg, self._figures)
+            if advance.rest > 0.0:  # the vertical gyro reads nothing but its bias
+                residual = np.array([advance.still / advance.rest - mean[BIAS] - mean[WARM_UP]])
+                white = self._noise.gyro_white**2 / advance.rest
+                mean, spread = corrected(mean, spread, _BIAS_ROW, residual, white)
+            self._means[k], self._spreads[k] = mean, spread
+
+    def fix(self, position: Array, sigma: float, odometry: GyroOdometry) -> float:
+        """Take in a fix, and return the logarithm of its likelihood.
+
+        Args:
+            position: (2,) of the antenna, in [m].
+            sigma: of its white error, an axis, in [m].
+            odometry: by wheels and gyros alone: for the tilt.
+        """
+        variance = sigma**2
+        if not odometry.levelled:
+            variance += (self._noise.antenna[2] * self._noise.roughness) ** 2
+        likely, odd = np.empty(HEADINGS), np.zeros(HEADINGS)
+        for k in range(HEADINGS):
+            lever = level_lever(self._noise.antenna, odometry.tilt, float(self._means[k, HEADING]))
+            self._means[k], self._spreads[k], likely[k], odd[k] = _corrected_by(
+                self._means[k], self._spreads[k], position, variance, lever, self._speed
+            )
+        joint = np.log(self._weights) + likely
+        most = float(joint.max())
+        weights = np.exp(joint - most)
+        total = float(weights.sum())
+        self._weights = (1.0 - SURPRISE) * weights / total + SURPRISE / HEADINGS
+        self._fixes += 1
+        self._odd += (float(self._weights @ odd) - self._odd) / MEMORY
+        if self._odd > MAX_ODD:
+            lever = level_lever(self._noise.antenna, odometry.tilt, self.pose.theta)
+            x, y = (position - lever).tolist()
+            self.begin(Pose2(x, y, self.pose.theta), 3.0 * sigma)
+        return most + math.log(total)
+
+
+def _corrected_by(
+    mean: Array, spread: Array, position: Array, variance: float, lever: Array, speed: float
+) -> tuple[Array, Array, float, bool]:
+    """Correct one filter by a fix: mean, covariance, logarithm of the likelihood, whether it is a reflection.
+
+    A fix that is likelier a reflection counts as one of that size: it draws the filter but little.
+    """
+    rows, expected = fix_forecast(mean, lever, speed)
+    residual = position - expected
+    whole = rows @ spread @ rows.T + variance * np.eye(2)
+    good = log_normal(residual, whole) + math.log(1.0 - REFLECTED_SHARE)
+    bad = log_normal(residual, whole + REFLECTED_M**2 * np.eye(2)) + math.log(REFLECTED_SHARE)
+    used = variance if good >= bad else variance + REFLECTED_M**2
+    return *corrected(mean, spread, rows, residual, used), float(np.logaddexp(good, bad)), bad > good
