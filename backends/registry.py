@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from handcart.backends.description.robot_file import RobotFile
 from handcart.files.errors import FileError, InputError
 from handcart.files.extras import extra_of
-from handcart.files.plugins import entry_points_of
+from handcart.files.plugins import check_name, import_plugin, paths_of
 from handcart.files.suggest import suggest
 from handcart.robotics.geometry.pose2 import Pose2
 
@@ -28,6 +28,7 @@ TABLE = {
 }
 """Name to import path; other packages add theirs by an entry point of the group `handcart.backends`."""
 
+GROUP = "handcart.backends"
 HERE = Pose2(0.0, 0.0, 0.0)
 
 
@@ -57,7 +58,7 @@ class MissingLibrary(InputError):
 
 @cache
 def _all() -> dict[str, str]:
-    return TABLE | {each.name: each.value for each in entry_points_of("handcart.backends")}
+    return paths_of(GROUP, TABLE)
 
 
 def backend_names() -> list[str]:
@@ -156,12 +157,12 @@ def check_world(
 
 
 def backend_class(name: str) -> type[Backend]:
-    """The class of a backend; raises `UnknownBackend`, or `MissingLibrary`."""
+    """The class of a backend; raises `UnknownBackend`, `BrokenPlugin` or `MissingLibrary`."""
     if name not in _all():
         raise UnknownBackend(name)
-    module, _, attribute = _all()[name].partition(":")
+    check_name(name, GROUP, TABLE)
     try:
-        kind: type[Backend] = getattr(import_module(module), attribute)
+        kind: type[Backend] = import_plugin(_all()[name], f"the backend {name!r}")
     except ModuleNotFoundError as missing:
         raise MissingLibrary(name, missing) from None
     return kind

@@ -4,8 +4,13 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Mapping
+from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+from handcart.files.errors import InputError
+from handcart.files.printable import printable
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
@@ -22,6 +27,66 @@ def entry_points_of(group: str) -> list[EntryPoint]:
     from importlib.metadata import entry_points
 
     return sorted(entry_points(group=group), key=lambda each: each.name)
+
+
+class BrokenPlugin(InputError):
+    """What another package brings cannot be used."""
+
+    def __init__(self, what: str, wrong: str) -> None:
+        how = "allowed: to fix the package, or to uninstall it"
+        super().__init__(printable(f"{what} can't be used: {wrong}; {how}"))
+
+
+def paths_of(group: str, own: Mapping[str, str]) -> dict[str, str]:
+    """Return import paths by name: our own, and those of other packages that take no name of ours."""
+    return {each.name: each.value for each in entry_points_of(group)} | dict(own)
+
+
+def check_name(name: str, group: str, own: Mapping[str, str]) -> None:
+    """Refuse a name that an entry point shares with one of ours, or with another entry point.
+
+    Which one is meant cannot be known; the one that is shipped is never replaced silently.
+
+    Raises:
+        BrokenPlugin: both have it.
+    """
+    points = [each for each in entry_points_of(group) if each.name == name]
+    others = [f"{each.value}{package_of(each)}" for each in points if each.value != own.get(name)]
+    if len({*others, *([own[name]] if name in own else [])}) > 1:
+        both = [own[name], *others] if name in own else others
+        raise BrokenPlugin(f"the name {name!r} in {group}", f"{' and '.join(both)} have it")
+
+
+def package_of(point: EntryPoint) -> str:
+    """Return which package an entry point is of, to be put behind its name."""
+    return f" of the package {point.dist.name}" if point.dist else ""
+
+
+def import_plugin(path: str, what: str) -> Any:
+    """Import "module:name" of another package.
+
+    Args:
+        path: where it is.
+        what: how messages call it.
+
+    Raises:
+        ModuleNotFoundError: a module is not installed.
+        BrokenPlugin: it cannot be imported for another reason; it ends the process, say.
+    """
+    module, _, name = path.partition(":")
+    try:
+        return getattr(import_module(module), name)
+    except ModuleNotFoundError:
+        raise
+    except (Exception, SystemExit) as error:
+        raise BrokenPlugin(f"{what} ({path})", error_words(error)) from None
+
+
+def error_words(error: BaseException) -> str:
+    """Return what went wrong while a package was imported, in one line."""
+    if isinstance(error, SystemExit):
+        return f"it ends the process when it is imported (SystemExit: {error.code})"
+    return f"{type(error).__name__}: {error}".split("\n")[0]
 
 
 def plugin_folders(group: str) -> dict[str, Path]:

@@ -1,9 +1,11 @@
 """Reading a regular file, whole, at most so large, without ever waiting."""
 
+import errno
 import os
 import re
 import stat
 from pathlib import Path
+from typing import BinaryIO
 
 from handcart.files.errors import FileError, Finding
 
@@ -43,6 +45,28 @@ def read_regular_file(path: Path | str, max_bytes: int) -> bytes:
     if content is None or len(content) > max_bytes:
         raise _refused(path, f"has {status.st_size} bytes", f"at most {max_bytes}")
     return content
+
+
+def open_regular(path: Path | str) -> BinaryIO:
+    """Open a regular file for reading; a pipe without a writer is not waited for.
+
+    Raises:
+        OSError: it cannot be opened, or is something else.
+    """
+    descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC | os.O_NOCTTY)
+    try:
+        check_regular(descriptor)
+        return os.fdopen(descriptor, "rb")
+    except OSError:
+        os.close(descriptor)
+        raise
+
+
+def check_regular(descriptor: int) -> None:
+    """Raise OSError where an open file is no regular one."""
+    mode = os.fstat(descriptor).st_mode
+    if not stat.S_ISREG(mode):
+        raise OSError(errno.EINVAL, f"it is {_kind(mode)}, no regular file")
 
 
 def decode_text(content: bytes, file: str, longest_line: int | None = MAX_LINE) -> str:

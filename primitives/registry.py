@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from functools import cache
 
-from handcart.files.plugins import entry_points_of
+from handcart.files.plugins import check_name, import_plugin, paths_of
 from handcart.files.suggest import suggest
 from handcart.primitives.contract.action_primitive import ActionPrimitive
-from handcart.tasks.domain import domains, imported
+from handcart.tasks.domain import domains
 
+GROUP = "handcart.primitives"
 GENERAL = {
     "MOVE_TO": "handcart.primitives.driving.move_to:MoveTo",
     "MODIFY": "handcart.primitives.driving.modify:Modify",
@@ -20,11 +21,16 @@ GENERAL = {
 
 
 @cache
-def _all() -> dict[str, str]:
+def _own() -> dict[str, str]:
     found = dict(GENERAL)
     for domain in domains():
         found |= domain.primitives
-    return found | {each.name: each.value for each in entry_points_of("handcart.primitives")}
+    return found
+
+
+@cache
+def _all() -> dict[str, str]:
+    return paths_of(GROUP, _own())
 
 
 def primitive_names() -> list[str]:
@@ -37,8 +43,10 @@ def primitive_class(name: str) -> type[ActionPrimitive]:
 
     Raises:
         KeyError: no primitive has that name; the message lists those that exist.
+        BrokenPlugin: another package's cannot be imported, or has the name of another one.
     """
     if name not in _all():
         raise KeyError(f"unknown primitive {name!r}{suggest(name, primitive_names())}")
-    found: type[ActionPrimitive] = imported(_all()[name])
+    check_name(name, GROUP, _own())
+    found: type[ActionPrimitive] = import_plugin(_all()[name], f"the primitive {name!r}")
     return found

@@ -11,7 +11,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from handcart.files.errors import InputError
-from handcart.files.plugins import entry_points_of
+from handcart.files.plugins import entry_points_of, error_words, package_of
 from handcart.files.printable import printable
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ class BrokenDomain(InputError):
     """A domain of another package can't be used."""
 
     def __init__(self, point: EntryPoint, wrong: str) -> None:
-        package = f" of the package {point.dist.name}" if point.dist else ""
+        package = package_of(point)
         how = "allowed: to mend the package, or to uninstall it"
         super().__init__(printable(f"the domain {point.name!r}{package} can't be used: {wrong}; {how}"))
 
@@ -129,8 +129,8 @@ def _names(domain: Domain) -> set[str]:
 def _loaded(point: EntryPoint) -> Domain:
     try:
         domain = point.load()
-    except Exception as error:
-        raise BrokenDomain(point, f"{type(error).__name__}: {error}") from None
+    except (Exception, SystemExit) as error:
+        raise BrokenDomain(point, error_words(error)) from None
     if not isinstance(domain, Domain):
         raise BrokenDomain(point, f"{point.value} is no Domain")
     return domain

@@ -6,9 +6,15 @@ import os
 import re
 import subprocess
 import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+
+from handcart.backends import registry as backends
+from handcart.files.plugins import BrokenPlugin
+from handcart.primitives import registry as primitives
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -72,6 +78,7 @@ def test_it_is_listed_and_one_that_is_broken_hides_no_others(tmp_path: Path) -> 
             "from handcart.tasks.domain import Domain\nDOMAIN = Domain('walls', {'STACK': 'walls:Stack'})",
             "another domain has the primitive STACK already",
         ),
+        ("raise SystemExit(0)", "it ends the process when it is imported (SystemExit: 0)"),
     ],
 )
 def test_a_broken_domain_is_told_with_its_package(tmp_path: Path, code: str, wrong: str) -> None:
@@ -143,3 +150,64 @@ def test_the_documents_tests_pass(tmp_path: Path) -> None:
     said = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert said.returncode == 0, said.stdout + said.stderr
     assert "4 passed" in said.stdout
+
+
+def outside(folder: Path, code: str, points: str) -> None:
+    """A distribution with one module, as pip would leave it in `folder`."""
+    (folder / "garden.py").write_text(code, encoding="utf-8")
+    info = folder / "outside-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: outside\nVersion: 1.0\n", encoding="utf-8")
+    (info / "entry_points.txt").write_text(points, encoding="utf-8")
+
+
+SHIPPED = {
+    "backend": ("handcart.backends", "kinematic", "handcart.backends.kinematic.kinematic_backend"),
+    "primitive": ("handcart.primitives", "MOVE_TO", "handcart.primitives.driving.move_to"),
+}
+
+
+@pytest.mark.parametrize("kind", SHIPPED)
+def test_a_shipped_name_is_not_replaced_silently(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: str
+) -> None:
+    group, name, module = SHIPPED[kind]
+    outside(tmp_path, "class Mine: pass", f"[{group}]\n{name} = garden:Mine\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    with fresh_registries() as class_of, pytest.raises(BrokenPlugin) as raised:
+        class_of[kind](name)
+    assert module in str(raised.value)
+    assert f"the name {name!r} in {group}" in str(raised.value)
+    assert "garden:Mine of the package outside" in str(raised.value)
+    assert raised.value.exit_status == 2
+
+
+@pytest.mark.parametrize("kind", SHIPPED)
+@pytest.mark.parametrize(
+    ("code", "wrong"),
+    [("raise SystemExit(1)", "it ends the process when it is imported"), ("1 / 0", "ZeroDivisionError")],
+)
+def test_a_plugin_that_cannot_be_imported_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: str, code: str, wrong: str
+) -> None:
+    name = SHIPPED[kind][1] + "_2"
+    outside(tmp_path, code, f"[{SHIPPED[kind][0]}]\n{name} = garden:Mine\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.delitem(sys.modules, "garden", raising=False)
+    with fresh_registries() as class_of:
+        assert class_of[kind](SHIPPED[kind][1])  # the others go on
+        with pytest.raises(BrokenPlugin, match=wrong):
+            class_of[kind](name)
+
+
+@contextmanager
+def fresh_registries() -> Iterator[dict[str, Callable[[str], type]]]:
+    """Functions that give a class by its name; what is on the path is read anew, and forgotten after."""
+    cached = (backends._all, primitives._all, primitives._own)
+    for each in cached:
+        each.cache_clear()
+    try:
+        yield {"backend": backends.backend_class, "primitive": primitives.primitive_class}
+    finally:
+        for each in cached:
+            each.cache_clear()

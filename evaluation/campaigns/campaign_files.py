@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from handcart.files.errors import InputError
+from handcart.files.regular_file import open_regular
 from handcart.files.yaml.yaml_document import read_document
 from handcart.files.yaml.yaml_node import Node
 from handcart.networks.journal.run_header import robot_fingerprint
@@ -35,7 +36,8 @@ def checksums(setting: CampaignSetting, task: Task) -> dict[str, str]:
     sums = files.sums
     if setting.walks:
         for number, folder in enumerate(setting.learned_from, start=1):
-            learned = (folder / TRIALS).read_bytes()
+            with open_regular(folder / TRIALS) as file:
+                learned = file.read()
             sums[f"trials learned from, {number}"] = hashlib.sha256(learned).hexdigest()
         return sums
     from handcart.backends.description.robot_loading import load_robot

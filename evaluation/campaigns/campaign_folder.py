@@ -11,6 +11,7 @@ import orjson
 
 from handcart.files.errors import InputError
 from handcart.files.printable import printable
+from handcart.files.regular_file import open_regular
 from handcart.files.whole_file import write_whole
 
 from .trial_log import TrialFile, TrialLog, read_offsets
@@ -85,7 +86,7 @@ class CampaignFolder:
         """
         path = folder / ARGUMENTS
         try:
-            with path.open("rb") as file:
+            with open_regular(path) as file:
                 arguments = orjson.loads(file.read(_MOST))
         except FileNotFoundError:
             raise NoCampaign(folder, f"there is no {ARGUMENTS} in it") from None

@@ -16,6 +16,7 @@ from handcart.networks.task.task_file import load_task
 
 from .campaign_files import checksums
 from .campaign_setting import CampaignSetting
+from .scheduler_check import NoCluster, check_scheduler
 from .trial import Trial, died
 from .trial_log import line_of, trial_of
 from .trial_run import run_beside
@@ -44,10 +45,6 @@ _ALONE = threading.Lock()  # a process runs one trial at a time: libraries are s
 
 _CHECKED: list[TrialThere] = []
 """What a worker has found to be as it is here."""
-
-
-class NoCluster(InputError):
-    """There is no scheduler, or no worker; nothing has moved."""
 
 
 class ClusterLost(HandcartError):
@@ -173,6 +170,7 @@ class Cluster:
         if "address" not in named and not Path(self._address).is_file():
             words = "no such file; allowed: an address such as tcp://10.0.0.1:8786, or a scheduler's file"
             raise NoCluster(f"--cluster {self._address}: {words}")
+        check_scheduler(self._address, ANSWERS_S)
         try:
             client = Client(**named, timeout=ANSWERS_S, set_as_default=False)
         except (OSError, ValueError) as error:

@@ -14,10 +14,11 @@ import orjson
 
 from handcart.files.errors import HandcartError, InputError
 from handcart.files.printable import printable
+from handcart.files.regular_file import check_regular, open_regular
 
 from .trial import ActionEnd, Trial
 
-_FLAGS = os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC | os.O_NOFOLLOW
+_FLAGS = os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC | os.O_NOFOLLOW | os.O_NONBLOCK
 _TAIL = 18  # bytes of `,"crc":"01234567"}`
 MAX_LINE = 64 * 2**20
 
@@ -59,15 +60,21 @@ class TrialFile(Sequence[Trial]):
             part = TrialFile(self._path, ())
             part._offsets = self._offsets[at]
             return part
-        with self._path.open("rb") as file:
+        with self._open() as file:
             return _read_at(file, self._offsets[at], self._path)
 
     def __iter__(self) -> Iterator[Trial]:
         if not self._offsets:
             return
-        with self._path.open("rb") as file:
+        with self._open() as file:
             for offset in self._offsets:
                 yield _read_at(file, offset, self._path)
+
+    def _open(self) -> BinaryIO:
+        try:
+            return open_regular(self._path)
+        except OSError as error:
+            raise TrialLogError(self._path, f"can't be read: {error.strerror}") from None
 
 
 class TrialLog:
@@ -93,6 +100,7 @@ class TrialLog:
         except OSError as error:
             raise TrialLogError(path, f"can't be opened: {error.strerror}") from None
         try:
+            check_regular(self._file)
             self._lock()
             self._offsets, self._size = read_offsets(path)
             if os.fstat(self._file).st_size > self._size:
@@ -195,7 +203,7 @@ def read_offsets(path: Path) -> tuple[dict[int, int], int]:
     offsets: dict[int, int] = {}
     offset, torn = 0, False
     try:
-        with path.open("rb") as file:
+        with open_regular(path) as file:
             for number, line in enumerate(file, start=1):
                 if torn:
                     wrong = f"line {number - 1} at byte {offset} isn't what was written"

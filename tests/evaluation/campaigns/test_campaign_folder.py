@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import threading
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
@@ -154,3 +156,25 @@ def test_the_report_counts_causes_and_ranks() -> None:
     assert read.low == pytest.approx(0.352, abs=1e-3)
     assert found.median_run is not None
     assert found.median_run.seed == 18
+
+
+@pytest.mark.parametrize("name", ["trials.jsonl", "campaign.json"])
+def test_a_pipe_in_the_place_of_a_file_is_refused_at_once(tmp_path: Path, name: str) -> None:
+    folder = CampaignFolder.made(tmp_path / "campaign", {"trials": 3})
+    (folder.folder / name).unlink(missing_ok=True)
+    os.mkfifo(folder.folder / name)
+    said: list[Exception] = []
+    watched = threading.Thread(target=_open_all, args=(folder, said), daemon=True)
+    watched.start()
+    watched.join(10.0)
+    assert not watched.is_alive(), "it waits for somebody to write"
+    assert said
+    assert all("a pipe" in str(each) for each in said)
+
+
+def _open_all(folder: CampaignFolder, said: list[Exception]) -> None:
+    for attempt in (folder.log, folder.trials, lambda: CampaignFolder.read(folder.folder)):
+        try:
+            attempt()
+        except (TrialLogError, NoCampaign) as error:
+            said.append(error)

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import os
 import signal
+import socket
 import subprocess
 import sys
+import threading
 import time
 from collections import Counter
 from collections.abc import Iterator
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -19,7 +22,8 @@ from benchmarks.campaigns.walk import walk
 from handcart.evaluation.campaigns import cluster as module
 from handcart.evaluation.campaigns.campaign import run_campaign
 from handcart.evaluation.campaigns.campaign_setting import CampaignSetting
-from handcart.evaluation.campaigns.cluster import Cluster, ClusterLost, NoCluster, TrialThere
+from handcart.evaluation.campaigns.cluster import Cluster, ClusterLost, TrialThere
+from handcart.evaluation.campaigns.scheduler_check import NoCluster, NoScheduler, check_scheduler
 from handcart.evaluation.campaigns.trial import Trial
 from handcart.evaluation.campaigns.trial_log import TrialLog, line_of
 from handcart.evaluation.campaigns.workers import TrialFault
@@ -148,3 +152,43 @@ def test_where_nobody_answers_nothing_moves(
     monkeypatch.setattr(module, "ANSWERS_S", 0.3)
     with pytest.raises(NoCluster, match=wrong):
         list(Cluster(Work(tmp_path), address).trials(range(3)))
+
+
+FOREIGN = {
+    "silent": b"",
+    "a web server": b"HTTP/1.1 400 Bad Request\r\nContent-Length: 0\r\n\r\n",
+    "a shell": b"SSH-2.0-OpenSSH_9.6\r\n",
+    "nonsense": (1).to_bytes(8, "little") + (40).to_bytes(8, "little") + b"\x81" * 40,
+}
+
+
+@pytest.mark.parametrize("sent", FOREIGN.values(), ids=FOREIGN)
+def test_a_silent_or_foreign_server_is_refused_in_time(sent: bytes) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        answering = threading.Thread(target=_answer_with, args=(server, sent), daemon=True)
+        answering.start()
+        begun = time.monotonic()
+        with pytest.raises(NoScheduler, match="no scheduler answers") as raised:
+            check_scheduler(f"tcp://127.0.0.1:{server.getsockname()[1]}", 0.5)
+        assert time.monotonic() - begun < 5.0
+        assert raised.value.exit_status == 2
+        assert "\n" not in str(raised.value)
+        server.shutdown(socket.SHUT_RDWR)
+        answering.join(5.0)
+
+
+def _answer_with(server: socket.socket, sent: bytes) -> None:
+    """Say the same to whoever comes, and keep their connections."""
+    with ExitStack() as stack, suppress(OSError):
+        while True:
+            line, _ = server.accept()
+            stack.enter_context(line)
+            line.sendall(sent)
+
+
+@pytest.mark.parametrize("content", ["", "[]", '{"address": 3}', '{"address": "carrier pigeon"}'])
+def test_a_file_that_is_no_scheduler_s_is_refused(tmp_path: Path, content: str) -> None:
+    file = tmp_path / "scheduler.json"
+    file.write_text(content, encoding="utf-8")
+    with pytest.raises(NoScheduler):
+        check_scheduler(str(file), 0.5)

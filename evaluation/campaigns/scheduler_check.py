@@ -1,0 +1,72 @@
+"""Whether a Dask scheduler answers at an address, before anything is given to the library."""
+
+from __future__ import annotations
+
+import asyncio
+from pathlib import Path
+from typing import Any
+
+import orjson
+
+from handcart.files.errors import InputError
+from handcart.files.printable import clipped, printable
+from handcart.files.regular_file import open_regular
+
+MAX_FILE = 2**20  # of a scheduler's file [bytes]
+
+
+class NoCluster(InputError):
+    """There is no scheduler, or no worker; nothing has moved."""
+
+
+class NoScheduler(NoCluster):
+    """What answers at the address is no scheduler, or nothing answers."""
+
+    def __init__(self, address: str, wrong: str) -> None:
+        allowed = "allowed: the address of a Dask scheduler, such as tcp://10.0.0.1:8786"
+        super().__init__(printable(f"--cluster {address}: {wrong}; {allowed}"))
+
+
+def check_scheduler(address: str, timeout: float) -> None:
+    """Ask whoever listens at an address who they are.
+
+    The library itself retries for as long as something accepts its connections, whatever that is.
+
+    Args:
+        address: such as `tcp://10.0.0.1:8786`, or the path of a scheduler's file.
+        timeout: for the answer, in [s].
+
+    Raises:
+        NoScheduler: nothing answers within that time, or something else.
+    """
+    try:
+        said = asyncio.run(asyncio.wait_for(_identity(_address_in(address), timeout), timeout))
+    except TimeoutError:
+        raise NoScheduler(address, f"no scheduler answers within {timeout:g} s") from None
+    except Exception as error:  # whatever somebody else sends
+        words = clipped(f"{type(error).__name__}: {error}".split("\n")[0])
+        raise NoScheduler(address, f"no scheduler answers: {words}") from None
+    kind = said.get("type") if isinstance(said, dict) else None
+    if kind != "Scheduler":
+        raise NoScheduler(address, f"what answers there is no scheduler: {clipped(repr(kind or said))}")
+
+
+def _address_in(address: str) -> str:
+    if "://" in address:
+        return address
+    with open_regular(Path(address)) as file:
+        return str(orjson.loads(file.read(MAX_FILE))["address"])
+
+
+async def _identity(address: str, timeout: float) -> Any:
+    from distributed.comm import core
+    from distributed.security import Security
+
+    security: Any = Security
+    connect: Any = core.connect
+    comm = await connect(address, timeout=timeout, **security().get_connection_args("client"))
+    try:
+        await comm.write({"op": "identity", "reply": True})
+        return await comm.read()
+    finally:
+        comm.abort()
