@@ -49,7 +49,7 @@ class Undetermined(NamedTuple):
         size, limit = self.shown
         if self.direction is None:
             return f"the heading is not determined: 3 sigma {size:.2f} deg, at most {limit:.2f} deg allowed"
-        along = f"along {math.degrees(self.direction):.0f} deg on the map"
+        along = f"along {round(math.degrees(self.direction))} deg on the map"
         return (
             f"the position is not determined {along}: 3 sigma {size:.0f} mm, at most {limit:.0f} mm allowed"
         )

@@ -1,0 +1,194 @@
+"""Corridors with and without pillars, driven by wheels that are off: python -m benchmarks.driving.corridor
+
+Each run has a corridor of 20 to 100 m, closed at both ends, wheels whose radius and slip err by a sigma of
+0.2 to 5 %, a lidar of 4 to 12 m reach, and in half of the runs a pallet across the way. The robot's file says
+nothing about its wheels. The ground truth judges, with limits that no claim changes: a Success of MOVE_TO is
+false where the base is farther off than the place's tolerance (40 mm, in a quarter of the runs 500 mm; 1
+degree), a Fail where it is more than 45 mm or 2 degrees from where the attempt began. With pillars, a run
+without a pallet should reach both places.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import yaml
+from PIL import Image
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+
+from handcart.backends.description.robot_loading import load_robot
+from handcart.evaluation.trials.rig import Rig, RigFiles, build_rig
+from handcart.primitives.contract.outcome import GiveUp, Success
+from handcart.primitives.driving.move_to import MoveTo
+from handcart.robotics.geometry.pose2 import Pose2
+
+CELL_M, WIDTH_M, HOME_M = 0.05, 3.2, 3.3
+PILLAR_EVERY_M, PILLAR_M = 3.0, 0.3
+SUCCESS_LIMIT, FAIL_LIMIT = (40.0, 1.0), (45.0, 2.0)  # [mm], [deg]
+SHIFTED_M, TURNED_DEG = (0.4, 1.5), (20.0, 180.0)  # of a wrong start
+
+
+class Case(NamedTuple):
+    """One run."""
+
+    seed: int
+    length_m: float
+    wheels_percent: float
+    reach_m: float
+    tolerance_mm: float
+    pallet: bool
+    pillars: bool
+    backend: str
+    wrong_start: bool
+
+
+class Ended(NamedTuple):
+    """What came of one MOVE_TO."""
+
+    outcome: str
+    reason: str
+    off_mm: float
+    off_deg: float
+    false: bool
+
+
+def draw(seed: int, pillars: bool, backend: str, wrong_start: bool) -> Case:
+    """The case of a seed."""
+    rng = np.random.default_rng([seed, 77])
+    return Case(
+        seed,
+        float(rng.uniform(20.0, 100.0)),
+        float(np.exp(rng.uniform(math.log(0.2), math.log(5.0)))),
+        float(rng.uniform(4.0, 12.0)),
+        500.0 if rng.uniform() < 0.25 else 40.0,
+        bool(rng.uniform() < 0.5),
+        pillars,
+        backend,
+        wrong_start,
+    )
+
+
+def make_files(case: Case, folder: Path) -> RigFiles:
+    """Map, places, world and robot in a folder."""
+    columns, rows = round(case.length_m / CELL_M), round(WIDTH_M / CELL_M)
+    cells = np.full((rows, columns), 254, np.uint8)
+    cells[:2] = cells[-2:] = 0
+    cells[:, :2] = cells[:, -2:] = 0
+    if case.pillars:
+        every, size = round(PILLAR_EVERY_M / CELL_M), round(PILLAR_M / CELL_M)
+        for at in range(100, columns - 50, every):
+            cells[2 : 2 + size, at : at + size] = cells[-2 - size : -2, at : at + size] = 0
+    Image.fromarray(cells).save(folder / "map.png")
+    (folder / "map.yaml").write_text(
+        "image: map.png\nresolution: 0.05\norigin: [0, 0, 0]\nnegate: 0\n"
+        "occupied_thresh: 0.65\nfree_thresh: 0.196\n"
+    )
+    place = {"y_m": WIDTH_M / 2, "heading_deg": 0.0, "tolerance_mm": case.tolerance_mm}
+    at = {"home": HOME_M, "middle": 0.5 * case.length_m, "far": 0.7 * case.length_m}
+    places = {name: {"x_m": round(x, 3), **place} for name, x in at.items()}
+    (folder / "places.yaml").write_text(yaml.safe_dump({"format": "handcart-places/1", "places": places}))
+    world = {
+        "format": "handcart-world/1",
+        "map": "map.yaml",
+        "start": {"x_m": HOME_M, "y_m": WIDTH_M / 2, "heading_deg": 0.0},
+    }
+    if case.pallet:
+        x = round(0.6 * case.length_m, 3)
+        world["surprises"] = [{"name": "pallet", "x_m": x, "y_m": WIDTH_M / 2, "size_m": [0.6, 3.0, 0.5]}]
+    (folder / "world.yaml").write_text(yaml.safe_dump(world))
+    (folder / "robot").mkdir()
+    source = load_robot("cart").folder
+    for path in source.iterdir():
+        if path.is_file():
+            (folder / "robot" / path.name).write_bytes(path.read_bytes())
+    robot = yaml.safe_load((source / "robot.yaml").read_text())
+    robot.pop("odometry", None)
+    robot["range_sensor"]["reach_m"] = round(case.reach_m, 2)
+    robot["errors"] |= {"wheel_radius_percent": case.wheels_percent, "slip_percent": case.wheels_percent}
+    (folder / "robot" / "robot.yaml").write_text(yaml.safe_dump(robot))
+    return RigFiles(folder / "world.yaml", folder / "map.yaml", folder / "places.yaml", {})
+
+
+def moved_start(case: Case) -> Pose2:
+    """How far off the base is set down: none, or farther than a task's start is known."""
+    if not case.wrong_start:
+        return Pose2(0.0, 0.0, 0.0)
+    rng = np.random.default_rng([case.seed, 78])
+    away, bearing = rng.uniform(*SHIFTED_M), rng.uniform(-math.pi, math.pi)
+    turn = math.radians(rng.uniform(*TURNED_DEG)) * rng.choice([-1.0, 0.0, 1.0])
+    y = max(-0.7, min(0.7, away * math.sin(bearing)))
+    return Pose2(away * math.cos(bearing), y, float(turn))
+
+
+def truth_of(rig: Rig) -> Pose2:
+    """world_T_base."""
+    truth = rig.backend.ground_truth()
+    assert truth is not None, "the backend is simulated"
+    return truth.base
+
+
+def drive(case: Case) -> list[Ended]:
+    """Drive to both places; every outcome with what the ground truth says of it."""
+    with tempfile.TemporaryDirectory() as name:
+        files = make_files(case, Path(name))
+        robot = str(Path(name) / "robot" / "robot.yaml")
+        with build_rig(files, robot=robot, seed=case.seed, backend=case.backend) as rig:
+            return list(_driven(rig, case))
+
+
+def _driven(rig: Rig, case: Case) -> Iterator[Ended]:
+    for place in ("middle", "far"):
+        before = truth_of(rig)
+        outcome = rig.do(MoveTo(place=place, wait_s=0.0))
+        after = truth_of(rig)
+        success = isinstance(outcome, Success)
+        wanted = rig.model.places[place].pose if success else before
+        off, turned = 1e3 * after.distance(wanted), math.degrees(after.turn(wanted))
+        far, askew = (max(SUCCESS_LIMIT[0], case.tolerance_mm), SUCCESS_LIMIT[1]) if success else FAIL_LIMIT
+        false = not isinstance(outcome, GiveUp) and (off > far or turned > askew)
+        yield Ended(type(outcome).__name__, getattr(outcome, "reason", ""), off, turned, false)
+        if isinstance(outcome, GiveUp):
+            return
+
+
+def main() -> None:
+    words = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    words.add_argument("--runs", type=int, default=40)
+    words.add_argument("--first", type=int, default=0, help="the first seed")
+    words.add_argument("--backend", choices=["kinematic", "mujoco", "pybullet"], default="kinematic")
+    words.add_argument("--pillars", action="store_true", help="a pillar on each side every 3 m")
+    words.add_argument("--wrong-start", action="store_true", help="set down 0.4 to 1.5 m off, or turned")
+    words.add_argument("--verbose", action="store_true", help="a line for each MOVE_TO")
+    chosen = words.parse_args()
+    counts: dict[str, int] = {}
+    false, free, free_success, begun = 0, 0, 0, time.process_time()
+    for seed in range(chosen.first, chosen.first + chosen.runs):
+        case = draw(seed, chosen.pillars, chosen.backend, chosen.wrong_start)
+        print(f"\rrun {seed}, {case.length_m:.0f} m ...", end="", file=sys.stderr, flush=True)
+        ended = drive(case)
+        for each in ended:
+            counts[each.outcome] = counts.get(each.outcome, 0) + 1
+            false += each.false
+            if each.false or chosen.verbose:
+                print(f"\r{json.dumps(case._asdict())}\n  {each}")
+        if not case.pallet:
+            free += 1
+            free_success += all(each.outcome == "Success" for each in ended)
+    seconds = time.process_time() - begun
+    print(f"\r{chosen.runs} runs, {counts}: {false} false Success or Fail; {seconds:.0f} CPU s")
+    print(f"without a pallet: {free_success} of {free} runs reached both places")
+    raise SystemExit(1 if false else 0)
+
+
+if __name__ == "__main__":
+    main()
