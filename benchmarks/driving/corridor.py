@@ -18,7 +18,7 @@ import tempfile
 import time
 from collections.abc import Iterator
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import yaml
@@ -93,14 +93,19 @@ def make_files(case: Case, folder: Path) -> RigFiles:
         "image: map.png\nresolution: 0.05\norigin: [0, 0, 0]\nnegate: 0\n"
         "occupied_thresh: 0.65\nfree_thresh: 0.196\n"
     )
-    place = {"y_m": WIDTH_M / 2, "heading_deg": 0.0, "tolerance_mm": case.tolerance_mm}
-    at = {"home": HOME_M, "middle": 0.5 * case.length_m, "far": 0.7 * case.length_m}
-    places = {name: {"x_m": round(x, 3), **place} for name, x in at.items()}
+    place: dict[str, float] = {"y_m": WIDTH_M / 2, "heading_deg": 0.0, "tolerance_mm": case.tolerance_mm}
+    along = {"home": HOME_M, "middle": 0.5 * case.length_m, "far": 0.7 * case.length_m}
+    places = {name: {"x_m": round(x, 3), **place} for name, x in along.items()}
     (folder / "places.yaml").write_text(yaml.safe_dump({"format": "handcart-places/1", "places": places}))
-    world = {
+    off = moved_start(case)
+    world: dict[str, Any] = {
         "format": "handcart-world/1",
         "map": "map.yaml",
-        "start": {"x_m": HOME_M, "y_m": WIDTH_M / 2, "heading_deg": 0.0},
+        "start": {
+            "x_m": round(HOME_M + off.x, 4),
+            "y_m": round(WIDTH_M / 2 + off.y, 4),
+            "heading_deg": round(math.degrees(off.theta), 3),
+        },
     }
     if case.pallet:
         x = round(0.6 * case.length_m, 3)

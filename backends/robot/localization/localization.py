@@ -24,6 +24,7 @@ from handcart.robotics.navigation.localization.localizer import (
     OdometryLocalizer,
     ScanLocalizer,
 )
+from handcart.robotics.navigation.localization.start_search import SURE_FIT, Beams
 from handcart.robotics.navigation.outdoors.watched_moment import Belief
 
 STILL_SCANS = 20  # periods at rest after which further scans tell nothing new
@@ -297,6 +298,8 @@ class ScanLocalization(Localization):
         self._matching, self._map_error_then = matching, np.zeros((3, 3))
         assert self._range_sensor is not None, "scans come from a range sensor"
         matching.correct(self._range_sensor.scan().points())
+        if isinstance(lidar, Lidar):
+            matching.check_start(_beams(lidar))
         self.set_origin()
 
     @property
@@ -332,6 +335,9 @@ class ScanLocalization(Localization):
         if silence:
             echoes = float(len(self._range_sensor.scan().points())) if self._range_sensor else 0.0
             return Lost(silence, "RangeSensor", "beams of a scan that return", echoes, float(MIN_ECHOES))
+        if self._matching.misplaced:
+            why = "it isn't where it should start: its scan fits other places of the map better"
+            return Lost(why, "RangeSensor", share, self.explained, SURE_FIT)
         return Lost("its scans fit the map nowhere near", "RangeSensor", share, self.explained, LEAST_INLIERS)
 
     @property
@@ -415,6 +421,14 @@ def worst_sigmas(covariance: NDArray[np.float64]) -> tuple[float, float]:
     """
     worst = float(np.linalg.eigvalsh(covariance[:2, :2])[-1])
     return math.sqrt(max(0.0, worst)), math.sqrt(max(0.0, float(covariance[2, 2])))
+
+
+def _beams(lidar: Lidar) -> Beams:
+    """This period's scan by its beams; what is blind says nothing."""
+    scan = lidar.scan()
+    sensor = scan.base_T_sensor
+    ranges = np.where(scan.blind(), np.nan, scan.ranges) if len(scan.validity) else scan.ranges
+    return Beams(np.array([sensor.x, sensor.y]), scan.angles + sensor.theta, ranges, lidar.spec.reach_m)
 
 
 def _without(covariance: NDArray[np.float64], part: NDArray[np.float64]) -> NDArray[np.float64]:

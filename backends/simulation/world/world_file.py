@@ -141,6 +141,8 @@ class WorldFile(FileModel):
     format: Literal["handcart-world/1"]
     start: FloorPose
     """Where a person puts the robot at first, within `errors.start_mm` and `start_deg` of its file."""
+    misplaced: bool = False
+    """The robot is put far from where the task says that it starts, on purpose: it has to find out."""
     map: MapPlace | None = None
     """A map in ROS format: what is occupied on it stands here as well, 2 m high."""
     walls: tuple[Wall, ...] = ()

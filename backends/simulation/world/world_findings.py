@@ -50,7 +50,7 @@ def world_findings(
     for kind in kinds_of_props().values():
         if isinstance(world, kind.section):
             yield from kind.findings(loaded, robot)
-    if initial_pose is not None:
+    if initial_pose is not None and not loaded.value.misplaced:
         yield from _elsewhere(loaded, robot, initial_pose)
     if grid is not None and grid.occupied.any():
         yield from _off_its_map(loaded, grid, solids)
@@ -81,7 +81,9 @@ def _elsewhere(loaded: Loaded[WorldFile], robot: RobotFile, initial_pose: Pose2)
     if away > most or turned > widest:
         there = f"({initial_pose.x:.2f}, {initial_pose.y:.2f}) m, {math.degrees(initial_pose.theta):.0f} deg"
         wrong = f"the robot is put {away:.2f} m and {turned:.0f} deg from where it is told to start, {there}"
-        yield loaded.finding(("start",), f"{wrong}; allowed: {most:.2f} m, {widest:.0f} deg")
+        yield loaded.finding(
+            ("start",), f"{wrong}; allowed: {most:.2f} m, {widest:.0f} deg, or misplaced: true"
+        )
 
 
 def _off_its_map(loaded: Loaded[WorldFile], grid: GridMap, solids: list[Solid]) -> Iterator[Finding]:

@@ -12,8 +12,14 @@ from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.localization.odometry import Odometry, OdometryErrors
-from handcart.robotics.navigation.localization.scan_matching import LikelihoodField, ScanMatch, match_scan
+from handcart.robotics.navigation.localization.scan_matching import (
+    CELL_SIGMA,
+    LikelihoodField,
+    ScanMatch,
+    match_scan,
+)
 from handcart.robotics.navigation.localization.slip_monitor import SlipMonitor, turn_variance
+from handcart.robotics.navigation.localization.start_search import Beams, StartFit, check_start
 
 FEWEST_POINTS = 20
 LEAST_INLIERS = 0.4  # share of a scan's points that the map must explain for a match to be believed
@@ -220,6 +226,7 @@ class ScanLocalizer(Localizer):
         "_poor": int,
         "_map_error": NDArray[np.float64],
         "_rolled": tuple[float, float],
+        "misplaced": bool,
     }
 
     def __init__(
@@ -252,6 +259,8 @@ class ScanLocalizer(Localizer):
         self._patience = patience
         self._poor = 0
         self._map_error = np.zeros((3, 3))  # factor, as in `ScanMatch`
+        self.misplaced = False
+        """Whether the first scan says that the robot does not stand where it should, but not where."""
         self.slip = SlipMonitor()
         """Whether the wheels slip more than is claimed."""
         self._rolled = (0.0, 0.0)  # by the wheels in its window
@@ -280,8 +289,8 @@ class ScanLocalizer(Localizer):
 
     @property
     def lost(self) -> bool:
-        """Whether the last scans didn't fit the map anywhere near."""
-        return self._poor >= self._patience
+        """Whether the last scans didn't fit the map anywhere near, or the first one not where it should."""
+        return self.misplaced or self._poor >= self._patience
 
     def correct(self, points: NDArray[np.float64]) -> bool:
         """Match the scan and take the pose over, unless the map explains too little of it."""
@@ -300,6 +309,19 @@ class ScanLocalizer(Localizer):
         self._poor, self._map_error = 0, match.map_error
         self._odometry.correct(match.pose, match.covariance, match.kept)
         return True
+
+    def check_start(self, beams: Beams) -> StartFit:
+        """Compare the stated start with all other places of the map, by the first scan.
+
+        Where one other place alone explains the scan, the pose is there; where several do, or none fully, the
+        robot is misplaced.
+        """
+        noise = math.hypot(self._sigma, CELL_SIGMA * self._field.map.resolution)
+        fit = check_start(self._field, beams, self.pose, noise)
+        if fit.other is not None and fit.is_sure:
+            self.relocalize(fit.other, beams.points)
+        self.misplaced = fit.contradicts and not fit.is_sure
+        return fit
 
     def _count_slip(self, match: ScanMatch) -> None:
         """Compare the turn that the wheels missed with what is claimed, where the scan alone tells it."""

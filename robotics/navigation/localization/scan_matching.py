@@ -18,6 +18,7 @@ from .scan_evidence import Evidence, confirmed, unrelated, weakest_evidence
 
 INLIER = 3.0  # scales within which a point counts as explained by the map
 OF_SIGMA = 0.6745  # of a normal error's sigma: half of the errors are smaller
+CELL_SIGMA = 0.3  # of a cell: spread of a surface that lies anywhere in its cell
 CELL_BIAS = 0.25  # of a cell: what a pose is wrong by because surfaces lie anywhere in their cells
 LEAST = 1e-6  # of an information: what is seen may not tell all of a pose
 ANNEALED = (0.5, 0.35, 0.25, 0.17, 0.12)  # scales in [m] tried before the final one from a bad start
@@ -110,9 +111,7 @@ def match_scan(
         map_error: (3, 3) factor of the map's share in the prior, as in `ScanMatch`; zero if None.
         before: evidence of the scan before, at about the same place, which has to confirm this one's.
     """
-    noise = math.hypot(
-        sigma, 0.3 * field.map.resolution
-    )  # a uniform place in a cell has 0.29 cells of spread
+    noise = math.hypot(sigma, CELL_SIGMA * field.map.resolution)
     final = 2.5 * noise
     information = _inverse(prior_covariance)
     grid, near, points = field.map, np.array(prior), np.ascontiguousarray(points)

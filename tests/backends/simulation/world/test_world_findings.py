@@ -86,6 +86,11 @@ def test_a_robot_that_is_put_elsewhere_than_it_is_told_is_told(tmp_path: Path) -
     assert findings(tmp_path, ("heading_deg: 90.0", "heading_deg: -270.0")) == ""
 
 
+def test_a_robot_that_is_misplaced_on_purpose_is_accepted(tmp_path: Path) -> None:
+    swap = ("furniture:", "misplaced: true\nfurniture:")
+    assert findings(tmp_path, swap, start=Pose2(2.0, 1.0, np.pi / 2)) == ""
+
+
 def test_a_world_off_its_map_is_told(tmp_path: Path) -> None:
     assert "the robot starts off the map" in findings(tmp_path, ("x_m: 1.0", "x_m: -3.0"), start=None)
     found = findings(tmp_path, grid=room(-2.0))

@@ -1,0 +1,215 @@
+"""Whether a scan belongs to where a robot is said to start, or to another place of the map."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.numerics.compiled import compiled
+
+from .likelihood_field import LikelihoodField
+from .scan_matching import INLIER, match_scan
+
+PLAIN_FIT = 0.93  # share of the beams that the map explains; no less, and no other place is looked for
+SURE_FIT = 0.9  # share from which a place is believed that nobody stated
+BETTER = 0.04  # of the beams that another place has to explain beyond the stated one
+MUCH_BETTER = 0.15  # the same of a place that is not sure itself
+NEAR_M, NEAR_RAD = 0.25, math.radians(10.0)  # within which two poses are the same place
+CLEAR_M = 0.15  # of a base from what the map shows
+MAX_POSES = 400_000
+MIN_STRIDE_M = 0.1
+HEADINGS = 72
+COARSE_M = 0.15  # scale of the first search
+COARSE_POINTS = 60
+MAX_CANDIDATES = 10
+SHORT_OF_REACH = 0.9  # of the reach: what the map shows nearer has to return
+ROUGH = np.diag([0.3, 0.3, 0.17]) ** 2  # [m², rad²] of a candidate
+
+Array = NDArray[np.float64]
+
+
+class Beams(NamedTuple):
+    """A scan by its beams."""
+
+    origin: Array
+    """(2,) of the sensor, in the base frame, in [m]."""
+    angles: Array
+    """(n,) in the base frame, in [rad]."""
+    ranges: Array
+    """(n,) in [m]; infinity where nothing came back, NaN where nothing is known."""
+    reach: float
+    """In [m]."""
+
+    @property
+    def points(self) -> Array:
+        """(m, 2) what was hit, in the base frame, in [m]."""
+        hit = np.isfinite(self.ranges)
+        rays = np.column_stack([np.cos(self.angles[hit]), np.sin(self.angles[hit])])
+        return np.asarray(self.origin + self.ranges[hit, None] * rays)
+
+
+class StartFit(NamedTuple):
+    """What a scan says about a stated start."""
+
+    share: float
+    """Of the beams that the map explains from the stated start."""
+    other: Pose2 | None = None
+    """map_T_base of a place that explains more."""
+    other_share: float = 0.0
+    is_sure: bool = False
+    """Whether that place is the only one, and explains nearly all."""
+
+    @property
+    def contradicts(self) -> bool:
+        """Whether the robot is not where it is said to start."""
+        return self.other is not None
+
+
+def explained_share(field: LikelihoodField, beams: Beams, pose: Pose2, noise: float) -> float:
+    """Share of the beams that the map explains from a pose, those that return nothing too.
+
+    A beam that returns nothing contradicts a wall that the map shows within its reach.
+    """
+    known = ~np.isnan(beams.ranges)
+    if not known.any():
+        return 0.0
+    hits = int((field.read(pose.apply(beams.points)) < INLIER * noise).sum())
+    silent = beams.angles[np.isinf(beams.ranges)]
+    x, y = pose.apply(beams.origin[None])[0]
+    clear = map_ranges(field, Pose2(float(x), float(y), pose.theta), silent, beams.reach)
+    free = int((clear > SHORT_OF_REACH * beams.reach).sum())
+    return (hits + free) / int(known.sum())
+
+
+def check_start(field: LikelihoodField, beams: Beams, pose: Pose2, noise: float) -> StartFit:
+    """Look for another place that explains a scan better than the stated one.
+
+    Args:
+        field: of the map.
+        beams: of the scan.
+        pose: map_T_base as it was stated, and corrected by the scan.
+        noise: sigma of a point's distance to the map, in [m].
+    """
+    share = explained_share(field, beams, pose, noise)
+    if share >= PLAIN_FIT or len(beams.points) < COARSE_POINTS // 3:
+        return StartFit(share)
+    found: list[tuple[float, Pose2]] = []
+    for rough in _candidates(field, beams.points):
+        match = match_scan(field, beams.points, rough, ROUGH, anneal=True)
+        if not any(_same(match.pose, other) for _, other in found):
+            found.append((explained_share(field, beams, match.pose, noise), match.pose))
+    others = sorted(
+        (each for each in found if not _same(each[1], pose)), reverse=True, key=lambda each: each[0]
+    )
+    if not others:
+        return StartFit(share)
+    best, where = others[0]
+    more = best - share
+    if more <= BETTER or (best < SURE_FIT and more <= MUCH_BETTER):
+        return StartFit(share)
+    alone = len(others) == 1 or others[1][0] < best - BETTER
+    return StartFit(share, where, best, best >= SURE_FIT and alone)
+
+
+def map_ranges(field: LikelihoodField, sensor: Pose2, angles: Array, reach: float) -> Array:
+    """Range (n,) in [m] of each beam to what the map shows; infinity where that is beyond the reach.
+
+    Args:
+        field: of the map.
+        sensor: map_T_sensor.
+        angles: (n,) of the beams, in [rad], from the sensor's heading.
+        reach: in [m].
+    """
+    grid = field.map
+    return np.asarray(
+        _traced(
+            field.distance,
+            grid.occupied,
+            (sensor.x - grid.origin_x) / grid.resolution - 0.5,
+            (sensor.y - grid.origin_y) / grid.resolution - 0.5,
+            np.ascontiguousarray(angles + sensor.theta),
+            grid.resolution,
+            reach,
+        )
+    )
+
+
+def _same(one: Pose2, other: Pose2) -> bool:
+    return one.distance(other) < NEAR_M and one.turn(other) < NEAR_RAD
+
+
+def _candidates(field: LikelihoodField, points: Array) -> list[Pose2]:
+    """Poses all over the map from which the points lie near what it shows, the best first."""
+    grid = field.map
+    free = ~grid.occupied & (field.distance > CLEAR_M)
+    area = float(free.sum()) * grid.resolution**2
+    stride = max(MIN_STRIDE_M, math.sqrt(area * HEADINGS / MAX_POSES))
+    every = max(1, round(stride / grid.resolution))
+    cells = np.argwhere(free[::every, ::every]) * every
+    some = np.ascontiguousarray(points[np.linspace(0, len(points) - 1, COARSE_POINTS).astype(np.int64)])
+    turns = np.linspace(-math.pi, math.pi, HEADINGS, endpoint=False)
+    scores = _scored(field.distance, cells, turns, some / grid.resolution, COARSE_M)
+    order = np.argsort(scores, axis=None)[::-1][: 40 * MAX_CANDIDATES]
+    kept: list[Pose2] = []
+    for index in order:
+        cell, heading = divmod(int(index), HEADINGS)
+        x, y = grid.to_point(cells[cell][None].astype(np.float64))[0]
+        pose = Pose2(float(x), float(y), wrap(float(turns[heading])))
+        if not any(pose.distance(each) < 2.0 * NEAR_M and pose.turn(each) < 2.0 * NEAR_RAD for each in kept):
+            kept.append(pose)
+        if len(kept) == MAX_CANDIDATES:
+            break
+    return kept
+
+
+@compiled
+def _scored(
+    distance: NDArray[np.float32], cells: NDArray[np.int64], turns: Array, points: Array, scale: float
+) -> Array:
+    """(n, m) how near the points, in cells, lie to surfaces, from cells (n, 2) and with headings (m,)."""
+    height, width = distance.shape
+    out = np.zeros((len(cells), len(turns)))
+    for j in range(len(turns)):
+        cos, sin = math.cos(turns[j]), math.sin(turns[j])
+        for i in range(len(cells)):
+            total = 0.0
+            for k in range(len(points)):
+                column = math.floor(cells[i, 1] + cos * points[k, 0] - sin * points[k, 1] + 0.5)
+                row = math.floor(cells[i, 0] + sin * points[k, 0] + cos * points[k, 1] + 0.5)
+                if 0 <= column < width and 0 <= row < height:
+                    off = distance[row, column] / scale
+                    if off < 2.0:
+                        total += 1.0 - 0.25 * off * off
+            out[i, j] = total
+    return out
+
+
+@compiled
+def _traced(
+    distance: NDArray[np.float32],
+    occupied: NDArray[np.bool_],
+    column: float,
+    row: float,
+    angles: Array,
+    resolution: float,
+    reach: float,
+) -> Array:
+    """Ranges (n,) in [m] from a cell, column and row as real numbers, along angles of the map in [rad]."""
+    height, width = distance.shape
+    out = np.empty(len(angles))
+    for i in range(len(angles)):
+        cos, sin, way = math.cos(angles[i]), math.sin(angles[i]), 0.0
+        out[i] = np.inf
+        while way * resolution < reach:
+            x, y = math.floor(column + way * cos + 0.5), math.floor(row + way * sin + 0.5)
+            if not (0 <= x < width and 0 <= y < height):
+                break
+            if occupied[y, x]:
+                out[i] = way * resolution
+                break
+            way += max(0.5, distance[y, x] / resolution - 1.0)
+    return out
