@@ -148,6 +148,7 @@ class Coordinator:
             self._route.took(outcome)
             self._watch.arrived(self.situation)
             self._forget(left)
+        self._supervision.between_actions()
         skipped = self._log.skipped
         if skipped:
             return self._end("Fail", f"left undone: {', '.join(skipped)}")
@@ -204,11 +205,13 @@ class Coordinator:
             return log.not_started(action, unmet)
         self._watch.begins(self.situation, at)
         self.life.act()
+        self._supervision.between_actions()  # what was asked for since the last look: then it doesn't start
+        self._supervision.begins(log.started + 1)
         log.start(action, primitive, self.planner.fails(action), at)
         periods = attempt(
             primitive, self._robot, self._model, lambda why: self._restore(action, why), intents=log
         )
-        outcome = yield from self._supervision.to_its_end(periods, log.started, action.time_out_s)
+        outcome = yield from self._supervision.to_its_end(periods, action.time_out_s)
         if isinstance(outcome, NotStarted):
             return log.not_started(action, outcome.reason)
         if moves:

@@ -137,20 +137,22 @@ class Supervision:
         pauses = self._life.paused or any(each.what is Request.PAUSE for each in self._requests)
         return "nothing is paused; allowed: after a pause" if request is Request.RESUME and not pauses else ""
 
+    def begins(self, number: int) -> None:
+        """The action with that number is started: from now on requests may be meant for it."""
+        self.running = self._latest = number
+
     def to_its_end(
-        self, attempt: Attempt, number: int, time_out: float | None = None
+        self, attempt: Attempt, time_out: float | None = None
     ) -> Generator[None, None, Outcome | NotStarted]:
-        """Run an attempt to its outcome; `NotStarted` if it was called back before it began.
+        """Run the attempt of the action that begins to its outcome; `NotStarted` if called back before.
 
         Args:
             attempt: the running one.
-            number: of its action, from 1.
             time_out: the robot's time in [s] after which it is called back; None: never.
 
         Raises:
             Interrupted: it was stopped; the robot holds where it is.
         """
-        self.running = self._latest = number
         try:
             return (yield from self._to_its_end(attempt, time_out))
         finally:

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from handcart.networks.coordination.coordinator import Coordinator
-from handcart.networks.coordination.events import Ended, Event, Started
+from handcart.networks.coordination.events import Ended, Event, Planned, Started
 from handcart.networks.coordination.network_behaviour import NetworkBehaviour
 from handcart.networks.coordination.run_life import RunState
 from handcart.networks.coordination.supervision import Request
@@ -92,7 +92,6 @@ def test_a_request_that_names_another_action_is_not_applied(stand: Stand, what: 
 
     def ask(run: Coordinator, event: Event) -> None:
         if isinstance(event, Started) and event.number == 2:
-            run._supervision.running, run._supervision._latest = 2, 2
             said.extend([run.ask(what, 1), run.ask(what, 3)])
 
     end, events = run_asking(stand, ask)
@@ -123,6 +122,36 @@ def test_a_request_that_comes_too_late_is_kept_in_words(
     (late,) = run.unapplied
     assert late.startswith("restore of action 1, asked for at ")
     assert end.fails == 0
+
+
+@pytest.mark.parametrize("what", [Request.STOP, Request.CANCEL])
+def test_asked_to_end_while_it_plans_starts_no_action(stand: Stand, what: Request) -> None:
+    def ask(run: Coordinator, event: Event) -> None:
+        if isinstance(event, Planned):
+            run.request(what)
+
+    end, events = run_asking(stand, ask)
+    assert (end.outcome, end.actions) == ("Cancelled", 0)
+    assert not any(isinstance(each, Started) for each in events)
+
+
+@pytest.mark.parametrize("what", [Request.STOP, Request.CANCEL])
+def test_asked_to_end_at_the_last_result_it_is_heard(stand: Stand, what: Request) -> None:
+    def ask(run: Coordinator, event: Event) -> None:
+        if isinstance(event, Ended) and event.number == 2:
+            run.request(what)
+
+    end, _ = run_asking(stand, ask)
+    assert (end.outcome, end.situation) == ("Cancelled", "z")
+
+
+def test_a_restore_at_the_start_of_an_action_is_its_own(stand: Stand) -> None:
+    def ask(run: Coordinator, event: Event) -> None:
+        if isinstance(event, Started) and event.number == 1:
+            run.request(Request.RESTORE)
+
+    _, events = run_asking(stand, ask)
+    assert outcomes(events)[0] == (1, "Fail")
 
 
 def test_a_stop_stops_whatever_action_it_names(stand: Stand) -> None:

@@ -162,3 +162,11 @@ def test_regulator_drives_the_last_millimetres_the_way_they_lie(ahead: float) ->
     poses, _ = run(PoseRegulator(Pose2(0, 0, 0), tolerance=tolerance), Pose2(-ahead, 0.0, 0.0), seconds=10.0)
     assert max(abs(pose.x) for pose in poses) < abs(ahead) + 1e-3
     assert max(abs(pose.theta) for pose in poses) < 0.05
+
+
+def test_progress_goes_on_while_the_base_rolls_to_rest() -> None:
+    tracker = PathTracker(np.array([[0.0, 0.0], [2.0, 0.0]]))
+    for x in np.linspace(0.0, 0.5, 11):
+        tracker.hold(Pose2(float(x), 0.0, 0.0), DT)
+    assert tracker.progress == pytest.approx(0.5)
+    assert tracker.ahead[0].tolist() == pytest.approx([0.5, 0.0])

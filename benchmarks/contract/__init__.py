@@ -1,0 +1,1 @@
+"""Benchmarks of what every primitive and every request must keep to."""

@@ -1,0 +1,180 @@
+"""Whether primitives refuse to start with the wrong thing in the hand, and say so truly.
+
+    python -m benchmarks.contract.preconditions [--backend kinematic] [--seeds 1] [--tasks WORD]
+
+Each shipped task that its domain rehearses is run action by action. Before each of its actions every
+primitive of the task is tried in a copy of the process, with the parameters of its actions and with another
+object: so it starts with the hand empty, full, with another object, and at the wrong place. Where what the
+hand truly holds contradicts the declared precondition it must be a Fail that moves nothing and names the
+hand; whatever else starts must end truly. Prints a line for each stage, and the sum; status 1 where anything
+is wrong.
+"""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import time
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.gripper import Gripper
+from handcart.evaluation.conformance.faults.forked import Died, Hung, forkable, forked
+from handcart.evaluation.conformance.faults.rehearsal import Rehearsal
+from handcart.evaluation.conformance.faults.repertoire import declared
+from handcart.evaluation.conformance.faults.underway import Underway
+from handcart.evaluation.truth.hand_claims import things_held
+from handcart.networks.graph.network import NotBound
+from handcart.networks.task.task_file import load_task
+from handcart.primitives.contract.action_primitive import ActionPrimitive
+from handcart.primitives.preconditions.hand_use import Hand
+
+STILL_M = 1e-4
+"""Of base, joints and fingers together, in [m] and [rad], below which nothing was moved."""
+NAMES_HAND = ("the hand ", "no book has been recognized")
+"""How the reason of a refusal by the hand begins."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Tried:
+    """One primitive started in one stage of a task."""
+
+    name: str
+    held: str
+    """What the hand held, by ground truth."""
+    refused: bool
+    """Whether its declared precondition did not hold, by ground truth."""
+    outcome: str
+    reason: str
+    moved: float
+    """How far anything was commanded away from where it was, in [m] and [rad] together."""
+    wrong: tuple[str, ...]
+
+    @property
+    def faults(self) -> list[str]:
+        """What is wrong with it, in words."""
+        found = [f"{each} ({self.reason})" for each in self.wrong]
+        if self.refused and self.outcome != "Fail":
+            found.append(f"{self.outcome} although the hand holds {self.held or 'nothing'}")
+        if self.refused and self.moved > STILL_M:
+            found.append(f"it moved by {self.moved:.4f} before it refused")
+        if self.refused and not self.reason.startswith(NAMES_HAND):
+            found.append(f"the reason does not name the hand: {self.reason}")
+        return found
+
+
+def candidates(rehearsal: Rehearsal, underway: Underway) -> Iterator[ActionPrimitive]:
+    """Give every primitive of the task with the parameters that it has there, and with another object."""
+    given: set[str] = set()
+    for action in load_task(rehearsal.task, rehearsal.settings).network.actions:
+        if action.binding is None:
+            continue
+        try:
+            made = action.binding.make(underway.model)
+        except NotBound:
+            continue
+        for each in (made, *_with_another(made)):
+            key = f"{each.label()} {each.model_dump_json()}"
+            if key not in given and sum(name.startswith(each.label() + " ") for name in given) < MOST_ALIKE:
+                given.add(key)
+                yield each
+
+
+MOST_ALIKE = 3
+"""Sets of parameters with which a primitive is tried in a stage."""
+
+
+def _with_another(primitive: ActionPrimitive) -> Iterator[ActionPrimitive]:
+    number = getattr(primitive, "number", None)
+    if isinstance(number, int):
+        yield primitive.model_copy(update={"number": 1 + number % 3})
+
+
+def started(primitive: ActionPrimitive, rehearsed: Underway) -> Tried:
+    """Start a primitive where a rehearsal stands, and hold its outcome against the truth."""
+    truth = rehearsed.backend.ground_truth()
+    held = "" if truth is None else ", ".join(sorted(things_held(truth)))
+    use, thing = primitive.hand_use(), primitive.thing(rehearsed.model.view(primitive))
+    full = use.before is Hand.FULL
+    refused = (use.before is Hand.EMPTY and held != "") or (full and (not held or thing not in ("", held)))
+    robot: Any = rehearsed.robot
+    moved = [0.0]
+    begun, step = _commands(robot), robot.step
+    driven = [0.0]
+
+    def stepping(paused: bool = False) -> None:
+        step(paused)
+        driven[0] += abs(robot.driven[0]) * robot.period
+        moved[0] = max(moved[0], driven[0] + float(np.abs(_commands(robot) - begun).max(initial=0.0)))
+
+    robot.step = stepping
+    trial = Underway(primitive, robot, rehearsed.backend, rehearsed.model, rehearsed.spec, rehearsed.seed)
+    ending = trial.finish()
+    return Tried(primitive.label(), held, refused, ending.outcome, ending.reason, moved[0], ending.wrong)
+
+
+def _commands(robot: Any) -> np.ndarray:
+    arm, gripper = robot.backend.get(Arm), robot.backend.get(Gripper)
+    return np.concatenate([arm.command() if arm else [], [gripper.command()] if gripper else []])
+
+
+def stages(rehearsal: Rehearsal, seconds: float) -> Iterator[tuple[str, list[Tried], int]]:
+    """Give each stage of a task, what was tried in it, and how many did not end in time."""
+    with forkable():
+        for number, name, underway in rehearsal.attempts():
+            tried, cut = [], 0
+            for primitive in candidates(rehearsal, underway):
+                try:
+                    work = lambda each=primitive, at=underway: started(each, at)  # noqa: E731
+                    tried.append(forked(work, Tried, seconds))
+                except Hung:
+                    cut += 1
+                except Died as died:
+                    tried.append(Tried(primitive.label(), "", False, "Error", str(died), 0.0, (str(died),)))
+            yield f"{number}. before {name}", tried, cut
+
+
+def main() -> int:
+    """Print what came of it."""
+    words = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    words.add_argument("--backend", default="kinematic")
+    words.add_argument("--seeds", type=int, default=1)
+    words.add_argument("--tasks", default="", help="only those with this in their path")
+    words.add_argument("--seconds", type=float, default=20.0, help="of CPU time that a trial gets")
+    wanted = words.parse_args()
+    every: list[Tried] = []
+    names: set[str] = set()
+    cut, began = 0, time.monotonic()
+    tasks = [(task, given) for task, given in declared().items() if wanted.tasks in str(task)]
+    for task, settings in tasks:
+        for seed in range(wanted.seeds):
+            rehearsal = Rehearsal(task, wanted.backend, seed, settings=settings)
+            print(f"{task.parent.name}/{task.name}, seed {seed}", flush=True)
+            for stage, tried, late in stages(rehearsal, wanted.seconds):
+                every += tried
+                names |= {each.name for each in tried}
+                cut += late
+                refused = [each for each in tried if each.refused]
+                print(f"  {stage}: {len(tried)} tried, {len(refused)} to be refused, {late} cut", flush=True)
+                for each in tried:
+                    for fault in each.faults:
+                        print(f"    WRONG {each.name} ({each.outcome}, hand {each.held or 'empty'}): {fault}")
+    return _sum_up(every, names, cut, time.monotonic() - began)
+
+
+def _sum_up(every: list[Tried], names: set[str], cut: int, seconds: float) -> int:
+    refused = [each for each in every if each.refused]
+    right = sum(not each.faults for each in refused)
+    false = sum(bool(each.wrong) for each in every)
+    shares = {word: sum(each.outcome == word for each in every) for word in ("Success", "Fail", "GiveUp")}
+    print(f"{len(names)} primitives ({', '.join(sorted(names))}), {len(every)} starts: {shares}, {cut} cut")
+    print(f"refused before anything moved, with the true reason: {right} of {len(refused)}")
+    print(f"false outcomes: {false}; {seconds:.0f} s")
+    return int(bool(false) or right < len(refused))
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
