@@ -16,7 +16,7 @@ from handcart.backends.physics.physics_backend import PhysicsBackend
 from handcart.backends.simulation.world.world_file import WorldFile
 from handcart.robotics.kinematics.arm_model import ArmModel
 
-from .mujoco_body import MujocoBody
+from .body.mujoco_body import MujocoBody
 from .mujoco_engine import MujocoEngine
 from .mujoco_module import mujoco
 from .rendering.mujoco_camera import MujocoCamera

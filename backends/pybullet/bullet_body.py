@@ -12,6 +12,7 @@ import numpy as np
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.physics.body.robot_body import RobotBody
 from handcart.backends.physics.body.surface import Surface
+from handcart.backends.physics.refusal import refusal
 from handcart.backends.physics.urdf.rigid_groups import passing_pairs
 from handcart.backends.physics.urdf.sound_urdf import held_still, sound_urdf
 from handcart.backends.urdf.driven_wheels import driven_wheels
@@ -46,7 +47,10 @@ class BulletBody(RobotBody):
             path.write_text(sound.text, encoding="utf-8")
             for name, hull in sound.hulls.items():
                 (Path(folder) / name).write_text(hull.obj(), encoding="utf-8")
-            self.id = int(p.loadURDF(str(path), flags=flags, physicsClientId=client))
+            try:
+                self.id = int(p.loadURDF(str(path), flags=flags, physicsClientId=client))
+            except p.error as error:
+                raise refusal("PyBullet", error, robot.whole) from error
         count = p.getNumJoints(self.id, physicsClientId=client)
         infos = [p.getJointInfo(self.id, i, physicsClientId=client) for i in range(count)]
         self.joint_index = {info[1].decode(): info[0] for info in infos}

@@ -131,6 +131,13 @@ _UR5 = [
 ]
 _JACO = [f"j2s6s200_joint_{number}" for number in range(1, 7)]
 
+_FOLDED = [-63, 84, 155, 98, -90, 78, 0]
+
+
+def _both_arms() -> list[str]:
+    return [f"arm_{side}_{number}_joint" for side in ("left", "right") for number in range(1, 8)]
+
+
 ROBOTS = (
     ForeignRobot(
         "tiago",
@@ -152,7 +159,11 @@ ROBOTS = (
             **_LIDAR,
             "links": {"range_sensor": "lidar_frame"},
             "parts": [{**_with_lidar(0.1, 0.2), "onto": "base_footprint"}],
-            "footprint_radius_m": 0.6,
+            "footprint_radius_m": 0.45,
+            "arm": {
+                "joints": ["torso_lift_joint", *_both_arms()],
+                "postures": {"home": [150, *_FOLDED, *_FOLDED]},
+            },
         },
     ),
     ForeignRobot(

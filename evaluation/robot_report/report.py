@@ -23,6 +23,7 @@ from .mount_remarks import mount_remarks
 from .reach import Reach, reach_of
 from .remark import Remark
 from .self_contact import SelfContact, self_contact, touching_words
+from .sizes import size_remarks
 
 AWAY = 0.3  # [m] from the camera: where it reads labels
 
@@ -113,9 +114,11 @@ def contents_of(whole: RobotUrdf) -> Contents:
         )
         for link in links_of(whole.text)
     ]
-    meshes = [mesh_row(each) for each in meshes_of(whole.text)]
+    used = meshes_of(whole.text)
+    meshes = [mesh_row(each) for each in used]
+    sizes = size_remarks(bodies, used, whole)
     doubts = [Remark("", each.message, each) for each in whole.doubts]
-    remarks = [*doubts, *_of_links(links, whole), *_of_meshes(meshes, whole)]
+    remarks = [*doubts, *_of_links(links, whole), *_of_meshes(meshes, whole), *sizes]
     return Contents(joints, links, meshes, remarks)
 
 

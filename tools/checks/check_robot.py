@@ -32,7 +32,13 @@ class NoSuchPicture(InputError):
     """A picture of that kind can't be drawn."""
 
 
-def robot_facts(file: Path, picture: Path | None, quick: bool = False, every: bool = False) -> dict[str, Any]:
+def robot_facts(
+    file: Path,
+    picture: Path | None,
+    quick: bool = False,
+    every: bool = False,
+    backend: str | None = None,
+) -> dict[str, Any]:
     """Look at a robot, and draw it where a picture is wanted.
 
     Args:
@@ -40,9 +46,11 @@ def robot_facts(file: Path, picture: Path | None, quick: bool = False, every: bo
         picture: what to draw into.
         quick: whether its reach isn't tried.
         every: whether every joint, link and mesh is told, not only the arm's joints.
+        backend: name of a simulated backend that is to be built with it.
 
     Raises:
         FileError: something in its files is wrong.
+        InputError: the backend refuses the robot.
         NoSuchPicture: the picture's ending is unknown.
         NotWritable: it can't be written there.
     """
@@ -52,11 +60,14 @@ def robot_facts(file: Path, picture: Path | None, quick: bool = False, every: bo
     from handcart.evaluation.robot_report.remark import grouped, grouped_findings
     from handcart.evaluation.robot_report.report import report_of
 
+    from .check_backend import build_in_empty_world, engine_remarks
     from .check_bus import bus_figures, bus_of, bus_tables
 
     if picture is not None and picture.suffix not in PICTURES:
         raise NoSuchPicture(f"{picture}: no picture ends like that; allowed: {', '.join(PICTURES)}")
     robot = load_robot(str(file))
+    if backend is not None:
+        build_in_empty_world(robot, backend)
     try:
         report = report_of(robot, not quick)
     except ValueError as error:
@@ -68,10 +79,11 @@ def robot_facts(file: Path, picture: Path | None, quick: bool = False, every: bo
             raise NotWritable(picture, error.strerror) from None
     bus = bus_of(robot)
     postures = list(posture_findings(str(file), robot))
+    engines = [] if backend is not None or quick else engine_remarks(robot)
     return {
         "format": robot.format,
-        "warnings": [*robot.warnings, *report.warnings, *map(str, postures)],
-        "grouped": [*grouped(report.remarks), *grouped_findings(postures)],
+        "warnings": [*robot.warnings, *report.warnings, *map(str, postures), *engines],
+        "grouped": [*grouped(report.remarks), *grouped_findings(postures), *engines],
         "lines": [*_lines(report, every), *(_lines_of(*bus_tables(bus)) if bus else ())],
         "robot": {**report.figures(), **({"bus": bus_figures(bus)} if bus else {})},
         **({"picture": str(picture)} if picture is not None else {}),

@@ -31,6 +31,8 @@ class Asked(NamedTuple):
     """A robot's file to be written for a URDF."""
     quick: bool = False
     """Whether what takes seconds is left out."""
+    backend: str | None = None
+    """A simulated backend to be built with a robot."""
 
 
 def check(
@@ -52,6 +54,9 @@ def check(
     draft: Annotated[
         Path | None, typer.Option(help="write a first robot's file for a URDF, beside it or above")
     ] = None,
+    backend: Annotated[
+        str | None, typer.Option(help="of a robot: build this simulated backend with it, such as mujoco")
+    ] = None,
 ) -> None:
     """Read a file with all that it names, and tell what is wrong with it: each finding with its place."""
     import orjson
@@ -63,7 +68,7 @@ def check(
     try:
         given = dict(split_setting(each) for each in settings or [])
         with announced(f"checking {file}"):
-            facts = file_facts(file, given, Asked(picture, every, allow, draft))
+            facts = file_facts(file, given, Asked(picture, every, allow, draft, backend=backend))
     except InputError as error:
         if not as_json:
             if isinstance(error, FileError) and not every:
@@ -174,7 +179,7 @@ def file_facts(file: Path, settings: dict[str, str], asked: Asked = Asked()) -> 
             from handcart.tools.checks.allowing import allow_contacts
 
             allow_contacts(file)
-        return robot_facts(file, asked.picture, asked.quick, asked.every)
+        return robot_facts(file, asked.picture, asked.quick, asked.every, asked.backend)
     if kind == "world":
         from handcart.backends.simulation.world.load_world import load_world
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.sensor_specs import CameraSpec
-from handcart.backends.mujoco.mujoco_body import MujocoBody
+from handcart.backends.mujoco.body.mujoco_body import MujocoBody
 from handcart.backends.mujoco.mujoco_engine import MujocoEngine
 from handcart.backends.physics.sensors.engine_camera import SAMPLES, EngineCamera
 from handcart.backends.physics.world.world_bodies import WorldBodies

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from handcart.backends.backend import NoWindow
-from handcart.backends.mujoco.mujoco_body import MujocoBody
+from handcart.backends.mujoco.body.mujoco_body import MujocoBody
 from handcart.backends.mujoco.mujoco_engine import MujocoEngine
 from handcart.robotics.geometry.transform import Transform
 

@@ -9,21 +9,34 @@ from typing import Any
 import numpy as np
 
 from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.mujoco.mujoco_engine import MujocoEngine
+from handcart.backends.mujoco.mujoco_module import mujoco
+from handcart.backends.mujoco.rendering.robot_looks import PartLook, robot_looks
+from handcart.backends.mujoco.world_spec import (
+    HARD,
+    HOLDS_ON_SOFT,
+    LINKAGE,
+    ROBOT,
+    ROBOT_GROUP,
+    SINKS,
+    STANDS,
+    STIFF,
+    quaternion,
+)
 from handcart.backends.physics.body.robot_body import RobotBody
 from handcart.backends.physics.body.surface import Surface
+from handcart.backends.physics.refusal import refusal
 from handcart.backends.physics.urdf.rigid_groups import passing_pairs
 from handcart.backends.physics.urdf.sound_urdf import held_still, sound_urdf
 from handcart.backends.urdf.driven_wheels import driven_wheels
+from handcart.files.errors import InputError
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, inverse
 from handcart.robotics.kinematics.urdf_tree import joint_leaders
 
-from .mujoco_engine import MujocoEngine
+from .building import ENGINE
 from .mujoco_joints import GIVING, MujocoJoints
-from .mujoco_module import mujoco
 from .mujoco_urdf import read_robot
-from .rendering.robot_looks import PartLook, robot_looks
-from .world_spec import HARD, HOLDS_ON_SOFT, LINKAGE, ROBOT, ROBOT_GROUP, SINKS, STANDS, STIFF, quaternion
 
 TOP_ACCELERATION = 100.0  # of a drive that moves nothing but itself [rad/s²]
 TOP_SLIDE_ACCELERATION = 50.0  # the same of one that slides [m/s²]
@@ -41,6 +54,14 @@ class MujocoBody(RobotBody):
         self._engine = engine
         self.sprung = robot.errors.lean_mrad_per_m > 0.0
         self.id = engine.grow()
+        try:
+            self._load(engine, robot, base)
+        except InputError:
+            raise
+        except ValueError as error:
+            raise refusal(ENGINE, error, robot.whole, ROBOT) from error
+
+    def _load(self, engine: MujocoEngine, robot: RobotFile, base: Pose2) -> None:
         self._urdf = sound_urdf(robot)
         self.repairs = self._urdf.repairs
         child = read_robot(self._urdf)

@@ -7,9 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from handcart.backends.mujoco.mujoco_engine import MujocoEngine
 from handcart.backends.physics.body.joint_group import BREAKAWAY, DAMPING, GIVES, JointGroup, Vector
-
-from .mujoco_engine import MujocoEngine
 
 UNBOUND = 1e6  # [Nm]
 GIVING = "{} gives"

@@ -1,0 +1,1 @@
+"""The robot in MuJoCo: its URDF, its bodies, its joints."""

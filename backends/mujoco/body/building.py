@@ -1,0 +1,27 @@
+"""Building the model of a robot alone, to find out what MuJoCo refuses."""
+
+from __future__ import annotations
+
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.physics.refusal import refusal
+from handcart.backends.physics.urdf.sound_urdf import sound_urdf
+from handcart.files.errors import InputError
+
+from .mujoco_urdf import read_robot
+
+ENGINE = "MuJoCo"
+
+
+def model_refusal(robot: RobotFile) -> InputError | None:
+    """Return why MuJoCo refuses a robot; None if its model can be built.
+
+    Raises:
+        MissingMuJoCo: MuJoCo isn't installed.
+    """
+    try:
+        read_robot(sound_urdf(robot)).compile()
+    except InputError as error:
+        return error
+    except ValueError as error:
+        return refusal(ENGINE, error, robot.whole)
+    return None
