@@ -1,6 +1,7 @@
 """Paths that files name: relative, portable, and never out of their root."""
 
 import re
+import unicodedata
 from pathlib import Path
 from typing import Annotated
 
@@ -51,10 +52,17 @@ def resolve_inside(root: Path, relative: str, *, start: Path | None = None) -> P
     portable(relative)
     try:
         real_root = root.resolve()
-        real = ((start or root).resolve() / relative).resolve()
+        real = _written_form((start or root).resolve(), relative).resolve()
     # RuntimeError is how Python before 3.13 tells of links in a circle.
     except (OSError, RuntimeError, ValueError):
         raise UnsafePath(relative, "cannot be followed") from None
     if real == real_root or not real.is_relative_to(real_root):
         raise UnsafePath(relative, f"leads out of {root}")
     return real
+
+
+def _written_form(folder: Path, relative: str) -> Path:
+    """Return the path, in the decomposed form (NFD) of its accents if only that exists on the disk."""
+    path = folder / relative
+    decomposed = folder / unicodedata.normalize("NFD", relative)
+    return decomposed if not path.exists() and decomposed.exists() else path

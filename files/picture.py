@@ -16,8 +16,8 @@ from handcart.files.regular_file import read_regular_file
 if TYPE_CHECKING:
     from PIL.Image import Image
 
-FORMATS = {"PNG": "PNG", "PPM": "PGM", "BMP": "BMP", "JPEG": "JPEG"}
-"""What is read, by Pillow's name: what map servers of ROS write and read."""
+FORMATS = {"PNG": "PNG", "PPM": "PGM", "BMP": "BMP", "JPEG": "JPEG", "TIFF": "TIFF", "WEBP": "WebP"}
+"""What is read, by Pillow's name: what map servers of ROS and mapping programs write."""
 MAX_BYTES = 1 << 26
 MAX_PIXELS = 25_000_000
 """A map of 250 m by 250 m in cells of 5 cm. Pictures of 30,000 by 30,000 pixels fit in 109 kB."""

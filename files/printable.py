@@ -28,6 +28,14 @@ def clipped(text: str, longest: int = 60) -> str:
     return text if len(text) <= longest else f"{text[: longest - 3]}..."
 
 
+def composed(text: str) -> str:
+    """Return the text in Unicode's composed form (NFC), in which names are compared.
+
+    The same name typed on another system may have its accents as characters of their own.
+    """
+    return text if text.isascii() else unicodedata.normalize("NFC", text)
+
+
 def counted(count: int, noun: str) -> str:
     """Return a number with its noun: "1 warning", "2 warnings"."""
     return f"{count} {noun}{'' if count == 1 else 's'}"

@@ -66,9 +66,12 @@ def run(
     runs: Annotated[Path, typer.Option(help="where the run's folder is made")] = Path("runs"),
 ) -> None:
     """Check a task with all its files, run it, and tell how it ended."""
+    from handcart.files.printable import composed
     from handcart.tasks.task_names import task_path
 
     task = task_path(task)
+    situation = None if situation is None else composed(situation)
+    breaks = [composed(name) for name in breaks or ()]
     settings = [*(settings or []), *([f"robot={robot}"] if robot else [])]
     if dry_run or script is not None:
         from handcart.tools.checks.dry_run import dry_run as imagine
@@ -88,7 +91,7 @@ def run(
 
     check_folder(runs)
     chosen = dict(split_setting(each) for each in settings)
-    permits = Permits(permit, step, breaks or ())
+    permits = Permits(permit, step, breaks)
     with Interrupts() as interrupts, Progress() as progress, ExitStack() as stack:
         stack.enter_context(compiling_ahead())
         permits.asking, permits.typed = progress.ask, progress.typed

@@ -17,6 +17,7 @@ from handcart.files.models.model import FileModel
 from handcart.files.picture import Grey, read_grey
 from handcart.files.suggest import nearest
 from handcart.files.yaml.yaml_document import Document, read_document
+from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.grid_map import (
     GridMap,
     Mode,
@@ -24,6 +25,7 @@ from handcart.robotics.navigation.maps.grid_map import (
     ros_occupancy,
     unknown_read_as_free,
 )
+from handcart.robotics.navigation.maps.turned_map import TooManyCells, is_level, turned_occupancy
 
 from .movingai_map import SUFFIX, read_movingai
 
@@ -49,12 +51,13 @@ class MapFile(FileModel):
     model_config = ConfigDict(extra="ignore")
 
     image: MapPlace
-    """The picture (PGM, PNG, BMP, JPEG), or a MovingAI map: in the file's own folder or below, or by its
-    absolute path."""
+    """The picture (PGM, PNG, BMP, JPEG, TIFF, WebP), or a MovingAI map.
+
+    In the file's own folder or below, or by its absolute path."""
     resolution: Annotated[float, Field(ge=1e-3, le=100.0)]
     """Side of a cell, in [m]."""
     origin: tuple[Metres, Metres, float]
-    """Where the lower-left corner is, in [m]; the third number, its turn, is 0."""
+    """Where the lower-left corner is, in [m], and by how much the map is turned, in [rad]."""
     negate: Annotated[int, Field(ge=0, le=1)] | bool = 0
     """1: dark means free."""
     occupied_thresh: Share = 0.65
@@ -131,14 +134,34 @@ def read_occupancy(path: Path) -> OccupancyFile:
     if wrong := list(_wrong(loaded)):
         raise FileError(wrong)
     picture = _picture_path(loaded, path)
-    place = spec.resolution, spec.origin[:2]
     if picture.suffix == SUFFIX:
-        return OccupancyFile(read_movingai(picture), *place, None)
+        return _placed(loaded, read_movingai(picture), None)
     grey = read_grey(picture)
     values = ros_occupancy(
         grey.level, spec.mode, spec.occupied_thresh, spec.free_thresh, bool(spec.negate), grey.opaque
     )
-    return OccupancyFile(values, *place, _warning(loaded, grey))
+    return _placed(loaded, values, _warning(loaded, grey))
+
+
+def _placed(loaded: Loaded[MapFile], values: NDArray[np.int8], warning: str | None) -> OccupancyFile:
+    """Return the map with its origin; a turned one is resampled along the axes of the map frame.
+
+    Raises:
+        FileError: turned, it has too many cells.
+    """
+    spec = loaded.value
+    x, y, yaw = spec.origin
+    if is_level(values.shape, yaw):
+        return OccupancyFile(values, spec.resolution, (x, y), warning)
+    try:
+        turned = turned_occupancy(values, spec.resolution, Pose2(x, y, yaw))
+    except TooManyCells as error:
+        raise loaded.refuse(("origin", 2), str(error)) from None
+    said = f"the map is turned by {yaw:.6g} rad: its cells are resampled along x and y, to half a cell"
+    words = str(loaded.finding(("origin", 2), said))
+    return OccupancyFile(
+        turned.values, spec.resolution, turned.origin, "\n".join(filter(None, [warning, words]))
+    )
 
 
 def _wrong(loaded: Loaded[MapFile]) -> Iterator[Finding]:
@@ -146,8 +169,6 @@ def _wrong(loaded: Loaded[MapFile]) -> Iterator[Finding]:
     for key in loaded.document.data:
         if key not in keys and (meant := nearest(key, keys)):
             yield loaded.finding((key,), f"unknown key {key!r}; did you mean {meant!r}?", at_key=True)
-    if spec.origin[2] != 0.0:
-        yield loaded.finding(("origin", 2), f"the map is turned by {spec.origin[2]} rad; allowed: 0")
     if spec.free_thresh >= spec.occupied_thresh:
         wrong = (
             f"free_thresh is {spec.free_thresh}; allowed: less than occupied_thresh, {spec.occupied_thresh}"

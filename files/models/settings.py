@@ -4,6 +4,7 @@ from collections.abc import Mapping
 
 from handcart.files.errors import FileError, Finding
 from handcart.files.findings import Findings
+from handcart.files.printable import composed
 from handcart.files.regular_file import decode_text
 from handcart.files.suggest import suggest
 from handcart.files.yaml.scalars import UnclearScalar, resolve_plain
@@ -35,7 +36,7 @@ def setting_value(key: str, text: str) -> Node:
         content = (
             _without_lines(parse_document(given, name).root).content
             if is_flow
-            else resolve_plain(decode_text(given, name))
+            else resolve_plain(composed(decode_text(given, name)))
         )
     except UnclearScalar as unclear:
         raise FileError([Finding(name, 0, 0, str(unclear))]) from None

@@ -9,7 +9,7 @@ from typing import Any
 
 from handcart.files.errors import FileError, Finding
 from handcart.files.findings import Findings
-from handcart.files.printable import clipped
+from handcart.files.printable import clipped, composed
 from handcart.files.yaml.scalars import Scalar, UnclearScalar, resolve_plain
 from handcart.files.yaml.yaml_node import Node
 
@@ -104,12 +104,12 @@ class TreeBuilder:
         if _HALVES.search(event.value):
             self.problem(event.start_mark, "half a character (a lone surrogate); allowed: whole ones")
         if self._open and self._open[-1].wants_key:
-            self._key(event, event.value)
+            self._key(event, composed(event.value))
             return
         self._add(event, self._value(event))
 
     def _value(self, event: Any) -> Scalar:
-        text: str = event.value
+        text = composed(event.value)
         if not _is_plain(event):
             return text
         try:

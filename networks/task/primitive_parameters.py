@@ -104,6 +104,8 @@ class ParameterReader:
             if node is None or entry not in self._known or not isinstance(node.content, str | int):
                 continue
             known = self._known[entry]
+            if isinstance(node.content, int) and all(isinstance(one, str) for one in known):
+                continue  # its type is wrong: that is reported
             if node.content not in known:
                 allowed = suggest(str(node.content), [str(each) for each in known])
                 self._add(node, f"{name}: unknown {entry[:-1]} {node.content!r}{allowed}")

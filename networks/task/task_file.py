@@ -114,9 +114,11 @@ class _Reader:
         self._names = self._knowledge.names()
         places = self._knowledge.places
         self._place_names = None if places is None else list(places.value.places)
-        listed = {**self._names, PLACES: self._place_names or ()}
+        no_places = None if self._document.root.deepest(("knowledge", PLACES))[1] else ()
+        listed = {**self._names, PLACES: self._place_names or no_places}
         for kind, names in listed.items():
-            self._document = with_all(self._document, kind, names)
+            if names is not None:  # None: their file is wrong, or missing
+                self._document = with_all(self._document, kind, names)
         if goes_over_unknown(self._document):  # then each of its actions would be told
             self._check_files()
             self._findings.raise_all()

@@ -107,8 +107,12 @@ def load_places(path: Path) -> Loaded[Places]:
 
 
 def is_goals(document: Document) -> bool:
-    """Whether a file holds goals: a list, or one under `waypoints`, `goals` or `poses`, and no `format`."""
+    """Return whether a file holds goals, and no `format`.
+
+    It is a list, has one under `waypoints`, `goals` or `poses`, or is of lines `name: [x, y, theta]`.
+    """
     content = document.root.content
     if isinstance(content, dict):
-        return "format" not in content and any(key in content for key in LISTS)
+        by_name = bool(content) and all(isinstance(goal.content, list) for goal in content.values())
+        return "format" not in content and (by_name or any(key in content for key in LISTS))
     return isinstance(content, list)

@@ -23,8 +23,8 @@ def goals_as_places(document: Document) -> Document:
     """The same file as one of places, every value where it stood.
 
     A goal is a PoseStamped or a Pose (`position` and `orientation` with x, y, z, w), as rviz's panel saves it
-    (`pose: [x, y, z]`, `orientation: [w, x, y, z]`), or `x`, `y` and `yaw` (or `theta`) in rad. It is called
-    by its key, by its `name`, or goal_1, goal_2 ...
+    (`pose: [x, y, z]`, `orientation: [w, x, y, z]`), `x`, `y` and `yaw` (or `theta`) in rad, or a list
+    `[x, y, theta]`. It is called by its key, by its `name`, or goal_1, goal_2 ...
 
     Raises:
         FileError: with every goal that can't be read, is tilted, or is told in another frame than the map's.
@@ -74,6 +74,8 @@ def _place(entry: Node) -> Node:
     """x_m, y_m and heading_deg, each where it is told."""
     if wrong := [*_frame(entry)]:
         raise FileError(wrong)
+    if isinstance(entry.content, list) and len(entry.content) != 3:
+        raise FileError([_at(entry, f"the goal has {len(entry.content)} numbers; allowed: [x, y, theta]")])
     goal, pose = entry, entry.child("pose")
     if pose is not None and isinstance(pose.content, dict):
         goal = pose.child("pose") or pose  # a PoseWithCovariance holds another one

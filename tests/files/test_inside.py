@@ -1,6 +1,7 @@
 """Paths that must not leave their root (row T13: more than forty ways to try)."""
 
 import os
+import unicodedata
 from pathlib import Path
 
 import pytest
@@ -90,3 +91,9 @@ def test_a_root_that_is_a_link(root: Path, tmp_path: Path) -> None:
 
 def test_portable_keeps_the_text() -> None:
     assert portable("../maps/x.yaml") == "../maps/x.yaml"
+
+
+def test_file_with_decomposed_accents_is_found_by_its_composed_name(tmp_path: Path) -> None:
+    decomposed = tmp_path / unicodedata.normalize("NFD", "Küche.yaml")
+    decomposed.write_text("", encoding="utf-8")
+    assert resolve_inside(tmp_path, unicodedata.normalize("NFC", "Küche.yaml")) == decomposed.resolve()

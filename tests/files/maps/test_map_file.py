@@ -9,6 +9,7 @@ from PIL import Image
 
 from handcart.files.errors import FileError
 from handcart.files.maps.map_file import is_map_file, load_map, read_occupancy
+from handcart.robotics.navigation.maps import turned_map
 
 MAP = """\
 image: map.pgm
@@ -111,7 +112,7 @@ def test_a_picture_that_leads_out_of_the_maps_folder_is_refused(chart: Path, ima
         ("0.05", "1e300", "map.yaml:2:13:"),
         ("0.05", ".nan", "map.yaml:2:13:"),
         ("-1.0, 2.0", "-1.0, 1e308", "map.yaml:3:16:"),
-        ("2.0, 0.0]", "2.0, 0.1]", "the map is turned by 0.1 rad; allowed: 0"),
+        ("2.0, 0.0]", "2.0, .inf]", "is not a finite number"),
         ("free_thresh: 0.196", "free_thresh: 0.66", "map.yaml:6:14: free_thresh is 0.66; allowed: less than"),
         ("free_thresh: 0.196", "free_thresh: -1", "map.yaml:6:14:"),
         ("negate: 0", "negate: 2", "map.yaml:4:9:"),
@@ -193,3 +194,31 @@ def test_unknown_cells_that_are_read_as_free_are_told_where_they_can_be_helped(c
         chart, ("negate: 0", "negate: 0\nmode: scale"), ("free_thresh: 0.196", "free_thresh: 0.25")
     )
     assert load_map(scale)[1] is None
+
+
+@pytest.mark.parametrize("suffix", ["tif", "tiff", "webp"])
+def test_pictures_of_mapping_programs_are_read(chart: Path, suffix: str) -> None:
+    Image.fromarray(np.array([LEVELS], dtype=np.uint8)).save(chart.parent / f"map.{suffix}", lossless=True)
+    plain = read_occupancy(changed(chart)).values
+    assert read_occupancy(changed(chart, ("map.pgm", f"map.{suffix}"))).values.tolist() == plain.tolist()
+
+
+def test_map_turned_by_less_than_half_a_cell_is_level(chart: Path) -> None:
+    read = read_occupancy(changed(chart, ("2.0, 0.0]", "2.0, 0.07]")))
+    assert read.origin == (-1.0, 2.0)
+    assert read.warning is None
+    assert read.values.shape == (1, 7)
+
+
+def test_turned_map_is_resampled_with_a_warning(chart: Path) -> None:
+    read = read_occupancy(changed(chart, ("2.0, 0.0]", "2.0, 1.5707963267948966]")))
+    assert read.values.shape == (7, 1)
+    assert read.origin == pytest.approx((-1.05, 2.0))
+    assert read.values[:, 0].tolist() == read_occupancy(changed(chart)).values[0].tolist()
+    assert "map.yaml:3:21: the map is turned by 1.5708 rad: its cells are resampled" in str(read.warning)
+
+
+def test_turned_map_that_grows_too_large_is_refused(chart: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(turned_map, "MAX_CELLS", 10)
+    message = error_of(chart, ("2.0, 0.0]", "2.0, 0.7]"))
+    assert "turned, the map has 7 x 6 cells; allowed: 10 in all" in message

@@ -270,3 +270,11 @@ def test_t18_terminal_escapes_are_shown_escaped() -> None:
         str(Finding("\x1b]0;x\x07.yaml", 1, 2, "a\nb\r\x9b1mc"))
         == "\\x1b]0;x\\x07.yaml:1:2: a\\x0ab\\x0d\\x9b1mc"
     )
+
+
+def test_names_are_read_in_composed_form() -> None:
+    composed, decomposed = "K\u00fcche", "Ku\u0308che"
+    document = parse_document(f"{decomposed}: {decomposed}\nquoted: '{decomposed}'\n".encode(), "f.yaml")
+    assert document.data == {composed: composed, "quoted": composed}
+    with pytest.raises(FileError, match="first on line 1"):
+        parse_document(f"{decomposed}: 1\n{composed}: 2\n".encode(), "f.yaml")

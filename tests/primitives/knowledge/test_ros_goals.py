@@ -122,3 +122,24 @@ def test_every_heading_comes_back(tmp_path: Path) -> None:
         text = f"- {{position: {{x: 0, y: 0}}, orientation: {turn}}}\n"
         place = read(tmp_path, text).value.places["goal_1"]
         assert math.remainder(place.heading_deg - degrees, 360.0) == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("under", ["", "goals:\n"])
+def test_goals_may_be_lists_by_name(tmp_path: Path, under: str) -> None:
+    path = tmp_path / "goals.yaml"
+    lines = ["dock: [1.0, 2.5, 1.5707963]", "desk: [-3, 0, 0]"]
+    path.write_text(under + "".join(f"{'  ' if under else ''}{line}\n" for line in lines), encoding="utf-8")
+    places = load_places(path).value.places
+    assert [(place.x_m, place.y_m) for place in places.values()] == [(1.0, 2.5), (-3.0, 0.0)]
+    assert places["dock"].heading_deg == pytest.approx(90.0, abs=1e-4)
+
+
+def test_goal_list_of_another_length_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "goals.yaml"
+    path.write_text("dock: [1.0, 2.5]\ndesk: [-3, 0, 0, 1]\n", encoding="utf-8")
+    with pytest.raises(FileError) as error:
+        load_places(path)
+    assert [found.message for found in error.value.findings] == [
+        "the goal has 2 numbers; allowed: [x, y, theta]",
+        "the goal has 4 numbers; allowed: [x, y, theta]",
+    ]
