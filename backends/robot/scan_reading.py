@@ -26,9 +26,8 @@ def read_scan(raw: Scan, spec: RangeSpec, footprint_radius: float) -> Scan:
     ranges = raw.ranges
     validity = np.full(len(ranges), Validity.RETURN, np.uint8)
     missing = _missing(ranges, spec)
-    validity[ranges < spec.range_min_m] = Validity.TOO_CLOSE
+    validity[ranges < spec.range_min_m] = Validity.TOO_CLOSE  # -infinity too
     validity[(ranges > 0.0) & _within(raw, footprint_radius - WITHIN_FOOTPRINT_M)] = Validity.TOO_CLOSE
-    validity[np.isneginf(ranges)] = Validity.TOO_CLOSE
     zeros = np.isfinite(ranges) & (ranges <= 0.0)
     validity[zeros | np.isnan(ranges)] = Validity.INVALID
     validity[missing] = Validity.NO_RETURN

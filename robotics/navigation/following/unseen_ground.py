@@ -96,10 +96,7 @@ def _is_seen(
 ) -> NDArray[np.bool_]:
     """(k,) whether the beam nearest to each bearing is sound, and near enough."""
     around = angles[0] - 0.75 * spacing + np.mod(bearing - angles[0] + 0.75 * spacing, 2.0 * math.pi)
-    nearest = np.clip(np.rint((around - angles[0]) / spacing).astype(int), 0, len(angles))
-    last = len(angles) - 1
-    wraps = (nearest > last) & (angles[-1] - angles[0] + 1.5 * spacing > 2.0 * math.pi)
-    nearest = np.where(wraps, 0, np.minimum(nearest, last))
+    nearest = np.clip(np.rint((around - angles[0]) / spacing).astype(int), 0, len(angles) - 1)
     off = np.abs((around - angles[nearest] + math.pi) % (2.0 * math.pi) - math.pi)
     return np.asarray((off <= 0.75 * spacing) & ~blind[nearest])
 

@@ -126,13 +126,14 @@ def test_scans_are_kept_to_the_millimetre(run: Run, playback: Playback) -> None:
 
 
 def test_what_is_no_distance_stays_none() -> None:
-    read = np.array([1.2344, np.inf, np.nan, 0.0, 200.0])
+    read = np.array([1.2344, np.inf, np.nan, 0.0, 200.0, -np.inf])
     found = metres(millimetres(read))
     assert found[:1] == pytest.approx([1.234])
     assert np.isinf(found[1])
     assert np.isnan(found[2])
     assert found[3] == 0.0
     assert np.isfinite(found[4])
+    assert np.isnan(found[5])  # too close is no free way
 
 
 def test_pictures_are_those_that_were_asked_for(playback: Playback) -> None:

@@ -2,11 +2,13 @@
 
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
+from handcart.backends.capabilities.scan import Scan, Validity
 from handcart.backends.robot.robot import Robot
 from handcart.networks.coordination.coordinator import Coordinator
 from handcart.networks.graph.network import Action, ActionNetwork, Situation
@@ -14,6 +16,7 @@ from handcart.networks.runs.flight_recorder import FlightRecorder, load_readings
 from handcart.primitives.contract.action_primitive import Periods
 from handcart.primitives.contract.discrepancy import Discrepancy
 from handcart.primitives.knowledge.world_model import ModelView
+from handcart.robotics.geometry.pose2 import Pose2
 from tests.networks import conftest
 from tests.networks.conftest import Stand
 
@@ -93,3 +96,15 @@ def test_a_full_disk_ends_the_evidence_not_the_run(stand: Stand, tmp_path: Path)
     recorder.period(stand.robot)
     recorder.end()
     assert recorder.lost is not None
+
+
+def test_recorded_ranges_say_why_a_beam_is_no_return(
+    drive: Callable[..., dict[str, Any]], stand: Stand, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    validity = np.array([Validity.NO_RETURN, Validity.TOO_CLOSE, Validity.INVALID, Validity.RETURN], np.uint8)
+    ranges = np.where(validity == Validity.RETURN, 2.0, np.inf)
+    read = Scan(np.radians([-90.0, 0.0, 90.0, 180.0]), ranges, Pose2(0.0, 0.0, 0.0), validity)
+    lidar = SimpleNamespace(scan=lambda: read, scan_later=lambda: lambda: read)
+    monkeypatch.setattr(stand.robot, "lidar", lidar)
+    (readings,) = drive(5).values()
+    np.testing.assert_array_equal(readings["ranges_m"][-1], [np.inf, -np.inf, np.nan, 2.0])
