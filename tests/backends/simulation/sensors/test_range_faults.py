@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.description.range_spec import RangeSpec
@@ -29,13 +32,15 @@ SHARES = {
 }
 
 
-def scans(folder: Path, seed: int = 0, looks: int = 1, **errors: float) -> np.ndarray:
+def scans(
+    folder: Path, errors: Mapping[str, float] = MappingProxyType({}), seed: int = 0, looks: int = 1
+) -> NDArray[np.float64]:
     """(PERIODS, beams) of a half turn's lidar; asked so often in each period."""
     world = folder / "world.yaml"
     world.write_text(WORLD, encoding="utf-8")
     robot = load_robot("cart")
     spec = RangeSpec(beams=181, reach_m=12.0, range_min_m=0.7, sigma_mm=5.0, start_deg=-90.0, end_deg=90.0)
-    erring = robot.errors.model_copy(update=errors)
+    erring = robot.errors.model_copy(update=dict(errors))
     robot = robot.model_copy(update={"range_sensor": spec, "errors": erring})
     with make_backend("kinematic", robot, world, seed) as backend:
         sensor = backend.get(RangeSensor)  # type: ignore[type-abstract]
@@ -51,7 +56,7 @@ def scans(folder: Path, seed: int = 0, looks: int = 1, **errors: float) -> np.nd
 
 
 def test_shares_of_beams_read_what_the_file_says(tmp_path: Path) -> None:
-    found = scans(tmp_path, **SHARES)[:, 130:]  # away from the wall that is too close
+    found = scans(tmp_path, SHARES)[:, 130:]  # away from the wall that is too close
     own, close = float((found == OWN_BODY_M).mean()), float((found == -np.inf).mean())
     nan, zero = float(np.isnan(found).mean()), float((found == 0.0).mean())
     assert own == pytest.approx(0.16, abs=0.025)
@@ -66,9 +71,9 @@ def test_a_wall_below_the_least_range_is_too_close(tmp_path: Path) -> None:
 
 
 def test_faults_are_of_seed_and_period_alone(tmp_path: Path) -> None:
-    once, often = scans(tmp_path, **SHARES), scans(tmp_path, looks=3, **SHARES)
+    once, often = scans(tmp_path, SHARES), scans(tmp_path, SHARES, looks=3)
     np.testing.assert_array_equal(once, often)
-    assert not np.array_equal(once, scans(tmp_path, seed=1, **SHARES), equal_nan=True)
+    assert not np.array_equal(once, scans(tmp_path, SHARES, seed=1), equal_nan=True)
     assert not np.array_equal(once[0], once[1], equal_nan=True)
-    sound, erring = scans(tmp_path), scans(tmp_path, range_zero_percent=10.0)
+    sound, erring = scans(tmp_path), scans(tmp_path, {"range_zero_percent": 10.0})
     np.testing.assert_array_equal(erring[erring != 0.0], sound[erring != 0.0])  # noise stays what it was
