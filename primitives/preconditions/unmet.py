@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive
@@ -57,7 +59,11 @@ def _unmet_by_arm(primitive: ActionPrimitive, robot: Robot) -> str:
     """Whether the hand is within the footprint, where the base drives: nothing else protects the arm."""
     if not primitive.needs_arm_inside() or robot.spec.arm is None:
         return ""
-    out, radius = math.hypot(*robot.base_T("hand")[:2, 3]), robot.spec.footprint_radius_m
+    hand, radius = robot.base_T("hand"), robot.spec.footprint_radius_m
+    out = math.hypot(*hand[:2, 3])
+    if is_holding(robot):  # what is held reaches to the finger tips at least
+        ahead = np.array([robot.spec.finger_shape.tip, 0.0, 0.0, 1.0])
+        out = max(out, math.hypot(*(hand @ ahead)[:2]))
     if out <= radius:
         return ""
     return (

@@ -129,6 +129,13 @@ _ALL = (
         partial(_holding, primitive_liars.DropsObject, FaultKind.CANCEL),
         needs=(Arm, Gripper, Camera, RangeSensor),
     ),
+    Mutant(
+        "DeniesHold",
+        "declares an empty hand after it took the book",
+        partial(_holding, primitive_liars.DeniesHold, FaultKind.CANCEL),
+        needs=(Arm, Gripper, Camera, RangeSensor),
+        by_truth=True,
+    ),
     _in_primitive(primitive_liars.MovesLater, "comes back, and drives off later"),
     Mutant(
         "RelativeUndo",

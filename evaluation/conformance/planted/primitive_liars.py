@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Generator
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from handcart.primitives.books.pick_up import PickUp
 from handcart.primitives.contract.action_primitive import Periods
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.motions.grip import open_to
+from handcart.primitives.preconditions.hand_use import NEEDS_EMPTY
 from handcart.primitives.restoring.retrace import reach_pose, retrace
 from handcart.primitives.restoring.snapshot import Snapshot
 from handcart.primitives.restoring.trace import Trace
@@ -47,6 +48,12 @@ class DropsObject(PickUp):
         self._held = False
         yield from open_to(robot, None)
         yield from retrace(robot, start, trace)
+
+
+class DeniesHold(PickUp):
+    """Declares that the hand is empty after it took the book."""
+
+    hand: ClassVar = NEEDS_EMPTY
 
 
 class MovesLater(Reach):
