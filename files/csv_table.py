@@ -52,9 +52,9 @@ def read_csv(path: Path | str, most: int, max_bytes: int = MAX_BYTES) -> Iterato
 
 
 def number_in(cell: str) -> float:
-    """What a cell tells; NaN where it tells none."""
+    """Parse a cell as a decimal number; NaN if it is none, also in digits of other scripts."""
     try:
-        return float("nan" if "_" in cell else cell)
+        return float(cell if cell.isascii() and "_" not in cell else "nan")
     except ValueError:
         return float("nan")
 

@@ -14,7 +14,11 @@ class NotText(InputError):
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Run the command line and exit with its status (see the README); bad input is told in words."""
+    """Run the command line and exit with its status (see the README); bad input is told in words.
+
+    What becomes of stdout never changes the status: a run that ended in Success ended so, whether its words
+    went to a pipe that closed, a full disk or nowhere. Lost output is reported on stderr.
+    """
     if arguments is None:
         quiet_libraries()
     words = sys.argv[1:] if arguments is None else arguments
@@ -22,8 +26,8 @@ def main(arguments: list[str] | None = None) -> None:
         status = _run(words)
     lost = streams.lost
     if lost:
-        print(f"stdout can't be written: {lost}; what was to be told there is lost", file=sys.stderr)
-    sys.exit(5 if lost and not status and not streams.nobody_reads else status)
+        print(f"stdout can't be written: {lost}; its text is lost, the exit status holds", file=sys.stderr)
+    sys.exit(status)
 
 
 def _run(words: list[str]) -> int:

@@ -1,5 +1,6 @@
 """Values given on the command line, `--set KEY=VALUE`, read by the rules of the files."""
 
+import re
 from collections.abc import Mapping
 
 from handcart.files.errors import FileError, Finding
@@ -7,10 +8,11 @@ from handcart.files.findings import Findings
 from handcart.files.printable import composed
 from handcart.files.regular_file import decode_text
 from handcart.files.suggest import suggest
-from handcart.files.yaml.scalars import UnclearScalar, resolve_plain
+from handcart.files.yaml.scalars import Scalar, UnclearScalar, resolve_plain
 from handcart.files.yaml.yaml_document import Document, parse_document
 from handcart.files.yaml.yaml_node import KeyPath, Node
 
+_OTHER_BASE = re.compile(r"0[xX][0-9a-fA-F]+|0[oO][0-7]+")
 SECTION: KeyPath = ("parameters",)
 """Where a task declares what may be set."""
 
@@ -36,13 +38,21 @@ def setting_value(key: str, text: str) -> Node:
         content = (
             _without_lines(parse_document(given, name).root).content
             if is_flow
-            else resolve_plain(composed(decode_text(given, name)))
+            else _resolve_word(composed(decode_text(given, name)))
         )
     except UnclearScalar as unclear:
         raise FileError([Finding(name, 0, 0, str(unclear))]) from None
     except FileError as error:
         raise FileError(Finding(name, 0, 0, found.message) for found in error.findings) from None
     return Node(content, name, 0, 0, 0, 0)
+
+
+def _resolve_word(text: str) -> Scalar:
+    """Resolve an unquoted word; a number is decimal, for a person may have meant 0x10 as text or as 10."""
+    if _OTHER_BASE.fullmatch(text):
+        wrong = f"{text!r} is a number to base {16 if text[1] in 'xX' else 8}"
+        raise UnclearScalar(f"{wrong}; allowed: {int(text, 0)}, or in quotes if it is text")
+    return resolve_plain(text)
 
 
 def _without_lines(node: Node) -> Node:

@@ -87,28 +87,40 @@ def parse_journal(path: Path, content: bytes) -> JournalContents:
         record = _checked(content[offset:end])
         number = len(records)
         if record is None or record["q"] != number or record["p"] != last:
-            if _more_than_torn(content[offset:], number):
-                raise JournalError(path, f"record {number} at byte {offset} isn't what was written")
+            foreign = record is not None and record["q"] == number
+            if foreign or _more_than_torn(content[offset:], number):
+                raise JournalError(path, _wrong_words(record, number, offset))
             return JournalContents(tuple(records), offset, len(content))
         records.append(record)
         offset, last = end, record["h"]
     return JournalContents(tuple(records), None, len(content))
 
 
+def _wrong_words(record: dict[str, Any] | None, number: int, offset: int) -> str:
+    """What is wrong with what is at an offset, where record `number` should be."""
+    wrong = f"record {number} at byte {offset} isn't what was written"
+    if record is None:
+        return wrong
+    if record["q"] == number:
+        return f"{wrong}: it doesn't follow the record before it"
+    return f"{wrong}: a whole record {record['q']} is there"
+
+
 def _more_than_torn(tail: bytes, number: int) -> bool:
     """Whether what should begin with a record holds more than a crash leaves of one.
 
-    That is a later record, wherever it begins: the newline before it may be what is damaged. Or the record
-    itself, whole, and more than one byte after it that somebody wrote.
+    That is a later record, or a whole one that does not begin the tail: the newline before it may be what is
+    damaged, or a record before it may be there twice. Or the record itself, whole, and more than one byte
+    after it that somebody wrote. A record that is there twice at the end hides nothing.
     """
     ends = [found.end() for found in _ENDS.finditer(tail)]
     for start in (found.start() for found in _BEGINS.finditer(tail)):
         first = bisect_right(ends, start)
         for end in ends[first : first + 3]:
             record = _checked(tail[start:end] + b"\n")
-            if record is not None and record["q"] > number:
+            if record is not None and (record["q"] > number or start > 0):
                 return True
-            if record is not None and record["q"] == number and start == 0:
+            if record is not None and record["q"] == number:
                 return len(tail.rstrip(b"\0")) > end + 1
     return False
 

@@ -49,11 +49,6 @@ class Streams:
         return "" if error is None else os.strerror(error)
 
     @property
-    def nobody_reads(self) -> bool:
-        """Whether that is because nobody wanted it."""
-        return self._error in (errno.EPIPE, errno.EBADF)
-
-    @property
     def _error(self) -> int | None:
         return self._files[1].failed if 1 in self._files else None
 

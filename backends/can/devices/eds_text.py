@@ -83,6 +83,8 @@ def as_the_library_spells(text: str) -> str:
 
 def number(text: str) -> int:
     """Return a number as CiA 306 writes it; raises ValueError."""
+    if not text.isascii() or "_" in text:  # int() reads other scripts' digits, and 1_0
+        raise ValueError(f"{text!r} is no number")
     octal = _OCTAL.fullmatch(text.strip())
     return int(f"{octal[1]}0o{octal[2]}", 0) if octal else int(text, 0)
 

@@ -39,6 +39,13 @@ def test_values_are_set(task: Path) -> None:
         ("speed_m_s", "fast", "--set speed_m_s=fast: speed_m_s is 'fast'; allowed: a number in m/s"),
         ("speed", "1", "--set speed=1: unknown parameter 'speed'; did you mean 'speed_m_s'?"),
         ("map", "NO", "--set map=NO: 'NO' is true or false to some readers"),
+        (
+            "speed_m_s",
+            "0x10",
+            "--set speed_m_s=0x10: '0x10' is a number to base 16; allowed: 16, or",
+        ),
+        ("speed_m_s", "0o10", "--set speed_m_s=0o10: '0o10' is a number to base 8; allowed: 8, or in quotes"),
+        ("speed_m_s", "٣", "--set speed_m_s=٣: speed_m_s is '٣'; allowed: a number in m/s"),
         ("map", "1", "--set map=1: map is 1; allowed: text in quotes"),
         ("places", "[a, 3]", "--set places=[a, 3]: places[1] is 3; allowed: text in quotes"),
         ("places", "[a", "--set places=[a: a bracket is"),

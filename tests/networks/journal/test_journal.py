@@ -90,6 +90,29 @@ def test_tails(tmp_path: Path, tail: bytes | None) -> None:
     assert (len(contents.records), contents.torn_at) == (4, len(whole))
 
 
+@pytest.mark.parametrize("doubled", [0, 1, 2])
+def test_a_doubled_record_that_others_follow_is_refused(tmp_path: Path, doubled: int) -> None:
+    """D2: taken for torn, it would hide the records after it, the last one too."""
+    lines = written(tmp_path / "j.jsonl").splitlines(keepends=True)
+    lines.insert(doubled, lines[doubled])
+    (tmp_path / "j.jsonl").write_bytes(b"".join(lines))
+    wrong = f"record {doubled + 1} at byte .* isn't what was written: a whole record {doubled} is there"
+    with pytest.raises(JournalError, match=wrong):
+        read_journal(tmp_path / "j.jsonl")
+
+
+def test_a_last_record_that_does_not_follow_is_refused(tmp_path: Path) -> None:
+    """D2: whole and of the right number, but not written after the one before it."""
+    lines = written(tmp_path / "j.jsonl").splitlines(keepends=True)
+    with Journal(tmp_path / "other.jsonl", clock=lambda: 0.0) as other:
+        for number in range(4):
+            other.append("STEP", 9.0, {"n": number})
+    lines[3] = (tmp_path / "other.jsonl").read_bytes().splitlines(keepends=True)[3]
+    (tmp_path / "j.jsonl").write_bytes(b"".join(lines))
+    with pytest.raises(JournalError, match="record 3 at byte .*: it doesn't follow the record before it"):
+        read_journal(tmp_path / "j.jsonl")
+
+
 def test_edited_or_removed_record(tmp_path: Path) -> None:
     path = tmp_path / "j.jsonl"
     lines = written(path).splitlines(keepends=True)
