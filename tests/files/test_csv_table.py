@@ -20,5 +20,5 @@ def test_what_only_python_takes_for_a_number_is_none(cell: str) -> None:
     """Digits of other scripts, as a translated spreadsheet may hold them, are never guessed at."""
     assert math.isnan(number_in(cell))
     if cell != "0x10":
-        with pytest.raises(ValueError, match="number|invalid literal"):
+        with pytest.raises(ValueError, match=r"number|invalid literal"):
             number(cell)

@@ -109,7 +109,7 @@ def test_a_last_record_that_does_not_follow_is_refused(tmp_path: Path) -> None:
             other.append("STEP", 9.0, {"n": number})
     lines[3] = (tmp_path / "other.jsonl").read_bytes().splitlines(keepends=True)[3]
     (tmp_path / "j.jsonl").write_bytes(b"".join(lines))
-    with pytest.raises(JournalError, match="record 3 at byte .*: it doesn't follow the record before it"):
+    with pytest.raises(JournalError, match=r"record 3 at byte .*: it doesn't follow the record before it"):
         read_journal(tmp_path / "j.jsonl")
 
 
