@@ -13,7 +13,8 @@ from handcart.primitives.blocks.blocks import Blocks
 from handcart.primitives.blocks.stack import MOST_OFF
 from handcart.robotics.geometry.transform import inverse
 
-FIXED_MM, FIXED_DEG = 6.0, 0.3  # that a landmark may tell wrongly of the base: it leans meanwhile
+LEANS_MM, LEANS_DEG = 2.5, 0.1  # what the base leans while a landmark is looked at, beside the sigma of that
+FIXED_MM, FIXED_DEG = 6.0, 0.3  # fixed limits of where FIXATE finds the base
 STACKED_MM = 1e3 * MOST_OFF + SIGMAS * 0.5  # STACK's own limit and its sensor's
 STACK = "STACK"
 
@@ -23,9 +24,12 @@ def _fixated(survey: Survey, _: Claim) -> list[str]:
     if fixed is None:
         return ["it isn't known where the base stands"]
     off, turned = fixed.pose.distance(base), math.degrees(fixed.pose.turn(base))
+    far, askew = 1e3 * SIGMAS * fixed.sigma[0], math.degrees(SIGMAS * fixed.sigma[1])
     return [
-        *at_most("the base is {:.1f} mm from where it was found", 1e3 * off, FIXED_MM),
-        *at_most("the base is turned {:.2f} deg against how it was found", turned, FIXED_DEG),
+        *at_most("the base is {:.1f} mm from where it was found", 1e3 * off, LEANS_MM + far, FIXED_MM),
+        *at_most(
+            "the base is turned {:.2f} deg against how it was found", turned, LEANS_DEG + askew, FIXED_DEG
+        ),
     ]
 
 

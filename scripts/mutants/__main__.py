@@ -16,24 +16,25 @@ from bed import Bed
 from mutant import TABLE, Mutant, read_table
 
 ROOT = Path(__file__).resolve().parents[2]
+ROWS = {"covariances": "planted constants for covariances"}
+"""Words for the last line but one, by the file of the table that is chosen."""
 T = TypeVar("T")
 
 
 def main() -> int:
     """Print each bug and whether it was noticed; 1: too many were missed, 2: tests fail without any."""
     wanted = _arguments()
-    mutants = [
-        each for each in read_table(wanted.table) if wanted.file in each.file and wanted.name in each.name
-    ]
+    table = read_table(wanted.table, f"{wanted.only or '*'}.yaml")
+    mutants = [each for each in table if wanted.file in each.file and wanted.name in each.name]
     if wanted.sample:
         mutants = random.Random(wanted.seed).sample(mutants, min(wanted.sample, len(mutants)))
     took: dict[tuple[str, ...], float] = {}
     with tempfile.TemporaryDirectory() as folder:
         beds = [Bed(wanted.project, Path(folder) / str(job), took) for job in range(wanted.jobs)]
-        return _try(mutants, wanted.least, beds)
+        return _try(mutants, wanted.least, beds, ROWS.get(wanted.only, ""))
 
 
-def _try(mutants: list[Mutant], least: float, beds: list[Bed]) -> int:
+def _try(mutants: list[Mutant], least: float, beds: list[Bed], row: str = "") -> int:
     free: SimpleQueue[Bed] = SimpleQueue()
     for bed in beds:
         free.put(bed)
@@ -46,6 +47,8 @@ def _try(mutants: list[Mutant], least: float, beds: list[Bed]) -> int:
         if red:
             return 2
         missed = list(_missed(mutants, pool.map(_in(free, Bed.notices), mutants)))
+    if row:
+        print(f"{row} ({len(mutants)} places) noticed: {len(mutants) - len(missed)}")
     share = 100 * (len(mutants) - len(missed)) / max(1, len(mutants))
     print(f"{len(mutants) - len(missed)} of {len(mutants)} planted bugs were noticed ({share:.1f} %)")
     return share < least
@@ -78,6 +81,7 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--least", type=float, default=100.0, help="share in percent that has to be noticed")
     parser.add_argument("--jobs", type=int, default=2, help="copies of the project to work in")
+    parser.add_argument("--only", default="", help="only this file of the table, by its name: covariances")
     parser.add_argument("--file", default="", help="only files with this in their path")
     parser.add_argument("--name", default="", help="only bugs with this in their name")
     parser.add_argument("--project", type=Path, default=ROOT)

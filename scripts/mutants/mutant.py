@@ -34,9 +34,9 @@ class Mutant:
         return content.replace(self.text, self.replacement)
 
 
-def read_table(table: Path = TABLE) -> list[Mutant]:
-    """All mutants of the files in a folder, in the files' order."""
-    return [mutant for path in sorted(table.glob("*.yaml")) for mutant in _read(path)]
+def read_table(table: Path = TABLE, files: str = "*.yaml") -> list[Mutant]:
+    """Return all mutants of a folder's files that match a pattern, in the files' order."""
+    return [mutant for path in sorted(table.glob(files)) for mutant in _read(path)]
 
 
 def _read(path: Path) -> Iterator[Mutant]:

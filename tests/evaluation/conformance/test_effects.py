@@ -186,12 +186,14 @@ def test_a_sensor_is_within_the_sigma_that_was_waited_for() -> None:
 def test_a_base_stands_and_is_turned_as_it_was_found() -> None:
     scene = SimpleNamespace(base=Pose2(1.0, 2.0, 0.5))
 
-    def found(x: float, theta: float) -> list[str]:
-        known = SimpleNamespace(fixed=SimpleNamespace(pose=Pose2(x, 2.0, theta)))
+    def found(x: float, theta: float, sigma: tuple[float, float] = (1e-3, 1e-3)) -> list[str]:
+        known = SimpleNamespace(fixed=SimpleNamespace(pose=Pose2(x, 2.0, theta), sigma=sigma))
         model: Any = SimpleNamespace(of=lambda _: known)
         return false(BlockSurvey, "FIXATE", claimed(), world=scene, model=model)
 
     assert found(1.005, 0.505) == []
+    assert found(1.004, 0.5, (1e-4, 1e-4)) == ["the base is 4.0 mm from where it was found (at most 3.0)"]
+    assert found(1.02, 0.5, (1.0, 1.0)) == ["the base is 20.0 mm from where it was found (at most 6.0)"]
     assert found(1.01, 0.5) == ["the base is 10.0 mm from where it was found (at most 6.0)"]
     assert found(1.0, 0.52) == ["the base is turned 1.15 deg against how it was found (at most 0.3)"]
     nothing: Any = SimpleNamespace(of=lambda _: SimpleNamespace(fixed=None))

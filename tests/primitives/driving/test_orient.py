@@ -13,6 +13,7 @@ import pytest
 
 from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.description.robot_names import robot_path
+from handcart.backends.robot.localization.localization import worst_sigmas
 from handcart.evaluation.trials.rig import Rig
 from handcart.files.errors import FileError
 from handcart.networks.task.preparing import prepare
@@ -47,6 +48,21 @@ def unheaded(tmp_path: Path) -> Callable[..., Any]:
             yield Rig(prepared.robot, prepared.model, prepared.backend)
 
     return make
+
+
+def test_before_the_heading_shows_a_way_is_as_certain_as_it_is_long(unheaded: Callable[..., Any]) -> None:
+    """By wheels and gyros, not by what a fix would tell."""
+    with unheaded() as rig:
+        where, robot = rig.robot.localization, rig.robot
+        where.set_origin()
+        stood = where.sigma
+        for _ in range(160):
+            robot.base.drive(0.5, 0.0)
+            robot.step()
+        assert not where.heading_known
+        assert stood[0] < 0.005 < where.sigma[0] < 0.2
+        assert stood[1] < where.sigma[1] < math.radians(3.0)
+        assert where.sigma[0] == pytest.approx(worst_sigmas(where.displacement.covariance)[0])
 
 
 def test_it_drives_ahead_until_the_heading_shows(unheaded: Callable[..., Any]) -> None:

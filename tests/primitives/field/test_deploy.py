@@ -219,10 +219,11 @@ def test_together_only_the_last_sensor_brings_the_arm_home(rig: Rig, last: bool)
 def test_a_point_is_as_unsure_as_place_and_heading_of_the_base_make_it(away: tuple[float, float]) -> None:
     """Where the heading errs to the left, what lies ahead errs to the left, and what lies left backwards."""
     covariance = np.array([[4e-4, 1e-4, 2e-4], [1e-4, 9e-4, -3e-4], [2e-4, -3e-4, 4e-4]])
-    robot: Any = SimpleNamespace(localization=SimpleNamespace(covariance=covariance))
+    spec = SimpleNamespace(arm=SimpleNamespace(accuracy_mm=20.0))
+    robot: Any = SimpleNamespace(localization=SimpleNamespace(covariance=covariance), spec=spec)
     draws = np.random.default_rng(0).multivariate_normal(np.zeros(3), covariance, 40_000)
     places = np.array([Pose2(*each).apply(np.array([away]))[0] for each in draws.tolist()])
-    expected = np.cov(places.T)
+    expected = np.cov(places.T) + 0.02**2 * np.eye(2)
     assert _spread(robot, np.array(away)) == pytest.approx(expected, abs=0.03 * float(np.trace(expected)))
 
 

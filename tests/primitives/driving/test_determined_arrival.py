@@ -1,0 +1,82 @@
+"""MOVE_TO claims no arrival that the sensors do not determine."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+
+from handcart.evaluation.trials.rig import Rig, RigFiles, build_rig
+from handcart.primitives.contract.discrepancy import Discrepancy
+from handcart.primitives.contract.outcome import Fail, GiveUp, Success
+from handcart.primitives.driving.move_to import MoveTo
+from handcart.primitives.knowledge.place import Place
+from handcart.robotics.navigation.localization.front_line import FrontLine
+
+CELL_M, LENGTH_M, WIDTH_M = 0.05, 40.0, 3.2
+
+
+def in_a_corridor(folder: Path, tolerance: str = "") -> Rig:
+    """Two straight walls; their ends are out of the lidar's reach."""
+    picture = np.full((round(WIDTH_M / CELL_M), round(LENGTH_M / CELL_M)), 254, np.uint8)
+    picture[:3] = picture[-3:] = picture[:, :3] = picture[:, -3:] = 0
+    cv2.imwrite(str(folder / "map.png"), picture)
+    thresholds = "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
+    text = f"image: map.png\nresolution: {CELL_M}\norigin: [0.0, 0.0, 0.0]\n{thresholds}"
+    (folder / "map.yaml").write_text(text)
+    places = f"""\
+format: handcart-places/1
+places:
+  home: {{x_m: 20.0, y_m: 1.6, heading_deg: 0.0}}
+  ahead: {{x_m: 21.0, y_m: 1.6, heading_deg: 0.0{tolerance}}}
+"""
+    (folder / "places.yaml").write_text(places)
+    files = RigFiles(folder / "map.yaml", folder / "map.yaml", folder / "places.yaml", {})
+    return build_rig(files, "cart", seed=1)
+
+
+def test_a_pose_in_a_corridor_is_uncertain_along_it(tmp_path: Path) -> None:
+    with in_a_corridor(tmp_path) as rig:
+        where = rig.robot.localization
+        assert 0.03 < where.sigma[0] < 0.1
+        assert math.sqrt(where.repeatability[1, 1]) < 0.015
+        where.set_origin()
+        for _ in range(40):
+            rig.robot.base.drive(0.5, 0.0)
+            rig.robot.step()
+        assert where.displacement is not None
+        along, across = np.sqrt(np.diag(where.displacement.covariance)[:2]).tolist()
+        assert 0.0058 < along < 0.05
+        assert across < 0.02
+
+
+def test_an_arrival_that_is_not_determined_is_no_success(tmp_path: Path) -> None:
+    with in_a_corridor(tmp_path) as rig:
+        outcome = rig.do(MoveTo(place="ahead"))
+    assert isinstance(outcome, Fail | GiveUp)
+    assert outcome.reason.startswith("not determined: at ahead the position")
+
+
+def test_a_place_that_needs_no_more_than_is_known_is_reached(tmp_path: Path) -> None:
+    with in_a_corridor(tmp_path, ", tolerance_mm: 500") as rig:
+        assert isinstance(rig.do(MoveTo(place="ahead")), Success)
+
+
+@pytest.mark.parametrize(
+    ("std_mm", "std_deg", "right"), [(7.9, 0.1, True), (8.1, 0.1, False), (1.0, 0.4, False)]
+)
+def test_a_front_determines_the_pose_before_it_or_not(std_mm: float, std_deg: float, right: bool) -> None:
+    shelf = {"distance_m": 0.6, "width_m": 0.9, "board_m": 0.4, "front_m": 0.9}
+    place = Place.model_validate({"x_m": 0.0, "y_m": 0.0, "heading_deg": 0.0, "shelf": shelf})
+    front = FrontLine(0.6, 0.0, std_mm / 1e3, math.radians(std_deg), 100)
+    move: Any = SimpleNamespace(place="shelf")
+    if right:
+        MoveTo._check_front(move, front, place)
+        return
+    with pytest.raises(Discrepancy, match="not determined: the front before shelf is measured to"):
+        MoveTo._check_front(move, front, place)
