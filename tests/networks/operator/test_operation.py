@@ -57,6 +57,20 @@ def test_single_steps_begin_and_end_while_it_goes_on(run: Any) -> None:
     assert run.started == ["a", "b", "c"]
 
 
+def test_a_restore_while_an_action_waits_is_not_its_own(run: Any) -> None:
+    run.answer({"do": "step"})
+    run.go_on()
+    for message in ({"do": "restore"}, {"do": "restore", "number": 1}, {"do": "cancel", "number": 1}):
+        answer = run.answer(message)
+        assert not answer["ok"]
+        assert "; allowed: " in answer["error"]
+    assert run.answer({"do": "status"})["acting"] is None
+    run.answer({"do": "step", "on": False})
+    run.answer({"do": "permit", "ask": 1})
+    run.go_on()
+    assert run.started == ["a", "b", "c"]
+
+
 def test_break_points_come_and_go(run: Any) -> None:
     assert run.answer({"do": "break", "at": "b"})["breaks"] == ["b"]
     assert run.answer({"do": "break", "at": "c"})["breaks"] == ["b", "c"]

@@ -155,3 +155,19 @@ def test_nobody_is_told_where_no_run_is_alive(handcart: Callable[..., Said], tmp
 def test_words_that_nobody_knows_are_answered(alive: Callable[..., Alive]) -> None:
     run = alive()
     assert "allowed: pause, continue" in run.say("dance")["error"]
+
+
+@pytest.mark.parametrize("word", ["pause", "continue", "cancel", "restore"])
+def test_a_command_names_the_action_that_it_means(
+    handcart: Callable[..., Said], monkeypatch: pytest.MonkeyPatch, tmp_path: Path, word: str
+) -> None:
+    said: list[dict[str, Any]] = []
+
+    def answer(_: Path, message: dict[str, Any]) -> dict[str, Any]:
+        said.append(message)
+        return {"ok": False, "error": "action 3 is over; allowed: 4, which runs"}
+
+    monkeypatch.setattr("handcart.networks.operator.asking.ask", answer)
+    told = handcart(word, tmp_path, "--number", 3)
+    assert said == [{"do": word, "number": 3}]
+    assert (told.status, told.err.strip()) == (2, "action 3 is over; allowed: 4, which runs")
