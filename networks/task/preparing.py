@@ -28,6 +28,7 @@ from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.maps.keepout import with_keepout
 
 from .place_room import PlaceRoom, PlaceRooms, place_findings, place_rooms
+from .pose_forecast import pose_findings
 from .task_file import MASK, Primitives, Task, load_task
 
 T = TypeVar("T")
@@ -244,7 +245,13 @@ def check(
 
 def _checked(read: _Read) -> Checked:
     robot = read.spec.warnings if read.spec else ()
-    warnings = (*robot, *(read.known[1] if read.known else ()), *map(str, read.rooms.warnings))
+    poses = (
+        pose_findings(read.task, read.spec, read.known[0], read.rooms.places)
+        if read.spec and read.known
+        else ()
+    )
+    known = read.known[1] if read.known else ()
+    warnings = (*robot, *known, *map(str, read.rooms.warnings), *map(str, poses))
     return Checked(read.task, warnings, read.rooms.places, read.rooms.errors)
 
 

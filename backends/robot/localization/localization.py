@@ -305,7 +305,7 @@ class ScanLocalization(Localization):
     @property
     def repeatability(self) -> NDArray[np.float64]:
         """See `Localization`."""
-        return np.asarray(_without(self.covariance, self._matching.map_error) + SCAN_REPEATABILITY)
+        return repeatability_of(self.covariance, self._matching.map_error)
 
     @property
     def displacement(self) -> Belief:
@@ -421,6 +421,11 @@ def worst_sigmas(covariance: NDArray[np.float64]) -> tuple[float, float]:
     """
     worst = float(np.linalg.eigvalsh(covariance[:2, :2])[-1])
     return math.sqrt(max(0.0, worst)), math.sqrt(max(0.0, float(covariance[2, 2])))
+
+
+def repeatability_of(covariance: NDArray[np.float64], map_error: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return `Localization.repeatability` (3, 3) of a pose by scans, `map_error` (3, 3) in its covariance."""
+    return np.asarray(_without(covariance, map_error) + SCAN_REPEATABILITY)
 
 
 def _beams(lidar: Lidar) -> Beams:

@@ -38,6 +38,8 @@ class Evidence(NamedTuple):
     """(2,) unit vector on the map."""
     share: float
     """Share of the information about it that the cost confirms, 0 to 1; 0 where that is too little."""
+    more: float = 0.0
+    """Information in [1/m²] that the slopes miss: between the two sides of a thin wall the field is flat."""
 
 
 def weakest_evidence(
@@ -69,8 +71,9 @@ def weakest_evidence(
         across, claimed = shifted.rise(direction, slopes[used])
     if across < max(MIN_POINTS, MIN_SHARE * claimed):
         return Evidence(direction, 0.0)
-    all_of_it = float(direction @ inner @ direction) * noise**2
-    return Evidence(direction, min(1.0, across / max(all_of_it, 1e-9)))
+    by_slopes = float(direction @ inner @ direction) * noise**2
+    share = min(1.0, across / max(by_slopes, 1e-9))
+    return Evidence(direction, share, max(0.0, across - by_slopes) / noise**2)
 
 
 class _Shifted(NamedTuple):
@@ -135,7 +138,9 @@ def confirmed(seen: Evidence, before: Evidence | None) -> Evidence:
     """The evidence if the scan before said so too: grain is taken for more than that only now and then."""
     if before is None or before.share > 0.0:
         return seen
-    return seen._replace(share=0.0) if abs(float(seen.direction @ before.direction)) > SAME else seen
+    return (
+        seen._replace(share=0.0, more=0.0) if abs(float(seen.direction @ before.direction)) > SAME else seen
+    )
 
 
 def unrelated(covariance: Array, seen: Evidence) -> Array:

@@ -121,7 +121,7 @@ def match_scan(
     def descend(trust: NDArray[np.float64], scale: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         where = (grid.origin_x, grid.origin_y), grid.resolution
         return _descend(
-            field.distance, grid.occupied, points, found, near, trust, *seen, *where, scale, noise
+            field.distance, grid.occupied, points, found, near, trust, *seen[:2], *where, scale, noise
         )
 
     for scale in (*ANNEALED, final) if anneal else (3.0 * final, final):
@@ -134,6 +134,7 @@ def match_scan(
         if seen.share < 1.0:
             information = _inverse(unrelated(prior_covariance, seen))
             found, hessian = descend(information, final)
+        hessian[:2, :2] += seen.more * np.outer(seen.direction, seen.direction)
     pose = Pose2(*found.tolist())
     residuals = field.read(pose.apply(points)) if len(points) else np.empty(0)
     inliers = float(np.mean(residuals < INLIER * noise)) if len(points) else 0.0

@@ -26,6 +26,7 @@ HEADINGS = 72
 COARSE_M = 0.15  # scale of the first search
 COARSE_POINTS = 60
 MAX_CANDIDATES = 10
+AT_SURFACE = 0.2  # cells from a surface, where a beam ends
 SHORT_OF_REACH = 0.9  # of the reach: what the map shows nearer has to return
 ROUGH = np.diag([0.3, 0.3, 0.17]) ** 2  # [m², rad²] of a candidate
 
@@ -205,11 +206,16 @@ def _traced(
         cos, sin, way = math.cos(angles[i]), math.sin(angles[i]), 0.0
         out[i] = np.inf
         while way * resolution < reach:
-            x, y = math.floor(column + way * cos + 0.5), math.floor(row + way * sin + 0.5)
-            if not (0 <= x < width and 0 <= y < height):
+            x, y = column + way * cos, row + way * sin
+            left, low = math.floor(x), math.floor(y)
+            if not (0 <= left < width - 1 and 0 <= low < height - 1):
                 break
-            if occupied[y, x]:
+            u, v = x - left, y - low
+            near = distance[low, left] * (1 - u) + distance[low, left + 1] * u
+            far = distance[low + 1, left] * (1 - u) + distance[low + 1, left + 1] * u
+            cells = (near * (1 - v) + far * v) / resolution
+            if cells < AT_SURFACE or (occupied[math.floor(y + 0.5), math.floor(x + 0.5)] and cells > 1.0):
                 out[i] = way * resolution
                 break
-            way += max(0.5, distance[y, x] / resolution - 1.0)
+            way += max(0.5 * AT_SURFACE, 0.9 * (cells - 0.5 * AT_SURFACE))
     return out

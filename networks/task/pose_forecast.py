@@ -1,0 +1,131 @@
+"""How exactly a robot will know its pose at the places of a task, forecast on the map."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.description.range_spec import RangeSpec
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.robot.localization.determination import PoseNeed, Undetermined, undetermined
+from handcart.backends.robot.localization.localization import repeatability_of
+from handcart.backends.robot.localization.localizations import START_SIGMA
+from handcart.files.errors import Finding
+from handcart.primitives.knowledge.place import ARRIVED_DEG, ARRIVED_MM
+from handcart.primitives.knowledge.world_model import WorldModel
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.kinematics.urdf_frames import base_T_frame
+from handcart.robotics.navigation.localization.localizer import ScanLocalizer
+from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
+from handcart.robotics.navigation.localization.start_search import Beams, map_ranges
+
+from .place_room import PLACES, PlaceRoom
+from .task_file import Task
+
+MIN_STEP_M = 0.3  # between two scans of the forecast
+MAX_SCANS = 100
+USUAL = PoseNeed(ARRIVED_MM / 1e3, math.radians(ARRIVED_DEG))
+MIN_RANGE_SIGMA_M = 0.01
+
+Array = NDArray[np.float64]
+
+
+class PoseForecast(NamedTuple):
+    """What is expected at a place, once the robot has driven there."""
+
+    found: Undetermined | None
+    """The direction in which its pose will not be determined as exactly as the place needs it."""
+    blind_m: float
+    """Length of the route on which the pose is not determined as exactly as places usually need it."""
+    route_m: float
+
+
+def pose_findings(
+    task: Task, robot: RobotFile, model: WorldModel, rooms: Iterable[PlaceRoom]
+) -> Iterator[Finding]:
+    """Yield a warning for each place whose tolerance the robot's lidar will not meet on the map.
+
+    Args:
+        task: names places and map.
+        robot: drives there.
+        model: what it knows.
+        rooms: its places, with the routes from where it starts.
+    """
+    loaded, lidar = task.knowledge.places, robot.range_sensor
+    if loaded is None or lidar is None or robot.localizer != "scan" or not model.map.occupied.any():
+        return
+    field = LikelihoodField(model.map)
+    for room in rooms:
+        if room.way.route is None or not room.driven_to:
+            continue
+        need = model.places[room.name].need
+        forecast = forecast_pose(field, robot, lidar, task.knowledge.start, room.way.route.points, need)
+        if forecast.found is not None:
+            where = f"{forecast.blind_m:.1f} of {forecast.route_m:.1f} m of the way there are as uncertain"
+            words = f"place {room.name!r}: {forecast.found.words}, by a lidar of {lidar.reach_m:g} m reach"
+            yield loaded.finding((PLACES, room.name), f"{words}; {where}", at_key=True)
+
+
+def forecast_pose(
+    field: LikelihoodField, robot: RobotFile, lidar: RangeSpec, start: Pose2, route: Array, need: PoseNeed
+) -> PoseForecast:
+    """Drive a route on the map with the localizer of the robot, and scans as the map has them.
+
+    Args:
+        field: of the map.
+        robot: its wheels and lidar.
+        lidar: its section.
+        start: map_T_base.
+        route: (n, 2) in [m].
+        need: how exactly the pose is needed at the end.
+    """
+    localizer = ScanLocalizer(
+        field,
+        start,
+        robot.drive.tread_m,
+        robot.odometry.errors,
+        START_SIGMA,
+        max(MIN_RANGE_SIGMA_M, lidar.sigma_mm / 1e3),
+    )
+    localizer.correct(_expected(field, robot, lidar, start).points)
+    length = float(np.hypot(*np.diff(route, axis=0).T).sum())
+    step = max(MIN_STEP_M, length / MAX_SCANS)
+    before, blind = start, 0.0
+    for pose in _poses(route, start, step):
+        turn, way = pose.theta - before.theta, math.hypot(pose.x - before.x, pose.y - before.y)
+        rim = 0.5 * robot.drive.tread_m * math.remainder(turn, 2.0 * math.pi)
+        localizer.predict(-rim, rim)
+        localizer.predict(way, way)
+        localizer.correct(_expected(field, robot, lidar, pose).points)
+        spread = repeatability_of(localizer.covariance, localizer.map_error)
+        blind += way if undetermined(spread, USUAL) is not None else 0.0
+        before = pose
+    spread = repeatability_of(localizer.covariance, localizer.map_error)
+    return PoseForecast(undetermined(spread, need), blind, length)
+
+
+def _poses(route: Array, start: Pose2, step: float) -> Iterator[Pose2]:
+    """Poses along a route, no farther than `step` [m] from each other, each heading to where it came from."""
+    last = start
+    for one, other in pairwise(route):
+        way = float(np.hypot(*(other - one)))
+        for share in np.linspace(0.0, 1.0, max(2, math.ceil(way / step) + 1))[1:]:
+            x, y = (one + share * (other - one)).tolist()
+            if math.hypot(x - last.x, y - last.y) >= step or (share == 1.0 and other is route[-1]):
+                last = Pose2(x, y, math.atan2(y - last.y, x - last.x))
+                yield last
+
+
+def _expected(field: LikelihoodField, robot: RobotFile, lidar: RangeSpec, pose: Pose2) -> Beams:
+    """The scan that the map lets expect at a pose."""
+    mount = base_T_frame(robot.urdf_text(), "range_sensor")
+    sensor = Pose2(float(mount[0, 3]), float(mount[1, 3]), math.atan2(mount[1, 0], mount[0, 0]))
+    angles = lidar.angles()
+    ranges = map_ranges(field, pose.compose(sensor), angles, lidar.reach_m)
+    ranges[lidar.masked(angles) | (ranges < lidar.range_min_m)] = np.nan
+    return Beams(np.array([sensor.x, sensor.y]), angles + sensor.theta, ranges, lidar.reach_m)
