@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Generator, Sequence
 from itertools import pairwise
 
@@ -26,6 +27,10 @@ TOLERANCE = PoseTolerance(position=0.006, heading=0.004)
 FINE = PoseTolerance(position=0.003, heading=0.002)
 COARSE = 0.02  # [m] between points of the way back
 SHORT = 0.05  # [m]: less travel than this is regulated, not tracked
+EXACT_REACH_S = 10.0
+"""Time that the base gets to reach a pose as exactly as is wanted."""
+WIDENING_S = 20.0
+"""Time in which the tolerance then grows to the widest one."""
 LONGEST_REACH = 60.0  # [s] that the base gets to a pose near by
 LONGEST_LOOK = 120.0  # [s] that a car stands to be sure where it does
 LOOK = 1.0  # [s] of it at a time
@@ -58,6 +63,9 @@ def reach_pose(
 ) -> Generator[None, None, None]:
     """Bring the base to a pose near by; does nothing where it stands there already, twice as exact.
 
+    A base that shifts as it turns, such as a skid-steer one, may come no nearer than some millimetres: the
+    tolerance widens after `EXACT_REACH_S`, up to half of what the robot's file allows.
+
     Raises:
         Discrepancy: it isn't there after a minute.
     """
@@ -67,8 +75,9 @@ def reach_pose(
     if robot.pose.distance(goal) < 0.5 * tolerance.position and robot.pose.turn(goal) < tolerance.heading:
         return
     regulator = PoseRegulator(goal, robot.drive_limits, tolerance)
-    end = robot.time + LONGEST_REACH
+    begun, end = robot.time, robot.time + LONGEST_REACH
     while not regulator.finished(robot.pose):
+        regulator.tolerance = _widened(robot, tolerance, robot.time - begun)
         if robot.time > end:
             off = robot.pose.distance(goal)
             away = Measured("Base", "off where it is to stand", off, tolerance.position, "m")
@@ -76,6 +85,17 @@ def reach_pose(
             raise Discrepancy(f"the base doesn't come to stand where it is to{why}", measured=away)
         robot.base.drive(*regulator.command(robot.pose, robot.period))
         yield
+
+
+def _widened(robot: Robot, tolerance: PoseTolerance, passed: float) -> PoseTolerance:
+    """Return the tolerance after a time in [s]: it grows evenly, up to half of what the file allows."""
+    if passed <= EXACT_REACH_S:
+        return tolerance
+    share = min(1.0, (passed - EXACT_REACH_S) / WIDENING_S)
+    allowed = robot.spec.tolerance
+    most = PoseTolerance(0.5e-3 * allowed.base_mm, 0.5 * math.radians(allowed.base_deg))
+    grown = zip(tolerance, most, strict=True)
+    return PoseTolerance(*(exact + share * max(0.0, wide - exact) for exact, wide in grown))
 
 
 def reach_again(robot: Robot, start: Snapshot, room: float) -> Generator[None, None, None]:

@@ -96,7 +96,7 @@ class PoseRegulator:
         )  # as in `finished`: rounded otherwise, both could wait for the other
         if self._phase is _Phase.ALIGN:
             aligned = self._aligned(pose)
-            far = distance > 5.0 * self.tolerance.position
+            far = distance > max(5.0 * self.tolerance.position, STEERED)
             if distance > self.tolerance.position and (far or (aligned and self._ramp.at_rest)):
                 self._phase, self._backwards = _Phase.AIM, goal.x < 0.0
                 self._heading = None if far else wrap(pose.theta + self._bearing(goal))

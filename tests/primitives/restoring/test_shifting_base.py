@@ -1,0 +1,73 @@
+"""A skid-steer base, which shifts as it turns, is brought back within its time."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from handcart.backends.description.robot_loading import load_robot
+from handcart.primitives.contract.discrepancy import Discrepancy
+from handcart.primitives.restoring.retrace import FINE, LONGEST_REACH, reach_pose
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.following.drive_limits import DriveLimits
+
+
+class ShiftingRobot:
+    """Drives as commanded; turning moves its origin about a point beside it, and a little ahead for good."""
+
+    held = None
+    drive_limits = DriveLimits()
+    period = 0.05
+
+    def __init__(self, start: Pose2, beside: float, slides: float, noise: float = 0.0) -> None:
+        """Turn about a point `beside` [m] ahead, sliding so far a radian; read poses with noise in [m]."""
+        self.true, self.time, self.spec = start, 0.0, load_robot("atrv")
+        self.base, self._beside, self._slides = self, beside, slides
+        self._noise, self._rng = noise, np.random.default_rng(1)
+
+    @property
+    def pose(self) -> Pose2:
+        """As it is measured."""
+        x, y, turn = self._noise * self._rng.standard_normal(3)
+        return self.true.compose(Pose2(x, y, 0.25 * turn))
+
+    def drive(self, speed: float, turn_rate: float) -> None:
+        turn = turn_rate * self.period
+        ahead = speed * self.period + self._slides * abs(turn)
+        about = Pose2(self._beside, 0.0, 0.0)
+        moved = about.compose(Pose2(ahead, 0.0, turn)).compose(Pose2(-self._beside, 0.0, 0.0))
+        self.true, self.time = self.true.compose(moved), self.time + self.period
+
+
+def bring(robot: Any, goal: Pose2) -> None:
+    """Let it reach the goal."""
+    for _ in reach_pose(robot, goal, FINE):
+        pass
+
+
+@pytest.mark.parametrize("start", [(0.03, 0.03, 0.4), (-0.02, 0.05, -0.2), (0.0, -0.018, 0.0)])
+def test_base_that_turns_about_another_point_is_brought_back_exactly(
+    start: tuple[float, float, float],
+) -> None:
+    robot = ShiftingRobot(Pose2(*start), beside=0.06, slides=0.0)
+    bring(robot, Pose2(0.0, 0.0, 0.0))
+    assert robot.time < LONGEST_REACH / 3
+    assert robot.true.distance(Pose2(0.0, 0.0, 0.0)) <= FINE.position
+
+
+def test_base_that_slides_as_it_turns_is_brought_back_within_its_tolerance() -> None:
+    robot = ShiftingRobot(Pose2(0.03, 0.03, 0.4), beside=0.06, slides=0.03, noise=0.002)
+    bring(robot, Pose2(0.0, 0.0, 0.0))
+    assert robot.time < LONGEST_REACH / 2  # 38 s, were the tolerance not to widen
+    assert robot.true.distance(Pose2(0.0, 0.0, 0.0)) <= 0.5e-3 * robot.spec.tolerance.base_mm
+    assert robot.true.turn(Pose2(0.0, 0.0, 0.0)) <= 0.5 * math.radians(robot.spec.tolerance.base_deg)
+
+
+def test_base_that_does_not_come_back_is_reported() -> None:
+    robot = ShiftingRobot(Pose2(0.3, 0.0, 0.0), beside=0.0, slides=0.0)
+    robot.drive = lambda speed, turn_rate: setattr(robot, "time", robot.time + 0.05)  # type: ignore[method-assign]
+    with pytest.raises(Discrepancy, match="doesn't come to stand"):
+        bring(robot, Pose2(0.0, 0.0, 0.0))
