@@ -30,7 +30,8 @@ def hand(puppet: Puppet) -> NDArray[np.float64]:
     return np.asarray(puppet.scene.arm.forward(puppet.scene.joints)[:3, 3])
 
 
-def test_wiping_hand_follows_the_surface_against_friction(at_desk: Puppet) -> None:
+@pytest.mark.parametrize("further", [0.0, 0.001, 0.003])
+def test_wiping_hand_follows_the_surface_against_friction(at_desk: Puppet, further: float) -> None:
     at_desk.to(0.45, -0.05, 0.80)
     pressed = 0.010
     surface = lowered(at_desk)
@@ -39,8 +40,9 @@ def test_wiping_hand_follows_the_surface_against_friction(at_desk: Puppet) -> No
     force = at_desk.scene.hand_force
     assert force[2] == pytest.approx(2000.0 * pressed, rel=0.1)
     at_desk.to(0.45, 0.10, surface - pressed)
+    at_desk.to(0.45, 0.10 + further, surface - pressed)
     wiped, force = hand(at_desk), at_desk.scene.hand_force
-    assert wiped[1] - touched[1] == pytest.approx(0.15 - FRICTION * pressed, abs=1.5e-3)
+    assert wiped[1] - touched[1] == pytest.approx(0.15 + further - FRICTION * pressed, abs=7e-4)
     assert wiped[2] == pytest.approx(touched[2], abs=5e-4)
     assert force[2] == pytest.approx(2000.0 * pressed, rel=0.1)
     assert force[1] == pytest.approx(-FRICTION * 2000.0 * pressed, rel=0.15)

@@ -57,3 +57,17 @@ def test_follower_driven_beyond_its_limits_is_told(kind: str, mimic: str, words:
     assert len(found) == bool(words)
     assert words in "".join(found)
     assert all(each.startswith("5: joint 'j2': ") for each in found)
+
+
+def test_follower_of_a_follower_is_driven_by_the_first() -> None:
+    """j2 = 2 (0.5 j1 + 0.2) - 0.1, that is j1 + 0.3."""
+    middle = (
+        '<link name="d"/><joint name="j0" type="revolute"><parent link="a"/><child link="d"/>'
+        '<limit lower="-9" upper="9" effort="1" velocity="1"/>'
+        '<mimic joint="j1" multiplier="0.5" offset="0.2"/></joint>'
+    )  # fmt: skip
+    text = URDF.format(
+        kind="revolute", low=-0.2, high=0.8, mimic='<mimic joint="j0" multiplier="2" offset="-0.1"/>'
+    )
+    (found,) = urdf_faults(text.replace("</robot>", f"{middle}</robot>"))
+    assert "'j0' drives it from 0.1 to 1.1 rad" in found.message

@@ -1,0 +1,30 @@
+"""The posture that a draft has for driving."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from handcart.backends.description.robot_loading import load_robot
+from handcart.evaluation.robot_report.drafting.home_posture import home_of
+from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.kinematics.urdf_contents import joints_of
+from handcart.robotics.manipulation.motions.collision_model import CollisionModel
+
+
+@pytest.mark.parametrize("name", ["librarian", "toyama"])
+def test_home_is_free_and_compact(name: str) -> None:
+    """Of the most compact postures of these robots many touch the robot itself."""
+    robot = load_robot(name)
+    assert robot.arm is not None
+    facts = {each.name: each for each in joints_of(robot.urdf_text())}
+    joints = [facts[each] for each in robot.arm.joints]
+    home = home_of(robot.urdf_text(), "base", "hand", joints, robot.joint_units)
+    arm = ArmModel(robot.urdf_text(), robot.arm.joints)
+    q = np.array(robot.joint_units.si(home.posture))
+    assert home.is_free
+    assert home.always == []
+    assert CollisionModel(arm).contacts(q) == []
+    assert all(arm.lower <= q)
+    assert all(q <= arm.upper)
+    assert home.radius < 0.6
