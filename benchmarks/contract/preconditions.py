@@ -15,7 +15,7 @@ from __future__ import annotations
 import argparse
 import dataclasses
 import time
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -28,6 +28,7 @@ from handcart.evaluation.conformance.faults.repertoire import declared
 from handcart.evaluation.conformance.faults.underway import Underway
 from handcart.evaluation.truth.hand_claims import things_held
 from handcart.networks.graph.network import NotBound
+from handcart.networks.task.primitive_parameters import named_entry
 from handcart.networks.task.task_file import load_task
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.preconditions.hand_use import Hand
@@ -69,14 +70,16 @@ class Tried:
 def candidates(rehearsal: Rehearsal, underway: Underway) -> Iterator[ActionPrimitive]:
     """Give every primitive of the task with the parameters that it has there, and with another object."""
     given: set[str] = set()
-    for action in load_task(rehearsal.task, rehearsal.settings).network.actions:
+    task = load_task(rehearsal.task, rehearsal.settings)
+    known = task.knowledge.names()
+    for action in task.network.actions:
         if action.binding is None:
             continue
         try:
             made = action.binding.make(underway.model)
         except NotBound:
             continue
-        for each in (made, *_with_another(made)):
+        for each in (made, *_with_another(made, known)):
             key = f"{each.label()} {each.model_dump_json()}"
             if key not in given and sum(name.startswith(each.label() + " ") for name in given) < MOST_ALIKE:
                 given.add(key)
@@ -87,10 +90,15 @@ MOST_ALIKE = 3
 """Sets of parameters with which a primitive is tried in a stage."""
 
 
-def _with_another(primitive: ActionPrimitive) -> Iterator[ActionPrimitive]:
-    number = getattr(primitive, "number", None)
-    if isinstance(number, int):
-        yield primitive.model_copy(update={"number": 1 + number % 3})
+def _with_another(
+    primitive: ActionPrimitive, known: Mapping[str, Collection[object]]
+) -> Iterator[ActionPrimitive]:
+    """Give it with another known thing, place or target for each parameter that names one."""
+    for key, field in type(primitive).model_fields.items():
+        now = getattr(primitive, key)
+        others = [name for name in known.get(named_entry(field) or "", ()) if name != now]
+        if now is not None and others:
+            yield primitive.model_copy(update={key: others[0]})
 
 
 def started(primitive: ActionPrimitive, rehearsed: Underway) -> Tried:

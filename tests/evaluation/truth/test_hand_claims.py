@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -10,12 +11,17 @@ import numpy as np
 import pytest
 
 from handcart.backends.ground_truth import Body, GroundTruth
+from handcart.evaluation.trials.rig import RigFiles, build_rig
 from handcart.evaluation.truth.hand_claims import false_hold
-from handcart.evaluation.truth.survey import Claim
+from handcart.evaluation.truth.survey import Claim, SurveyedRun, simulated_world
 from handcart.evaluation.truth.surveys import Surveys
+from handcart.primitives.blocks.fixate import Fixate
+from handcart.primitives.blocks.pick_up_block import PickUpBlock
+from handcart.primitives.contract.outcome import Success
 from handcart.primitives.preconditions.hand_use import CARRIES, LETS_GO, TAKES, UNDECLARED, UNUSED, HandUse
 from handcart.robotics.geometry.pose2 import Pose2
 
+STACKING = Path(__file__).resolve().parents[3] / "tasks" / "stack_blocks"
 BOTH = ("block 1", "block 2")
 
 
@@ -63,3 +69,31 @@ def test_what_a_taking_primitive_drops_is_not_its_own() -> None:
     surveys.run, surveys._every = run, []
     dropped = surveys._false_effect(claim(TAKES, ("block 1",), ("block 2",), "block 2"))
     assert dropped == ["it moved block 1 mm inf mm (at most 10)"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("backend", ["kinematic", "mujoco", "pybullet"])
+def test_a_dropped_block_makes_the_success_of_another_untrue(
+    backend: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A primitive whose precondition nobody checks opens the fingers over the second block."""
+    files = RigFiles(
+        STACKING / "unload_world.yaml",
+        STACKING / "map.yaml",
+        STACKING / "places.yaml",
+        {"building": STACKING / "building.yaml"},
+        "stacking",
+    )
+    with build_rig(files, "toyama/h1", backend) as rig:
+        for primitive in (Fixate(landmark="stacking"), PickUpBlock(number=1, at="robot")):
+            assert isinstance(rig.do(primitive), Success)
+        monkeypatch.setattr("handcart.primitives.contract.attempt.find_unmet", lambda *_: "")
+        second = PickUpBlock(number=2, at="robot")
+        world = simulated_world(rig.backend)
+        does = frozenset({second.label()})
+        surveys = Surveys(SurveyedRun(rig.robot, rig.robot.spec, rig.model, world, 0, does))
+        surveys.started(1, second)
+        outcome = rig.do(second)
+        assert isinstance(outcome, Success), outcome
+        wrong = surveys.ended(1, second, outcome)
+        assert any("block 1" in each for each in wrong), wrong
