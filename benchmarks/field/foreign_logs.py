@@ -17,7 +17,7 @@ from handcart.evaluation.replay.drive_log import DriveLog
 
 PERIOD = 0.05  # [s]
 GRAVITY = 9.81
-SIDEWAYS = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+SIDEWAYS = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])
 """imu_R_base of the skid-steer robot: its y axis points up."""
 Array = NDArray[np.float64]
 

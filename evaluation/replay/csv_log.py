@@ -20,6 +20,7 @@ from handcart.files.yaml.yaml_document import parse_document
 from handcart.robotics.geometry.earth_frame import EarthFrame
 
 from .checks.places import checked_places
+from .column_names import named_columns
 from .drive_log import BeaconLog, DriveLog
 from .log_header import UNITS, LogHeader
 
@@ -30,21 +31,36 @@ GRAVITY = 9.81
 Array = NDArray[np.float64]
 
 
-def read_csv_log(path: Path) -> DriveLog:
-    """The log in a file.
+def read_csv_log(path: Path, columns: str | None = None) -> DriveLog:
+    """Return the log in a file.
+
+    Args:
+        path: a CSV file with a header in YAML, or with a line of titles alone.
+        columns: of a file without a header: `QUANTITY=COLUMN[:UNIT]` for each quantity, with commas between.
 
     Raises:
         FileError: with everything that is wrong in header and table.
     """
     text = decode_text(read_regular_file(path, MAX_BYTES).removeprefix(BYTE_ORDER_MARK), str(path))
     lines = text.splitlines()
+    if columns is not None:
+        header = named_columns(columns)
+        return _read_table(path, lines, 1, header, _delimiter(lines))
     if not lines or lines[0].strip() != MARK or MARK not in [line.strip() for line in lines[1:]]:
-        wrong = "no log: it doesn't begin with a header between two lines '---'; see docs/localize.md"
+        wrong = "no log: it doesn't begin with a header between two lines '---'; see docs/localize.md, or "
+        wrong += "name its columns: --columns t=COLUMN,v=COLUMN,lat=COLUMN,lon=COLUMN,gyro_z=COLUMN:deg/s"
         raise FileError([Finding(str(path), 1, 1, wrong)])
     end = next(k for k, line in enumerate(lines[1:], start=1) if line.strip() == MARK)
     header = load_document(parse_document("\n".join(["", *lines[1:end]]).encode(), str(path)), LogHeader)
+    return _read_table(path, lines[end + 1 :], end + 2, header, ",")
+
+
+def _read_table(
+    path: Path, lines: list[str], first: int, header: Loaded[LogHeader], delimiter: str
+) -> DriveLog:
+    """Return the log of a table whose first line has the number `first`."""
     scales = _scales(header)
-    columns = _table(path, lines[end + 1 :], end + 2, header)
+    columns = _table(path, lines, first, header, delimiter)
     values = {name: scale * columns[name] for name, scale in scales.items()}
     _take_out_held(values, header.value)
     notes = list[str]()
@@ -52,6 +68,12 @@ def read_csv_log(path: Path) -> DriveLog:
         latitudes, longitudes, notes = checked_places(values["latitude"], values["longitude"], values["time"])
         values |= {"latitude": latitudes, "longitude": longitudes}
     return _log(values, header.value)._replace(notes=tuple(notes))
+
+
+def _delimiter(lines: list[str]) -> str:
+    """Return which of the usual characters divides the titles."""
+    title = lines[0] if lines else ""
+    return max(",;\t", key=title.count)
 
 
 def _scales(header: Loaded[LogHeader]) -> dict[str, float]:
@@ -91,9 +113,11 @@ def _needed(header: LogHeader) -> list[tuple[str, str]]:
     return missing
 
 
-def _table(path: Path, lines: list[str], first: int, header: Loaded[LogHeader]) -> dict[str, Array]:
+def _table(
+    path: Path, lines: list[str], first: int, header: Loaded[LogHeader], delimiter: str
+) -> dict[str, Array]:
     """(n,) of each quantity, in the column's unit; `first` is the number of the table's first line."""
-    rows = csv.reader(lines)
+    rows = csv.reader(lines, delimiter=delimiter)
     titles = [title.strip() for title in next(rows, [])]
     findings, places = Findings(), {}
     for quantity, column in header.value.columns.items():
@@ -148,6 +172,7 @@ def _log(values: dict[str, Array], header: LogHeader) -> DriveLog:
     if _TRUE[0] in values:
         origin = values.get("latitude", values[_TRUE[0]]), values.get("longitude", values[_TRUE[1]])
         reference[:, :2] = plane(values[_TRUE[0]], values[_TRUE[1]], first_place(*origin))
+    turns = _wheel_turns(values, header, wheels, steps)
     start = header.start
     heading = math.nan if start.heading_deg is None else math.radians(start.heading_deg)
     x, y = (math.nan if each is None else each for each in (start.x_m, start.y_m))
@@ -163,7 +188,16 @@ def _log(values: dict[str, Array], header: LogHeader) -> DriveLog:
         header.antenna_m,
         steered,
         _ranges(values, header, nothing),
+        odometry_turns=turns,
     )
+
+
+def _wheel_turns(values: dict[str, Array], header: LogHeader, wheels: Array, steps: Array) -> Array | None:
+    """Return (n,) the turn rate by the two wheels; None without them."""
+    if header.tread_m is None or not {"wheel_left", "wheel_right"} <= values.keys():
+        return None
+    turned = (wheels[:, 1] - wheels[:, 0]) / header.tread_m
+    return np.divide(turned, steps, out=np.zeros(len(steps)), where=steps > 0.0)
 
 
 def _ranges(values: dict[str, Array], header: LogHeader, nothing: Array) -> BeaconLog | None:
@@ -214,9 +248,9 @@ def _rates(values: dict[str, Array], header: LogHeader, wheels: Array, steps: Ar
     if "steering" in values and header.wheelbase_m is not None:
         about = speed * np.tan(held_on(values["steering"])) / header.wheelbase_m
     else:
-        assert header.tread_m is not None
-        turned = (wheels[:, 1] - wheels[:, 0]) / header.tread_m
-        about = np.divide(turned, steps, out=np.zeros(len(steps)), where=steps > 0.0)
+        turns = _wheel_turns(values, header, wheels, steps)
+        assert turns is not None
+        about = turns
     return np.stack([*across, about], axis=1), True
 
 

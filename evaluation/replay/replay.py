@@ -18,11 +18,15 @@ from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
 from handcart.robotics.navigation.outdoors.particle_filter import ParticleErrors, ParticleFilter
 from handcart.robotics.navigation.outdoors.suppositions import suppositions
 
-from .drive_log import DriveLog
+from .checks.jump_gate import JumpGate
+from .drive_log import NEARLY, DriveLog
 
 EACH = 1.0  # [s] between points of the track
 CLOUDS = 5  # instants at which particles are kept: as many as figure 3 of Ohki et al. (2012) shows
 HEADING_SIGMA = math.radians(10.0)  # of a heading that is known well enough for a track
+PARTICLES_SIGMA = math.radians(20.0)  # the same of particles, which never learn a gyro's bias
+LASTS_S = 2.0  # for which a bias turns the particles before the fixes tell
+SLOW_COUNTS = 2.5  # times the slow error, that a fix counts as off
 UNSURE = 3.0  # sigmas of a fix: how well the first one tells where the base is
 STEERED: dict[str, Any] = {
     "gyro_white": math.radians(0.5),
@@ -107,10 +111,31 @@ def localizer_for(
     if kind == "gps_filter":
         supposed = [suppositions(noise)[0]._replace(share=1.0, worse=0)] if alone else None
         return GpsFilter(start, noise, position, supposed=supposed, heading_sigma=HEADING_SIGMA)
-    errors = ParticleErrors(
-        gps=max(noise.gps_white, 0.05), start_position=position, start_heading=noise.start_heading
+    return ParticleFilter(start, particle_errors(noise, position), heading_sigma=PARTICLES_SIGMA)
+
+
+def particle_errors(noise: FieldNoise, position: float) -> ParticleErrors:
+    """Return what the particle filter supposes of a vehicle.
+
+    It has no states for what lasts. So a gyro's bias and slipping wheels are random walks that grow as far
+    within `LASTS_S`, and slow errors of the fixes count as white ones of that size.
+
+    Args:
+        noise: of wheels, gyros and GPS.
+        position: sigma of the start, an axis, in [m].
+    """
+    usual = ParticleErrors()
+    bias = math.hypot(noise.gyro_bias, noise.gyro_warm_up)
+    return ParticleErrors(
+        forward=usual.forward,
+        turn=usual.turn,
+        start_position=position,
+        start_heading=noise.start_heading,
+        gps=max(noise.gps_white, 0.05),
+        along=noise.slip * math.sqrt(2.0 * noise.slip_length),
+        turn_time=math.hypot(noise.gyro_white, bias * math.sqrt(LASTS_S)),
+        gps_slow=SLOW_COUNTS * noise.gps_drift,
     )
-    return ParticleFilter(start, errors)
 
 
 def _by_beacons(log: DriveLog, noise: FieldNoise, start: Pose2, position: float) -> BeaconFilter:
@@ -123,10 +148,26 @@ def _by_beacons(log: DriveLog, noise: FieldNoise, start: Pose2, position: float)
 
 
 def replay(
-    log: DriveLog, localizer: FieldLocalizer, passed: Callable[[float], None] | None = None
+    log: DriveLog,
+    localizer: FieldLocalizer,
+    passed: Callable[[float], None] | None = None,
+    period: float = 0.0,
+    white: float | None = None,
 ) -> Replayed:
-    """Play a log; `passed` hears now and then which share of it is done."""
+    """Play a log.
+
+    Args:
+        log: what was recorded, with all fixes.
+        localizer: a new one.
+        passed: hears now and then which share of it is done.
+        period: fixes that come earlier after the one before, in [s], aren't given to the localizer; those of
+            them that jump are listed all the same.
+        white: error of a fix, an axis, in [m], with which jumps are looked for; None: they are left to the
+            localizer.
+    """
     log = log.one_row_a_time()
+    gate, latest = None if white is None else JumpGate(white), -math.inf
+    ways = np.cumsum(np.nan_to_num(log.wheels).mean(axis=1))
     steps = np.diff(log.times, prepend=log.times[0])
     known_rows = np.isfinite(log.fixes.sum(axis=1))
     rows: list[int] = []
@@ -139,11 +180,22 @@ def replay(
         if log.beacons is not None and np.isfinite(log.beacons.ranges[row]).any():
             localizer.ranges(log.beacons.ranges[row])
         if known_rows[row]:
-            sigma = float(log.sigmas[row])
-            believed = localizer.fix(log.fixes[row], sigma if sigma > 0.0 else None)
-            why = localizer.refusal
+            sigma, time = float(log.sigmas[row]), float(log.times[row])
             x, y = log.fixes[row].tolist()
-            fixes.append(ReplayedFix(float(log.times[row]), (x, y), believed, why))
+            heading = localizer.pose.theta if localizer.heading_known else None
+            jump = (
+                ""
+                if gate is None
+                else gate.refusal(
+                    time, log.fixes[row], localizer.odometry.pose, float(ways[row]), heading, sigma
+                )
+            )
+            if jump:
+                fixes.append(ReplayedFix(time, (x, y), False, jump))
+            elif time >= latest + NEARLY * period:
+                latest = time
+                believed = localizer.fix(log.fixes[row], sigma if sigma > 0.0 else None)
+                fixes.append(ReplayedFix(time, (x, y), believed, localizer.refusal))
         if row in kept and isinstance(localizer, ParticleFilter):
             clouds.append((float(log.times[row]), localizer.particles))
         if log.times[row] >= due or row == len(log.times) - 1:

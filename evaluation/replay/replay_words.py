@@ -84,6 +84,7 @@ def _kind(why: str) -> str:
     for start, kind in (
         ("fixes before", "after others that were off"),
         ("the last", "off with those before"),
+        ("jumps", "that jump"),
     ):
         if why.startswith(start):
             return kind

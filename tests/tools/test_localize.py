@@ -230,6 +230,30 @@ def test_what_is_wrong_in_the_table_is_told(
     assert f"{log}:{line}:" in said
 
 
+def test_a_csv_of_any_tool_is_played_by_its_columns(
+    tmp_path: Path, drive: FieldLog, localized: Callable[..., dict[str, Any]], refused: Callable[..., str]
+) -> None:
+    with_header = write(tmp_path / "log.csv", drive)
+    lines = with_header.read_text(encoding="utf-8").splitlines()
+    table = lines[lines.index("---", 1) + 1 :]
+    plain = tmp_path / "plain.csv"
+    titles = "stamp;rate;left;right;east;north;a;b;c"
+    plain.write_text("\n".join([titles, *(row.replace(",", ";") for row in table[1:])]), encoding="utf-8")
+    columns = (
+        "t=stamp:ms,w=rate:deg/s,wheel_left=left:mm,wheel_right=right:mm,x=east,y=north,true_x=a,true_y=b"
+    )
+    found = localized(plain, "--columns", columns)
+    same = localized(with_header)
+    assert found["error_m_rms"] == pytest.approx(same["error_m_rms"])
+    assert found["fixes"] == same["fixes"]
+    assert "unknown quantity 'speedo'; did you mean 'speed'" in refused(
+        plain, "--columns", "t=stamp,speedo=a"
+    )
+    assert "names no column" in refused(plain, "--columns", "t=stamp,v")
+    assert "no column 'far'" in refused(plain, "--columns", columns.replace("x=east", "x=far"))
+    assert "name its columns: --columns" in refused(plain)
+
+
 def test_what_is_no_log_is_refused(tmp_path: Path, refused: Callable[..., str]) -> None:
     plain = tmp_path / "plain.csv"
     plain.write_text("time,x\n1,2\n", encoding="utf-8")

@@ -113,6 +113,26 @@ def test_a_bag_is_played(tmp_path: Path, drive: FieldLog, storage: str, handcart
     assert json.loads(handcart("localize", inside, "--json").out)["fixes"] == len(drive.fixes)
 
 
+def test_a_sideways_imu_is_never_played_silently(
+    tmp_path: Path, drive: FieldLog, handcart: Callable[..., Any]
+) -> None:
+    sideways = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])  # imu_R_base
+    turned = drive._replace(rates=drive.rates @ sideways.T, accelerations=drive.accelerations @ sideways.T)
+    bag = write_bag(tmp_path / "bag", turned, "SQLITE3", ("/odom", "/imu", "/fix", "/truth"))
+    said = handcart("localize", bag, "--reference", "/truth")
+    assert said.status == 2
+    assert "gravity is along its +y axis" in said.err
+    assert "--imu-axes z,x,y (forward, left, up)" in said.err
+    for axes in ("auto", "z,x,y"):
+        found = json.loads(
+            handcart("localize", bag, "--reference", "/truth", "--imu-axes", axes, "--json").out
+        )
+        assert found["error_m_rms"] < 2.5
+    said = handcart("localize", bag, "--imu-axes", "x,x,y")
+    assert said.status == 2
+    assert "'x,x,y' is no frame" in said.err
+
+
 def test_what_a_bag_lacks_is_told_at_once(
     tmp_path: Path, drive: FieldLog, handcart: Callable[..., Any]
 ) -> None:

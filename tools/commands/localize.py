@@ -40,6 +40,18 @@ def localize(
     stamps: Annotated[
         str, typer.Option(help="times of a ROS bag's messages: header, or receive (when they were recorded)")
     ] = "header",
+    imu_axes: Annotated[
+        str | None,
+        typer.Option(
+            help="which axes of the IMU point forward, left and up, such as z,x,y or -x,-y,z; auto: as found"
+        ),
+    ] = None,
+    columns: Annotated[
+        str | None,
+        typer.Option(
+            help="a CSV file without a header: QUANTITY=COLUMN[:UNIT],... such as t=stamp:ms,v=speed:km/h"
+        ),
+    ] = None,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="FILE.svg, .png or .pdf: the track as a picture")
     ] = None,
@@ -54,6 +66,7 @@ def localize(
     import orjson
 
     from handcart.evaluation.replay.noise_fit import fit_noise, in_yaml
+    from handcart.evaluation.replay.preparation import prepare
     from handcart.evaluation.replay.replay import localizer_for, replay
     from handcart.evaluation.replay.replay_chart import draw_replay
     from handcart.evaluation.replay.replay_words import figures, in_words
@@ -66,11 +79,19 @@ def localize(
         raise typer.BadParameter(f"no picture for {output.suffix!r}{suggest(output.suffix, PICTURES)}")
     if stamps not in STAMPS:
         raise typer.BadParameter(f"no stamps {stamps!r}{suggest(stamps, STAMPS)}")
-    played = _read(log, nmea, reference, stamps)
-    noise = _noise(robot or _robot_of(log))
-    played = played.thinned(noise.gps_period)
+    played = _read(log, nmea, reference, stamps, columns)
+    whose = robot or _robot_of(log)
+    given = _noise(whose)
+    played, noise = prepare(log, played, given, whose is not None, imu_axes)
+    thinned = played.thinned(noise.gps_period)
     with share_shown("log") as passed:
-        replayed = replay(played, localizer_for(played, noise, localizer), passed)
+        replayed = replay(
+            played,
+            localizer_for(thinned, noise, localizer),
+            passed,
+            noise.gps_period,
+            noise.gps_white if localizer != "beacons" else None,
+        )
     found = figures(replayed) | {"notes": list(played.notes)}
     if not as_json:
         print("\n".join([*(f"note: {note}" for note in played.notes), in_words(replayed)]))
@@ -80,7 +101,7 @@ def localize(
         _write_track(track, replayed)
     if fit:
         with share_shown("fit") as passed:
-            fitted = fit_noise(played, noise, passed)
+            fitted = fit_noise(thinned, given, passed)
         found["fit"] = {"log_likelihood": [fitted.before, fitted.after], "turned": fitted.changed}
         if not as_json:
             print(f"\nfor the robot's file (likelier by e^{fitted.after - fitted.before:.1f}):\n")
@@ -117,7 +138,7 @@ def _noise(robot: str | None) -> FieldNoise:
     return field_noise(spec, spec.antenna)
 
 
-def _read(log: Path, nmea: Path | None, reference: str | None, stamps: str) -> DriveLog:
+def _read(log: Path, nmea: Path | None, reference: str | None, stamps: str, columns: str | None) -> DriveLog:
     """The log, whatever it is; of a run's folder, the one in it."""
     if (log / RUN_LOG).is_file():
         log = log / RUN_LOG
@@ -126,6 +147,8 @@ def _read(log: Path, nmea: Path | None, reference: str | None, stamps: str) -> D
 
         if nmea is not None:
             raise typer.BadParameter("--nmea goes with a CSV file, not with a bag")
+        if columns is not None:
+            raise typer.BadParameter("--columns goes with a CSV file, not with a bag")
         return read_bag_log(log, reference, "receive" if stamps == "receive" else "header")
     from handcart.evaluation.replay.csv_log import read_csv_log
 
@@ -133,7 +156,7 @@ def _read(log: Path, nmea: Path | None, reference: str | None, stamps: str) -> D
         raise typer.BadParameter("--reference is a bag's topic; a CSV file has true_x and true_y")
     if stamps != STAMPS[0]:
         raise typer.BadParameter("--stamps goes with a bag; a CSV file has one column `time`")
-    played = read_csv_log(log)
+    played = read_csv_log(log, columns)
     if nmea is None:
         return played
     from handcart.evaluation.replay.nmea_log import with_nmea

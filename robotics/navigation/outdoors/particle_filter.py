@@ -34,6 +34,12 @@ class ParticleErrors(NamedTuple):
     """In [rad]; infinite: nobody knows which way it heads."""
     gps: float = 1.0
     """An axis, in [m]."""
+    along: float = 0.0
+    """Of the way, by distance, in [m/√m]: wheels that slip alike for some metres."""
+    turn_time: float = 0.0
+    """Of the heading, by time, in [rad/√s]: a gyro whose bias nobody knows."""
+    gps_slow: float = 0.0
+    """Of the fixes, an axis, in [m], that lasts: no number of fixes averages it away."""
 
 
 class ParticleFilter(FieldLocalizer):
@@ -64,9 +70,14 @@ class ParticleFilter(FieldLocalizer):
         count: int = 1024,
         seed: int = 0,
         euler: bool = True,
+        heading_sigma: float = KNOWN,
     ) -> None:
-        """Start at a pose; without `euler` the gyros are integrated as printed in the paper."""
+        """Start at a pose; without `euler` the gyros are integrated as printed in the paper.
+
+        `heading_sigma` [rad] is to which the particles' heading has to agree before it counts as known.
+        """
         super().__init__(start, euler)
+        self._heading_sigma = heading_sigma
         self._errors = errors
         self._rng = np.random.default_rng(seed)
         self._lost, self._monitor = LostTrack(), FixMonitor()
@@ -85,7 +96,7 @@ class ParticleFilter(FieldLocalizer):
     @property
     def heading_known(self) -> bool:
         """See `FieldLocalizer`: the particles head one way."""
-        return bool(self._covariance[2, 2] <= KNOWN**2)
+        return bool(self._covariance[2, 2] <= self._heading_sigma**2)
 
     @property
     def covariance(self) -> Array:
@@ -126,13 +137,14 @@ class ParticleFilter(FieldLocalizer):
 
     def _advance(self, advance: Advance) -> None:
         if advance.forward != 0.0 or advance.turn != 0.0:
-            across = self._errors.turn * math.sqrt(abs(advance.forward))
-            along = self._errors.forward * abs(advance.forward)
+            errors, way = self._errors, abs(advance.forward)
+            across = math.hypot(errors.turn * math.sqrt(way), errors.turn_time * math.sqrt(advance.time))
+            along = math.hypot(errors.forward * way, errors.along * math.sqrt(way))
             _predict(self._particles, self._rng, advance.forward, advance.turn, along, across)
         self._mean, self._covariance = _average(self._particles)
 
     def _fix(self, position: Array, sigma: float | None) -> bool:
-        sigma = self._errors.gps if sigma is None else sigma
+        sigma = math.hypot(self._errors.gps if sigma is None else sigma, self._errors.gps_slow)
         away = position - self._mean[:2]
         cloud = self._covariance[:2, :2]
         if self._monitor.doubting:

@@ -1,0 +1,46 @@
+"""Find fixes whose axes are exchanged: they are the mirror image of the way that wheels and gyros say."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.evaluation.replay.checks.fix_noise import odometry_track
+from handcart.evaluation.replay.drive_log import DriveLog
+
+WINDOW_S = 90.0
+MIN_FIXES = 10  # in a window
+MIN_WIDTH_M = 4.0  # of the way's narrower side, that shows which way it bends
+FITS = 0.1  # share of the fixes' spread that is left at most
+VOTES = 0.8  # of the windows
+WORDS = (
+    "the fixes are the mirror image of the way by wheels and gyros: latitude and longitude (east and north) "
+    "are exchanged, or the gyro turns the other way"
+)
+Array = NDArray[np.float64]
+
+
+def check_mirror(log: DriveLog, period: float) -> str:
+    """Return in words that the fixes are mirrored; empty if they aren't, or the way is too straight to tell.
+
+    Args:
+        log: with all fixes.
+        period: in [s], about which fixes are taken.
+    """
+    times, ways, fixes = odometry_track(log.thinned(period))
+    votes = []
+    for begin in np.arange(times[0], times[-1], 0.5 * WINDOW_S) if len(times) else ():
+        inside = (times >= begin) & (times < begin + WINDOW_S)
+        if inside.sum() >= MIN_FIXES:
+            votes += _vote(ways[inside], fixes[inside])
+    return WORDS if votes and float(np.mean(votes)) >= VOTES else ""
+
+
+def _vote(ways: Array, fixes: Array) -> list[bool]:
+    """Return whether a window's fixes are mirrored; nothing if it doesn't show."""
+    a, b = ways - ways.mean(axis=0), fixes - fixes.mean(axis=0)
+    if np.linalg.svd(a, compute_uv=False)[1] / np.sqrt(len(a)) < 0.5 * MIN_WIDTH_M:
+        return []
+    turned, *_ = np.linalg.lstsq(a, b, rcond=None)
+    left = float(((b - a @ turned) ** 2).sum() / (b**2).sum())
+    return [float(np.linalg.det(turned)) < 0.0] if left < FITS else []

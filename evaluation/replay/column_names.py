@@ -1,0 +1,60 @@
+"""The columns of a CSV file of any tool, as the command line names them."""
+
+from __future__ import annotations
+
+from handcart.files.errors import FileError, Finding
+from handcart.files.models.loading import Loaded, load_document
+from handcart.files.suggest import suggest
+from handcart.files.yaml.yaml_document import parse_document
+
+from .log_header import QUANTITIES, UNITS, LogHeader
+
+OPTION = "--columns"
+SHORT = {
+    "t": "time",
+    "v": "speed",
+    "x": "gps_east",
+    "y": "gps_north",
+    "lat": "latitude",
+    "lon": "longitude",
+    "w": "gyro_z",
+    "sigma": "gps_sigma",
+}
+"""Short names of quantities."""
+SETTINGS = ("tread_m", "wheelbase_m")
+
+
+def named_columns(text: str) -> Loaded[LogHeader]:
+    """Return the header that `QUANTITY=COLUMN[:UNIT],...` stands for.
+
+    Without a unit a column is in the first unit of its quantity: s, m, m/s, rad/s, deg for places.
+
+    Raises:
+        FileError: a part that isn't of this form, or an unknown quantity.
+    """
+    findings, columns, settings = list[Finding](), list[str](), list[str]()
+    for part in filter(None, (part.strip() for part in text.split(","))):
+        name, equals, column = part.partition("=")
+        quantity = SHORT.get(name.strip(), name.strip())
+        title, colon, unit = column.rpartition(":")
+        title, unit = (title, unit) if colon else (column, "")
+        if quantity in SETTINGS:
+            settings.append(f"{quantity}: {column.strip()}")
+        elif quantity not in QUANTITIES:
+            allowed = suggest(quantity, [*QUANTITIES, *SHORT, *SETTINGS])
+            findings.append(Finding(OPTION, 0, 0, f"unknown quantity {quantity!r}{allowed}"))
+        elif not equals or not title.strip():
+            wrong = f"{part!r} names no column; allowed: QUANTITY=COLUMN or QUANTITY=COLUMN:UNIT"
+            findings.append(Finding(OPTION, 0, 0, wrong))
+        else:
+            unit = unit.strip() or next(iter(UNITS[QUANTITIES[quantity][0]]))
+            columns.append(f"  {quantity}: {{unit: {_quoted(unit)}, name: {_quoted(title.strip())}}}")
+    if findings:
+        raise FileError(findings)
+    lines = ["format: handcart-log/1", *settings, "columns:", *columns]
+    return load_document(parse_document("\n".join(lines).encode(), OPTION), LogHeader)
+
+
+def _quoted(word: str) -> str:
+    """Return a word as YAML quotes it."""
+    return "'" + word.replace("'", "''") + "'"

@@ -1,0 +1,68 @@
+"""What is found out about a foreign log, and put right, before it is played."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import NamedTuple
+
+from handcart.files.errors import FileError, Finding
+from handcart.robotics.navigation.outdoors.field_noise import FieldNoise
+
+from .checks.fix_noise import suppose_noise
+from .checks.mirror import check_mirror
+from .checks.mount import axes_rotation, check_mount, mounted
+from .checks.tilt import without_tilt_drift
+from .drive_log import DriveLog
+
+AUTO = "auto"
+
+
+class Prepared(NamedTuple):
+    """A log that can be played, and what is supposed of its vehicle."""
+
+    log: DriveLog
+    noise: FieldNoise
+
+
+def prepare(path: Path, log: DriveLog, noise: FieldNoise, is_known: bool, imu_axes: str | None) -> Prepared:
+    """Check axes and accuracies, and add what is found to the log's notes.
+
+    Args:
+        path: of the log, for findings.
+        log: as it was read.
+        noise: what is believed of its vehicle.
+        is_known: whether that is its robot's file: then it is believed as it is.
+        imu_axes: which of the unit's axes point forward, left and up; `auto`: as they seem to; None: they
+            have to be the base's.
+
+    Raises:
+        FileError: the unit isn't mounted like the base, or the axes are no frame.
+    """
+    log = _with_axes(path, log, imu_axes)
+    notes = list(log.notes)
+    if not is_known:
+        log = without_tilt_drift(log)
+        noise, log, more = suppose_noise(log, noise)
+        notes += more
+    mirrored = check_mirror(log, noise.gps_period)
+    notes += [mirrored] if mirrored else []
+    return Prepared(log._replace(notes=tuple(notes)), noise)
+
+
+def _with_axes(path: Path, log: DriveLog, imu_axes: str | None) -> DriveLog:
+    """Return the log with the unit's readings in the base's axes."""
+    if imu_axes not in (None, AUTO):
+        turned = axes_rotation(imu_axes or "")
+        if turned is None:
+            allowed = "three different ones of x, y, z, right-handed, with - where one points the other way"
+            raise FileError([Finding("--imu-axes", 0, 0, f"{imu_axes!r} is no frame; allowed: {allowed}")])
+        return mounted(log, turned)
+    mount = check_mount(log)
+    if not mount.words:
+        return log
+    if imu_axes is None:
+        allowed = f"--imu-axes {mount.axes} (forward, left, up) or --imu-axes auto; x,y,z plays it as it is"
+        raise FileError([Finding(str(path), 0, 0, f"{mount.words}; allowed: {allowed}")])
+    return mounted(log, mount.base_R_imu)._replace(
+        notes=(*log.notes, f"{mount.words}; turned to {mount.axes}")
+    )
