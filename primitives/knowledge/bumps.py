@@ -17,10 +17,13 @@ from handcart.robotics.navigation.maps.bump_area import bump_areas, bump_fronts
 from .world_model import ModelView, WorldModel
 
 
-def bump_here(robot: Robot, forwards: bool) -> NDArray[np.float64]:
-    """Return (3,) for `WorldModel.bumps`: the base does not get on where it is."""
+def bump_here(robot: Robot, forwards: bool, heading: float | None = None) -> NDArray[np.float64]:
+    """Return (3,) for `WorldModel.bumps`: the base does not get on where it is.
+
+    `heading`, in [rad], is that with which it came; by default the one that it has.
+    """
     turn = 0.0 if forwards else math.pi
-    return np.array([robot.pose.x, robot.pose.y, robot.pose.theta + turn])
+    return np.array([robot.pose.x, robot.pose.y, (robot.pose.theta if heading is None else heading) + turn])
 
 
 def keep_off_bumps(robot: Robot, model: WorldModel) -> None:
@@ -37,7 +40,7 @@ def note_bump(robot: Robot, model: WorldModel, evidence: Evidence) -> None:
     blocked = robot.blocked
     if blocked is None:
         return
-    bump = bump_here(robot, blocked.forwards)
+    bump = bump_here(robot, blocked.forwards, blocked.heading)
     model.bumps = np.vstack([model.bumps, bump])
     keep_off_bumps(robot, model)
     evidence.points["bumped"] = bump_fronts(bump, robot.spec.footprint_radius_m)

@@ -30,6 +30,8 @@ class Blocked(NamedTuple):
 
     pose: Pose2
     """map_T_base where it does not get on, as estimated."""
+    heading: float
+    """Its heading when the window began, in [rad]: who drives on turns the base where it stands."""
     forwards: bool
     """Whether it was driven forwards."""
     commanded: float
@@ -93,5 +95,7 @@ class BlockedMotion:
             if moved > MAX_PROGRESS * abs(commanded):
                 return None
             forwards = commanded > 0.0
-            return Blocked(now, forwards, abs(commanded), rolled if forwards else -rolled, moved)
+            return Blocked(
+                now, period.before.theta, forwards, abs(commanded), rolled if forwards else -rolled, moved
+            )
         return None

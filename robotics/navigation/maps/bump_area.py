@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 UNSEEN_SIZE_M = 0.45  # assumed size of what was run into: only one point of its outline is known
 FRONT_ANGLE_DEG = 75.0  # to both sides of the motion, in which a disc that is stopped touches
-GUARDED_ANGLE_DEG = 60.0  # likewise, in which a base keeps off: wider, and it could not drive away
+GUARDED_ANGLE_DEG = 45.0  # likewise, in which a base keeps off: wider, and one that slid could not go back
 SPACING_M = 0.05  # between points
 
 Floats = NDArray[np.float64]
