@@ -11,11 +11,12 @@ import numpy as np
 import pytest
 
 from handcart.evaluation.trials.rig import Rig
+from handcart.primitives.contract.discrepancy import Discrepancy
 from handcart.primitives.contract.outcome import Fail, Success
 from handcart.primitives.seam.divide import Divide
 from handcart.primitives.seam.seam import Seam
 from handcart.primitives.seam.seam_work import SeamPart, SeamWork
-from handcart.primitives.seam.track import Track
+from handcart.primitives.seam.track import Track, _check_known
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.manipulation.placement.placement_division import Segment
 from handcart.robotics.manipulation.placement.placer import Placements
@@ -120,3 +121,18 @@ def test_a_rest_is_divided_by_the_numbers_of_the_whole_seam(
         ("place_4", 8, LAST),
     ]
     assert {"place_3", "place_4"} <= rig.model.places.keys()
+
+
+@pytest.mark.parametrize(
+    ("sigmas", "known"),
+    [((3e-4, 3e-4, 1e-4), True), ((1e-3, 3e-4, 1e-4), False), ((3e-4, 3e-4, 9e-4), False)],
+)
+def test_three_sigma_of_the_tool_are_within_its_tolerance(
+    sigmas: tuple[float, float, float], known: bool
+) -> None:
+    robot: Any = SimpleNamespace(localization=SimpleNamespace(covariance=np.diag(sigmas) ** 2))
+    if known:
+        _check_known(robot)
+        return
+    with pytest.raises(Discrepancy, match="it isn't known exactly enough where the base stands"):
+        _check_known(robot)

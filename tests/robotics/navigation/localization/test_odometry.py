@@ -102,3 +102,13 @@ def test_reset_forgets_the_pose() -> None:
     odometry.reset(Pose2(3, 4, 0.5), np.diag([0.1, 0.2, 0.3]))
     assert odometry.pose == Pose2(3, 4, 0.5)
     assert np.allclose(odometry.covariance, np.diag([0.1, 0.2, 0.3]))
+
+
+def test_the_covariance_grows_with_the_way() -> None:
+    """From nothing: by the slip with its square root, by the wheels' radius in proportion."""
+    odometry, sigmas = Odometry(Pose2(0.0, 0.0, 0.0), 0.5, OdometryErrors(0.01, 0.0, 0.0)), []
+    for _ in range(3):
+        sigmas.append(float(np.sqrt(odometry.covariance[0, 0])))
+        for _ in range(100):
+            odometry.predict(0.02, 0.02)
+    assert sigmas == pytest.approx([0.0, 0.02 / math.sqrt(2.0), 0.04 / math.sqrt(2.0)], rel=0.02, abs=1e-5)
