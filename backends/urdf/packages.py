@@ -55,6 +55,7 @@ def _candidates(name: str) -> Iterator[Path]:
     for entry in _entries("AMENT_PREFIX_PATH"):
         yield entry / "share" / name
     for entry in _entries("ROS_PACKAGE_PATH"):
+        yield entry / name  # as other readers of URDFs take it, also without a package.xml
         yield from (each for each in _ros_packages(entry) if each.name == name)
     for prefix in (sys.prefix, *sys.path):
         for share in _SHARES:

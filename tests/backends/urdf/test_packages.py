@@ -31,6 +31,7 @@ def package(folder: Path, marked: bool = False) -> Path:
         ("install/share/rob-ot_1", "AMENT_PREFIX_PATH", "install"),
         ("src/robots/rob-ot_1", "ROS_PACKAGE_PATH", "src"),
         ("src/rob-ot_1", "ROS_PACKAGE_PATH", "src/rob-ot_1"),
+        ("data/robots/rob-ot_1", "ROS_PACKAGE_PATH", "data/robots"),
         ("site/share/rob-ot_1", "", "site"),
         ("site/cmeel.prefix/share/rob-ot_1", "", "site"),
     ],
@@ -38,7 +39,7 @@ def package(folder: Path, marked: bool = False) -> Path:
 def test_package_is_found_with_its_meshes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, where: str, variable: str, entry: str
 ) -> None:
-    folder = package(tmp_path / where, marked=variable == "ROS_PACKAGE_PATH")
+    folder = package(tmp_path / where, marked=where.startswith("src"))
     if variable:
         monkeypatch.setenv(variable, os.pathsep.join(("/no/such", str(tmp_path / entry))))
     else:
