@@ -346,6 +346,10 @@ class ScanLocalization(Localization):
         match = self._matching.last_match
         return super().explained if match is None else match.inliers
 
+    def _parts(self) -> dict[str, tuple[object, Kinds]]:
+        slip, way = self._matching.slip, self._matching.way
+        return {**super()._parts(), "slip": (slip, slip.STATE), "way": (way, way.STATE)}
+
 
 class WheelLocalization(Localization):
     """Wheels carry the pose on. With a map and a range sensor, scans at rest are evidence.

@@ -20,6 +20,7 @@ from handcart.robotics.navigation.localization.scan_matching import (
 )
 from handcart.robotics.navigation.localization.slip_monitor import SlipMonitor, turn_variance
 from handcart.robotics.navigation.localization.start_search import Beams, StartFit, check_start
+from handcart.robotics.navigation.localization.way_monitor import WayMonitor
 
 FEWEST_POINTS = 20
 LEAST_INLIERS = 0.4  # share of a scan's points that the map must explain for a match to be believed
@@ -264,6 +265,8 @@ class ScanLocalizer(Localizer):
         self.slip = SlipMonitor()
         """Whether the wheels slip more than is claimed."""
         self._rolled = (0.0, 0.0)  # by the wheels in its window
+        self.way = WayMonitor()
+        """Whether ways are longer or shorter than the wheels say."""
         self.last_match: ScanMatch | None = None
 
     @property
@@ -282,6 +285,8 @@ class ScanLocalizer(Localizer):
         self._odometry.slip_factor = self.slip.factor
         super().predict(left, right)
         self.slip.roll(left, right, turn_variance(errors.slip, errors.slip_length, left, right, tread))
+        slip_variance = errors.slip**2 * self.slip.factor * errors.slip_length
+        self.way.roll(0.5 * (left + right), slip_variance * (abs(left) + abs(right)) / 4.0)
         self._rolled = (self._rolled[0] + left, self._rolled[1] + right)
         x, y, heading = self._map_error
         moved = np.outer((before.y - self.pose.y, self.pose.x - before.x), heading)
@@ -306,6 +311,7 @@ class ScanLocalizer(Localizer):
             self._poor += 1
             return False
         self._count_slip(match)
+        self._count_way(match)
         self._poor, self._map_error = 0, match.map_error
         self._odometry.correct(match.pose, match.covariance, match.kept)
         return True
@@ -332,6 +338,18 @@ class ScanLocalizer(Localizer):
             self.slip.take(missed, self._odometry.turn_variance(*self._rolled))
         if self.slip.begun:
             self._rolled = (0.0, 0.0)
+
+    def _count_way(self, match: ScanMatch) -> None:
+        """Compare the way with what the wheels say, where the scan alone tells it."""
+        ahead = np.array([math.cos(self.pose.theta), math.sin(self.pose.theta)])
+        if float(ahead @ match.kept[:2, :2] @ ahead) > SCANS_TELL or self._poor:
+            self.way.begin()
+            return
+        missed = float(ahead @ (match.pose.x - self.pose.x, match.pose.y - self.pose.y))
+        map_sigma = float(np.linalg.norm(ahead @ match.map_error[:2]))
+        wrong = self.way.take(missed, map_sigma, self._odometry.scale_variance)
+        if wrong:
+            self._odometry.doubt_scale(wrong)
 
     def find_again(self, points: NDArray[np.float64]) -> bool:
         """See `Localizer`; up to about 0.3 m and 10 degrees away."""

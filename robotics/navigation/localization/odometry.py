@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.outdoors.watched_moment import Belief, WatchedMoment
 
-FAR = 2.0  # sigmas by which a wheel's radius is off, from which on what was claimed of both is doubted
 _LEAST = 1e-12 * np.eye(3)  # [m², rad²] of a pose that is certain: it can be divided by
 
 
@@ -41,7 +40,6 @@ class Odometry:
         "_scales": NDArray[np.float64],
         "_state": NDArray[np.float64],
         "_origin": WatchedMoment,
-        "_radius": float,
     }
     """Attributes that change, with their types."""
 
@@ -65,7 +63,6 @@ class Odometry:
         self._errors = errors
         self.slip_factor = 1.0
         """By which the variance of slip is larger than `errors` has it."""
-        self._radius = errors.radius
         self._scales = np.zeros(3)  # relative: left travel, right travel, tread
         self._state = np.diag([0.0, 0.0, 0.0, errors.radius**2, errors.radius**2, errors.tread**2])
         self._origin = WatchedMoment(Belief(np.array(pose), np.zeros((3, 3))), np.zeros((3, 6)))
@@ -162,7 +159,6 @@ class Odometry:
         self._state = self._state + gain @ (covariance - prior) @ gain.T
         self._state[:3, :3] = covariance
         self.pose = pose
-        self._doubt_radius()
 
     @property
     def errors(self) -> OdometryErrors:
@@ -174,14 +170,14 @@ class Odometry:
         by_scale = np.array([-left, right, -(right - left)]) / self.tread
         return float(by_scale @ self._state[3:, 3:] @ by_scale)
 
-    def _doubt_radius(self) -> None:
-        """Where a radius turns out to be off by more than `FAR` sigmas, expect as much of both wheels."""
-        learned = float(np.abs(self._scales[:2]).max())
-        if learned > FAR * self._radius:
-            more = learned**2 - self._radius**2
-            self._state[3, 3] += more
-            self._state[4, 4] += more
-            self._radius = learned
+    @property
+    def scale_variance(self) -> float:
+        """Relative, of the length of a straight way."""
+        return float(self._state[3:5, 3:5].sum()) / 4.0
+
+    def doubt_scale(self, size: float) -> None:
+        """Expect an error of this size, relative, in the length of ways: both wheels err alike."""
+        self._state[3:5, 3:5] += size**2
 
 
 def _wheel_jacobian(forward: float, cos: float, sin: float, tread: float) -> NDArray[np.float64]:

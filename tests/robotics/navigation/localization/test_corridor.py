@@ -37,20 +37,26 @@ def near(points: np.ndarray) -> np.ndarray:
 
 
 def drive(
-    scan: Scan, angle: float, ways: tuple[float, ...], off: float, seed: int
+    scan: Scan,
+    angle: float,
+    ways: tuple[float, ...],
+    off: float,
+    seed: int,
+    claimed: OdometryErrors = OdometryErrors(radius=0.02, slip=0.01),
+    slip: float = 0.01,
 ) -> tuple[ScanLocalizer, Pose2]:
     """Drive there and back along a corridor with wheels whose radius is `off` by a share; estimate, truth."""
     boxes, rng = corridor(angle), np.random.default_rng(seed)
     start = Pose2(3.0, 20.0, angle).compose(Pose2(2.0, 0.0, 0.0))
     field = LikelihoodField(from_boxes(boxes, 0.05, (0.0, 0.0), (46.0, 46.0)))
-    localizer = ScanLocalizer(field, start, TREAD, OdometryErrors(radius=0.02, slip=0.01))
+    localizer = ScanLocalizer(field, start, TREAD, claimed)
     localizer.correct(near(scan(boxes, start, rng)))
     localizer.odometry.set_origin()
     truth = Odometry(start, TREAD, EXACT)
     for way in ways:
         for _ in range(round(abs(way) / STEP)):
             rolled = math.copysign(STEP, way)
-            truth.predict(*(rolled * (1.0 + off) * (1.0 + rng.normal(0.0, 0.01, 2))))
+            truth.predict(*(rolled * (1.0 + off) * (1.0 + rng.normal(0.0, slip, 2))))
             localizer.predict(rolled, rolled)
             localizer.correct(near(scan(boxes, truth.pose, rng)))
     return localizer, truth.pose
@@ -87,3 +93,21 @@ def test_out_and_back_is_better_known_than_the_place(scan: Scan) -> None:
     assert localizer.pose.distance(truth) < 1e-6
     spread = localizer.odometry.displacement.covariance
     assert math.sqrt(spread[0, 0]) < 0.01
+
+
+@pytest.mark.parametrize(("slip", "least", "most"), [(0.01, 1.0, 1.5), (0.1, 4.0, 60.0)])
+def test_slip_beyond_what_is_claimed_is_learned(scan: Scan, slip: float, least: float, most: float) -> None:
+    """Headings that the wheels miss show it, also where the position is not determined."""
+    localizer, _ = drive(
+        scan, 0.0, (9.0,), 0.0, seed=3, claimed=OdometryErrors(0.002, 0.005, 0.01), slip=slip
+    )
+    assert least <= localizer.slip.factor <= most
+
+
+def test_a_radius_far_from_its_claim_is_doubted(scan: Scan) -> None:
+    """The end wall, while it is seen, contradicts what is claimed of the wheels."""
+    claimed = OdometryErrors(radius=0.002, tread=0.005, slip=0.01)
+    localizer, truth = drive(scan, 0.0, (12.0,), 0.05, seed=4, claimed=claimed)
+    along, _, sigma, _ = by_direction(localizer, truth, 0.0)
+    assert sigma > 0.05  # by the claim alone: 0.02
+    assert along < 5.0 * sigma

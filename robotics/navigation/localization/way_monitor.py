@@ -1,0 +1,51 @@
+"""Whether wheels err in the length of the way more than is claimed, where scans determine it."""
+
+from __future__ import annotations
+
+import math
+from typing import ClassVar
+
+TEST_EVERY_M = 0.5
+MAX_WAY_M = 10.0  # after which a new window begins
+SURE = 3.0  # sigmas beyond which what is claimed is wrong
+
+
+class WayMonitor:
+    """Sums up by how much scans correct the pose along the way, and tests the sum (Mehra, 1970).
+
+    The filter alone hardly notices: it takes each single correction for the map's error.
+    """
+
+    STATE: ClassVar = {"_missed": float, "_way": float, "_claimed": float, "_next": float}
+
+    def __init__(self) -> None:
+        """Start a window."""
+        self._missed, self._way, self._claimed, self._next = 0.0, 0.0, 0.0, TEST_EVERY_M
+
+    def roll(self, way: float, variance: float) -> None:
+        """Count a way in [m], signed, and the `variance` in [m²] that slip is claimed to add by it."""
+        self._way += way
+        self._claimed += variance
+
+    def begin(self) -> None:
+        """Start a window: what was counted in this one is left out."""
+        self._missed, self._way, self._claimed, self._next = 0.0, 0.0, 0.0, TEST_EVERY_M
+
+    def take(self, missed: float, map_sigma: float, scale_variance: float) -> float:
+        """Count a correction along the way; return the size of a scale error that is proven, else 0.
+
+        Args:
+            missed: by which the pose was corrected ahead, in [m].
+            map_sigma: of the map's error at one place, in [m].
+            scale_variance: that is claimed of the length of ways, relative.
+        """
+        self._missed += missed
+        way = abs(self._way)
+        if way < self._next:
+            return 0.0
+        self._next += TEST_EVERY_M
+        claimed = 2.0 * map_sigma**2 + self._claimed + scale_variance * way**2
+        found = abs(self._missed) / way if abs(self._missed) > SURE * math.sqrt(claimed) else 0.0
+        if found or way > MAX_WAY_M:
+            self.begin()
+        return found
