@@ -48,6 +48,7 @@ SLIPPED = 0.1  # [m] that the base was driven meanwhile: something stops it
 NOT_DETERMINED = "not determined"  # the check that found a pose to be uncertain
 CORRECTIONS = 3  # times that a base which drives by its wheels alone is led on after a look at rest
 ASTRAY = 0.3  # [m] off the goal, from where a route is planned again
+CLOSER = 0.8  # of what a place needs; the estimate moves and grows less sure until the base is at rest
 NEAR = 0.05  # [m] before the goal, where it turns and comes to stand
 
 
@@ -110,6 +111,8 @@ class MoveTo(ActionPrimitive):
         self._ahead = np.empty((0, 2))
         if model.places[self.place].docks:
             yield from self._dock(robot, model.places[self.place])
+        elif robot.spec.drive.kind != "ackermann":
+            yield from self._come_closer(robot, model.places[self.place])
         self.evidence.points["scan"] = robot.pose.apply(robot.range_sensor.scan().points())
         if model.detour and model.detour.goal == self.place:
             model.detour = None
@@ -127,6 +130,22 @@ class MoveTo(ActionPrimitive):
         return PoseTolerance(
             min(ARRIVED.position, 0.5 * need.position), min(ARRIVED.heading, 0.5 * need.heading)
         )
+
+    def _come_closer(self, robot: Robot, place: Place) -> Periods:
+        """Stand more exactly where the uncertainty leaves less room than the base came to stand in."""
+        need, pose = place.need, robot.localization.repeatability
+        off = difference(robot.pose, place.pose)
+        wanted = need._replace(position=CLOSER * need.position, heading=CLOSER * need.heading)
+        if undetermined(pose, wanted, off) is None or undetermined(pose, need) is not None:
+            return
+        sigma = math.sqrt(float(np.linalg.eigvalsh(pose[:2, :2])[-1]))
+        room = need.position - SURE * sigma, need.heading - SURE * math.sqrt(float(pose[2, 2]))
+        closer = PoseTolerance(
+            max(DOCKED.position, min(ARRIVED.position, 0.5 * room[0])),
+            max(DOCKED.heading, min(ARRIVED.heading, 0.5 * room[1])),
+        )
+        yield from reach_pose(robot, place.pose, closer)
+        yield from settle(robot)
 
     def _check_determined(self, robot: Robot, place: Place) -> None:
         """Raise `Discrepancy` where the sensors don't determine that the base is at its place."""
