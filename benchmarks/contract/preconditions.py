@@ -97,7 +97,7 @@ def _with_another(
     for key, field in type(primitive).model_fields.items():
         now = getattr(primitive, key)
         others = [name for name in known.get(named_entry(field) or "", ()) if name != now]
-        if now is not None and others:
+        if isinstance(now, str | int) and others:
             yield primitive.model_copy(update={key: others[0]})
 
 
