@@ -43,8 +43,12 @@ class GpsSource(FileModel):
     """East positive."""
     sigma_m: Annotated[float, Field(gt=0.0, le=100.0)] = 2.5
     """Of a fix with an HDOP of 1, an axis, where the receiver sends no GST."""
-    quality: Literal[1, 2, 4, 5] = 1
-    """The least that a fix must have: 1 single, 2 differential, 5 RTK float, 4 RTK fixed."""
+    quality: Literal[1, 2, 3, 4, 5] = 1
+    """The least quality of a fix, from worst to best 1 single, 3 PPS, 2 differential, 5 RTK float,
+    4 RTK fixed.
+
+    Dead reckoning (6), manual input (7) and simulation (8) are never fixes.
+    """
 
 
 class SensorsSpec(FileModel):

@@ -3,12 +3,19 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
 
-from handcart.backends.can.sensors.nmea_sentence import Accuracy, Position, read_sentence
+from handcart.backends.can.sensors.nmea_sentence import (
+    NO_SATELLITE_FIXES,
+    Accuracy,
+    Position,
+    read_sentence,
+)
 from handcart.files.errors import FileError, Finding
+from handcart.files.printable import counted
 from handcart.files.regular_file import read_regular_file
 
 from .checks.places import checked_places
@@ -29,7 +36,7 @@ def with_nmea(log: DriveLog, path: Path) -> DriveLog:
     Raises:
         FileError: it can't be read, or holds no fix.
     """
-    positions, accuracies = [], {}
+    positions, accuracies, others = [], {}, Counter[int]()
     for line in read_regular_file(path, MAX_BYTES).splitlines():
         try:
             sentence = read_sentence(line.strip())
@@ -37,11 +44,14 @@ def with_nmea(log: DriveLog, path: Path) -> DriveLog:
             continue
         if isinstance(sentence, Accuracy):
             accuracies[round(sentence.utc, 1)] = sentence.sigma
-        elif isinstance(sentence, Position) and sentence.quality > 0:
+        elif isinstance(sentence, Position) and sentence.is_fix:
             positions.append(sentence)
+        elif isinstance(sentence, Position):
+            others[sentence.quality] += 1
+    skipped = _skipped(others)
     if not positions:
         wrong = "no fix in it; needed: GGA sentences of NMEA 0183 with a place and sound checksums"
-        raise FileError([Finding(str(path), 1, 1, wrong)])
+        raise FileError([Finding(str(path), 1, 1, "; ".join([wrong, *skipped]))])
     times = np.unwrap([each.utc for each in positions], period=DAY)
     times = times - times[0] + _first(log, positions[0].utc)
     lats, lons, notes = checked_places(
@@ -53,7 +63,17 @@ def with_nmea(log: DriveLog, path: Path) -> DriveLog:
         row = int(np.searchsorted(log.times, time))
         if row < len(log.times) and time >= log.times[0]:
             fixes[row], sigmas[row] = place, accuracies.get(round(each.utc, 1), math.nan)
-    return log._replace(fixes=fixes, sigmas=sigmas, notes=(*log.notes, *notes))
+    return log._replace(fixes=fixes, sigmas=sigmas, notes=(*log.notes, *notes, *skipped))
+
+
+def _skipped(others: Counter[int]) -> list[str]:
+    """Return a note for each quality whose places are not satellite fixes."""
+    return [
+        f"skipped {counted(count, 'place')} of quality {quality}: "
+        + NO_SATELLITE_FIXES.get(quality, "unknown in NMEA 0183")
+        for quality, count in sorted(others.items())
+        if quality != 0
+    ]
 
 
 def _first(log: DriveLog, utc: float) -> float:

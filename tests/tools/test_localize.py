@@ -139,6 +139,11 @@ def test_speed_and_steering_are_an_odometry(
     assert localized(log)["error_m_rms"] < 1.5
 
 
+def _typed_by_hand(line: bytes) -> bytes:
+    body = line[1:].partition(b"*")[0].replace(b",E,1,", b",E,7,")
+    return b"$%b*%02X" % (body, checksum(body))
+
+
 def test_a_receivers_own_log_gives_the_fixes(
     tmp_path: Path, drive: FieldLog, localized: Callable[..., dict[str, Any]], refused: Callable[..., str]
 ) -> None:
@@ -158,6 +163,8 @@ def test_a_receivers_own_log_gives_the_fixes(
     found = localized(log, "--nmea", nmea)
     assert found["fixes"] == len(drive.fixes)
     assert found["error_m_rms"] < 2.0  # about the first fix, which is off by itself
+    nmea.write_bytes(b"\r\n".join(_typed_by_hand(line) for line in lines[2:]))
+    assert f"skipped {len(lines) - 2} places of quality 7: typed in by hand" in refused(log, "--nmea", nmea)
     nmea.write_bytes(b"nothing\r\n")
     assert "no fix in it" in refused(log, "--nmea", nmea)
 

@@ -33,6 +33,8 @@ class LiveSensor(ABC):
         """How many readings were dropped: damaged, not finite, of another size, out of order."""
         self.trouble = ""
         """Why it can't be read any more; "" while it can."""
+        self.doubt = ""
+        """Why what comes is not used just now; "" while it is."""
 
     def advance(self) -> None:
         """A period has passed: take in what has come."""
@@ -56,7 +58,7 @@ class LiveSensor(ABC):
         """Raises `StaleSensor` where the last reading is too old."""
         age = self.age
         if age is None or age > self._stale:
-            raise StaleSensor(self.name, age, self._stale, self.trouble)
+            raise StaleSensor(self.name, age, self._stale, self.trouble or self.doubt)
 
     def _good(self) -> None:
         """A good reading has come in this period."""

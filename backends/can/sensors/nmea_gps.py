@@ -13,10 +13,8 @@ from handcart.backends.description.can_sensor_spec import GpsSource
 
 from .line_port import LinePort
 from .live_sensor import Clock, LiveSensor
-from .nmea_sentence import Accuracy, Position, read_sentence
+from .nmea_sentence import NO_SATELLITE_FIXES, SATELLITE_FIXES, Accuracy, Position, read_sentence
 from .utc_order import UtcOrder
-
-_BETTER = {0: 0, 1: 1, 2: 2, 5: 3, 4: 4}  # qualities of GGA, the best last: 4 is RTK fixed, 5 RTK float
 
 
 class NmeaGps(LiveSensor, Gps):
@@ -66,7 +64,7 @@ class NmeaGps(LiveSensor, Gps):
             self.rejected += 1
 
     def _take_position(self, position: Position) -> None:
-        if _BETTER.get(position.quality, 0) < _BETTER[self._source.quality]:
+        if not self._is_good_enough(position):
             return
         east, north = self._plane.transform(position.lon, position.lat)
         sigma = self._sigma(position)
@@ -76,6 +74,18 @@ class NmeaGps(LiveSensor, Gps):
             raise ValueError("an old one")
         self._fix = Fix(np.array([east, north]), sigma)
         self._good()
+
+    def _is_good_enough(self, position: Position) -> bool:
+        """Return whether its quality is what the robot's file needs, and note why not."""
+        if not position.is_fix:
+            kind = NO_SATELLITE_FIXES.get(position.quality, "unknown in NMEA 0183")
+            self.doubt = f"it sends places of quality {position.quality}, {kind}: they are no satellite fixes"
+        elif SATELLITE_FIXES[position.quality] < SATELLITE_FIXES[self._source.quality]:
+            needed = self._source.quality
+            self.doubt = f"its fixes have quality {position.quality}; needed: {needed} or better"
+        else:
+            self.doubt = ""
+        return not self.doubt
 
     def _sigma(self, position: Position) -> float:
         """What the receiver said of about that time, else by the satellites' geometry."""

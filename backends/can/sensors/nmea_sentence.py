@@ -21,6 +21,15 @@ _GST = re.compile(rf"[A-Z]{{2}}GST,{_TIME}(?:,[^,]*){{4}},(?P<lat>[\d.]*),(?P<lo
 _NOWHERE = re.compile(r"[A-Z]{2}GGA,[\d.]*,,,,,.*", re.ASCII)
 
 
+SATELLITE_FIXES = {1: 1, 3: 2, 2: 3, 5: 4, 4: 5}
+"""Rank of the qualities of GGA that satellites give, by NMEA 0183.
+
+1 single, 3 precise positioning service (PPS), 2 differential or SBAS, 5 RTK float, 4 RTK fixed.
+"""
+NO_SATELLITE_FIXES = {0: "invalid", 6: "estimated by dead reckoning", 7: "typed in by hand", 8: "simulated"}
+"""The other qualities of GGA: places that no satellite measured."""
+
+
 class Position(NamedTuple):
     """GGA: a fix."""
 
@@ -31,7 +40,13 @@ class Position(NamedTuple):
     lon: float
     """East positive, in [deg]."""
     quality: int
+    """A key of `SATELLITE_FIXES` or `NO_SATELLITE_FIXES`; others are not in the standard."""
     hdop: float
+
+    @property
+    def is_fix(self) -> bool:
+        """Whether satellites measured it."""
+        return self.quality in SATELLITE_FIXES
 
 
 class Accuracy(NamedTuple):

@@ -217,6 +217,33 @@ def test_a_receiver_that_isnt_good_enough(device: Device, clock: Any) -> None:
     receiver.close()
 
 
+@pytest.mark.parametrize(
+    ("needed", "taken"), [(1, {1, 2, 3, 4, 5}), (3, {2, 3, 4, 5}), (2, {2, 4, 5}), (5, {4, 5}), (4, {4})]
+)
+def test_qualities_of_fixes_rank_as_the_standard_says(
+    device: Device, clock: Any, needed: Any, taken: set[int]
+) -> None:
+    """All ten digits; 0, 6, 7, 8 and 9 are no satellite fixes."""
+    receiver = NmeaGps(GpsSource(port=device.port, **ORIGIN, quality=needed), clock)
+    found = set()
+    for quality in range(10):
+        device.say(nmea(f"GPGGA,12351{quality},4800.1,N,01100.1,E,{quality},08,0.9,545.4,M,46.9,M,,"))
+        receiver.advance()
+        clock.now += 1.0
+        found |= {quality} if receiver.fix() is not None else set()
+    receiver.close()
+    assert found == taken
+
+
+def test_stale_receiver_says_that_it_sends_dead_reckoning(device: Device, clock: Any) -> None:
+    receiver = NmeaGps(GpsSource(port=device.port, **ORIGIN), clock)
+    device.say(nmea("GPGGA,123519,4800.1,N,01100.1,E,6,08,0.9,545.4,M,46.9,M,,"))
+    receiver.advance()
+    with pytest.raises(StaleSensor, match="places of quality 6, estimated by dead reckoning"):
+        receiver.check_fresh()
+    receiver.close()
+
+
 ORIGIN: dict[str, Any] = {"origin_lat_deg": 48.0, "origin_lon_deg": 11.0}
 
 
