@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
+from handcart.files.inside import FilePath
 from handcart.files.models.model import FileModel
 from handcart.robotics.navigation.localization.odometry import OdometryErrors
 
+from .camera_info import CameraInfo
 from .range_spec import RangeSpec as RangeSpec
 
 Positive = Annotated[float, Field(gt=0.0)]
@@ -62,11 +64,16 @@ class CalibratedCamera(FileModel):
 
 
 class CameraSpec(FileModel):
-    """The camera at the URDF's frame `camera`, as it should be; the optical axis in the picture's middle."""
+    """The camera at the URDF's frame `camera`, as it should be; the optical axis in the picture's middle.
 
-    width_px: Annotated[int, Field(gt=0)]
-    height_px: Annotated[int, Field(gt=0)]
-    focal_px: Positive
+    A `camera_info` file of ROS says the same, with the axis and the lens as they were calibrated.
+    """
+
+    camera_info: FilePath | None = None
+    """A YAML file of ROS beside the robot's file, instead of size, focal length and lens."""
+    width_px: Annotated[int, Field(ge=0)] = 0
+    height_px: Annotated[int, Field(ge=0)] = 0
+    focal_px: NotNegative = 0.0
     k1: float = 0.0
     k2: float = 0.0
     p1: float = 0.0
@@ -74,6 +81,32 @@ class CameraSpec(FileModel):
     k3: float = 0.0
     calibrated: CalibratedCamera | None = None
     """As it is, where that was measured."""
+    _info: CameraInfo | None = None
+
+    @model_validator(mode="after")
+    def _has_one_lens(self) -> Self:
+        sizes = {"width_px", "height_px", "focal_px"}
+        lens = sizes | {"k1", "k2", "p1", "p2", "k3"}
+        if self.camera_info is None and (
+            missing := [name for name in sorted(sizes) if not getattr(self, name)]
+        ):
+            raise ValueError(f"no {', no '.join(missing)}; needed: numbers above 0, or the key camera_info")
+        if self.camera_info is not None and (also := sorted(lens & self.model_fields_set)):
+            raise ValueError(f"camera_info and {', '.join(also)}; allowed: camera_info, which has them")
+        return self
+
+    @property
+    def info(self) -> CameraInfo | None:
+        """What the `camera_info` file says; None without one."""
+        return self._info
+
+    def with_info(self, info: CameraInfo) -> CameraSpec:
+        """Return the camera as a `camera_info` file describes it."""
+        K = info.K
+        size = {"width_px": info.image_width, "height_px": info.image_height, "focal_px": float(K[0, 0])}
+        camera = self.model_copy(update=size)
+        camera._info = info
+        return camera
 
 
 class ImuSpec(FileModel):

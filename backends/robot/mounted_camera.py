@@ -22,7 +22,9 @@ class MountedCamera(NamedTuple):
 
 
 def camera_model(spec: CameraSpec) -> CameraModel:
-    """The model as stated: with its optical axis through the middle of the picture."""
+    """Return the model as stated: by a `camera_info` file, or with its axis through the picture's middle."""
+    if spec.info is not None:
+        return spec.info.model
     middle = (spec.width_px - 1) / 2, (spec.height_px - 1) / 2
     return _model(spec, spec, middle)
 

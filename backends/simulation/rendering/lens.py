@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from handcart.backends.description.simulated_errors import Errors
 from handcart.backends.simulation.keyed_noise import keyed
 from handcart.robotics.perception.cameras.camera_model import CameraModel
+from handcart.robotics.perception.cameras.lens_fold import LensKind
 
 _SPARE = 256  # how much larger the tile of noise is than a picture [px]
 
@@ -30,7 +31,7 @@ class Lens:
         self._seed, self._errors = seed, errors
         self._shape = (camera.height, camera.width)
         rows, columns = np.indices(self._shape, dtype=np.float64)
-        rays = _rays(camera.K.tobytes(), camera.distortion.tobytes(), *self._shape)
+        rays = _rays(camera.K.tobytes(), camera.distortion.tobytes(), *self._shape, camera.lens)
         focal = camera.K[0, 0]
         low, high = np.floor(rays.min(axis=0) * focal) - 2, np.ceil(rays.max(axis=0) * focal) + 2
         self.size = (int(high[0] - low[0]) + 1, int(high[1] - low[1]) + 1)
@@ -62,8 +63,8 @@ class Lens:
 
 
 @lru_cache(maxsize=4)
-def _rays(K: bytes, distortion: bytes, height: int, width: int) -> NDArray[np.float64]:
+def _rays(K: bytes, distortion: bytes, height: int, width: int, lens: LensKind) -> NDArray[np.float64]:
     """Rays (n, 2) of all pixels, row by row: half of what a lens takes to make."""
-    camera = CameraModel(np.frombuffer(K).reshape(3, 3), np.frombuffer(distortion), width, height)
+    camera = CameraModel(np.frombuffer(K).reshape(3, 3), np.frombuffer(distortion), width, height, lens)
     rows, columns = np.indices((height, width), dtype=np.float64)
     return camera.undistort(np.column_stack((columns.ravel(), rows.ravel())))

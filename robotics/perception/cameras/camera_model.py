@@ -8,38 +8,57 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from handcart.robotics.perception.cameras.lens_fold import LensKind, fold_radius
+
 Floats = NDArray[np.float64]
 GreyImage = NDArray[np.uint8]
+FISHEYE_FAILED = 1e5  # of a ray from OpenCV that its fisheye model has not found
 
 
 class CameraModel(NamedTuple):
-    """Pinhole with OpenCV's five-term distortion (k1, k2, p1, p2, k3); an integer pixel is a pixel's centre.
+    """A camera with a lens; an integer pixel is a pixel's centre.
 
-    `K` (3, 3) in [px]; `distortion` (5,); `width`, `height` of the image in [px]. Camera frame: z forward,
-    x right, y down.
+    Camera frame: z forward, x right, y down.
     """
 
     K: Floats
+    """(3, 3) in [px]."""
     distortion: Floats
+    """As OpenCV has it: (4,), (5,) or (8,) k1, k2, p1, p2, k3, k4, k5, k6 of `brown`, (4,) of `fisheye`."""
     width: int
+    """Of the picture, in [px]."""
     height: int
+    """Of the picture, in [px]."""
+    lens: LensKind = "brown"
 
     def project(self, points: Floats) -> Floats:
-        """Pixels (n, 2) of points (n, 3) of the camera frame in [m]. Points behind the camera give NaN."""
+        """Return the pixels (n, 2) of points (n, 3) of the camera frame in [m].
+
+        Points behind the camera give NaN, and so do points farther off the axis than the lens model holds
+        (`fold_radius`): beyond, it maps them back into the picture.
+        """
         if len(points) == 0:
             return np.empty((0, 2))
-        zero = np.zeros(3)
-        pixels, _ = cv2.projectPoints(points.reshape(-1, 1, 3), zero, zero, self.K, self.distortion)
+        zero, source = np.zeros(3), points.reshape(-1, 1, 3)
+        if self.lens == "fisheye":
+            pixels, _ = cv2.fisheye.projectPoints(source, zero, zero, self.K, self.distortion)
+        else:
+            pixels, _ = cv2.projectPoints(source, zero, zero, self.K, self.distortion)
         result: Floats = pixels.reshape(-1, 2).astype(np.float64)
-        result[points[:, 2] <= 0.0] = np.nan
+        fold = fold_radius(self.distortion, self.lens)
+        far = np.hypot(points[:, 0], points[:, 1]) >= fold * points[:, 2] if fold < np.inf else False
+        result[(points[:, 2] <= 0.0) | far] = np.nan
         return result
 
     def undistort(self, pixels: Floats) -> Floats:
-        """Rays (n, 2) through pixels (n, 2): x/z and y/z in the camera frame."""
+        """Return the rays (n, 2) through pixels (n, 2): x/z and y/z in the camera frame; NaN if not found."""
         if len(pixels) == 0:
             return np.empty((0, 2))
         criteria = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 40, 1e-10)
         source = np.ascontiguousarray(pixels, dtype=np.float64).reshape(-1, 1, 2)
+        if self.lens == "fisheye":
+            seen = cv2.fisheye.undistortPoints(source, self.K, self.distortion).reshape(-1, 2)
+            return np.where(np.abs(seen) < FISHEYE_FAILED, seen, np.nan).astype(np.float64)
         rays = cv2.undistortPointsIter(source, self.K, self.distortion, np.eye(3), np.eye(3), criteria)
         result: Floats = rays.reshape(-1, 2).astype(np.float64)
         return result
@@ -72,9 +91,8 @@ class CameraModel(NamedTuple):
         """
         # OpenCV inverts its "new camera matrix" to get exactly this map; any homography does.
         inverse = np.linalg.inv(picture_to_rays)
-        columns, rows = cv2.initUndistortRectifyMap(
-            self.K, self.distortion, np.eye(3), inverse, size, cv2.CV_32FC1
-        )
+        undo = cv2.fisheye.initUndistortRectifyMap if self.lens == "fisheye" else cv2.initUndistortRectifyMap
+        columns, rows = undo(self.K, self.distortion, np.eye(3), inverse, size, cv2.CV_32FC1)
         return cv2.remap(image, columns, rows, cv2.INTER_CUBIC).astype(np.uint8, copy=False)
 
 

@@ -14,7 +14,6 @@ from handcart.robotics.perception.landmarks.constellation import Kind
 from handcart.robotics.perception.landmarks.landmark import square_corners
 
 RIM = 16.0  # [px] of the picture in which a landmark may be, or not
-WIDEST = 1.5  # times what a lens without distortion would show: far beyond, a lens' model folds back
 
 
 def wholly_in_view(
@@ -28,8 +27,5 @@ def wholly_in_view(
     corners = np.array([apply(place.lift(kind.height), square) for place in places]).reshape(-1, 3)
     seen = apply(inverse(base_T_camera), corners)
     pixels, middle = camera.project(seen), np.array([camera.width - 1.0, camera.height - 1.0]) / 2
-    widest = WIDEST * middle / camera.K[(0, 1), (0, 1)]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        before = (np.abs(seen[:, :2] / seen[:, 2:]) < widest).all(axis=1)
-        inside = (np.abs(pixels - middle) <= middle - RIM).all(axis=1)
-    return np.asarray((before & inside).reshape(-1, 4).all(axis=1))
+    inside = (np.abs(pixels - middle) <= middle - RIM).all(axis=1)  # not where a pixel is NaN
+    return np.asarray(inside.reshape(-1, 4).all(axis=1))

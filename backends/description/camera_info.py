@@ -1,0 +1,113 @@
+"""What ROS knows of a camera: the YAML file that `camera_calibration` and `camera_info_manager` write."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import ConfigDict, Field, model_validator
+
+from handcart.files.models.loading import load
+from handcart.files.models.model import FileModel
+from handcart.robotics.perception.cameras.camera_model import CameraModel
+from handcart.robotics.perception.cameras.lens_fold import LensKind
+
+Pixels = Annotated[int, Field(gt=0, le=20_000)]
+MAX_OFF_AXIS_DEG = 75  # what is seen is worked out in a plane, which grows without bound toward 90
+FOLD_PX = 0.5
+COEFFICIENTS = {
+    "plumb_bob": (4, 5),
+    "rational_polynomial": (8,),
+    "equidistant": (4,),
+    "fisheye": (4,),
+}
+"""Distortion models by name, each with how many coefficients it has; more of them have to be 0."""
+
+
+class Matrix(FileModel):
+    """A matrix, row by row."""
+
+    model_config = ConfigDict(extra="ignore")
+
+    data: tuple[float, ...]
+
+
+class CameraInfo(FileModel):
+    """The parts of the file that say how points come into the picture; others are skipped."""
+
+    model_config = ConfigDict(extra="ignore")
+
+    image_width: Pixels
+    image_height: Pixels
+    camera_matrix: Matrix
+    """K, 3 x 3."""
+    distortion_model: Literal["plumb_bob", "rational_polynomial", "equidistant", "fisheye"] = "plumb_bob"
+    distortion_coefficients: Matrix = Matrix(data=())
+    """D: k1, k2, p1, p2, k3, k4, k5, k6, or the four of `equidistant`."""
+
+    @model_validator(mode="after")
+    def _is_camera(self) -> Self:
+        k = self.camera_matrix.data
+        if len(k) != 9:
+            raise ValueError(f"camera_matrix has {len(k)} numbers; allowed: 9")
+        if k[0] <= 0.0 or k[4] <= 0.0 or k[8] != 1.0 or any(k[at] != 0.0 for at in (1, 3, 6, 7)):
+            raise ValueError("camera_matrix is not [fx, 0, cx, 0, fy, cy, 0, 0, 1] with fx, fy above 0")
+        count, allowed = len(self._coefficients), COEFFICIENTS[self.distortion_model]
+        if count > max(allowed):
+            wrong = f"{self.distortion_model} has {count} coefficients, zeros at their end aside"
+            raise ValueError(f"{wrong}; allowed: {max(allowed)}")
+        if fault := _lens_fault(self.model):
+            raise ValueError(fault)
+        return self
+
+    @property
+    def _coefficients(self) -> tuple[float, ...]:
+        """The coefficients without the zeros at their end."""
+        data = self.distortion_coefficients.data
+        while data and data[-1] == 0.0:
+            data = data[:-1]
+        return data
+
+    @property
+    def model(self) -> CameraModel:
+        """The camera that it describes."""
+        return CameraModel(self.K, self.distortion, self.image_width, self.image_height, self.lens)
+
+    @property
+    def lens(self) -> LensKind:
+        """Kind of the lens model."""
+        return "fisheye" if self.distortion_model in ("equidistant", "fisheye") else "brown"
+
+    @property
+    def distortion(self) -> NDArray[np.float64]:
+        """(4,) of a fisheye, (5,) or (8,) of others, as OpenCV has them."""
+        size = next(size for size in (5, 8) if size >= len(self._coefficients))
+        filled = np.zeros(4 if self.lens == "fisheye" else size)
+        filled[: len(self._coefficients)] = self._coefficients
+        return filled
+
+    @property
+    def K(self) -> NDArray[np.float64]:
+        """(3, 3) in [px]."""
+        return np.array(self.camera_matrix.data).reshape(3, 3)
+
+
+def _lens_fault(camera: CameraModel) -> str:
+    """Return why the lens model cannot be used in the whole picture; "" if it can."""
+    last = np.array([camera.width - 1.0, camera.height - 1.0])
+    rim = np.array([[x, y] for x in (0.0, 0.5, 1.0) for y in (0.0, 0.5, 1.0)]) * last
+    rays = camera.undistort(rim)
+    again = camera.project(np.column_stack([rays, np.ones(len(rays))]))
+    if not np.allclose(again, rim, atol=FOLD_PX):
+        return "the lens model folds back within the picture; allowed: one that holds up to its corners"
+    off_axis = float(np.degrees(np.arctan(np.hypot(*rays.T).max())))
+    if off_axis > MAX_OFF_AXIS_DEG:
+        return f"the picture shows {off_axis:.0f} degrees off the axis; allowed: {MAX_OFF_AXIS_DEG}"
+    return ""
+
+
+def load_camera_info(path: Path) -> CameraInfo:
+    """Read a camera_info file; raises `FileError` with every finding."""
+    return load(path, CameraInfo)

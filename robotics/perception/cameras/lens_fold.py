@@ -1,0 +1,55 @@
+"""How far off its axis a lens model holds: beyond that radius its polynomial folds back."""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+from typing import Literal
+
+import numpy as np
+from numpy.polynomial import Polynomial
+from numpy.typing import NDArray
+
+LensKind = Literal["brown", "fisheye"]
+"""`brown`: Brown's polynomial or the rational one (ROS `plumb_bob`, `rational_polynomial`).
+
+`fisheye`: that of Kannala and Brandt (ROS `equidistant`).
+"""
+
+
+def fold_radius(distortion: NDArray[np.float64], lens: LensKind) -> float:
+    """Return the largest distance from the axis of a ray (x/z, y/z) that the model maps to one pixel alone.
+
+    Up to there the distance in the picture grows with that of the ray; infinite where it always does. Only
+    the radial terms are looked at.
+
+    Args:
+        distortion: (4,), (5,) or (8,) for `brown`: k1, k2, p1, p2, k3, k4, k5, k6; (4,) for `fisheye`.
+        lens: kind of the model.
+    """
+    return _fold_radius(np.ascontiguousarray(distortion, dtype=np.float64).tobytes(), lens)
+
+
+@lru_cache(maxsize=16)
+def _fold_radius(distortion: bytes, lens: LensKind) -> float:
+    terms = np.frombuffer(distortion)
+    if lens == "fisheye":
+        # d/dθ of θ (1 + k1 θ² + k2 θ⁴ + k3 θ⁶ + k4 θ⁸), in s = θ²
+        slope = Polynomial([1.0, *(np.arange(3, 3 + 2 * len(terms), 2) * terms)])
+        angle = math.sqrt(_first_root(slope))
+        return math.tan(angle) if angle < math.pi / 2 else math.inf
+    k = np.zeros(8)
+    k[: len(terms[:8])] = terms[:8]
+    above, below = Polynomial([1.0, k[0], k[1], k[4]]), Polynomial([1.0, k[5], k[6], k[7]])
+    s = Polynomial([0.0, 1.0])
+    # d/dr of r above(r²) / below(r²), times below²: in s = r²
+    slope = above * below + 2.0 * s * (above.deriv() * below - above * below.deriv())
+    return math.sqrt(min(_first_root(slope), _first_root(below)))
+
+
+def _first_root(polynomial: Polynomial) -> float:
+    """Return the smallest positive root; infinity if there is none."""
+    trimmed = polynomial.trim()
+    roots = np.asarray(trimmed.roots() if trimmed.degree() else [], dtype=complex)
+    positive = roots.real[(np.abs(roots.imag) < 1e-9) & (roots.real > 0.0)]
+    return float(positive.min()) if len(positive) else math.inf
