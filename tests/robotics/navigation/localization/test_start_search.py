@@ -67,7 +67,7 @@ def test_a_wall_that_does_not_return_contradicts_a_start() -> None:
     walls = [(20.0, 1.5, 0.0, 40.0, 0.1), (20.0, -1.5, 0.0, 40.0, 0.1), (0.0, 0.0, 0.0, 0.1, 3.0)]
     field = LikelihoodField(from_boxes(walls, 0.05, (-1.0, -2.0), (42.0, 4.0)))
     beams = seen(walls, Pose2(6.0, 0.0, 0.0), reach=4.0)
-    assert check_start(field, beams, Pose2(2.0, 0.0, 0.0), NOISE).contradicts
+    assert check_start(field, beams, Pose2(3.5, 0.0, 0.0), NOISE).contradicts
     assert not check_start(field, beams, Pose2(7.0, 0.0, 0.0), NOISE).contradicts
 
 
