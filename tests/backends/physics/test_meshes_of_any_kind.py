@@ -15,7 +15,7 @@ from handcart.backends.physics.urdf.sound_urdf import sound_urdf
 from handcart.backends.simulation.world.world_model import world_model
 from handcart.files.errors import FileError
 from handcart.robotics.kinematics.urdf_contents import bodies_of
-from tests.backends.physics.mesh_robot import write_robot
+from tests.backends.physics.mesh_robot import MASS, write_robot
 
 EMPTY = world_model().model_validate({"format": "handcart-world/1", "start": {"x_m": 0.0, "y_m": 0.0}})
 
@@ -65,3 +65,27 @@ def test_base_with_such_meshes_drives_as_commanded(physics: type[PhysicsBackend]
     assert (at.x, at.y) == pytest.approx((0.6, 0.0), abs=0.02)
     assert at.theta == pytest.approx(1.0, abs=0.03)
     assert contacts == []
+
+
+OVERLAPPING = """\
+<link name="{0}">{mass}<collision><origin xyz="0 0 0.05"/><geometry><box size="0.1 0.1 0.1"/></geometry>
+</collision></link><joint name="{0}" type="revolute"><parent link="body"/><child link="{0}"/>
+<origin xyz="0 {1} 0.3"/><axis xyz="1 0 0"/><limit lower="-1" upper="1" effort="0.1" velocity="1"/></joint>
+"""
+
+
+def test_links_that_cannot_move_against_each_other_do_not_collide(
+    physics: type[PhysicsBackend], robot: RobotFile
+) -> None:
+    """Two fingers that nobody moves overlap by 60 mm: they would push each other apart for ever."""
+    urdf, light = robot.folder / "robot.urdf", MASS.format(0.1, 0.0005)
+    two = "".join(OVERLAPPING.format(name, y, mass=light) for name, y in (("one", 0.0), ("other", 0.04)))
+    urdf.write_text(urdf.read_text().replace("</robot>", two + "</robot>"), encoding="utf-8")
+    backend = physics(load_robot(str(robot.folder / "robot.yaml")), EMPTY, 0)
+    for _ in range(20):
+        backend.step()
+    poses = [backend.link_pose(name) for name in ("one", "other")]
+    backend.close()
+    assert poses[0][:3, :3] == pytest.approx(np.eye(3), abs=0.01)
+    assert poses[1][:3, :3] == pytest.approx(np.eye(3), abs=0.01)
+    assert poses[1][1, 3] - poses[0][1, 3] == pytest.approx(0.04, abs=1e-3)
