@@ -132,7 +132,7 @@ def _content_fault(rng: random.Random) -> tuple[BagDrive, Stamp, dict[str, str],
         order = rng.choice(([1, 2, 0], [2, 0, 1], [0, 2, 1]))
         turned = drive._replace(rates=drive.rates[:, order], accelerations=drive.accelerations[:, order])
         return turned, _true_stamp, topics, f"the IMU's axes are {order}"
-    at, by = rng.uniform(5.0, 25.0), rng.choice((-BEGUN, -20.0, 3600.0, 2.0e9))
+    at, by = rng.uniform(5.0, 25.0), rng.choice((-BEGUN, -20.0, 3600.0, 4.0e8))
     which = rng.choice([*topics, "all"])
 
     def stamp(topic: str, time: float) -> float:

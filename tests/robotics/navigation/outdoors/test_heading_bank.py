@@ -15,6 +15,7 @@ from benchmarks.field.field_drive import PERIOD, FieldTimes
 from benchmarks.field.field_log import record_course
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.outdoors.field_localizer import FieldLocalizer
+from handcart.robotics.navigation.outdoors.field_model import GPS_X, X
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE, RTK, FieldNoise
 from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance, GyroOdometry
@@ -196,3 +197,13 @@ def test_a_track_needs_its_heading_less_exactly_than_a_sensor() -> None:
     first, second = (driven_until_known(each, REFERENCE, 3)[0] for each in (loose, strict))
     assert first < second
     assert math.sqrt(loose.covariance[2, 2]) <= math.radians(10.5)
+
+
+def test_a_worse_sky_moves_the_place_as_much_as_its_fixes_err() -> None:
+    """Fixes see place and slow error together: their sum is as sure by each supposition."""
+    localizer = GpsFilter(Pose2(0.0, 0.0, 0.0), REFERENCE._replace(start_heading=math.inf))
+    driven_until_known(localizer, REFERENCE, 3)
+    spreads = [each.belief.covariance for each in localizer.filters]
+    sums = [spread[X, X] + 2.0 * spread[X, GPS_X] + spread[GPS_X, GPS_X] for spread in spreads]
+    assert max(sums) == pytest.approx(min(sums), rel=1e-6)
+    assert max(spread[X, X] for spread in spreads) > 2.0 * min(spread[X, X] for spread in spreads)
