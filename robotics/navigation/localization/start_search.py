@@ -25,7 +25,8 @@ MIN_STRIDE_M = 0.1
 HEADINGS = 72
 COARSE_M = 0.15  # scale of the first search
 COARSE_POINTS = 60
-MAX_CANDIDATES = 10
+MAX_CANDIDATES = 24
+PLAUSIBLE_M = 5.0  # from the stated start; farther off, a place that looks alike may have been missed
 AT_SURFACE = 0.2  # cells from a surface, where a beam ends
 SHORT_OF_REACH = 0.9  # of the reach: what the map shows nearer has to return
 ROUGH = np.diag([0.3, 0.3, 0.17]) ** 2  # [m², rad²] of a candidate
@@ -113,7 +114,8 @@ def check_start(field: LikelihoodField, beams: Beams, pose: Pose2, noise: float)
     if more <= BETTER or (best < SURE_FIT and more <= MUCH_BETTER):
         return StartFit(share)
     alone = len(others) == 1 or others[1][0] < best - BETTER
-    return StartFit(share, where, best, best >= SURE_FIT and alone)
+    is_sure = best >= SURE_FIT and alone and where.distance(pose) < PLAUSIBLE_M
+    return StartFit(share, where, best, is_sure)
 
 
 def map_ranges(field: LikelihoodField, sensor: Pose2, angles: Array, reach: float) -> Array:
