@@ -67,6 +67,18 @@ def test_wheels_arm_fingers_and_frames_are_found(outline: Outline) -> None:
     assert outline.frames == {"range_sensor": "laser_link"}
 
 
+def test_wheels_nearer_to_the_middle_are_not_driven() -> None:
+    inner = [
+        link("l_inner", WHEEL),
+        link("r_inner", WHEEL),
+        joint("l_inner_wheel", "continuous", "base_link", "l_inner", "0.2 0.1 0.1", "0 1 0"),
+        joint("r_inner_wheel", "continuous", "base_link", "r_inner", "0.2 -0.1 0.1", "0 1 0"),
+    ]
+    wheels = outline_of(f"<robot name='r'>{''.join([*PARTS, *inner])}</robot>").wheels
+    assert wheels is not None
+    assert (wheels.left, wheels.right) == (("l_wheel_joint",), ("r_wheel_joint",))
+
+
 def test_a_draft_is_a_robots_file(outline: Outline, tmp_path: Path) -> None:
     (tmp_path / "it's.urdf").write_text(URDF, encoding="utf-8")
     file = tmp_path / "robot.yaml"
