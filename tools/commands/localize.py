@@ -71,6 +71,7 @@ def localize(
     from handcart.evaluation.replay.replay_chart import draw_replay
     from handcart.evaluation.replay.replay_words import figures, in_words
     from handcart.files.suggest import suggest
+    from handcart.tools.terminal.first_use import announced
     from handcart.tools.terminal.share_shown import share_shown
 
     if localizer not in KINDS:
@@ -84,7 +85,7 @@ def localize(
     given = _noise(whose)
     played, noise = prepare(log, played, given, whose is not None, imu_axes)
     thinned = played.thinned(noise.gps_period)
-    with share_shown("log") as passed:
+    with announced(f"playing {log}"), share_shown("log") as passed:
         replayed = replay(
             played,
             localizer_for(thinned, noise, localizer),
@@ -100,7 +101,7 @@ def localize(
     if track is not None:
         _write_track(track, replayed)
     if fit:
-        with share_shown("fit") as passed:
+        with announced("fitting the noise"), share_shown("fit") as passed:
             fitted = fit_noise(thinned, given, passed)
         found["fit"] = {"log_likelihood": [fitted.before, fitted.after], "turned": fitted.changed}
         if not as_json:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from handcart.robotics.navigation.outdoors.field_noise import SHARPEST, FieldNoise
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance
 from handcart.robotics.numerics.compiled import compiled
+from handcart.robotics.numerics.small_solve import solved
 
 X, Y, HEADING, SCALE, TURN_SLIP, SLIP, SIDE, BIAS, WARM_UP, GYRO_SCALE, GPS_X, GPS_Y, DELAY = range(13)
 SIZE = 13
@@ -176,7 +177,7 @@ def corrected(
     seen = rows @ spread
     for i in range(len(residual)):
         seen[i, i] += variance
-    gain = np.linalg.solve(seen, spread.T).T
+    gain = solved(seen, spread.T).T
     left = np.eye(len(mean)) - gain @ rows
     after = left @ covariance @ left.T + variance * (gain @ gain.T)
     return mean + gain @ residual, 0.5 * (after + after.T)

@@ -250,7 +250,9 @@ def _update(
     rolled = _refresh(seen, 6, wheels)
     travel = 0.5 * (rolled[0] + rolled[1])
     row = felt[int(state[11])]
-    row[:3], row[3:5], row[5:] = force, rolled, turning
+    for i in range(3):  # no slices: numba compiles seconds of messages for them
+        row[i], row[5 + i] = force[i], turning[i]
+    row[3], row[4] = rolled[0], rolled[1]
     state[11] = (state[11] + 1) % len(felt)
     state[9] = state[9] + 1 if rolled[0] == 0.0 and rolled[1] == 0.0 else 0.0
     state[18] += 1

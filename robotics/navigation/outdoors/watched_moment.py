@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.robotics.numerics.compiled import compiled
+from handcart.robotics.numerics.small_solve import solved
 
 Array = NDArray[np.float64]
 
@@ -117,8 +118,11 @@ def mixed(beliefs: Sequence[Belief], weights: Array) -> Belief:
 def spread_about(away: Array, weights: Array, covariances: Array, shares: Array) -> Array:
     """(n, n) of a mixture: of its parts (k, n, n) by their shares, and of how far they are away (k, n)."""
     out = np.zeros(covariances.shape[1:])
+    size = away.shape[1]
     for k in range(len(weights)):
-        out += shares[k] * covariances[k] + weights[k] * np.outer(away[k], away[k])
+        for i in range(size):
+            for j in range(size):
+                out[i, j] += shares[k] * covariances[k, i, j] + weights[k] * away[k, i] * away[k, j]
     return out
 
 
@@ -134,7 +138,7 @@ def _corrected(
 ) -> tuple[Array, Array, Array]:
     """See `WatchedMoment.corrected`: mean, spread and shared of the states then."""
     seen = rows @ covariance @ rows.T + variance * np.eye(len(residual))
-    gain = np.linalg.solve(seen, rows @ shared.T).T
+    gain = solved(seen, rows @ shared.T).T
     spread = spread - gain @ seen @ gain.T
     shared = shared - gain @ (rows @ covariance)
     return mean + gain @ residual, 0.5 * (spread + spread.T), shared

@@ -1,0 +1,42 @@
+"""Solving small linear systems in compiled code: numba takes seconds to compile a call of LAPACK."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.numerics.compiled import compiled
+
+Floats = NDArray[np.float64]
+
+
+@compiled
+def solved(matrix: Floats, right: Floats) -> Floats:
+    """Return x (n, m) of matrix (n, n) x = right (n, m), by Gaussian elimination with row pivots.
+
+    Raises:
+        ZeroDivisionError: the matrix is singular to the last bit.
+    """
+    left, out = matrix.copy(), right.copy()
+    n, m = out.shape
+    for column in range(n):
+        pivot = column
+        for row in range(column + 1, n):
+            if abs(left[row, column]) > abs(left[pivot, column]):
+                pivot = row
+        for other in range(n):
+            left[column, other], left[pivot, other] = left[pivot, other], left[column, other]
+        for other in range(m):
+            out[column, other], out[pivot, other] = out[pivot, other], out[column, other]
+        for row in range(column + 1, n):
+            factor = left[row, column] / left[column, column]
+            for other in range(column, n):
+                left[row, other] -= factor * left[column, other]
+            for other in range(m):
+                out[row, other] -= factor * out[column, other]
+    for row in range(n - 1, -1, -1):
+        for other in range(m):
+            for later in range(row + 1, n):
+                out[row, other] -= left[row, later] * out[later, other]
+            out[row, other] /= left[row, row]
+    return out
