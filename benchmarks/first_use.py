@@ -20,7 +20,7 @@ from threading import Thread
 from typing import IO, NamedTuple
 
 ROOT = Path(__file__).resolve().parents[1]
-BEGINS = "stops the base"
+BEGINS = ("stops the base", "1. DIVIDE")  # what `run` says before the first motion; DIVIDE only thinks
 COMMANDS = {
     "check": ("check", "stack_blocks"),
     "check seam": ("check", "track_seam"),
@@ -28,6 +28,8 @@ COMMANDS = {
     "do": ("do", "MOVE_TO", "place=shelf_3"),
     "run": ("run", "return_book", "--no-report"),
     "run blocks": ("run", "stack_blocks", "--no-report"),
+    "run seam": ("run", "track_seam", "--no-report"),
+    "run field": ("run", "deploy_straight", "--no-report"),
     "localize": ("localize", "{log}", "--columns", "t=t,v=v,w=w,x=x,y=y"),
 }
 """By name: the words after `handcart`."""
@@ -81,7 +83,7 @@ def first_use(words: Sequence[str]) -> Times:
         readers = [Thread(target=_note, args=(pipe, begun, said)) for pipe in pipes]
         for reader in readers:
             reader.start()
-        while process.poll() is None and not any(BEGINS in line for _, line in said):
+        while process.poll() is None and not any(_begins(line) for _, line in list(said)):
             time.sleep(0.02)
         result = time.monotonic() - begun
         process.kill()
@@ -102,6 +104,10 @@ def write_log(path: Path) -> None:
         fix = f"{x + off_x:.3f},{y + off_y:.3f}" if number % 20 == 0 else ","
         rows.append(f"{0.05 * number:.2f},1.0,{rate},{fix}")
     path.write_text("\n".join(rows) + "\n", encoding="utf-8")
+
+
+def _begins(line: str) -> bool:
+    return any(words in line for words in BEGINS)
 
 
 def _note(pipe: IO[str], begun: float, said: list[tuple[float, str]]) -> None:
