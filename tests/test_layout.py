@@ -129,6 +129,7 @@ def imported(path: Path) -> Iterator[str]:
         "docs/architecture.md",
         "docs/glossary.md",
         "docs/dependencies.md",
+        "docs/mutation.md",
     ],
 )
 def test_links_lead_somewhere(document: str) -> None:

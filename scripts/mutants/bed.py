@@ -11,15 +11,42 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-
-from mutant import Mutant
+from typing import NamedTuple, Protocol
 
 FAILED = 1  # pytest's exit status where a test failed
+TIMED_OUT = -1000  # status where the tests didn't end
 PATIENCE_S = 600.0
 LEAST_S = 60.0  # that tests of a bug may take, however quick they are without it
 SLOWER = 10.0  # times as long as without it: then they hang, and that is noticed
 MEMORY = 4 * 2**30  # [bytes] that the tests of a bug may take, of addresses
 MADE = (".git", ".venv", "__pycache__", "*.egg-info", "build", ".*_cache", ".hypothesis")
+
+
+class Plantable(Protocol):
+    """A bug that can be planted in a file."""
+
+    @property
+    def file(self) -> str:
+        """Path in the project."""
+
+    @property
+    def name(self) -> str:
+        """What is wrong with it."""
+
+    @property
+    def tests(self) -> tuple[str, ...]:
+        """Tests that have to notice it, as pytest takes them."""
+
+    def planted(self, content: str) -> str:
+        """Return the file's content with the bug."""
+
+
+class Ended(NamedTuple):
+    """How a run of pytest ended."""
+
+    status: int
+    """As the process reports it; negative if a signal ended it; or `TIMED_OUT`."""
+    output: str
 
 
 def _bounded() -> None:
@@ -52,23 +79,28 @@ class Bed:
     def passes(self, tests: tuple[str, ...]) -> bool:
         """Whether the tests pass without any bug."""
         begun = time.monotonic()
-        passed = self._run(tests, self._machine_code, PATIENCE_S) == 0
+        passed = self._run(tests, self._machine_code, PATIENCE_S).status == 0
         self._took[tests] = time.monotonic() - begun
         return passed
 
-    def notices(self, mutant: Mutant) -> bool:
+    def notices(self, mutant: Plantable) -> bool:
         """Whether one of the nearest tests fails, or never ends, with the bug planted."""
+        known = self._took.get(mutant.tests, PATIENCE_S)
+        status = self.run_tests(mutant, min(PATIENCE_S, max(LEAST_S, SLOWER * known))).status
+        if status > FAILED:
+            raise RuntimeError(f"{mutant.file}: {mutant.name}: pytest ends with status {status}")
+        return status != 0  # negative: it died, or never ended
+
+    def run_tests(self, mutant: Plantable, patience_s: float) -> Ended:
+        """Run a mutant's tests with the bug planted, up to the first that fails, for at most this long."""
         with self._planted(mutant) as compiled:
             code = self._machine_code.with_name("planted") if compiled else self._machine_code
-            known = self._took.get(mutant.tests, PATIENCE_S)
-            status = self._run(mutant.tests, code, min(PATIENCE_S, max(LEAST_S, SLOWER * known)))
+            ended = self._run(mutant.tests, code, patience_s)
             shutil.rmtree(self._machine_code.with_name("planted"), ignore_errors=True)
-        if status not in (0, FAILED):
-            raise RuntimeError(f"{mutant.file}: {mutant.name}: pytest ends with status {status}")
-        return status == FAILED
+        return ended
 
     @contextmanager
-    def _planted(self, mutant: Mutant) -> Iterator[bool]:
+    def _planted(self, mutant: Plantable) -> Iterator[bool]:
         """Plant a bug; gives whether it is in compiled code."""
         path = self.root / mutant.file
         sound, times = path.read_text(encoding="utf-8"), path.stat()
@@ -79,17 +111,17 @@ class Bed:
             path.write_text(sound, encoding="utf-8")
             os.utime(path, ns=(times.st_atime_ns, times.st_mtime_ns))
 
-    def _run(self, tests: tuple[str, ...], machine_code: Path, patience_s: float) -> int:
-        command = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", *tests]
+    def _run(self, tests: tuple[str, ...], machine_code: Path, patience_s: float) -> Ended:
+        command = [sys.executable, "-m", "pytest", "-q", "-x", "--tb=no", "-p", "no:cacheprovider", *tests]
         surroundings = os.environ | {
             "PYTHONPATH": str(self.root / "src"),
             "NUMBA_CACHE_DIR": str(machine_code),
         }
-        quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "stdin": subprocess.DEVNULL}
+        pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.DEVNULL, "stdin": subprocess.DEVNULL}
         try:
             ended = subprocess.run(  # type: ignore[call-overload]
-                command, cwd=self.root, env=surroundings, timeout=patience_s, preexec_fn=_bounded, **quiet
+                command, cwd=self.root, env=surroundings, timeout=patience_s, preexec_fn=_bounded, **pipes
             )
         except subprocess.TimeoutExpired:
-            return FAILED
-        return FAILED if ended.returncode < 0 else int(ended.returncode)  # it died: that is noticed
+            return Ended(TIMED_OUT, "")
+        return Ended(int(ended.returncode), ended.stdout.decode(errors="replace"))
