@@ -11,7 +11,7 @@ EXTRAS: dict[str, Sequence[str]] = {
     "sim": ("mujoco",),
     "video": ("av",),
     "pybullet": ("pybullet",),
-    "bags": ("rosbags",),
+    "bags": ("mcap", "rosbags"),
     "cluster": ("distributed",),
     "export": ("arro3", "foxglove"),
     "view": ("viser", "yourdfpy"),

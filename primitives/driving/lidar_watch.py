@@ -15,7 +15,7 @@ LOOK_S = 1.0  # between two comparisons with the map
 LOOKS = 2  # comparisons in a row with too few echoes, until it is said
 NEAR_SHARE = 0.8  # of the reach, within which a wall of the map must return an echo
 MIN_EXPECTED = 20  # beams that must meet a wall of the map, for a comparison
-MIN_ECHO_SHARE = 0.3  # of them that must return: walls may be black, glass, or hidden by a low obstacle
+MIN_ECHO_SHARE = 0.15  # of them that must return: walls may be black, glass, hidden, or above the scan plane
 
 
 class LidarWatch:

@@ -20,7 +20,7 @@ URDF = """\
   </joint>
   <joint name="elbow" type="prismatic">
     <parent link="upper"/><child link="fore"/>
-    <limit lower="0" upper="0.5" effort="5" velocity="1"/><mimic joint="shoulder" multiplier="2"/>
+    <limit lower="-2" upper="2" effort="5" velocity="1"/><mimic joint="shoulder" multiplier="2"/>
   </joint>
 </robot>
 """
