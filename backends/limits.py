@@ -71,12 +71,12 @@ def _each(model: ArmModel, wrong: NDArray[np.bool_], words: Callable[[int], str]
 def _beyond(model: ArmModel, number: int, wanted: float) -> str:
     scale, unit = _units(model, number)
     lower, upper = scale * model.lower[number], scale * model.upper[number]
-    return f"{scale * wanted:.5g} {unit}; allowed: {lower:.5g} to {upper:.5g} {unit}"
+    return f"{scale * float(wanted):.5g} {unit}; allowed: {lower:.5g} to {upper:.5g} {unit}"
 
 
 def _fast(model: ArmModel, number: int, step: float, most: float) -> str:
     scale, unit = _units(model, number)
-    return f"a step of {scale * step:.5g} {unit} in a period; allowed: {scale * most:.5g} {unit}"
+    return f"a step of {scale * float(step):.5g} {unit} in a period; allowed: {scale * most:.5g} {unit}"
 
 
 def _units(model: ArmModel, number: int) -> tuple[float, str]:

@@ -126,7 +126,8 @@ def wheels_only(folder: Path) -> Path:
     text = (source / "robot.yaml").read_text(encoding="utf-8")
     kept = re.sub(r"(?m)^(range_sensor|can):.*\n(?:[ \t].*\n|\n)*", "", text)
     path = folder / "wheels.yaml"
-    path.write_text(kept.replace("localizer: scan ", "localizer: odometry "), encoding="utf-8")
+    wheels = "odometry: {wheel_radius_percent: 0.2, tread_percent: 0.2, slip_percent: 0.2}\n"
+    path.write_text(kept.replace("localizer: scan ", "localizer: odometry ") + wheels, encoding="utf-8")
     return path
 
 

@@ -33,6 +33,8 @@ LESS = 0.9  # share of the points explained so far; fewer, and the pose is looke
 DISPLACED = (0.010, 0.010)  # [m], [rad] by which scans of one place never differ: eight times their spread
 SURE = 3.0  # sigmas of a match by which its pose then lies elsewhere
 ROLLS = 0.02  # [m] of the wheels, after which a base drives, and is not where it stood
+UNCHECKED_WAY_M = 1e9  # farther than anything drives, and finite: checkpoints hold finite numbers
+UNKNOWN_VARIANCE_M2 = 1e9  # more than any pose has, and finite as well
 SLIPPED = 4.0  # sigmas between a drive by its wheels and the scan after it that no chance explains
 HARDLY = 0.5  # share of the points explained before a drive; fewer after it, and the base is elsewhere
 SHARE_OF_CELL = 0.2  # by which they never differ on large cells, where several places fit alike
@@ -123,8 +125,8 @@ class OdometryLocalizer(Localizer):
         self._field, self._sigma = field, sigma
         self._stands: Pose2 | None = None
         self._rolled = 0.0  # [m] by the wheels since that scan
-        self._driven = math.inf  # [m] since `check_drive`; at first the start is checked
-        self._then = math.inf  # [m²] variance along the worst direction after it
+        self._driven = UNCHECKED_WAY_M  # since `check_drive`; at first the start is checked
+        self._then = UNKNOWN_VARIANCE_M2  # variance along the worst direction after it
         self.slips, self.astray, self.explained = 0, False, 0.0
 
     @property

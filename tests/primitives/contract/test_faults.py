@@ -141,7 +141,7 @@ def test_a_base_that_is_stuck_close_to_its_goal_is_not_waited_for_for_good() -> 
     ending = underway.finish(Fault(FaultKind.STUCK, periods=FOR_GOOD))
     assert ending.bitten
     assert (ending.outcome, ending.wrong) == ("GiveUp", ())  # it can't be brought back either
-    assert "doesn't get on" in ending.reason
+    assert "the base doesn't move, though it is driven" in ending.reason
 
 
 def test_an_old_picture_is_not_taken_for_a_new_one() -> None:

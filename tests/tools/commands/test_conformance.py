@@ -56,7 +56,7 @@ def test_one_primitive_for_real(handcart: Callable[..., Said]) -> None:
         "conformance", "--robot", "cart", "--primitive", "REACH", "--instants", "1", "--jobs", "1"
     )
     assert said.status == 0
-    assert said.out.endswith("8 faults, 0 violations\n")
+    assert said.out.endswith("9 faults, 0 violations\n")
 
 
 @pytest.mark.parametrize(

@@ -71,7 +71,7 @@ def test_the_covariance_is_what_the_errors_are() -> None:
     rng = np.random.default_rng(0)
     squares = []
     for _ in range(200):
-        truth, odometry = worn_wheels(rng, OdometryErrors(), travel(150))
+        truth, odometry = worn_wheels(rng, OdometryErrors(0.002, 0.005, 0.01), travel(150))
         off = difference(truth, odometry.pose)
         squares.append(off @ np.linalg.solve(odometry.covariance, off))
     assert 2.5 < np.mean(squares) < 3.5
