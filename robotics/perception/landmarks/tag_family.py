@@ -35,6 +35,9 @@ TagFamily = Literal[
 
 USUAL: TagFamily = "5x5_250"
 
+CORRECTING: tuple[TagFamily, ...] = ("apriltag_25h9", "apriltag_36h10", "apriltag_36h11", "aruco_mip_36h12")
+"""Families of which one bit is corrected: any two codes, in any of four turns, differ in 9 bits or more."""
+
 
 @cache
 def dictionary(family: TagFamily) -> cv2.aruco.Dictionary:
@@ -42,6 +45,11 @@ def dictionary(family: TagFamily) -> cv2.aruco.Dictionary:
     if family not in get_args(TagFamily):
         raise ValueError(f"there is no family of tags {family!r}; allowed: {', '.join(get_args(TagFamily))}")
     return cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, f"DICT_{family.upper()}"))
+
+
+def corrected_bits(family: TagFamily) -> int:
+    """Return how many damaged bits of a tag are corrected: 1 where any two codes differ enough, else 0."""
+    return int(family in CORRECTING)
 
 
 def tags_of(family: TagFamily) -> int:

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 from handcart.robotics.perception.cameras.camera_model import CameraModel, Floats, GreyImage
-from handcart.robotics.perception.landmarks.tag_family import USUAL, TagFamily, dictionary
+from handcart.robotics.perception.landmarks.tag_family import USUAL, TagFamily, corrected_bits, dictionary
 
 _ENLARGE = 2
 _LEAST_SIDE_PX = 13  # of the tag in the image as taken
@@ -36,7 +36,8 @@ def read_tags(image: GreyImage, region: Region | None = None, family: TagFamily 
 
     A tag of 10 mm may be 0.35 m away at f = 800 px.
 
-    No bit is corrected: a smeared or half covered tag is no tag, never another one.
+    One bit is corrected where the family's codes differ enough (`tag_family.corrected_bits`), otherwise none:
+    a smeared or half covered tag is no tag, never another one.
     """
     top, left = 0, 0
     if region is not None:
@@ -73,6 +74,12 @@ def tag_pose(tag: Tag, camera: CameraModel, side: float) -> Floats:
     return pose
 
 
+def _correction_rate(family: TagFamily) -> float:
+    """Return the share of its correctable bits that OpenCV corrects; it rounds their product down."""
+    bits = corrected_bits(family)
+    return (bits + 0.5) / dictionary(family).maxCorrectionBits if bits else 0.0
+
+
 @cache
 def _detector(longest_px: int, family: TagFamily) -> cv2.aruco.ArucoDetector:
     parameters = cv2.aruco.DetectorParameters()
@@ -83,7 +90,7 @@ def _detector(longest_px: int, family: TagFamily) -> cv2.aruco.ArucoDetector:
     parameters.adaptiveThreshWinSizeMin = parameters.adaptiveThreshWinSizeMax = 31
     parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_SUBPIX
     parameters.cornerRefinementWinSize = 6
-    parameters.errorCorrectionRate = 0.0
+    parameters.errorCorrectionRate = _correction_rate(family)
     parameters.maxErroneousBitsInBorderRate = 0.1
     parameters.perspectiveRemovePixelPerCell = 8
     parameters.perspectiveRemoveIgnoredMarginPerCell = 0.25

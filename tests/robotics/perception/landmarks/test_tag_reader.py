@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from handcart.robotics.perception.landmarks.tag_family import dictionary
+from handcart.robotics.perception.landmarks.tag_family import CORRECTING, TagFamily, dictionary, modules_of
 from handcart.robotics.perception.landmarks.tag_reader import Region, read_tags, tag_pose
 
 from ..conftest import Bookshelf
@@ -82,3 +82,23 @@ def test_corners_are_where_black_ends_by_the_centres_of_pixels(region: Region | 
     assert tag.id == 7
     assert tag.corners.mean(axis=0) == pytest.approx([94.5, 84.5], abs=0.1)
     assert tag.corners[0] == pytest.approx([59.5, 49.5], abs=0.2)
+
+
+def _damaged(family: TagFamily, number: int, bits: int, rng: np.random.Generator) -> Any:
+    """A tag on white whose given number of bits is turned over."""
+    inner = modules_of(family) - 2
+    cells = dictionary(family).generateImageMarker(number, 10 * (inner + 2)).astype(np.uint8)
+    for where in rng.choice(inner * inner, bits, replace=False).tolist():
+        row, column = 10 * (1 + where // inner), 10 * (1 + where % inner)
+        cells[row : row + 10, column : column + 10] ^= 255
+    return np.pad(cells, 30, constant_values=255)
+
+
+@pytest.mark.parametrize("family", ["5x5_250", "apriltag_16h5", *CORRECTING])
+def test_one_damaged_bit_is_corrected_where_codes_differ_enough(family: TagFamily) -> None:
+    rng = np.random.default_rng(1)
+    for number in range(8):
+        for bits, wanted in ((0, [number]), (1, [number] if family in CORRECTING else [])):
+            assert [t.id for t in read_tags(_damaged(family, number, bits, rng), family=family)] == wanted
+        for bits in (2, 3):
+            assert read_tags(_damaged(family, number, bits, rng), family=family) == []
