@@ -14,7 +14,7 @@ from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.capabilities.range_sensor import RangeSensor
-from handcart.backends.robot.localization.determination import SURE, difference, undetermined
+from handcart.backends.robot.localization.determination import SURE, PoseNeed, difference, undetermined
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured, NeedsPerson
@@ -48,6 +48,8 @@ SLIPPED = 0.1  # [m] that the base was driven meanwhile: something stops it
 NOT_DETERMINED = "not determined"  # the check that found a pose to be uncertain
 CORRECTIONS = 3  # times that a base which drives by its wheels alone is led on after a look at rest
 ASTRAY = 0.3  # [m] off the goal, from where a route is planned again
+CAR_NEED = PoseNeed(position=1.5, heading=math.radians(15.0))
+"""What a car's place needs that says nothing: DEPLOY reaches a target from there."""
 CLOSER = 0.8  # of what a place needs; the estimate moves and grows less sure until the base is at rest
 NEAR = 0.05  # [m] before the goal, where it turns and comes to stand
 
@@ -119,8 +121,7 @@ class MoveTo(ActionPrimitive):
 
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
         """The base stands at the place, as exactly as the place needs it, along every direction."""
-        if robot.spec.drive.kind != "ackermann":
-            self._check_determined(robot, model.places[self.place])
+        self._check_determined(robot, model.places[self.place])
         return True
         yield
 
@@ -150,11 +151,13 @@ class MoveTo(ActionPrimitive):
     def _check_determined(self, robot: Robot, place: Place) -> None:
         """Raise `Discrepancy` where the sensors don't determine that the base is at its place."""
         off = (0.0, 0.0, 0.0) if place.docks else difference(robot.pose, place.pose)
-        found = undetermined(robot.localization.repeatability, place.need, off)
+        need = _car_need(place) if robot.spec.drive.kind == "ackermann" else place.need
+        found = undetermined(robot.localization.repeatability, need, off)
         if found is None:
             return
         size, limit = found.shown
-        measured = Measured("RangeSensor", "3 sigma of the pose", size, limit, found.unit)
+        sensor = "Gps" if robot.spec.drive.kind == "ackermann" else "RangeSensor"
+        measured = Measured(sensor, "3 sigma of the pose", size, limit, found.unit)
         raise Discrepancy(f"not determined: at {self.place} {found.words}", True, measured, NOT_DETERMINED)
 
     def _arm(self, robot: Robot, model: ModelView, remaining: Callable[[], float]) -> Iterator[None]:
@@ -315,3 +318,11 @@ class MoveTo(ActionPrimitive):
             "RangeSensor", "off its place", 1e3 * seen.distance(place.pose), 1e3 * DOCKED.position, "mm"
         )
         raise Discrepancy(f"the base doesn't come to stand square before {self.place}", measured=off)
+
+
+def _car_need(place: Place) -> PoseNeed:
+    """Return how exactly a car has to stand at a place: what the place says, by default `CAR_NEED`."""
+    return PoseNeed(
+        CAR_NEED.position if place.tolerance_mm is None else place.need.position,
+        CAR_NEED.heading if place.tolerance_deg is None else place.need.heading,
+    )

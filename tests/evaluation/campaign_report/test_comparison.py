@@ -52,6 +52,15 @@ def test_pairs_are_of_the_same_seed_and_the_first_action_that_differs_says_why()
     assert "B INSERT (b to c) Fail: a wall" in parting.example.words("A", "B")
 
 
+def test_the_pair_that_made_it_sure_is_named() -> None:
+    """Eight pairs in a row of which one alone succeeded are the first that chance doesn't explain."""
+    assert e_value(7, 0) < 20.0 <= e_value(8, 0)
+    assert compare(campaign([]), campaign(range(10, 22))).sure_at == 18
+    assert compare(campaign(range(10, 22)), campaign([])).sure_at == 18
+    assert compare(campaign([]), campaign(range(10, 17))).sure_at is None
+    assert compare(campaign([]), campaign(range(0, 40, 2))).sure_at == 15
+
+
 def test_campaigns_without_a_difference_prove_none() -> None:
     found = compare(campaign([3]), campaign([3]))
     assert [each.name for each in found.changes] == ["success"]

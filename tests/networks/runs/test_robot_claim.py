@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from handcart.networks.journal.journal import Journal
+from handcart.networks.journal.journal_record import JournalError
 from handcart.networks.journal.retracing import NeedsOperator
 from handcart.networks.runs.robot_claim import RobotBusy, RobotClaim
 
@@ -80,6 +81,8 @@ def test_what_can_not_be_read_may_wait(tmp_path: Path) -> None:
     journal.write_bytes(content)
     begun(state, run)
     assert (state / "can-can0_cart").read_text() == f"{run}\n"
+    with pytest.raises(JournalError, match="isn't what was written"):
+        RobotClaim(robot(), state)
 
 
 def test_where_no_journal_was_made_nothing_has_moved(tmp_path: Path) -> None:

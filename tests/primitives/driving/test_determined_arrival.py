@@ -16,6 +16,7 @@ from handcart.primitives.contract.discrepancy import Discrepancy
 from handcart.primitives.contract.outcome import Fail, GiveUp, Success
 from handcart.primitives.driving.move_to import MoveTo
 from handcart.primitives.knowledge.place import Place
+from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.localization.front_line import FrontLine
 
 CELL_M, LENGTH_M, WIDTH_M = 0.05, 40.0, 3.2
@@ -65,6 +66,33 @@ def test_an_arrival_that_is_not_determined_is_no_success(tmp_path: Path) -> None
 def test_a_place_that_needs_no_more_than_is_known_is_reached(tmp_path: Path) -> None:
     with in_a_corridor(tmp_path, ", tolerance_mm: 500") as rig:
         assert isinstance(rig.do(MoveTo(place="ahead")), Success)
+
+
+def car(sigma_deg: float) -> Any:
+    """A car at its place, 6 degrees turned, whose heading is known that well."""
+    covariance = np.diag([0.05, 0.05, math.radians(sigma_deg)]) ** 2
+    where = SimpleNamespace(repeatability=covariance)
+    spec = SimpleNamespace(drive=SimpleNamespace(kind="ackermann"))
+    return SimpleNamespace(pose=Pose2(0.0, 0.0, math.radians(6.0)), localization=where, spec=spec)
+
+
+def ended(robot: Any, **place: Any) -> bool:
+    """Whether the effect of MOVE_TO holds."""
+    model: Any = SimpleNamespace(places={"here": Place(x_m=0.0, y_m=0.0, heading_deg=0.0, **place)})
+    periods = MoveTo(place="here").effect(robot, model)
+    with pytest.raises(StopIteration) as end:
+        next(periods)
+    return bool(end.value.value)
+
+
+def test_car_arrival_needs_a_determined_heading() -> None:
+    """By default within 1.5 m and 15 degrees, by 3 sigma; a place may need more, or less."""
+    assert ended(car(2.0))
+    with pytest.raises(Discrepancy, match="not determined: at here the heading"):
+        ended(car(5.2))
+    assert ended(car(5.2), tolerance_deg=30.0)
+    with pytest.raises(Discrepancy, match="not determined"):
+        ended(car(2.0), tolerance_deg=5.0)
 
 
 @pytest.mark.parametrize(
