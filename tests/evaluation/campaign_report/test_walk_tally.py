@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -19,8 +20,14 @@ from handcart.evaluation.campaigns.walked_trials import WalkedSequence, network_
 @pytest.mark.parametrize("seeds", [range(6000), range(4090, 4100), range(-5000, -10), range(7, 8)])
 def test_it_counts_what_the_trials_count_one_by_one(tmp_path: Path, seeds: range) -> None:
     trials = network_trials(walk(tmp_path, 0.5), {})
-    whole, each = WalkTally(trials, seeds), Tally(WalkedSequence(trials, seeds))
+    walks = WalkedSequence(trials, seeds)
+    whole, each = WalkTally(trials, seeds), Tally(walks)
     assert sum(whole.count_all()) == len(seeds) == whole.count
+    kinds = Counter[str]()
+    for outcome, times in whole.outcomes.items():
+        kinds[outcome.partition(":")[0]] += times
+    assert kinds == Counter(trial.summary["outcome"] for trial in walks)
+    assert whole.successes == sum(trial.success for trial in walks)
     for name in ("successes", "outcomes", "untrue", "yes_no", "actions", "blames", "worst", "timed"):
         assert getattr(whole, name) == getattr(each, name), name
     assert list(whole.actions) == list(each.actions)
