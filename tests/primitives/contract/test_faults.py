@@ -24,7 +24,7 @@ from handcart.evaluation.trials.rig import Rig
 from handcart.evaluation.truth.survey import simulated_world
 from handcart.networks.task.preparing import prepare
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
-from handcart.primitives.contract.outcome import GiveUp, Success
+from handcart.primitives.contract.outcome import GiveUp
 from handcart.primitives.driving.move_to import MoveTo
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.robotics.geometry.pose2 import Pose2
@@ -109,7 +109,9 @@ def test_gyros_that_tell_nothing_new_are_not_believed(read: str, monkeypatch: py
         monkeypatch.setattr(imu, "accelerations", lambda: read_now()[1])
         ended = rig.do(MoveTo(place="1"))
         if read.endswith("while"):
-            assert isinstance(ended, Success), ended
+            # It drove on and arrived; how it heads is less sure since, and the place needs 1.5 m by 3 sigma.
+            assert isinstance(ended, GiveUp), ended
+            assert ended.reason.startswith("not determined: at 1 the position")
             return
         assert isinstance(ended, GiveUp), ended
         assert ended.reason.startswith(
