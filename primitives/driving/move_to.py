@@ -48,8 +48,11 @@ SLIPPED = 0.1  # [m] that the base was driven meanwhile: something stops it
 NOT_DETERMINED = "not determined"  # the check that found a pose to be uncertain
 CORRECTIONS = 3  # times that a base which drives by its wheels alone is led on after a look at rest
 ASTRAY = 0.3  # [m] off the goal, from where a route is planned again
-CAR_NEED = PoseNeed(position=1.5, heading=math.radians(15.0))
-"""What a car's place needs that says nothing: DEPLOY reaches a target from there."""
+CAR_NEED = PoseNeed(position=1.5, heading=math.radians(20.0))
+"""What a car's place needs that says nothing, distance and 3 sigma together.
+
+After a detour a car arrives turned by up to 9 degrees, for it cannot turn on the spot.
+"""
 CLOSER = 0.8  # of what a place needs; the estimate moves and grows less sure until the base is at rest
 NEAR = 0.05  # [m] before the goal, where it turns and comes to stand
 

@@ -86,7 +86,7 @@ def ended(robot: Any, **place: Any) -> bool:
 
 
 def test_car_arrival_needs_a_determined_heading() -> None:
-    """By default within 1.5 m and 15 degrees, by 3 sigma; a place may need more, or less."""
+    """By default within 1.5 m and 20 degrees, by 3 sigma; a place may need more, or less."""
     assert ended(car(2.0))
     with pytest.raises(Discrepancy, match="not determined: at here the heading"):
         ended(car(5.2))
