@@ -80,11 +80,12 @@ def localize(
         raise typer.BadParameter(f"no picture for {output.suffix!r}{suggest(output.suffix, PICTURES)}")
     if stamps not in STAMPS:
         raise typer.BadParameter(f"no stamps {stamps!r}{suggest(stamps, STAMPS)}")
-    played = _read(log, nmea, reference, stamps, columns)
-    whose = robot or _robot_of(log)
-    given = _noise(whose)
-    played, noise = prepare(log, played, given, whose is not None, imu_axes)
-    thinned = played.thinned(noise.gps_period)
+    with announced(f"reading {log}"):
+        played = _read(log, nmea, reference, stamps, columns)
+        whose = robot or _robot_of(log)
+        given = _noise(whose)
+        played, noise = prepare(log, played, given, whose is not None, imu_axes)
+        thinned = played.thinned(noise.gps_period)
     with announced(f"playing {log}"), share_shown("log") as passed:
         replayed = replay(
             played,
