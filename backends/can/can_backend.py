@@ -91,6 +91,7 @@ class CanBackend(Backend):
             with _bus("setting the drives up"):
                 self.axes.set_up(self._line)
             self._guard.check()
+            self._guard.end_set_up()
             self._parts.begin()
             if bench is None:
                 self._sensors = open_sensors(robot, robot.can.sensors)

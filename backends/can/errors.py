@@ -14,6 +14,7 @@
             ├── LostAnswers         it does, but not reliably
             ├── DriveNotReady       a drive isn't in OPERATION ENABLED, or in another mode
             ├── WrongDrive          a drive isn't what the robot's file needs
+            ├── EncoderWraps        a drive's counts start over inside the travel of its axis
             ├── ReadBackDiffers     settings are not what was written
             ├── Emergency           a node tells of a fault
             ├── NodeRestarted       a node has booted, or left OPERATIONAL
@@ -113,6 +114,13 @@ class WrongDrive(CanFault):
 
     def __init__(self, drive: str, what: str, got: str, allowed: str) -> None:
         super().__init__(f"{drive}: {what} is {got}; allowed: {allowed}")
+
+
+class EncoderWraps(CanFault):
+    """A drive's counts start over inside the travel of its axis: one reading stands for several positions."""
+
+    def __init__(self, drive: str, how: str) -> None:
+        super().__init__(f"{drive}: {how}")
 
 
 @dataclass(frozen=True)

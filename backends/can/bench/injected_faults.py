@@ -155,6 +155,7 @@ INJECTED_FAULTS: dict[str, InjectedFault] = {
     "doubled": InjectedFault("B7", "a motor turns twice as far", _set(gain=2.0)),
     "late": InjectedFault("B8", "a motor is five periods late", _set(late=5)),
     "jump": InjectedFault("S4", "a drive's position jumps to and fro", _set(jump=10**6, jumps_in_turn=True)),
+    "encoder-wrap": InjectedFault("S13", "a drive's encoder wraps after 65536 counts", _set(wraps=2**16)),
     "drops": InjectedFault("S6", "every second answer of a drive is lost", _set(drops=0.5)),
     "e-stop": InjectedFault("C12", "somebody presses the emergency stop", _press),
 }

@@ -29,7 +29,8 @@ def can_findings(robot: RobotFile, document: Document) -> list[Finding]:
         *(_counts(robot, spec), _periods(robot, spec), _files(robot, spec)),
     )
     found = [document.finding(("can", *place), words) for each in own for place, words in each]
-    return [*found, *_eds_findings(robot, spec, document)]
+    found += _eds_findings(robot, spec, document)
+    return found or _wrap_findings(robot, spec, document)
 
 
 def _interface(spec: CanSpec) -> Iterator[tuple[Place, str]]:
@@ -79,6 +80,16 @@ def _eds_findings(robot: RobotFile, spec: CanSpec, document: Document) -> list[F
         wrong.update(in_the_file)
         wrong.update(document.finding(("can", *place), words) for words in lacks)
     return sorted(wrong)
+
+
+def _wrap_findings(robot: RobotFile, spec: CanSpec, document: Document) -> list[Finding]:
+    """Return what an EDS file says of counts that start over inside the travel of an axis."""
+    if all(axis.eds is None for _, axis in placed_axes(spec)):
+        return []
+    from .eds_needs import wrap_findings
+
+    places = {axis.node: place for place, axis in placed_axes(spec)}
+    return [document.finding(("can", *places[node]), words) for node, words in wrap_findings(robot, spec)]
 
 
 def _nodes(spec: CanSpec) -> Iterator[tuple[Place, str]]:

@@ -9,7 +9,10 @@ from canopen.objectdictionary import ObjectDictionary, ODVariable
 
 from handcart.backends.can.bus.cyclic_frames import mode_of
 from handcart.backends.can.bus.pdo_layout import layout
-from handcart.backends.description.can_spec import AxisSpec, WheelDriveSpec
+from handcart.backends.can.drives.axes import planned_axes
+from handcart.backends.can.drives.position_range import described_range, other_type, wrap_inside_travel
+from handcart.backends.description.can_spec import AxisSpec, CanSpec, WheelDriveSpec
+from handcart.backends.description.robot_file import RobotFile
 from handcart.files.errors import FileError, Finding
 
 from .eds_file import missing_objects, read_eds
@@ -50,7 +53,22 @@ def eds_findings(path: Path, axis: AxisSpec) -> tuple[list[Finding], list[str]]:
     mapped = (index for pdo in (*frames.commands, *frames.answers) for index in pdo.objects)
     needed = {index: "for a PDO" for index in mapped if lack_of(index) is None}
     missing = missing_objects(dictionary, _ALWAYS | needed, str(path))
-    return missing, list(_unaccepted(dictionary, axis, path.name))
+    lacks = list(_unaccepted(dictionary, axis, path.name))
+    if wrong := other_type(dictionary):
+        lacks.append(f"{path.name}: {wrong}; allowed: 0004h, INTEGER32")
+    return missing, lacks
+
+
+def wrap_findings(robot: RobotFile, spec: CanSpec) -> Iterator[tuple[int, str]]:
+    """Yield the node of each drive whose counts wrap inside the travel by its EDS file, and how they do."""
+    for _, axis, units, limits in planned_axes(robot, spec):
+        if axis.eds is None:
+            continue
+        counted = described_range(read_eds(robot.folder / axis.eds, axis.node))
+        is_positioned = not isinstance(axis, WheelDriveSpec)
+        wrong = wrap_inside_travel(units, limits, robot.period_s, counted, is_positioned)
+        if wrong:
+            yield axis.node, f"by {axis.eds} {wrong}"
 
 
 def _unaccepted(dictionary: ObjectDictionary, axis: AxisSpec, name: str) -> Iterator[str]:

@@ -40,7 +40,7 @@ class Axes(Mapping[str, Axis]):
         self._spec, self._period = spec, robot.period_s
         self._axes = {
             name: _axis(name, each, units, limits, robot)
-            for name, each, units, limits in _planned(robot, spec)
+            for name, each, units, limits in planned_axes(robot, spec)
         }
         self.left, self.right = self._axes["left wheel"], self._axes["right wheel"]
         self.joints = [self._axes[f"joint {number}"] for number in range(1, len(spec.joints) + 1)]
@@ -142,7 +142,8 @@ def _each(acts: Iterable[Callable[[], None]]) -> None:
             all_of_them.callback(act)
 
 
-def _planned(robot: RobotFile, spec: CanSpec) -> Iterator[tuple[str, AxisSpec, AxisUnits, AxisLimits]]:
+def planned_axes(robot: RobotFile, spec: CanSpec) -> Iterator[tuple[str, AxisSpec, AxisUnits, AxisLimits]]:
+    """Yield name, description, units and limits of each axis."""
     for name, wheel in zip(("left wheel", "right wheel"), spec.wheels, strict=True):
         yield (
             name,

@@ -26,6 +26,8 @@ from handcart.backends.description.can_spec import AxisSpec
 from .axis_limits import AxisLimits
 from .axis_units import AxisUnits, unwrapped
 from .expected_motion import ExpectedMotion
+from .position_jumps import PositionJumps, encoder_bits
+from .position_range import WHOLE, PositionRange
 
 ENABLED, FAULT, QUICK_STOP = "OPERATION ENABLED", "FAULT", "QUICK STOP ACTIVE"
 HOLD = "hold"
@@ -89,6 +91,14 @@ class Axis(canopen.RemoteNode):
         self._fresh: set[int] = set()
         self._asked = self._answered = 0
         self._counts: int | None = None
+        self.counted: PositionRange = WHOLE
+        """In which the drive counts, by what it says itself."""
+        self._jumps = PositionJumps(limits, units.scale, period)
+        self._taken = 0
+        """The SYNC whose position was the last that could be."""
+        self._jump, self._jump_way = 0, 0.0
+        self._told_way = 0.0
+        """How far it has moved since then by the velocities that it told, in [counts]."""
         self.odd = 0
         """How many positions in a row couldn't be."""
         self.ignored = 0
@@ -96,6 +106,8 @@ class Axis(canopen.RemoteNode):
         self._reported = dict.fromkeys((index for each in self.layout.answers for index in each.objects), 0)
         self.travel = 0.0
         """How far it has moved since it was built, in [m] or [rad]."""
+        self.contradiction = 0.0
+        """By how much that differs from what the velocities say that it told, in [m] or [rad]."""
         for pdo, planned in zip(self._commands, self.layout.commands, strict=False):
             _map(pdo, planned.objects, planned.transmission)
         for pdo, planned in zip(self._answers, self.layout.answers, strict=True):
@@ -286,18 +298,39 @@ class Axis(canopen.RemoteNode):
 
     def _take_position(self, counts: int) -> None:
         """Take a position over, unless it can't be."""
+        told = self._reported[0x606C]
+        self._jumps.note(told, self._intended())
+        self._told_way += told * self.period
         if self._counts is None:
-            self._counts = counts
+            self._counts, self._taken = counts, self._asked
             return
-        moved = unwrapped(counts, self._counts)
-        periods = 1 + self.odd
-        most = 2.0 * self.limits.speed * self.period * (periods + 1)
-        if abs(moved) > abs(most * self.units.scale) + 2:
+        moved = unwrapped(counts, self._counts, self.counted.size)
+        most = 2.0 * self.limits.speed * self.period * (2 + self.odd)
+        is_too_far = abs(moved) > abs(most * self.units.scale) + 2
+        if is_too_far or self._jumps.excess(moved, max(1, self._asked - self._taken)):
+            if self.odd == 0:
+                self._jump, self._jump_way = moved, self._told_way
             self.odd += 1
             return
-        self.odd = 0
+        self.contradiction += (moved - self._told_way) / self.units.scale
+        self.odd, self._taken, self._told_way = 0, self._asked, 0.0
         self.travel += moved / self.units.scale
         self._counts = counts
+
+    def _intended(self) -> float:
+        """Return the speed of this period's command, in [counts/s]."""
+        left = (self._target - self.expected.position) / self.period if self.positioned else self._target
+        return min(max(left, -self.limits.speed), self.limits.speed) * self.units.scale
+
+    @property
+    def jump(self) -> str:
+        """The first jump of its position in words, and what it says of the encoder."""
+        bits = encoder_bits(self._jump - self._jump_way, 0.1 * abs(self._jump_way) + 2.0)
+        size = f"by {self._jump} counts ({self._jump / self.units.scale:.3g} m or rad)"
+        if bits is None:
+            return size
+        needed = "a drive that counts over the whole travel, its range in 607Bh"
+        return f"{size}: the encoder wraps, after {2**bits} counts ({bits} bits); needed: {needed}"
 
     @property
     def position(self) -> float:
@@ -306,7 +339,8 @@ class Axis(canopen.RemoteNode):
 
     def place(self, counts: int, velocity: int = 0, torque: int = 0) -> None:
         """It stands at these counts: asked for before the first SYNC."""
-        self._counts = counts
+        self._counts, self._taken, self._told_way, self.odd = counts, self._asked, 0.0, 0
+        self._jumps.forget()
         self._reported |= {0x606C: velocity, 0x6077: torque}
 
     @property

@@ -23,6 +23,7 @@ _KEPT, _LOST = 100, 5  # answers to so many SYNCs are looked back on, of which s
 _IGNORED = 3  # set-points in a row that a drive may not take
 _ODD = 2  # positions in a row that can't be
 _LOOKS_BACK = 0.5  # [s] in which a wheel has to roll as it should
+_EXPLAINS = 0.5  # of a deviation
 _LATE_PERIODS = 2.0  # that a command may take to act
 
 
@@ -37,6 +38,8 @@ class AxisCheck:
         self._rolled, self._due = axis.travel, 0.0
         self._drift: deque[float] = deque(maxlen=max(1, round(_LOOKS_BACK / axis.period)))
         """Of a wheel: how much further than it should it has rolled, in each of the last periods."""
+        self._contradictions: deque[float] = deque([axis.contradiction], maxlen=self._drift.maxlen)
+        """Of its position and its velocity, in the last periods."""
 
     def check(self) -> None:
         """A period has passed.
@@ -60,7 +63,7 @@ class AxisCheck:
         if state != ENABLED:
             raise DriveNotReady(axis.name, state, axis.fault)
         if axis.odd >= _ODD:
-            raise OffDemand(axis.name, "its position (6064h) jumps")
+            raise OffDemand(axis.name, f"its position (6064h) jumps {axis.jump}")
         if axis.ignored >= _IGNORED:
             raise OffDemand(axis.name, f"{axis.ignored} set-points in a row were not taken")
         self._check_motion()
@@ -77,6 +80,7 @@ class AxisCheck:
 
     def _check_motion(self) -> None:
         axis = self._axis
+        self._contradictions.append(axis.contradiction)
         window = axis.limits.window + _LATE_PERIODS * self._period * abs(axis.expected.speed)
         if axis.positioned:
             off = abs(axis.position - axis.expected.position)
@@ -88,7 +92,17 @@ class AxisCheck:
             self._off_for = math.inf if off > window else 0.0
         if 1e3 * self._off_for > axis.spec.following_ms - 1e-6:
             deviation = f"it is {off:.3g} away from where it should be"
-            raise OffDemand(axis.name, f"{deviation}; allowed: {window:.3g} (in m or rad)")
+            raise OffDemand(
+                axis.name, f"{deviation}; allowed: {window:.3g} (in m or rad){self._contradiction(off)}"
+            )
+
+    def _contradiction(self, off: float) -> str:
+        """Return that position and velocity contradict each other, "" if they do not explain a deviation."""
+        between = max(self._contradictions) - min(self._contradictions)
+        if between < _EXPLAINS * off:
+            return ""
+        what = f"its position (6064h) and its velocity (606Ch) differ by {between:.3g}"
+        return f"; {what}: does its encoder wrap, or does counts_per_rev differ from the drive's?"
 
 
 def _names(pdo: Pdo) -> str:

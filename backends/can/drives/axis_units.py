@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-_LONGEST = 2**31
-
 
 @dataclass(frozen=True)
 class AxisUnits:
@@ -37,6 +35,6 @@ class AxisUnits:
         return counts / self.scale
 
 
-def unwrapped(counts: int, before: int) -> int:
-    """By how much counts of 32 bits have changed."""
-    return (counts - before + _LONGEST) % (2 * _LONGEST) - _LONGEST
+def unwrapped(counts: int, before: int, size: int = 2**32) -> int:
+    """Return by how much counts have changed that start over after `size` of them."""
+    return (counts - before + size // 2) % size - size // 2

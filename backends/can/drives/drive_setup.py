@@ -15,11 +15,12 @@ from handcart.backends.can.bus.pdo_layout import (
     PROFILE_VELOCITY,
 )
 from handcart.backends.can.devices.lacks import accepting
-from handcart.backends.can.errors import Difference, ReadBackDiffers, WrongDrive
+from handcart.backends.can.errors import Difference, EncoderWraps, ReadBackDiffers, WrongDrive
 from handcart.backends.description.can_spec import CanSpec
 
 from .axis import Axis
 from .axis_settings import ObjectValue, mapping, settings
+from .position_range import RANGE_LIMIT, WHOLE, narrowed, wrap_inside_travel
 
 _SERVO = 402  # low word of the device type (1000h)
 _SUPPORTED = {
@@ -41,12 +42,14 @@ def set_up(axes: Iterable[Axis], spec: CanSpec, period: float) -> None:
     Raises:
         SilentDrive: nothing answers.
         WrongDrive: it is no such drive.
+        EncoderWraps: its counts start over inside the travel of its axis.
         ReadBackDiffers: with every setting that isn't what was written.
     """
     axes = list(axes)
     for axis in axes:
         axis.leave()
         _check_kind(axis)
+        _check_range(axis)
         for each in settings(axis, spec, period):
             _write(axis, each)
         _save_pdos(axis)
@@ -89,6 +92,16 @@ def _check_kind(axis: Axis) -> None:
         got = _known(axis, ObjectValue(0x1018, subindex, 0)) if allowed is not None else None
         if got != allowed:
             raise WrongDrive(axis.name, what, f"{got:#x}", f"{allowed:#x}, as the robot's file has it")
+
+
+def _check_range(axis: Axis) -> None:
+    """Learn where the counts of a drive start over; raises `WrongDrive` if inside the travel."""
+    if RANGE_LIMIT in axis.object_dictionary:
+        ends = (_read(axis, ObjectValue(RANGE_LIMIT, each, 0)) for each in (1, 2))
+        axis.counted = narrowed(WHOLE, *ends)
+    wrong = wrap_inside_travel(axis.units, axis.limits, axis.period, axis.counted, axis.positioned)
+    if wrong:
+        raise EncoderWraps(axis.name, wrong)
 
 
 def _known(axis: Axis, what: ObjectValue) -> int:

@@ -23,6 +23,8 @@ class DriveFaults:
     """Added to the position that it tells, in [counts]."""
     jumps_in_turn: bool = False
     """That is told every other time only."""
+    wraps: int = 0
+    """Counts after which its encoder starts over, in secret: 0 never."""
     drops: float = 0.0
     """Share of its answers that get lost."""
     short: bool = False

@@ -11,6 +11,8 @@ from canopen.objectdictionary.datatypes import INTEGER_TYPES
 from canopen.pdo import PdoMap
 from canopen.sdo.exceptions import SdoAbortedError
 
+from handcart.backends.can.drives.position_range import RANGE_LIMIT, WHOLE, PositionRange, narrowed
+
 from .cyclic_modes import CyclicPosition, CyclicVelocity
 from .drive_faults import DriveFaults
 from .drive_life import ENABLED, OFF, QUICK_STOP, REACTION, DriveLife
@@ -34,7 +36,6 @@ _SUPPORTED = 0x6502  # bit n - 1: mode n
 _NO_OBJECT, _NO_SUBINDEX, _NO_VALUE = 0x06020000, 0x06090011, 0x06090030
 """Abort codes (CiA 301)."""
 _SLICE = 5e-3  # in which a drive looks at its timers [s]
-_LONGEST = 2**31
 HEARTBEAT_LOST, RPDO_LATE, FOLLOWING = 0x8130, 0x8250, 0x8611
 """Error codes (603Fh)."""
 
@@ -297,8 +298,10 @@ class DriveNode(canopen.LocalNode):
     def _position(self) -> int:
         if self.wrong.jumps_in_turn:
             self.wrong.jump = -self.wrong.jump
-        reported = round(self.position + self.demand.home) + self.wrong.jump
-        return (reported + _LONGEST) % (2 * _LONGEST) - _LONGEST
+        counted = narrowed(WHOLE, self.objects(RANGE_LIMIT, 1), self.objects(RANGE_LIMIT, 2))
+        reported = _wrapped(round(self.position + self.demand.home) + self.wrong.jump, counted)
+        half = self.wrong.wraps // 2
+        return _wrapped(reported, PositionRange(-half, half - 1)) if half else reported
 
     def _read(self, index: int, subindex: int, od: Any) -> int | None:
         if subindex == 0:
@@ -309,6 +312,8 @@ class DriveNode(canopen.LocalNode):
             return self.wrong.keeps[index, subindex]
         if index in _BY_PDO:
             return self.objects(index)
+        if index == RANGE_LIMIT:
+            return self.objects(index, subindex)
         unknown = od.value is None and not isinstance(od.default, int) and od.data_type in INTEGER_TYPES
         written = subindex in self.data_store.get(index, {})
         return self.objects(index, subindex) if unknown and not written else None
@@ -336,6 +341,11 @@ class DriveNode(canopen.LocalNode):
             case 0x603F:
                 return self.objects(index)
         return None
+
+
+def _wrapped(counts: int, counted: PositionRange) -> int:
+    """Return counts as a drive tells them that counts in a range (607Bh)."""
+    return (counts - counted.lowest) % counted.size + counted.lowest
 
 
 def nmt_reset(node: int) -> bytes:

@@ -1,0 +1,61 @@
+"""Whether a position can follow from the one before it, by what the drive says of its speed."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+
+from .axis_limits import AxisLimits
+
+_LOOKS_BACK = 3  # periods whose speeds count: a command may act two periods late
+_NOISE = 0.1  # of the window of the following error
+_FREE = 0.02  # of the travel, where an axis may be blocked and has no window
+_MIN_BITS, _MAX_BITS = 8, 31  # of encoders
+_LIKE = 0.02  # share by which a jump may differ from the range of an encoder
+
+
+class PositionJumps:
+    """Compares the way between two positions with the speeds told and commanded around it, in counts.
+
+    The way lies between no motion and twice the fastest of these speeds, because periods are not all of one
+    length. An encoder that wraps jumps against its motion, also by less than the following error allows.
+    """
+
+    def __init__(self, limits: AxisLimits, scale: float, period: float) -> None:
+        """Begin at rest.
+
+        Args:
+            limits: of the axis.
+            scale: counts for a metre or a radian.
+            period: of control, in [s].
+        """
+        free = _FREE * (limits.upper - limits.lower)
+        noise = _NOISE * limits.window if math.isfinite(limits.window) else free
+        self._noise = noise * abs(scale) + 2.0
+        self._period = period
+        self._speeds: deque[float] = deque(maxlen=2 * _LOOKS_BACK)
+
+    def note(self, told: float, commanded: float) -> None:
+        """Take in the speeds of a period, in [counts/s]: the drive's own, and the command."""
+        self._speeds += (told, commanded)
+
+    def excess(self, moved: int, periods: int) -> float:
+        """Return by how many counts a way is longer than it can be, with its sign; 0 if it can be."""
+        reach = 2.0 * self._period * (periods + 1)
+        lowest = min(0.0, *self._speeds) * reach - self._noise
+        highest = max(0.0, *self._speeds) * reach + self._noise
+        return moved - min(max(float(moved), lowest), highest)
+
+    def forget(self) -> None:
+        """The axis is at another position, at rest."""
+        self._speeds.clear()
+
+
+def encoder_bits(jump: float, uncertainty: float) -> int | None:
+    """Return the bits of an encoder whose wrap is a jump of this size, in counts; None: no such encoder."""
+    if abs(jump) < 1.0:
+        return None
+    bits = round(math.log2(abs(jump)))
+    off = abs(abs(jump) - 2.0**bits)
+    is_like = off <= uncertainty + _LIKE * 2.0**bits and 4.0 * uncertainty < 2.0**bits
+    return bits if _MIN_BITS <= bits <= _MAX_BITS and is_like else None

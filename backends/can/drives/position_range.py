@@ -1,0 +1,89 @@
+"""The range in which a drive counts positions; beyond its ends the counts start over."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from canopen.objectdictionary import ObjectDictionary, ODVariable
+from canopen.objectdictionary.datatypes import INTEGER32
+
+from .axis_limits import AxisLimits
+from .axis_units import AxisUnits
+
+POSITION, RANGE_LIMIT = 0x6064, 0x607B
+_PERIODS = 8.0  # of the fastest motion: a shorter range leaves open which way an axis has gone
+
+
+class PositionRange(NamedTuple):
+    """From the lowest to the highest count, both included."""
+
+    lowest: int
+    highest: int
+
+    @property
+    def size(self) -> int:
+        """Number of counts after which a position comes again."""
+        return self.highest - self.lowest + 1
+
+
+WHOLE = PositionRange(-(2**31), 2**31 - 1)
+"""Of an INTEGER32, as CiA 402 has object 6064h."""
+
+
+def described_range(dictionary: ObjectDictionary) -> PositionRange:
+    """Return the range that an EDS file states: the limits of 6064h, and the defaults of 607Bh."""
+    found = WHOLE
+    position, limit = dictionary.get(POSITION), dictionary.get(RANGE_LIMIT)
+    if isinstance(position, ODVariable):
+        found = narrowed(found, position.min, position.max)
+    if limit is not None and not isinstance(limit, ODVariable) and 1 in limit and 2 in limit:
+        found = narrowed(found, limit[1].default, limit[2].default)
+    return found
+
+
+def narrowed(known: PositionRange, lowest: object, highest: object) -> PositionRange:
+    """Return a range within another one; limits that are no numbers or equal (both 0: none) are ignored."""
+    if not isinstance(lowest, int) or not isinstance(highest, int) or lowest >= highest:
+        return known
+    return PositionRange(max(known.lowest, lowest), min(known.highest, highest))
+
+
+def other_type(dictionary: ObjectDictionary) -> str:
+    """Return what is wrong with the data type of 6064h, "" if it is an INTEGER32."""
+    position = dictionary.get(POSITION)
+    if not isinstance(position, ODVariable) or position.data_type == INTEGER32:
+        return ""
+    bits = len(position)
+    wraps = f", which wraps every {2**bits} counts" if 0 < bits < 32 else ""
+    return f"the position actual value (6064h) has the data type {position.data_type:04X}h{wraps}"
+
+
+def wrap_inside_travel(
+    units: AxisUnits, limits: AxisLimits, period: float, counted: PositionRange, is_positioned: bool
+) -> str:
+    """Return how a drive's counts wrap inside the travel of its axis, "" if they do not.
+
+    Args:
+        units: of the axis.
+        limits: the same.
+        period: of control, in [s].
+        counted: the range in which the drive counts.
+        is_positioned: whether the axis is told positions. One that rolls may wrap, in less than half a range
+            each period.
+    """
+    size = f"its position (6064h) wraps every {counted.size} counts ({counted.size / abs(units.scale):.3g}"
+    if not is_positioned:
+        least = _PERIODS * limits.speed * period
+        if counted.size / abs(units.scale) > least:
+            return ""
+        return f"{size} m of the rim); needed: more than {least:.3g} m, {_PERIODS:g} periods at full speed"
+    if not (math.isfinite(limits.lower) and math.isfinite(limits.upper)):
+        if counted == WHOLE:
+            return ""
+        return f"{size} m or rad), and the joint turns without end; needed: 32 bits (607Bh)"
+    ends = sorted((units.counts(limits.lower), units.counts(limits.upper)))
+    if counted.lowest <= ends[0] and ends[1] <= counted.highest:
+        return ""
+    where = f"{size} m or rad), counting from {counted.lowest} to {counted.highest}"
+    return f"{where}: inside the travel, from {ends[0]} to {ends[1]}; needed: a range that holds it (607Bh)"
