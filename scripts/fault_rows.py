@@ -1,4 +1,4 @@
-"""Which test covers which row of docs/faults.md: `python scripts/fault_rows.py`.
+"""Which test covers which row of docs/reference/faults.md: `python scripts/fault_rows.py`.
 
 A test names its rows in its docstring (`N9: ...`) or in its name (`test_t03_...`).
 """
@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-DOCUMENT = ROOT / "docs" / "faults.md"
+DOCUMENT = ROOT / "docs" / "reference" / "faults.md"
 _ROW = re.compile(r"\b([TNABSCDKU][1-9]\d?)\b")
 _IN_NAME = re.compile(r"^test_([tnabscdku])0?([1-9]\d?)_")
 _TOLD = re.compile(r"^\| ([TNABSCDKU][1-9]\d?) \|", re.M)

@@ -50,7 +50,7 @@ def main() -> None:
                     top = "document.getElementById('run').scrollIntoView()"
                     page.evaluate(top if size == "phone" else "scrollTo(0, 0)")
                     page.wait_for_timeout(1000)
-                    path = ROOT / "docs" / f"console_{size}.png"
+                    path = ROOT / "docs" / "pictures" / f"console_{size}.png"
                     page.screenshot(path=path)
                     print(f"written: {path}")
         finally:

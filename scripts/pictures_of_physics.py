@@ -100,7 +100,7 @@ def take(backend: MujocoBackend, moment: Moment, path: Path) -> None:
 def main() -> None:
     """Take those that are asked for, or all."""
     for name in sys.argv[1:] or SYSTEMS:
-        moment, path = SYSTEMS[name], ROOT / "docs" / f"{name}.jpg"
+        moment, path = SYSTEMS[name], ROOT / "docs" / "pictures" / f"{name}.jpg"
         photo = Photo(moment, path)
         options = RunOptions(backend="mujoco", settings=moment.settings, observers=(photo,))
         with tempfile.TemporaryDirectory() as runs:

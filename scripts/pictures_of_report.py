@@ -1,7 +1,7 @@
 """Screenshots of pages for docs: `python scripts/pictures_of_report.py RUN [CAMPAIGN]`.
 
-RUN is the folder of the run that scripts/pictures draws as docs/return_book.svg. CAMPAIGN is one of 40 trials
-of tasks/stack_blocks/task.yaml with `--faults benchmarks/campaigns/faults.yaml`.
+RUN is the folder of the run that scripts/pictures draws as docs/pictures/return_book.svg. CAMPAIGN is one of 40
+trials of tasks/stack_blocks/task.yaml with `--faults benchmarks/campaigns/faults.yaml`.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ def of_campaign(campaign: Path, page: Path) -> None:
 
 def take(page: Page, name: str) -> None:
     """A picture of what is seen now."""
-    path = ROOT / "docs" / f"{name}.png"
+    path = ROOT / "docs" / "pictures" / f"{name}.png"
     page.screenshot(path=path, timeout=120_000)
     print(f"written: {path}")
 

@@ -1,6 +1,6 @@
 """Pictures of `handcart view` for the documents: `python scripts/pictures_of_view.py RUN SECONDS`.
 
-Writes docs/view_desk.png and docs/view_phone.png.
+Writes docs/pictures/view_desk.png and docs/pictures/view_phone.png.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ def main() -> None:
                 if notice.count():  # where it is drawn without a GPU, the library says so
                     seen.page.locator("button.mantine-Notification-closeButton").first.click()
                     seen.page.wait_for_timeout(2000)
-                path = ROOT / "docs" / f"view_{name}.png"
+                path = ROOT / "docs" / "pictures" / f"view_{name}.png"
                 seen.page.screenshot(path=path)
                 print(f"written: {path}")
         stop.set()

@@ -1,4 +1,4 @@
-"""`import handcart`: what it offers, what it costs, and the examples of docs/api.md."""
+"""`import handcart`: what it offers, what it costs, and the examples of docs/reference/api.md."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from handcart.files.errors import InputError
 from tests.tools.conftest import TOUR
 
 ROOT = Path(__file__).resolve().parents[1]
-TEXT = (ROOT / "docs" / "api.md").read_text(encoding="utf-8")
+TEXT = (ROOT / "docs" / "reference" / "api.md").read_text(encoding="utf-8")
 EXAMPLES = re.findall(r"```python\n(.*?)```", TEXT, re.S)
 FACE = {
     *("run", "check", "load_task", "load_run", "campaign", "conformance", "Result"),
@@ -51,7 +51,7 @@ def test_nothing_is_imported_before_it_is_used() -> None:
 def test_the_documents_examples_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, number: int) -> None:
     (tmp_path / "tasks").symlink_to(ROOT / "tasks")
     monkeypatch.chdir(tmp_path)
-    code = compile(EXAMPLES[number], "docs/api.md", "exec", dont_inherit=True)
+    code = compile(EXAMPLES[number], "docs/reference/api.md", "exec", dont_inherit=True)
     exec(code, {"__name__": "__main__"})
 
 

@@ -29,7 +29,7 @@ def shown(document: str, name: str) -> str:
 def install(folder: Path, document: str) -> None:
     """A distribution with what the documents show, as pip would leave it in `folder`."""
     (folder / "forward.py").write_text(shown(document, "Forward"), encoding="utf-8")
-    (folder / "ideal.py").write_text(shown("docs/backends.md", "Ideal"), encoding="utf-8")
+    (folder / "ideal.py").write_text(shown("docs/how_to/backends.md", "Ideal"), encoding="utf-8")
     info = folder / "outside-1.0.dist-info"
     info.mkdir()
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: outside\nVersion: 1.0\n", encoding="utf-8")
@@ -46,7 +46,7 @@ def handcart(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("document", ["README.md", "docs/primitives.md"])
+@pytest.mark.parametrize("document", ["README.md", "docs/how_to/primitives.md"])
 def test_a_primitive_of_another_package_runs(tmp_path: Path, document: str) -> None:
     install(tmp_path, document)
     said = handcart(tmp_path, "do", "FORWARD", "distance_m=0.3")
@@ -108,7 +108,7 @@ def test_the_documents_backend_drives() -> None:
     from handcart.robotics.geometry.pose2 import Pose2
 
     code: dict[str, type] = {}
-    exec(shown("docs/backends.md", "Ideal"), code)
+    exec(shown("docs/how_to/backends.md", "Ideal"), code)
     spec = load_robot("librarian")
     with code["Ideal"].build(spec, None, 0) as backend:  # type: ignore[attr-defined]
         robot = Robot(backend, spec, Pose2(0.0, 0.0, 0.0))
@@ -120,7 +120,7 @@ def test_the_documents_backend_drives() -> None:
 
 
 def wheels_only(folder: Path) -> Path:
-    """The cart's file as docs/backends.md says: without range sensor and CAN drives."""
+    """The cart's file as docs/how_to/backends.md says: without range sensor and CAN drives."""
     source = ROOT / "backends" / "robots" / "cart"
     (folder / "cart.urdf").write_bytes((source / "cart.urdf").read_bytes())
     text = (source / "robot.yaml").read_text(encoding="utf-8")
@@ -142,8 +142,8 @@ def test_documents_backend_keeps_the_contract(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_the_documents_tests_pass(tmp_path: Path) -> None:
-    source = shown("docs/primitives.md", "Forward")
-    text = (ROOT / "docs/primitives.md").read_text(encoding="utf-8")
+    source = shown("docs/how_to/primitives.md", "Forward")
+    text = (ROOT / "docs/how_to/primitives.md").read_text(encoding="utf-8")
     tests = [block for block in re.findall(r"```python\n(.*?)```", text, re.S) if "def test_" in block]
     for number, block in enumerate(tests):
         (tmp_path / f"test_{number}.py").write_text(f"{source}\n\n{block}", encoding="utf-8")

@@ -1,4 +1,4 @@
-"""The commands of docs/robots.md work as they stand."""
+"""The commands of docs/how_to/robots.md work as they stand."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from handcart.tools.main import main
 pytest.importorskip("pybullet_data", reason="the example's arm comes with PyBullet")
 
 ROOT = Path(__file__).resolve().parents[1]
-TEXT = (ROOT / "docs" / "robots.md").read_text(encoding="utf-8")
+TEXT = (ROOT / "docs" / "how_to" / "robots.md").read_text(encoding="utf-8")
 LONG = ("campaign", "--backend")  # what other tests run
 
 

@@ -211,7 +211,7 @@ def campaign(
         shard: `K/N`: the K-th of N parts, for `handcart campaign merge`.
         cluster: address of a Dask scheduler, or its file: its workers run the trials.
         until: `p > 0.95`: end when it is sure whether that holds.
-        vary, faults: files of numbers that vary by trial, and of faults that come (docs/campaigns.md).
+        vary, faults: files of numbers that vary by trial, and of faults that come (docs/how_to/campaigns.md).
         level: `network`: no robot moves, outcomes are drawn by each action's `p`; `fitted`: as they were seen
             in other campaigns.
         learned_from: folders of those.
@@ -267,7 +267,7 @@ def conformance(
     parts: Sequence[str] = (),
     jobs: int = 2,
 ) -> KitReport:
-    """Try whether a backend, a robot on it and the primitives keep what they promise (docs/conformance.md).
+    """Try whether backend, robot and primitives keep what they promise (docs/how_to/conformance.md).
 
     Each part is tried in a process of its own, so a script calls it under `if __name__ == "__main__":`.
 

@@ -24,7 +24,7 @@ class CameraSource(FileModel):
 
 
 class LineSource(FileModel):
-    """A sensor that speaks the line protocol of docs/hardware.md."""
+    """A sensor that speaks the line protocol of docs/how_to/hardware.md."""
 
     port: Port
     baud: Baud = 115_200

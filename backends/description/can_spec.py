@@ -63,7 +63,7 @@ class AxisSpec(FileModel):
     product_code: Word | None = None
     """Of its identity (1018h:2); left out: not looked at."""
     without: tuple[Without, ...] = ()
-    """What the drive doesn't have, and the robot is used without: docs/hardware.md tells what follows."""
+    """Features that the drive lacks; docs/how_to/hardware.md describes the consequences."""
 
     @property
     def counts_per_turn(self) -> float:

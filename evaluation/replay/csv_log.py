@@ -47,7 +47,9 @@ def read_csv_log(path: Path, columns: str | None = None) -> DriveLog:
         header = named_columns(columns)
         return _read_table(path, lines, 1, header, _delimiter(lines))
     if not lines or lines[0].strip() != MARK or MARK not in [line.strip() for line in lines[1:]]:
-        wrong = "no log: it doesn't begin with a header between two lines '---'; see docs/localize.md, or "
+        wrong = (
+            "no log: it doesn't begin with a header between two lines '---'; see docs/how_to/localize.md, or "
+        )
         wrong += "name its columns: --columns t=COLUMN,v=COLUMN,lat=COLUMN,lon=COLUMN,gyro_z=COLUMN:deg/s"
         raise FileError([Finding(str(path), 1, 1, wrong)])
     end = next(k for k, line in enumerate(lines[1:], start=1) if line.strip() == MARK)

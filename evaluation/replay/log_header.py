@@ -49,7 +49,7 @@ class Column(FileModel):
     """A column of the table."""
 
     unit: str
-    """See docs/localize.md; SI units, and those in use beside them."""
+    """See docs/how_to/localize.md; SI units, and those in use beside them."""
     name: str | None = None
     """What the table calls it; left out: as the quantity is called."""
     factor: float = 1.0

@@ -2,7 +2,7 @@
 
 The mutants are made by Cosmic Ray's operators, so nobody chose them. Each is tried on a copy of the project,
 with the tests that execute its line (`--coverage`) or else those nearest to its file. More tests could kill
-more of them, so the score is a lower bound. docs/mutation.md.
+more of them, so the score is a lower bound. docs/reference/mutation.md.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Action primitives for mobile manipulators that never stop where they should.
 
 All that scripts, notebooks and authors of primitives and backends need, each imported when it is first
-used; see docs/api.md.
+used; see docs/reference/api.md.
 """
 
 import os

@@ -56,7 +56,7 @@ def test_describe_names_parameters_with_their_meaning(handcart: Callable[..., Sa
 
 
 def test_describe_ends_with_the_tree_as_the_docs_have_it(handcart: Callable[..., Said]) -> None:
-    page = (ROOT / "docs" / "primitives.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "how_to" / "primitives.md").read_text(encoding="utf-8")
     shown = page.partition("`handcart describe INSERT`")[2].split("```")[1].strip()
     assert handcart("describe", "INSERT").out.split("\n\n")[-1].strip() == shown
 

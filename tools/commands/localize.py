@@ -21,7 +21,9 @@ PICTURES = (".svg", ".png", ".pdf")
 def localize(
     log: Annotated[
         Path,
-        typer.Argument(help="a CSV file with a header, a run's folder, or a ROS bag; see docs/localize.md"),
+        typer.Argument(
+            help="a CSV file with a header, a run's folder, or a ROS bag; see docs/how_to/localize.md"
+        ),
     ],
     nmea: Annotated[
         Path | None, typer.Option(help="a receiver's own log (NMEA 0183) with the fixes, beside the CSV file")

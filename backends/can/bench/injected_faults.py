@@ -25,7 +25,7 @@ class InjectedFault(NamedTuple):
     """One fault."""
 
     rows: str
-    """Of docs/faults.md."""
+    """Of docs/reference/faults.md."""
     what: str
     """In words."""
     act: Act

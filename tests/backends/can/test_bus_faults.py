@@ -1,4 +1,4 @@
-"""What goes wrong on the bus and at the interface, each by the row of docs/faults.md."""
+"""What goes wrong on the bus and at the interface, each by the row of docs/reference/faults.md."""
 
 from __future__ import annotations
 

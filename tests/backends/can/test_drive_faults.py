@@ -1,4 +1,4 @@
-"""What drives do wrong, by the rows of docs/faults.md: all axes stop, each in its own way, and stay so."""
+"""Faults of drives, by the rows of docs/reference/faults.md: all axes stop and stay stopped."""
 
 from __future__ import annotations
 

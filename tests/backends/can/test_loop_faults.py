@@ -1,4 +1,4 @@
-"""A control loop that hangs, is late, or whose clock jumps, each by the row of docs/faults.md."""
+"""A control loop that hangs, is late, or whose clock jumps, each by the row of docs/reference/faults.md."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A domain of somebody else has things of its own in simulated worlds, on both backends: docs/domains.md."""
+"""An outside domain has its own things in simulated worlds, on both backends: docs/how_to/domains.md."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ CODE = next(
     each
     for each in re.findall(
         r"```python\n(.*?)```",
-        (Path(__file__).parents[3] / "docs" / "domains.md").read_text(encoding="utf-8"),
+        (Path(__file__).parents[3] / "docs" / "how_to" / "domains.md").read_text(encoding="utf-8"),
         re.DOTALL,
     )
     if "class PotProps" in each
@@ -53,7 +53,7 @@ def plants(monkeypatch: pytest.MonkeyPatch) -> Any:
     """The module that the document shows, and its domain declared."""
     module: Any = ModuleType("plants_props")
     monkeypatch.setitem(sys.modules, "plants_props", module)
-    exec(compile(CODE, "docs/domains.md", "exec"), vars(module))
+    exec(compile(CODE, "docs/how_to/domains.md", "exec"), vars(module))
     declared = (*domains(), Domain("plants", props="plants_props:PotProps"))
     monkeypatch.setattr("handcart.tasks.domain.domains", lambda: declared)
     return module

@@ -14,7 +14,7 @@ from tests.drawn_texts import faults_of_page
 pytestmark = needs_browser
 
 ROOT = Path(__file__).parents[3]
-SHIPPED = sorted((ROOT / "docs").glob("*.svg"))
+SHIPPED = sorted((ROOT / "docs" / "pictures").glob("*.svg"))
 RUNS = (  # with a Fail each where there is one
     ("return_book/task.yaml", 5),
     ("stack_blocks/task.yaml", 0),
