@@ -1,6 +1,6 @@
 """Screenshots of pages for docs: `python scripts/pictures_of_report.py RUN [CAMPAIGN]`.
 
-RUN is the folder of the run that scripts/pictures draws as docs/pictures/return_book.svg. CAMPAIGN is one of 40
+RUN is the folder of the run that docs/pictures/return_book.svg shows. CAMPAIGN is one of 40
 trials of tasks/stack_blocks/task.yaml with `--faults benchmarks/campaigns/faults.yaml`.
 """
 
