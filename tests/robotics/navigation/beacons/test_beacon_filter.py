@@ -12,6 +12,7 @@ from benchmarks.field.displacements import true_way
 from benchmarks.field.field_drive import PERIOD
 from handcart.backends.plain_values import attributes, set_attributes
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.beacons.beacon_errors import BeaconErrors
 from handcart.robotics.navigation.beacons.beacon_filter import BeaconFilter
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE
 from handcart.robotics.navigation.outdoors.placement_errors import nees
@@ -158,3 +159,43 @@ def test_how_far_it_came_and_a_checkpoint_that_keeps_it(drives: list[BeaconDrive
     assert first.pose == second.pose
     for one, other in zip(first.displacement, second.displacement, strict=True):
         assert np.array_equal(one, other)
+
+
+@pytest.mark.parametrize("tag", [(0.0, 0.0, 1.0), (0.8, -0.4, 1.2)])
+@pytest.mark.parametrize("heading", [0.0, 2.2])
+def test_a_range_corrects_by_the_derivative_of_its_distance(
+    tag: tuple[float, float, float], heading: float
+) -> None:
+    """Against differences: of the place, and through the tag's lever of the heading, too."""
+    place, start = np.array([6.0, 4.0, 2.5]), Pose2(1.0, 1.0, heading)
+    errors = BeaconErrors(place[None], tag, white=0.05, bias=0.2, scale=0.01)
+    noise = REFERENCE._replace(start_heading=0.1)
+    filtering = BeaconFilter(start, noise, errors, start_position=0.3)
+
+    def distance(x: float, y: float, theta: float) -> float:
+        at = Pose2(x, y, theta).apply(np.array([tag[:2]]))[0]
+        return math.hypot(*(place[:2] - at), place[2] - tag[2])
+
+    expected, row = distance(*start), np.zeros(3)
+    for k in range(3):
+        aside = 1e-6 * np.eye(3)[k]
+        row[k] = (distance(*(start + aside)) - distance(*(start - aside))) / 2e-6
+    prior = np.diag([0.3, 0.3, 0.1]) ** 2
+    variance = row @ prior @ row + 0.2**2 + (0.01 * expected) ** 2 + 0.05**2
+    gain = prior @ row / variance
+    filtering.ranges(np.array([expected + 0.3]))
+    assert filtering.covariance == pytest.approx(prior - np.outer(gain, gain) * variance)
+    moved = np.array(filtering.pose) - start
+    assert moved == pytest.approx(0.3 * gain)
+    assert filtering.biases.mean == pytest.approx([0.3 * 0.2**2 / variance])
+    assert filtering.biases.covariance[0, 0] == pytest.approx(0.2**2 - 0.2**4 / variance)
+
+
+@pytest.mark.parametrize(("sigmas", "refused"), [(4.99, 0), (5.01, 1), (-5.01, 1)])
+def test_a_range_is_refused_beyond_five_of_its_sigmas(sigmas: float, refused: int) -> None:
+    errors = BeaconErrors(np.array([[5.0, 0.0, 1.0]]), (0.0, 0.0, 1.0), 0.1, 0.3, 0.01)
+    filtering = BeaconFilter(Pose2(0.0, 0.0, 0.0), REFERENCE, errors, 0.2)
+    sigma = math.sqrt(0.1**2 + 0.3**2 + 0.05**2 + 0.2**2)
+    filtering.ranges(np.array([5.0 + sigmas * sigma]))
+    assert filtering.refused == refused
+    assert (filtering.pose.x == 0.0) == (refused == 1)

@@ -112,3 +112,88 @@ def test_the_covariance_grows_with_the_way() -> None:
         for _ in range(100):
             odometry.predict(0.02, 0.02)
     assert sigmas == pytest.approx([0.0, 0.02 / math.sqrt(2.0), 0.04 / math.sqrt(2.0)], rel=0.02, abs=1e-5)
+
+
+def arc(left: float, right: float, tread: float, start: Pose2) -> np.ndarray:
+    """Where an arc ends, by its radius."""
+    turn = (right - left) / tread
+    radius = 0.5 * (left + right) / turn
+    end = start.compose(Pose2(radius * math.sin(turn), radius * (1.0 - math.cos(turn)), turn))
+    return np.array(end)
+
+
+ONCE = [
+    (OdometryErrors(0.03, 0.0, 0.0), [0, 1]),
+    (OdometryErrors(0.0, 0.04, 0.0), [2]),
+    (OdometryErrors(0.0, 0.0, 0.05, 0.2), [3, 4]),
+    (OdometryErrors(0.03, 0.04, 0.05, 0.2), [0, 1, 2, 3, 4]),
+]
+
+
+@pytest.mark.parametrize(("left", "right"), [(0.02, 0.025), (-0.025, 0.02), (-0.02, -0.03)])
+@pytest.mark.parametrize(("errors", "which"), ONCE)
+def test_each_error_adds_what_its_derivative_says(
+    errors: OdometryErrors, which: list[int], left: float, right: float
+) -> None:
+    """Against differences of an arc: radius of each wheel, tread, slip of each wheel."""
+    start = Pose2(1.0, 2.0, 0.7)
+    prior = np.array([[0.04, 0.01, 0.0], [0.01, 0.05, 0.002], [0.0, 0.002, 0.03]])
+    sigmas = [errors.radius, errors.radius, errors.tread]
+    sigmas += [errors.slip * math.sqrt(errors.slip_length / abs(way)) for way in (left, right)]
+    expected, columns = np.zeros((3, 3)), []
+    for k in range(3):
+        aside = np.eye(3)[k] * 1e-6
+        ends = [arc(left, right, TREAD, Pose2(*(np.array(start) + sign * aside))) for sign in (1.0, -1.0)]
+        columns.append((ends[0] - ends[1]) / 2e-6)
+    by_pose = np.array(columns).T
+    expected += by_pose @ prior @ by_pose.T
+    for k in which:
+        ends = []
+        for sign in (1.0, -1.0):
+            change = 1.0 + sign * 1e-6 * np.array([k in (0, 3), k in (1, 4), k == 2])
+            ends.append(arc(left * change[0], right * change[1], TREAD * change[2], start))
+        column = (ends[0] - ends[1]) / 2e-6
+        expected += sigmas[k] ** 2 * np.outer(column, column)
+    odometry = Odometry(start, TREAD, errors, prior)
+    odometry.predict(left, right)
+    assert odometry.pose == pytest.approx(tuple(arc(left, right, TREAD, start)))
+    added, wanted = odometry.covariance - prior, expected - prior
+    assert added == pytest.approx(wanted, rel=0.02, abs=0.003 * np.abs(wanted).max())
+
+
+def test_what_is_known_of_the_wheels_is_told() -> None:
+    odometry = Odometry(Pose2(0, 0, 0), TREAD, OdometryErrors(0.03, 0.04, 0.0))
+    assert odometry.scale_variance == pytest.approx(2.0 * 0.03**2 / 4.0)
+    turn = 0.03**2 * (0.2**2 + 0.3**2) + 0.04**2 * 0.1**2
+    assert odometry.turn_variance(0.2, 0.3) == pytest.approx(turn / TREAD**2)
+    odometry.doubt_scale(0.1)
+    assert odometry.scale_variance == pytest.approx(2.0 * 0.03**2 / 4.0 + 0.1**2)
+    assert odometry.turn_variance(0.2, 0.2) == pytest.approx(2.0 * 0.03**2 * 0.2**2 / TREAD**2)
+
+
+def test_a_wider_slip_factor_widens_slip_alone() -> None:
+    spreads = []
+    for factor in (1.0, 4.0):
+        odometry = Odometry(Pose2(0, 0, 0), TREAD, OdometryErrors(0.0, 0.0, 0.05, 0.2))
+        odometry.slip_factor = factor
+        odometry.predict(0.1, 0.1)
+        spreads.append(odometry.covariance)
+    assert spreads[1] == pytest.approx(4.0 * spreads[0])
+
+
+def test_a_measured_pose_corrects_the_wheels_as_a_kalman_filter() -> None:
+    """Its gain, by hand: one straight way, and a position along it that is known exactly."""
+    odometry = Odometry(
+        Pose2(0, 0, 0), TREAD, OdometryErrors(0.03, 0.0, 0.0), np.diag([0.01, 0.01, 0.01]) ** 2
+    )
+    odometry.predict(1.0, 1.0)
+    prior = odometry.covariance[0, 0]
+    assert prior == pytest.approx(0.01**2 + 0.03**2 / 2.0)
+    odometry.correct(
+        Pose2(1.02, 0.0, 0.0), np.diag([1e-12, odometry.covariance[1, 1], odometry.covariance[2, 2]])
+    )
+    learned = 0.5 * 0.03**2 * 0.02 / prior
+    odometry.predict(1.0, 1.0)
+    assert odometry.pose.x == pytest.approx(1.02 + 1.0 + learned, rel=1e-3)
+    left = 0.03**2 / 2.0 - (0.5 * 0.03**2) ** 2 / prior
+    assert odometry.scale_variance == pytest.approx(left, rel=1e-3)
