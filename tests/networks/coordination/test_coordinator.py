@@ -2,6 +2,7 @@
 
 from collections import deque
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -185,6 +186,105 @@ def test_same_run_same_journal(new_stand: Callable[[], Stand], tmp_path: Path) -
     assert kinds[-1] == "END"
 
 
+def test_an_element_left_undone_is_journaled_and_ends_in_fail(stand: Stand, tmp_path: Path) -> None:
+    """Each by its element's name; where it has none, by the situation that it was left in."""
+    situations = [Situation("a", element="book 1"), Situation("b"), Situation("z")]
+    network = ActionNetwork.build(situations, [Action("a", "b", None), Action("b", "z", None)], "a", "z")
+    events: list[Event] = []
+    with Journal(tmp_path / "j") as journal:
+        end = stand.finish(coordinator(stand, network, journal=journal, observers=[events.append]))
+    assert (end.outcome, end.reason, end.skipped) == ("Fail", "left undone: book 1, b", ("book 1", "b"))
+    assert (end.situation, end.actions, end.fails) == ("z", 0, 0)
+    records = [each for each in read_journal(tmp_path / "j").records if each["kind"] == "SKIP"]
+    assert [(each["action"], each["element"]) for each in records] == [(0, "book 1"), (1, "b")]
+    left = [event.reason for event in events if isinstance(event, LeftOut)]
+    assert left == ["book 1 is left undone", "b is left undone"]
+
+
+def test_without_anybody_to_ask_what_needs_a_permit_does_not_start(stand: Stand) -> None:
+    network = stand.network("a z one 1 1", "a z two 2 1")
+    permitted = replace(network.actions[0], permit=True)
+    network = ActionNetwork.build(network.situations.values(), [permitted, network.actions[1]], "a", "z")
+    events: list[Event] = []
+    end = stand.finish(coordinator(stand, network, observers=[events.append]))
+    assert names(events) == ["two"]
+    assert (end.outcome, end.fails) == ("Success", 1)
+    assert [event.reason for event in events if isinstance(event, LeftOut)] == ["permission was refused"]
+
+
+def test_what_waits_for_permission_is_told_only_while_it_waits(stand: Stand) -> None:
+    run: Any = None
+    asked: list[Any] = []
+    answers = iter([None, None, True])
+
+    def permission(action: Action) -> bool | None:
+        asked.append(run.asks)
+        return next(answers)
+
+    network = stand.network("a z one 1")
+    run = coordinator(stand, network, permission=permission)
+    assert stand.finish(run).outcome == "Success"
+    assert asked == [None, network.actions[0], network.actions[0]]
+    assert run.asks is None
+
+
+def test_a_fault_in_planning_stops_and_calls_a_person(
+    stand: Stand, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """N10"""
+
+    def plan(_: object) -> None:
+        raise ZeroDivisionError("division by zero")
+
+    monkeypatch.setattr("handcart.networks.graph.planner.Route.plan", plan)
+    with Journal(tmp_path / "j") as journal:
+        end = stand.finish(coordinator(stand, stand.network("a z one 1"), journal=journal))
+    assert end.outcome == "GiveUp"
+    assert end.reason == "planning failed: ZeroDivisionError: division by zero"
+    assert stand.backend.stops == 1
+    record = read_journal(tmp_path / "j").records[0]
+    assert (record["kind"], record["situation"]) == ("PLAN", "a")
+    assert "ZeroDivisionError" in record["error"]
+
+
+@pytest.mark.parametrize(
+    ("outcome", "reason", "stop"),
+    [
+        ("Error", "it broke; how action 1 ended is not in the journal for good", True),
+        ("GiveUp", "it broke", True),
+    ],
+)
+def test_a_run_that_is_broken_off_says_what_is_not_known(
+    stand: Stand, tmp_path: Path, outcome: Any, reason: str, stop: bool
+) -> None:
+    with Journal(tmp_path / "j") as journal:
+        run = coordinator(stand, driving(stand), journal=journal)
+        periods = run.run()
+        for _ in range(15):
+            next(periods)
+            stand.robot.step()
+        end = run.broken_off("it broke", outcome)
+        *_, stopped, ended = read_journal(tmp_path / "j").records
+    assert (end.outcome, end.reason, end.situation, end.actions) == (outcome, reason, "a", 1)
+    assert (stopped["kind"], stopped["cause"]) == ("STOP", reason)
+    assert (ended["kind"], ended["reason"]) == ("END", reason)
+    assert ended["at"]["base"][0] == pytest.approx(stand.robot.pose.x)
+
+
+def test_a_run_broken_off_between_actions_knows_how_the_last_ended(stand: Stand) -> None:
+    run = coordinator(stand, stand.network("a z one 1"))
+    stand.finish(run)
+    assert run.broken_off("it broke").reason == "it broke"
+
+
+def test_a_journal_that_broke_the_run_off_does_so_only_once(stand: Stand, tmp_path: Path) -> None:
+    journal = Journal(tmp_path / "j")
+    run = coordinator(stand, driving(stand), journal=journal)
+    next(run.run())
+    journal.close()
+    assert run.broken_off("the disk is gone").outcome == "Error"
+
+
 def driving(stand: Stand, periods: int = 40) -> ActionNetwork:
     bound = Binding.of(stand.Drive(periods=periods))
     return ActionNetwork.build([Situation("a"), Situation("z")], [Action("a", "z", bound, 1.0)], "a", "z")
@@ -194,8 +294,8 @@ def test_stop_holds_where_it_is(stand: Stand) -> None:
     run = coordinator(stand, driving(stand))
     end = stand.finish(run, {20: lambda: run.request(Request.STOP)})
     assert (end.outcome, end.exit_status) == ("Cancelled", 130)
-    assert 0.05 < stand.robot.pose.x < 0.3
-    assert stand.backend.stops
+    assert stand.robot.pose.x == pytest.approx(0.15)  # 15 of its 40 periods: it settles for 5 before
+    assert stand.backend.stops == 2
 
 
 def test_cancel_restores_first(stand: Stand) -> None:

@@ -11,8 +11,9 @@ import pytest
 from handcart.backends.capabilities.scan import Scan, Validity
 from handcart.backends.robot.robot import Robot
 from handcart.networks.coordination.coordinator import Coordinator
+from handcart.networks.coordination.events import Ended, Restoring, Started
 from handcart.networks.graph.network import Action, ActionNetwork, Situation
-from handcart.networks.runs.flight_recorder import FlightRecorder, load_readings
+from handcart.networks.runs.flight_recorder import MAX_ARRAYS, FlightRecorder, load_arrays, load_readings
 from handcart.primitives.contract.action_primitive import Periods
 from handcart.primitives.contract.discrepancy import Discrepancy
 from handcart.primitives.knowledge.world_model import ModelView
@@ -89,13 +90,73 @@ def test_a_pause_is_not_recorded(drive: Callable[..., dict[str, Any]]) -> None:
     assert np.allclose(np.diff(times), PERIOD)
 
 
+def test_before_the_first_action_there_is_none(stand: Stand, tmp_path: Path) -> None:
+    recorder = FlightRecorder(tmp_path, stand.robot)
+    for _ in range(3):
+        stand.robot.step()
+        recorder.period(stand.robot)
+        recorder.period(stand.robot)  # nothing new
+    recorder.end()
+    recorder.end()  # nothing has happened since
+    readings = load_readings(tmp_path / "evidence" / "end_readings.npz")
+    assert readings["action"].tolist() == [0, 0, 0]
+    assert readings["restoring"].tolist() == [False] * 3
+    assert readings["time_s"] == pytest.approx([PERIOD, 2 * PERIOD, 3 * PERIOD])
+    assert readings["footprint_m"] == stand.robot.spec.footprint_radius_m
+
+
+def test_a_second_action_begins_its_own_evidence(stand: Stand, tmp_path: Path) -> None:
+    """Its file holds nothing of the way back of the one before; readings have its number."""
+    recorder = FlightRecorder(tmp_path, stand.robot, seconds=0.5)
+    action = stand.network("a z go 1").actions[0]
+    drive: Any = stand.Drive()
+    fail: Any = SimpleNamespace()
+    for number in (1, 2):
+        recorder.event(Started(stand.robot.time, number, action, drive, 0))
+        for period in range(12):
+            if period == 8:
+                recorder.event(Restoring(stand.robot.time, action, "enough"))
+            stand.robot.step()
+            recorder.period(stand.robot)
+        recorder.event(Ended(stand.robot.time, number, action, drive, fail, {}))
+    for number in (1, 2):
+        path = tmp_path / "evidence" / f"00{number}_THINK_SimpleNamespace_readings.npz"
+        readings = load_readings(path)
+        assert set(readings["action"][-10:].tolist()) == {number}
+        assert readings["restoring"].tolist()[-4:] == [True] * 4
+        assert readings["restoring"].sum() == (4 if number == 1 else 4 + 2)
+        assert len(readings["time_s"]) == (12 if number == 1 else 14)
+    before = sorted((tmp_path / "evidence").iterdir())
+    recorder.end()
+    assert sorted((tmp_path / "evidence").iterdir()) == before
+
+
+def test_arrays_larger_than_any_run_keeps_are_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "arrays.npz"
+    np.savez_compressed(path, x_m=np.zeros(100))
+    with pytest.raises(ValueError, match="there is no column time_s"):
+        load_readings(path)
+    unpacked = 928  # a header of 128 bytes
+    monkeypatch.setattr("handcart.networks.runs.flight_recorder.MAX_ARRAYS", unpacked)
+    assert load_arrays(path)["x_m"].shape == (100,)
+    monkeypatch.setattr("handcart.networks.runs.flight_recorder.MAX_ARRAYS", unpacked - 1)
+    with pytest.raises(ValueError, match="928 bytes when unpacked, more than 927"):
+        load_arrays(path)
+    assert MAX_ARRAYS == 268_435_456
+    np.savez(path, time_s=np.array([{}], dtype=object))
+    with pytest.raises(ValueError, match="allow_pickle"):
+        load_arrays(path)
+
+
 def test_a_full_disk_ends_the_evidence_not_the_run(stand: Stand, tmp_path: Path) -> None:
     (tmp_path / "evidence").write_text("a file where a folder is to be")
     recorder = FlightRecorder(tmp_path, stand.robot)
     stand.robot.step()
     recorder.period(stand.robot)
     recorder.end()
-    assert recorder.lost is not None
+    assert recorder.lost == "File exists"
 
 
 def test_recorded_ranges_say_why_a_beam_is_no_return(

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
+from handcart.backends.capabilities.base import WheelTravel
 from handcart.backends.description.joint_units import JointUnits
 from handcart.backends.saved_state import NotAState, pack
 from handcart.networks.graph.planner import Plan
@@ -23,9 +27,10 @@ from handcart.networks.runs.checkpoint import NAME, keep_checkpoint, load_checkp
 from handcart.networks.runs.resuming import NothingToResume, Past, read_past, task_of
 from handcart.networks.runs.run import execute
 from handcart.networks.runs.run_folder import read_run_journal
-from handcart.networks.runs.state_check import StateCheck, check_state, gone_on, standing_as_left
+from handcart.networks.runs.state_check import LOOK, StateCheck, check_state, gone_on, standing_as_left
 from handcart.networks.task.preparing import Prepared
 from handcart.networks.task.task_file import load_task
+from handcart.primitives.restoring.snapshot import STILL
 from tests.networks.conftest import Stand
 
 _OWN = ("kind", "q", "t", "wall", "p", "h")
@@ -205,6 +210,108 @@ def test_by_wheels_alone_nobody_knows_where_the_base_stands(run: Run) -> None:
     assert not check.sure
     assert not any(name.startswith("base") for name in check.residuals)
     assert any(each.startswith("where the base stands: only its wheels tell") for each in check.unknown)
+
+
+@pytest.mark.parametrize("rolls", [0, 3])
+def test_a_look_waits_until_the_robot_rests(run: Run, monkeypatch: pytest.MonkeyPatch, rolls: int) -> None:
+    """Two seconds, then until nothing moves; nothing is commanded."""
+    run.cut("START", 2)
+    run.forget()
+    past, prepared = run.past(), run.prepare()
+    robot = standing_as_left(prepared, past).robot
+    wheels: Any = prepared.backend.capabilities()[0]
+    stepped, step = [0], robot.step
+
+    def rolling(*paused: bool) -> None:
+        stepped[0] += 1
+        if LOOK < stepped[0] <= LOOK + rolls:
+            left, right = wheels.travel
+            wheels.travel = WheelTravel(left + 0.01, right + 0.01)
+        step(*paused)
+
+    monkeypatch.setattr(robot, "step", rolling)
+    monkeypatch.setattr(wheels, "drive", lambda *_: pytest.fail("nothing is commanded"))
+    check = check_state(robot, past)
+    assert stepped == [LOOK + rolls + STILL]
+    assert check.measured.pose.x == pytest.approx(0.1 + 0.01 * rolls, abs=1e-3)
+    assert check.expected is past.standing.at
+
+
+def test_a_look_at_a_robot_of_which_nothing_is_known_says_so(run: Run) -> None:
+    run.cut("START", 0)
+    run.forget()
+    past = run.past()
+    assert past.standing.at is None
+    check = check_state(standing_as_left(run.prepare(), past).robot, past)
+    assert (check.sure, check.off, check.expected) == (False, {}, None)
+    assert check.unknown == ("how the robot stood: the journal doesn't tell",)
+    measured = r"measured: base at \(0\.00, 0\.00\) m, heading -?0\.0 deg; off by nothing known"
+    assert re.fullmatch(measured, check.words()[0])
+    assert check.fields()["expected"] is None
+    past.check_robot(run.prepare().robot)
+
+
+def test_a_journal_of_a_robot_with_other_joints_is_refused(run: Run) -> None:
+    """By how the robot stands, and by how it stood in any situation before."""
+    run.cut("START", 2)
+    run.forget()
+    past, robot = run.past(), run.prepare().robot
+    past.check_robot(robot)
+    assert past.standing.at is not None
+    six = replace(past.standing.at, joints=np.zeros(6), joint_command=np.zeros(6))
+    words = r"journal\.jsonl tells of 6 joints, and the robot has 0$"
+    seen = past.standing.seen
+    for at in (replace(past.standing, at=six), replace(past.standing, seen={**seen, "b": six})):
+        with pytest.raises(NeedsOperator, match=words):
+            replace(past, standing=at).check_robot(robot)
+
+
+def test_what_is_known_and_what_comes_next_is_told(run: Run) -> None:
+    run.cut("START", 2)
+    run.forget()
+    past = run.past()
+    wall = past.contents.records[-1]["wall"]["unix_s"]
+    boot = past.contents.records[0]["wall"]["boot_id"]
+    known = f"known: record {past.last}, 7 s ago; situation c, 2 actions started, 0 failed"
+    assert past.words(wall + 7.2, boot) == [known]
+    assert past.words(wall + 7.2, "another") == [known, "known: the machine was started anew since"]
+    assert past.words(wall - 7.2, boot)[0].startswith(f"known: record {past.last}, 0 s ago")
+    assert past.next_words() == "next: DRIVE (c to z)"
+    assert past.recovered is None
+    (epoch,) = past.to_tell
+    assert epoch == ("EPOCH", {"after": past.last, "in_doubt": None}, {})
+
+
+def test_a_recovered_result_and_a_torn_tail_are_told(run: Run) -> None:
+    run.cut("RESULT", -1, half=True)
+    past = run.past()
+    lines = past.words(0.0, None)
+    assert lines[1:3] == [
+        f"torn: the journal's tail from byte {past.contents.torn_at} on is set aside",
+        "recovered: action 3 had ended with Success",
+    ]
+    assert past.checkpoint is not None
+    (kind, fields, wall), epoch = past.to_tell
+    assert (kind, fields["n"], fields["recovered"]) == ("RESULT", 3, True)
+    assert wall == {"checkpoint": past.checkpoint.digest}
+    assert epoch[1]["in_doubt"] is None
+    assert past.next_words() == "next: nothing, the goal is reached"
+
+
+def test_no_way_left_is_what_comes_next(run: Run) -> None:
+    run.cut("START", 0)
+    run.forget()
+    for number, index in enumerate((0, 3), 1):
+        action = run.network.actions[index]
+        words = {"index": index, "do": action.do, "from": action.source, "to": action.target}
+        run.append("START", n=number, action={**words, "with": {}})
+        failed = {"outcome": "Fail", "reason": "blocked", "permanent": True, "residuals": {}}
+        run.append("RESULT", n=number, **failed)
+        if number == 1:
+            run.append("PLAN", situation="a", way=[3], cost=9.0, excluded=[0])
+    past = run.past()
+    assert past.next_words().startswith("next: no way left from a to z: ")
+    assert (past.standing.started, past.standing.fails, past.standing.plans) == (2, 2, 2)
 
 
 def test_what_is_not_known_is_not_in_place(run: Run) -> None:
