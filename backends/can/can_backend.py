@@ -33,6 +33,8 @@ from .can_parts import CanParts, capabilities_of
 from .errors import BrokenOff, BusFault, CanFault, LateLoop, NoDrives
 from .pace import Pace
 
+_LISTENED = 2.0  # periods of a master, its SYNC or its heartbeat
+
 
 class CanBackend(Backend):
     """CiA 402 drives where the robot's file says, for wheels, joints and gripper.
@@ -89,8 +91,7 @@ class CanBackend(Backend):
         self._heartbeat = Heartbeat(self._line, robot.can.our_node, robot.can.heartbeat_ms / 1e3, self._now)
         try:
             with _bus("setting the drives up"):
-                self.axes.set_up(self._line)
-            self._guard.check()
+                self._set_up()
             self._guard.end_set_up()
             self._parts.begin()
             if bench is None:
@@ -107,6 +108,17 @@ class CanBackend(Backend):
         if self.bench is not None:
             return CanLine(self.bench.open(), self.bench.serve, log.note)
         return CanLine(open_bus(spec), None, log.note)
+
+    def _set_up(self) -> None:
+        """Set the drives up, unless another master has them: our first frame would stop its robot."""
+        if self.bench is None:
+            self._line.wait(self._guard.check, _LISTENED * max(self.period, self._spec.heartbeat_ms / 1e3))
+        try:
+            self.axes.set_up(self._line)
+        except CanFault:
+            self._guard.check()  # two nodes with one ID are the cause of odd answers
+            raise
+        self._guard.check()
 
     @classmethod
     def build(cls, robot: RobotFile, world: Path | None, seed: int) -> CanBackend:

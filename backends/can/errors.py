@@ -4,7 +4,8 @@
     ├── InputError
     │   ├── NoDrives            the robot's file has no section `can`, or not all of it
     │   ├── TooManyCounts       what an axis can be told doesn't fit into 32 bits
-    │   └── NoInterface         the CAN interface can't be opened
+    │   ├── NoInterface         the CAN interface can't be opened
+    │   └── ChannelTaken        another robot or bench is on the channel
     └── RobotFault
         └── CanFault            the robot is stopped, as far as the bus allows, and stays so
             ├── BusFault            the interface doesn't send or receive
@@ -59,6 +60,13 @@ class NoInterface(InputError):
         up = f"; is it up? `ip link set {channel} up type can bitrate {bitrate}`"
         hint = up if interface == "socketcan" else ""
         super().__init__(f"no CAN on {interface} {channel}: {why}{hint}")
+
+
+class ChannelTaken(InputError):
+    """Another robot or bench is on the channel; each would obey and disturb the other."""
+
+    def __init__(self, interface: str, channel: str, by: str, hint: str) -> None:
+        super().__init__(f"{interface} {channel} is in use by {by}; {hint}")
 
 
 class CanFault(RobotFault):
@@ -174,7 +182,9 @@ class Stranger(CanFault):
     """Somebody else commands the drives."""
 
     def __init__(self, what: str) -> None:
-        super().__init__(f"somebody else on the bus sends {what}; allowed: one master")
+        super().__init__(
+            f"somebody else on the bus sends {what}; allowed: one master, and a channel for each robot"
+        )
 
 
 class Overloaded(CanFault):

@@ -9,8 +9,11 @@ from typing import TYPE_CHECKING, Annotated, TextIO
 import typer
 
 if TYPE_CHECKING:
+    import can
+
     from handcart.backends.can.bench.bench import Bench
     from handcart.backends.can.sensors.range_server import RangeServer
+    from handcart.backends.description.can_spec import CanSpec
 
 BETWEEN_PROCESSES, MULTICAST = "udp_multicast", "239.74.163.2"
 AT_THE_PROGRAM = ("bus-down", "error-passive", "error-warning", "bus-off", "queue-full", "cable-off")
@@ -69,6 +72,11 @@ def bench(
     interface = interface or BETWEEN_PROCESSES
     channel = channel or (spec.can.channel if spec.can.interface == interface else MULTICAST)
     bus = open_interface(interface, channel, 1000 * spec.can.bitrate_kbit_s)
+    try:
+        _check_free(bus, spec.can, interface, channel, robot)
+    except BaseException:
+        bus.shutdown()
+        raise
     made = Bench(spec, spec.can, inner, bus)
     over = AskedToEnd()
     end = None if seconds is None else time.monotonic() + seconds
@@ -91,6 +99,18 @@ def bench(
             scans.close()
         if file is not None:
             file.close()
+
+
+def _check_free(bus: can.BusABC, spec: CanSpec, interface: str, channel: str, robot: str) -> None:
+    """Raise `ChannelTaken` if another bench or robot is on the channel."""
+    from handcart.backends.can.bus.channel_use import other_channel_hint, taken_by
+    from handcart.backends.can.errors import ChannelTaken
+
+    nodes = {axis.node for _, axis in spec.axes()}
+    by = taken_by(bus, nodes, is_shared=interface != BETWEEN_PROCESSES)
+    if by:
+        hint = other_channel_hint(interface, f"{robot} beside {channel}")
+        raise ChannelTaken(interface, channel, by, hint)
 
 
 def _scans(bench: Bench, port: int) -> RangeServer:

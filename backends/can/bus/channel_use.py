@@ -1,0 +1,79 @@
+"""Who is on a CAN channel already, before anything of ours is put on it."""
+
+from __future__ import annotations
+
+import time
+import zlib
+from collections.abc import Callable, Collection
+
+import can
+
+from .open_bus import MULTICAST
+
+LISTEN_S = 0.4
+"""How long a channel is listened to: a running master sends SYNC in each period."""
+ANSWER_S = 0.3
+"""How long nodes that were asked may take to answer, in [s]."""
+_DEVICE_TYPE = bytes([0x40, 0x00, 0x10, 0x00, 0, 0, 0, 0])  # SDO: read 1000h (CiA 301)
+_REQUEST, _NODES = 0x600, 0x7F
+_OF_MASTERS = (0x000, 0x080)
+_COMMANDS = (0x200, 0x300, 0x400, 0x500, _REQUEST)
+
+
+def taken_by(
+    bus: can.BusABC,
+    nodes: Collection[int],
+    is_shared: bool,
+    clock: Callable[[], float] = time.monotonic,
+) -> str:
+    """Return who else is on a channel, "" if nobody is whom our nodes would disturb.
+
+    First it is only listened: a question from us would stop a robot that runs there. On a channel without a
+    running master all nodes are asked for their device type.
+
+    Args:
+        bus: open; nothing of ours is on it yet.
+        nodes: node IDs that are to be put on it.
+        is_shared: whether other nodes may be there, as on a bus of wires.
+        clock: gives the time in [s].
+    """
+    found = _first_heard(bus, nodes, is_shared, clock() + LISTEN_S, clock)
+    if found:
+        return found
+    asked = sorted(nodes) if is_shared else range(1, 128)
+    for node in asked:
+        bus.send(can.Message(arbitration_id=_REQUEST + node, data=_DEVICE_TYPE, is_extended_id=False))
+    return _first_heard(bus, nodes, is_shared, clock() + ANSWER_S, clock)
+
+
+def own_channel(name: str) -> str:
+    """Return a multicast group for the robot of this name: always the same, rarely that of another."""
+    number = zlib.crc32(name.encode()) % (254 * 254)
+    return f"239.74.{1 + number // 254}.{1 + number % 254}"
+
+
+def other_channel_hint(interface: str, name: str) -> str:
+    """Return what to do where a channel is taken."""
+    example = f", such as {own_channel(name)}" if interface == MULTICAST else ""
+    return f"allowed: a channel for each robot or bench{example}, here and in the robot's file"
+
+
+def _first_heard(
+    bus: can.BusABC, nodes: Collection[int], is_shared: bool, end: float, clock: Callable[[], float]
+) -> str:
+    while (left := end - clock()) > 0.0:
+        frame = bus.recv(left)
+        who = "" if frame is None else _sender(frame, nodes, is_shared)
+        if who:
+            return who
+    return ""
+
+
+def _sender(frame: can.Message, nodes: Collection[int], is_shared: bool) -> str:
+    """Return who has sent a frame, "" if that does not matter."""
+    if frame.is_error_frame or frame.is_extended_id:
+        return ""
+    kind, node = frame.arbitration_id & ~_NODES, frame.arbitration_id & _NODES
+    if frame.arbitration_id in _OF_MASTERS or (kind in _COMMANDS and node):
+        return f"another master ({frame.arbitration_id:03X}h)"
+    return f"a node {node} ({frame.arbitration_id:03X}h)" if node in nodes or not is_shared else ""
