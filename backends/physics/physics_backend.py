@@ -49,7 +49,9 @@ SETTLES = 0.3  # [s] that everything gets to come to rest before time begins
 SETTLES_OUTDOORS = 1.5  # the same on rough ground, onto which the robot is let down
 LET_DOWN = 0.01  # [m] above its highest point under the wheels
 WHEELS = np.array([[x, y] for x in (0.0, 0.6) for y in (-0.3, 0.3)])  # of a car, about its rear axle [m]
-MAX_TILT_DEG = {"floor": 4.0, "terrain": 45.0}  # of the base, beyond which it has tipped
+MAX_TILT_DEG = {"floor": 4.0, "terrain": 45.0}  # of the base; beyond it for `TIPPED_S`, it has tipped
+TIPPED_S = 1.0  # a base that runs into something lifts its wheels and falls back within half a second
+FALLEN_DEG = 45.0  # from where no base comes back
 _FELT = 4  # of a period's looks at what touches, the last ones in which the force on the hand is measured
 
 
@@ -79,6 +81,7 @@ class PhysicsBackend(SimulatedBackend):
         """Set robot and world up; `window` shows them. The same seed gives the same run, bit for bit."""
         super().__init__(robot, world, seed)
         self._held: Thing | None = None
+        self._tilted_periods = 0
         self._engine = self._start_engine(window)
         try:
             self._build(robot, world, seed)
@@ -266,9 +269,11 @@ class PhysicsBackend(SimulatedBackend):
         self.scene.touch(frozenset(pair for pair in touched if pair[1] != taken))
 
     def _check_upright(self) -> None:
-        """Raise `RobotFault` where the base has tipped over."""
+        """Raise `RobotFault` where the base has tipped and does not fall back."""
         tilt = math.degrees(math.acos(max(-1.0, min(1.0, float(self._body.base_pose()[2, 2])))))
-        if tilt > MAX_TILT_DEG["floor" if self._on_floor else "terrain"]:
+        tilted = tilt > MAX_TILT_DEG["floor" if self._on_floor else "terrain"]
+        self._tilted_periods = self._tilted_periods + 1 if tilted else 0
+        if tilt > FALLEN_DEG or self._tilted_periods * self.period > TIPPED_S:
             why = "what it stands on does not carry its middle of mass, or something pushed it"
             raise RobotFault(f"the base has tipped, by {tilt:.0f} degrees: {why}; see `handcart check`")
 
@@ -307,6 +312,7 @@ class PhysicsBackend(SimulatedBackend):
                 f"no state of this robot in {self.name}; needed: {', '.join(self._parts())}, engine"
             )
         super().set_state({name: part for name, part in state.items() if name != "engine"})
+        self._tilted_periods = 0
         self._engine.set_state(state["engine"])
 
     @property

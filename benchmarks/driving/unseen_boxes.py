@@ -4,8 +4,9 @@ Random rooms of 8 to 10 m with two boxes on the map, and two or three that are o
 ones under the scan plane, and ones that hang above it, 0.2 to 0.4 m wide, as near to the ways as chance puts
 them. `tasks/drive_map` drives through five places, as `handcart run` does it. Contacts are the simulated
 world's own: for each box how often it was touched after the first time, and for how long the base was driven
-against it. Status 1 unless nothing was touched twice and nothing pushed for more than a second. A box that a
-physics engine lets the base touch and leave within 0.2 s is touched once.
+against it. Status 1 unless nothing was touched twice and nothing pushed for more than a second. A base that
+rebounds and touches again within a second has touched
+once; all that it is driven in between counts as pushing.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ PLACES = 5
 CELL = 0.05
 WALL = 0.1  # [m] thick
 FREE_OF_PLACE = 0.3  # [m] between the footprint at a place and a box
-SAME_TOUCH_S = 0.2
+SAME_TOUCH_S = 1.0
 ALLOWED_PUSHING_S = 1.0
 Box = tuple[float, float, float, float, float, float, float]
 """x, y, heading in [rad], length, width, height, underside above the floor; in [m]."""
@@ -74,8 +75,10 @@ class Eye(RunObserver):
                 self._result.touched[name] += 1
                 self._pushing[name] = 0.0
             self._last[name] = robot.time
-            if robot.driven[0] != 0.0:
+        for name, last in self._last.items():
+            if robot.driven[0] != 0.0 and robot.time - last <= SAME_TOUCH_S:
                 self._pushing[name] += robot.period
+            if name in touching:
                 self._result.pushed = max(self._result.pushed, self._pushing[name])
 
     def event(self, event: Event) -> None:

@@ -213,7 +213,7 @@ def _restore(
     view, blocked = model.view(primitive), robot.blocked
     for again in range(RESTORES):
         room = primitive.base_room(robot, view)
-        back = _way_back(primitive.restore(robot, view, start, trace), robot, blocked)
+        back = _way_back(primitive.restore(robot, view, start, trace), robot, blocked, trace)
         way_back = reach_again(robot, start, room) if again else back
         try:
             yield from _within_time(way_back, robot, primitive, model)
@@ -236,10 +236,11 @@ def _restore(
     return verdict
 
 
-def _way_back(restore: Periods, robot: Robot, blocked: Blocked | None) -> Periods:
+def _way_back(restore: Periods, robot: Robot, blocked: Blocked | None, trace: Trace) -> Periods:
     """What the primitive does to restore; a base that something stopped leaves that first."""
     if blocked is not None:
-        yield from back_off(robot, blocked.forwards)
+        yield from back_off(robot, blocked, trace)
+        trace.cut_to(robot)
     yield from restore
 
 

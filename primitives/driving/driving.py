@@ -40,7 +40,7 @@ TURNING = 1.05  # of the turning circle that the steering allows: planned with s
 def plan_drive(robot: Robot, model: ModelView, goal: Place) -> Way:
     """The way on the reduced generalized Voronoi graph, for the footprint with arm and load, past what
     the map shows and what was sensed; or why there is none."""
-    ways = Ways(model.map, robot.spec.footprint_radius_m, robot.pose, avoided_points(robot.spec, model))
+    ways = Ways(model.map, robot.spec.footprint_radius_m, robot.pose, avoided_points(robot, model))
     return ways.to(goal.pose, goal.front if goal.docks else None)
 
 
@@ -91,7 +91,7 @@ def plan_car_drive(robot: Robot, model: ModelView, goal: Pose2) -> CarPath | Non
     """A car's way past what is known to stand there and what was sensed, or None."""
     rocks = model.discs
     known = rocks + np.array([0.0, 0.0, ASTRAY]) if len(rocks) else rocks
-    discs = np.vstack([known, point_discs(avoided_points(robot.spec, model))])
+    discs = np.vstack([known, point_discs(avoided_points(robot, model))])
     radius = TURNING / robot.spec.drive.sharpest_per_m
     return plan_car_route(robot.pose, goal, discs, robot.spec.footprint_radius_m + CAR_ROOM, radius)
 

@@ -29,7 +29,7 @@ class Modify(ActionPrimitive):
     """Where the path leads."""
 
     needs: ClassVar = (RangeSensor,)
-    reads: ClassVar = ("map", "places", "obstacles", "bumps", "discs")
+    reads: ClassVar = ("map", "places", "obstacles", "bumps", "arm_bumps", "discs")
     writes: ClassVar = ("detour",)
     only_knowledge: ClassVar = True
 
@@ -40,7 +40,7 @@ class Modify(ActionPrimitive):
             self._take(robot, model, None if way is None else way.poses[:, :2], way.length if way else 0.0)
             return
         found = yield from robot.compute(plan_drive, robot, model, model.places[self.place])
-        if found.route is None and not len(avoided_points(robot.spec, model)):
+        if found.route is None and not len(avoided_points(robot, model)):
             raise no_way(self.place, found)
         self._take(
             robot, model, found.route and found.route.points, found.route.length if found.route else 0.0

@@ -19,7 +19,7 @@ from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured, NeedsPerson
 from handcart.primitives.contract.meant_contact import MeantContact
-from handcart.primitives.knowledge.bumps import bump_here
+from handcart.primitives.knowledge.bumps import remember_bump
 from handcart.primitives.knowledge.place import Place
 from handcart.primitives.knowledge.place_name import PlaceName
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
@@ -76,7 +76,7 @@ class MoveTo(ActionPrimitive):
 
     needs: ClassVar = (Base, RangeSensor)
     reads: ClassVar = ("map", "places", "speed_limits", "discs")
-    writes: ClassVar = ("obstacles", "bumps", "detour")
+    writes: ClassVar = ("obstacles", "bumps", "arm_bumps", "detour")
 
     arm_inside: ClassVar = True
 
@@ -226,7 +226,7 @@ class MoveTo(ActionPrimitive):
             stood = Measured("Base", "time without getting on", seconds, STUCK, "s")
             touches = "its wheels slip, or it touches something that neither map nor scan shows"
             why = f": {touches}" if rolled > SLIPPED else ""
-            model.bumps = np.vstack([model.bumps, bump_here(robot, forwards=not self.reverse)])
+            remember_bump(robot, model, forwards=not self.reverse)
             return Discrepancy(f"the base doesn't get on{why}", measured=stood)
         if held.shown_by == "scan" and self._monitor is not None:
             found = self._monitor.around(robot, np.array([held.x, held.y]))

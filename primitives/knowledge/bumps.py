@@ -7,28 +7,81 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from handcart.backends.capabilities.arm import Arm
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured
 from handcart.primitives.contract.evidence import Evidence
+from handcart.robotics.kinematics.shapes import corners
 from handcart.robotics.navigation.following.blocked_motion import MAX_PROGRESS, Blocked
-from handcart.robotics.navigation.maps.bump_area import bump_areas, bump_fronts
+from handcart.robotics.navigation.maps.bump_area import (
+    FRONT_ANGLE_DEG,
+    bump_areas,
+    bump_fronts,
+    leading_points,
+)
 
 from .world_model import ModelView, WorldModel
 
+ROOM_M = 0.05  # [m] beside the footprint where the base is, in which nothing is taken to be
 
-def bump_here(robot: Robot, forwards: bool, heading: float | None = None) -> NDArray[np.float64]:
-    """Return (3,) for `WorldModel.bumps`: the base does not get on where it is.
+Floats = NDArray[np.float64]
 
-    `heading`, in [rad], is that with which it came; by default the one that it has.
+
+def remember_bump(
+    robot: Robot, model: WorldModel | ModelView, forwards: bool, blocked: Blocked | None = None
+) -> Floats:
+    """Note in the world model that the base does not get on; return (3,) its row of `bumps`.
+
+    Either the base touches something, or the arm that it carries.
+
+    Args:
+        robot: as it is where it does not get on, or where it rebounded to.
+        model: where it is noted.
+        forwards: whether it was driven forwards.
+        blocked: how that was found, where it was found by `BlockedMotion`.
     """
-    turn = 0.0 if forwards else math.pi
-    return np.array([robot.pose.x, robot.pose.y, (robot.pose.theta if heading is None else heading) + turn])
+    pose, heading = robot.pose, robot.pose.theta
+    if blocked is not None:
+        now = robot.localization.odometry_pose
+        pose, heading = pose.compose(blocked.pose.relative_to(now)), heading + blocked.heading - now.theta
+    direction = heading + (0.0 if forwards else math.pi)
+    bump = np.array([pose.x, pose.y, direction])
+    model.bumps = np.vstack([model.bumps, bump])
+    arm = pose.apply(leading_points(_arm_outlines(robot), forwards))
+    model.arm_bumps = np.vstack([model.arm_bumps, np.insert(arm, 2, direction, axis=1)])
+    return bump
 
 
-def keep_off_bumps(robot: Robot, model: WorldModel) -> None:
-    """Have the base keep off every place where it ran into something."""
-    robot.base.keep_off(bump_fronts(model.bumps, robot.spec.footprint_radius_m))
+def _arm_outlines(robot: Robot) -> list[Floats]:
+    """Return of each body of the arm (k, 2) points in the base frame in [m], as it is measured."""
+    arm = robot.backend.get(Arm)  # type: ignore[type-abstract]
+    if arm is None:
+        return []
+    joints = arm.joints()
+    if not np.isfinite(joints).all():
+        return []
+    return [corners(each)[:, :2] for each in robot.arm_model.moved_shapes(joints)]
+
+
+def keep_off_bumps(robot: Robot, model: WorldModel, returns: bool = False) -> None:
+    """Have the base keep off every place where it ran into something.
+
+    Where the base is now, nothing is taken to be. One that `returns` to where it came from keeps off only
+    what is straight ahead of the place where it was stopped: it may have slid along the thing.
+    """
+    radius = robot.spec.footprint_radius_m
+    felt = bump_fronts(model.bumps, radius)
+    if not returns:
+        wide = np.vstack([bump_fronts(model.bumps, radius, FRONT_ANGLE_DEG), model.arm_bumps[:, :2]])
+        felt = np.vstack([felt, _away(robot, wide)])
+    robot.base.keep_off(felt)
+
+
+def _away(robot: Robot, points: Floats) -> Floats:
+    """Return those of points (n, 2) on the map in [m] that the footprint leaves free where the base is."""
+    distance = np.hypot(points[:, 0] - robot.pose.x, points[:, 1] - robot.pose.y)
+    return np.asarray(points[distance > robot.spec.footprint_radius_m + ROOM_M])
 
 
 def note_bump(robot: Robot, model: WorldModel, evidence: Evidence) -> None:
@@ -40,9 +93,8 @@ def note_bump(robot: Robot, model: WorldModel, evidence: Evidence) -> None:
     blocked = robot.blocked
     if blocked is None:
         return
-    bump = bump_here(robot, blocked.forwards, blocked.heading)
-    model.bumps = np.vstack([model.bumps, bump])
-    keep_off_bumps(robot, model)
+    bump = remember_bump(robot, model, blocked.forwards, blocked)
+    keep_off_bumps(robot, model, returns=True)
     evidence.points["bumped"] = bump_fronts(bump, robot.spec.footprint_radius_m)
     moved = Measured(
         "Base", "progress while driven", blocked.moved, MAX_PROGRESS * blocked.commanded, unit="m"
@@ -58,9 +110,10 @@ def _words(blocked: Blocked, bump: NDArray[np.float64], spec: RobotFile) -> str:
     return f"the base doesn't move, though it is driven: something stops it {there}, or its drives are off"
 
 
-def avoided_points(spec: RobotFile, model: WorldModel | ModelView) -> NDArray[np.float64]:
+def avoided_points(robot: Robot, model: WorldModel | ModelView) -> Floats:
     """Return (n, 2) points on the map in [m] to plan around: sensed, or run into."""
-    return np.vstack([model.obstacles, bump_areas(model.bumps, spec.footprint_radius_m)])
+    arm = _away(robot, bump_areas(model.arm_bumps, 0.0))
+    return np.vstack([model.obstacles, bump_areas(model.bumps, robot.spec.footprint_radius_m), arm])
 
 
 def last_bump(spec: RobotFile, model: WorldModel | ModelView) -> tuple[float, float] | None:

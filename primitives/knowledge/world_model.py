@@ -70,6 +70,9 @@ class WorldModel:
     bumps: NDArray[np.float64] = dataclass_field(default_factory=lambda: np.empty((0, 3)))
     """(n, 3) where the base ran into something that no sensor shows: map_T_base in [m], and direction of the
     motion on the map in [rad]; kept for the run."""
+    arm_bumps: NDArray[np.float64] = dataclass_field(default_factory=lambda: np.empty((0, 3)))
+    """(n, 3) points of the arm then, one of which may have touched: x and y on the map in [m], direction of
+    the motion in [rad]; kept for the run."""
     detour: Detour | None = None
     """Kept for one element."""
     in_hand: str = ""
@@ -83,11 +86,21 @@ class WorldModel:
         "places": dict[str, Place],
         "obstacles": NDArray[np.float64],
         "bumps": NDArray[np.float64],
+        "arm_bumps": NDArray[np.float64],
         "detour": Detour | None,
         "in_hand": str,
     }
     """What a checkpoint keeps beside the sections' own, with the types."""
-    ENTRIES: ClassVar = ("map", "places", "obstacles", "bumps", "detour", "speed_limits", "discs")
+    ENTRIES: ClassVar = (
+        "map",
+        "places",
+        "obstacles",
+        "bumps",
+        "arm_bumps",
+        "detour",
+        "speed_limits",
+        "discs",
+    )
 
     def __post_init__(self) -> None:
         self._noted = self._now()
@@ -194,7 +207,8 @@ class WorldModel:
         """
         if not isinstance(state, dict) or not isinstance(state.get("sections"), dict):
             raise NotAState("no state of a world model; needed: sections")
-        state = {"bumps": np.empty((0, 3)), **state}  # states of older versions know of none
+        none = np.empty((0, 3))
+        state = {"bumps": none, "arm_bumps": none, **state}  # states of older versions know of none
         there = sections()
         if unknown := state["sections"].keys() - there.keys():
             names = ", ".join(map(str, sorted(unknown, key=str)))
@@ -237,6 +251,7 @@ class ModelView:
         places: Mapping[str, Place]
         obstacles: NDArray[np.float64]
         bumps: NDArray[np.float64]
+        arm_bumps: NDArray[np.float64]
         detour: Detour | None
         speed_limits: SpeedLimits | None
         discs: NDArray[np.float64]

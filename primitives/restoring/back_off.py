@@ -2,20 +2,79 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Generator
 
+import numpy as np
+from numpy.typing import NDArray
+
 from handcart.backends.robot.robot import Robot
+from handcart.robotics.geometry.pose2 import wrap
+from handcart.robotics.navigation.following.blocked_motion import Blocked
 
-BACK_OFF_M = 0.03  # more than the pose errs by: a base that turns while it touches something rubs along it
-BACK_OFF_SPEED_M_S = 0.1
-BACK_OFF_TIMEOUT_S = 2.0
+from .trace import Trace
+
+STRAIGHT_M = 0.03  # more than the pose errs by: a base that turns while it touches something rubs along it
+STRAIGHT_SPEED_M_S = 0.1
+BACK_OFF_SPEED_M_S = 0.2
+BACK_OFF_TIMEOUT_S = 20.0
+SPACING_M = 0.01  # between poses of the way in: estimates tremble
+LEAD_M = 0.1  # of way in which a wrong heading is corrected
+MAX_CURVATURE_PER_M = 2.0
+
+Floats = NDArray[np.float64]
 
 
-def back_off(robot: Robot, forwards: bool) -> Generator[None, None, None]:
-    """Drive straight back by `BACK_OFF_M`, away from where the base was driven, `forwards` or not."""
-    begun, end = robot.localization.odometry_pose, robot.time + BACK_OFF_TIMEOUT_S
+def back_off(robot: Robot, blocked: Blocked, trace: Trace) -> Generator[None, None, None]:
+    """Drive back the way the base came, away from where it was stopped.
+
+    First by `STRAIGHT_M` straight back; then with the headings of the way in, until the footprint has left
+    the place where it was stopped: what body and arm swept over there is free, and a sharper turn would sweep
+    over more. A base that rebounded has done a part of it.
+
+    Args:
+        robot: at rest.
+        blocked: where it was stopped, and how it was driven.
+        trace: the way in.
+    """
+    way, headings = _way_in(trace, blocked, 2.0 * robot.spec.footprint_radius_m)
+    length, end = max(STRAIGHT_M, float(way[-1])), robot.time + BACK_OFF_TIMEOUT_S
     limits, speed = robot.drive_limits, 0.0
-    while robot.localization.odometry_pose.distance(begun) < BACK_OFF_M and robot.time < end:
-        speed = min(speed + limits.acceleration * robot.period, BACK_OFF_SPEED_M_S, limits.speed)
-        robot.base.drive(-speed if forwards else speed, 0.0)
+    while (away := _away(robot, blocked)) < length and robot.time < end:
+        allowed = STRAIGHT_SPEED_M_S if away < STRAIGHT_M else BACK_OFF_SPEED_M_S
+        speed = min(speed + limits.acceleration * robot.period, allowed, limits.speed)
+        bend = 0.0
+        if away >= STRAIGHT_M:
+            wanted = float(np.interp(away + LEAD_M, way, headings))
+            bend = wrap(wanted - robot.localization.odometry_pose.theta) / LEAD_M
+        turn_rate = min(MAX_CURVATURE_PER_M, max(-MAX_CURVATURE_PER_M, bend)) * speed
+        robot.base.drive(-speed if blocked.forwards else speed, turn_rate)
         yield
+
+
+def _away(robot: Robot, blocked: Blocked) -> float:
+    """Return the distance in [m] from where the base was stopped, negative on the far side of it."""
+    pose = robot.localization.odometry_pose
+    ahead = blocked.pose.inverse().compose(pose).x * (1.0 if blocked.forwards else -1.0)
+    return math.copysign(pose.distance(blocked.pose), -ahead)
+
+
+def _way_in(trace: Trace, blocked: Blocked, length: float) -> tuple[Floats, Floats]:
+    """Return (n,) distances in [m] back from where the base was stopped, and headings (n,) there in [rad].
+
+    Up to `length`, in [m], or to where the base last came from the other side, or turned without driving.
+    """
+    moments = trace.moments[: trace.nearest(blocked.pose) + 1]
+    poses = [each.odometry_pose or each.pose for each in reversed(moments)]
+    distances, headings, last = [0.0], [poses[0].theta], poses[0]
+    for pose in poses[1:]:
+        step = pose.distance(last)
+        if step < SPACING_M:
+            continue
+        ahead = last.relative_to(pose).x
+        if (ahead > 0.0) != blocked.forwards or distances[-1] + step > length:
+            break
+        distances.append(distances[-1] + step)
+        headings.append(headings[-1] + math.remainder(pose.theta - headings[-1], math.tau))
+        last = pose
+    return np.array(distances), np.array(headings)

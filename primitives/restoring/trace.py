@@ -26,12 +26,32 @@ class Moment(NamedTuple):
     """The base by what doesn't jump (`Localization.odometry_pose`)."""
 
 
+NEAR_PERIODS = 200  # the last ones, in which a place is looked for
+RAD_M = 0.3  # that a turn of a radian counts as, in [m]
+
+
 class Trace:
     """The moments of a motion, oldest first."""
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
         self.moments: list[Moment] = []
+
+    def nearest(self, pose: Pose2) -> int:
+        """Return the number of the moment whose base was nearest to a pose, among the last ones."""
+        begin = max(0, len(self.moments) - NEAR_PERIODS)
+        poses = [each.odometry_pose or each.pose for each in self.moments[begin:]]
+        off = [each.distance(pose) + RAD_M * each.turn(pose) for each in poses]
+        return begin + int(np.argmin(off))
+
+    def cut_to(self, robot: Robot) -> None:
+        """Have the base come from where it is now, on its way in: what it drove later is not retraced.
+
+        Arm and gripper keep their moments.
+        """
+        pose, odometry_pose = robot.pose, robot.localization.odometry_pose
+        for number in range(self.nearest(odometry_pose) + 1, len(self.moments)):
+            self.moments[number] = self.moments[number]._replace(pose=pose, odometry_pose=odometry_pose)
 
     def record(self) -> None:
         """Take this period down."""

@@ -49,7 +49,7 @@ class Divide(ActionPrimitive):
     """While the tool is on the seam; one that drives goes straight on from its place, level with it."""
 
     needs: ClassVar = (Arm,)
-    reads: ClassVar = ("map", "seam", "work_piece", "obstacles", "bumps")
+    reads: ClassVar = ("map", "seam", "work_piece", "obstacles", "bumps", "arm_bumps")
     writes: ClassVar = ("places", "seam_work", "detour")
     only_knowledge: ClassVar = True
 
@@ -57,7 +57,7 @@ class Divide(ActionPrimitive):
         known = model.of(Seam)
         seam, work = seam_of(model), known.seam_work
         boxes = tuple(each.box for each in known.work_piece.boxes) if known.work_piece else ()
-        avoided = avoided_points(robot.spec, model)
+        avoided = avoided_points(robot, model)
         room = StandingRoom(robot.spec, robot.arm_model, model.map, avoided, robot.pose, boxes, work.avoided)
         if work.tracked == len(seam.points) - 1 or self._stays(work, room):
             self.found(kept=len(work.rest))

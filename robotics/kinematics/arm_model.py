@@ -225,6 +225,11 @@ class ArmModel:
         bodies = zip(self._geometry.geometryObjects, names, self.link_poses(q), strict=True)
         return [shape_of(body.geometry, pose, name) for body, name, pose in bodies]
 
+    def moved_shapes(self, q: Vector) -> list[Shape]:
+        """Return those of `link_shapes` that the arm moves."""
+        bodies = zip(self._geometry.geometryObjects, self.link_shapes(q), strict=True)
+        return [shape for body, shape in bodies if body.parentJoint > 0]
+
     def for_collision(self) -> tuple[pin.Model, pin.GeometryModel, pin.SE3]:
         """For a collision checker: Pinocchio's model, its own copy of the bodies, and root_T_base."""
         return self._model, self._geometry.copy(), self._root_T_base

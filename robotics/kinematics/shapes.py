@@ -54,6 +54,22 @@ class Hull:
 Shape = Box | Cylinder | Sphere | Hull
 
 
+def corners(shape: Shape) -> NDArray[np.float64]:
+    """Return (k, 3) points in [m] whose hull holds a body, in the frame that it is posed in."""
+    if isinstance(shape, Hull):
+        points = shape.points
+    else:
+        match shape:
+            case Box():
+                size = np.array(shape.size)
+            case Cylinder():
+                size = np.array([2.0 * shape.radius, 2.0 * shape.radius, shape.length])
+            case Sphere():
+                size = np.full(3, 2.0 * shape.radius)
+        points = 0.5 * size * np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+    return np.asarray(points @ shape.pose[:3, :3].T + shape.pose[:3, 3])
+
+
 def radius_about(shape: Shape) -> float:
     """Radius in [m] of the ball about the origin of a body's own frame that holds it."""
     match shape:

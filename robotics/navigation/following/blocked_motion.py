@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from typing import NamedTuple
+
+import numpy as np
 
 from handcart.robotics.geometry.pose2 import Pose2
 
@@ -23,13 +26,20 @@ class _Period(NamedTuple):
     """Distance by the encoders, likewise."""
     before: Pose2
     """map_T_base at its start, as estimated."""
+    now: Pose2
+    """Likewise at its end."""
+
+    @property
+    def ahead(self) -> float:
+        """Distance that the base moved along its heading, in [m]; negative backwards."""
+        return self.now.relative_to(self.before).x
 
 
 class Blocked(NamedTuple):
     """Evidence that something stops a base that is driven."""
 
     pose: Pose2
-    """map_T_base where it does not get on, as estimated."""
+    """map_T_base where it does not get on, as estimated: it may have rebounded since."""
     heading: float
     """Its heading when the window began, in [rad]: who drives on turns the base where it stands."""
     forwards: bool
@@ -39,7 +49,8 @@ class Blocked(NamedTuple):
     rolled: float
     """Distance that the wheels rolled in it by their encoders, in [m]."""
     moved: float
-    """Distance that the base moved in it by all sensors, in [m]."""
+    """Distance that the base moved in it by all sensors the way that it was driven, in [m]; negative where it
+    rebounded."""
 
     @property
     def slips(self) -> bool:
@@ -79,23 +90,30 @@ class BlockedMotion:
         if commanded == 0.0 or (self._periods and commanded * self._periods[-1].commanded < 0.0):
             self.clear()
         if commanded != 0.0:
-            self._periods.append(_Period(commanded, rolled, before))
-        found = self._judged(now)
+            self._periods.append(_Period(commanded, rolled, before, now))
+        found = self._judged()
         self._in_a_row = 0 if found is None else self._in_a_row + 1
         return found if self._in_a_row >= CONFIRMED else None
 
-    def _judged(self, now: Pose2) -> Blocked | None:
-        commanded, rolled = 0.0, 0.0
+    def _judged(self) -> Blocked | None:
+        commanded, rolled, ahead = 0.0, 0.0, 0.0
         for count, period in enumerate(reversed(self._periods), start=1):
             commanded += period.commanded
             rolled += period.rolled
+            ahead += period.ahead
             if count < self._shortest or abs(commanded) < MIN_COMMANDED_M:
                 continue
-            moved = now.distance(period.before)
-            if moved > MAX_PROGRESS * abs(commanded):
+            sign = math.copysign(1.0, commanded)
+            if sign * ahead > MAX_PROGRESS * abs(commanded):
                 return None
-            forwards = commanded > 0.0
+            window = list(self._periods)[-count:]
+            farthest = int(np.argmax(np.cumsum([sign * each.ahead for each in window])))
             return Blocked(
-                now, period.before.theta, forwards, abs(commanded), rolled if forwards else -rolled, moved
+                window[farthest].now,
+                period.before.theta,
+                commanded > 0.0,
+                abs(commanded),
+                sign * rolled,
+                sign * ahead,
             )
         return None

@@ -3,33 +3,48 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 UNSEEN_SIZE_M = 0.45  # assumed size of what was run into: only one point of its outline is known
 FRONT_ANGLE_DEG = 75.0  # to both sides of the motion, in which a disc that is stopped touches
-GUARDED_ANGLE_DEG = 45.0  # likewise, in which a base keeps off: wider, and one that slid could not go back
+GUARDED_ANGLE_DEG = 45.0  # likewise, in which a base keeps off on its way back: it may have slid
 SPACING_M = 0.05  # between points
 
 Floats = NDArray[np.float64]
 
 
-def bump_fronts(bumps: Floats, radius: float) -> Floats:
+def bump_fronts(bumps: Floats, radius: float, half_angle_deg: float = GUARDED_ANGLE_DEG) -> Floats:
     """Return (m, 2) points in [m] on the outline of a base where something stopped it.
 
     Args:
         bumps: (n, 3) map_T_base in [m], and direction of the motion on the map in [rad].
         radius: of the base's footprint, in [m].
+        half_angle_deg: of the sector about the direction of the motion.
     """
-    return _sectors(bumps, np.array([radius]), GUARDED_ANGLE_DEG)
+    return _sectors(bumps, np.array([radius]), half_angle_deg)
+
+
+def leading_points(outlines: Sequence[Floats], forwards: bool) -> Floats:
+    """Return (m, 2) in [m] the half of each body's points that leads as the base drives.
+
+    Args:
+        outlines: of each body (k, 2) points in the base frame, in [m].
+        forwards: or else backwards.
+    """
+    ahead = 1.0 if forwards else -1.0
+    halves = [each[ahead * (each[:, 0] - each[:, 0].mean()) >= 0.0] for each in outlines]
+    points = np.vstack([np.empty((0, 2)), *halves])
+    return np.asarray(np.unique(np.round(points / (0.5 * SPACING_M)), axis=0) * (0.5 * SPACING_M))
 
 
 def bump_areas(bumps: Floats, radius: float) -> Floats:
     """Return (m, 2) points in [m] that fill what may stand where a base was stopped.
 
     The thing touches the front half of the footprint somewhere and may reach `UNSEEN_SIZE_M` beyond it; where
-    the footprint was, nothing stands. Arguments as of `bump_fronts`.
+    the footprint was, nothing stands. Arguments as of `bump_fronts`; the radius of a point that touched is 0.
     """
     depths = np.arange(0.0, UNSEEN_SIZE_M + 1e-9, SPACING_M)
     return _sectors(bumps, radius + depths, FRONT_ANGLE_DEG)

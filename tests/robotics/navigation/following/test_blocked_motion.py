@@ -71,3 +71,19 @@ def test_a_command_that_turns_round_starts_a_new_window() -> None:
     assert found is None
     found, _ = drive(([0.2] * 6 + [0.0]) * 10, share=0.0)
     assert found is None
+
+
+def test_a_base_that_rebounds_is_found_where_it_was_stopped() -> None:
+    """It hits something at 0.5 m, is thrown back by 0.2 m and driven on."""
+    motion, before = BlockedMotion(PERIOD), Pose2(0.0, 0.0, 0.0)
+    way = [*np.arange(0.05, 0.51, 0.03), 0.42, 0.34, 0.3, 0.3, 0.31, 0.33, 0.36, 0.39, 0.42]
+    for number, x in enumerate(way):
+        now = Pose2(float(x), 0.0, 0.0)
+        found = motion.update(0.6, 0.03, before, now)
+        if found is not None:
+            assert found.pose.x == pytest.approx(max(way[:16]))
+            assert found.moved <= 0.0
+            assert (number - 15) * PERIOD <= 0.45
+            return
+        before = now
+    raise AssertionError("the base was thrown back, and nothing noticed it")
