@@ -18,7 +18,7 @@ coverage = pytest.importorskip("coverage", reason="of the extra `dev`")
 
 ROOT = Path(__file__).resolve().parents[1]
 MUTATION = ROOT / "scripts" / "mutation"
-OWN = ("drawing", "choosing", "call_remover", "equivalent")
+OWN = ("drawing", "choosing", "call_remover", "equivalent", "recording")
 ADDER = '''"""The sum."""
 
 
@@ -38,6 +38,17 @@ TEST = """from handcart.networks.journal.adder import add
 
 def test_sum() -> None:
     assert add(2, 3) == 5
+"""
+ADDER_FILE = "networks/journal/adder.py"
+SUM = "tests/networks/journal/test_adder.py::test_sum"
+FAR = "tests/tools/test_far.py::test_far[a b]"
+LONG = "tests/tools/test_far.py::test_long"
+NEW_TEST = """from handcart.networks.journal.adder import SEEN, add
+
+
+def test_seen() -> None:
+    add(1.0, 7.0)
+    assert SEEN[-1:] == [7.0]
 """
 PACKAGE = """from pathlib import Path
 
@@ -60,6 +71,7 @@ def project(tmp_path: Path) -> Path:
     for path, text in {
         "networks/journal/adder.py": ADDER,
         "tests/networks/journal/test_adder.py": TEST,
+        "tests/tools/test_far.py": "",
         "src/handcart/__init__.py": PACKAGE,
         "tools/pytest_plugin.py": "",
     }.items():
@@ -105,16 +117,57 @@ def test_the_nearest_tests_are_of_the_same_name_or_import_it(parts: Any) -> None
     assert "tests/networks/journal/test_journal.py" in nearest[:3]
 
 
-def test_coverage_says_which_tests_execute_a_line(parts: Any, project: Path, tmp_path: Path) -> None:
+@pytest.fixture
+def recorded(parts: Any, project: Path, tmp_path: Path) -> Any:
+    """What a run would have recorded: a near test of 2 s, a far one of 1 s, a far one of 20 s."""
     data = coverage.CoverageData(str(tmp_path / "covered"))
-    data.set_context("tests.networks.journal.test_adder.test_sum")
-    data.add_lines({str(project / "networks/journal/adder.py"): [5, 6]})
-    by_coverage = parts("choosing").tests_by_coverage
-    assert by_coverage(project, data, "networks/journal/adder.py", 6) == [
-        "tests/networks/journal/test_adder.py"
+    for name, lines in ((SUM, [5, 6, 10]), (FAR, [5]), (LONG, [5, 10]), ("", [4, 9, 13])):
+        data.set_context(name)
+        data.add_lines({str(project / ADDER_FILE): lines})
+    return parts("recording").Recording(data, {SUM: 2.0, FAR: 1.0, LONG: 20.0})
+
+
+def test_chosen_tests_execute_the_line_cheap_and_near_first(parts: Any, project: Path, recorded: Any) -> None:
+    def names(line: int, seconds: float = 60.0) -> list[str]:
+        chosen = parts("choosing").choose_tests(project, recorded, ADDER_FILE, line, seconds)
+        return [name for name, _ in chosen.tests]
+
+    assert names(5) == [SUM, FAR, LONG]
+    assert names(5, seconds=22.0) == [SUM, FAR]
+    assert names(5, seconds=0.1) == [SUM]
+    assert names(6) == [SUM]
+
+
+def test_a_line_executed_at_import_has_the_tests_of_what_it_defines(
+    parts: Any, project: Path, recorded: Any
+) -> None:
+    def names(line: int) -> set[str]:
+        chosen = parts("choosing").choose_tests(project, recorded, ADDER_FILE, line, 60.0)
+        return {name for name, _ in chosen.tests}
+
+    assert names(9) == {SUM, LONG}  # def note: its body
+    assert names(13) == {SUM, LONG}  # SEEN: the line that appends to it
+    assert names(1) == {SUM, FAR, LONG}  # nothing: all of the file
+
+
+def test_without_a_recording_the_nearest_files_are_chosen(parts: Any, project: Path, recorded: Any) -> None:
+    choose = parts("choosing").choose_tests
+    assert choose(project, None, ADDER_FILE, 5, 60.0) == ([], [SUM.split("::")[0]])
+    (project / "networks/journal/other.py").write_text("X = 1\n")
+    assert choose(project, recorded, "networks/journal/other.py", 1, 60.0).tests == []
+
+
+def test_lines_of_a_statement_end_where_its_body_begins(parts: Any) -> None:
+    source = "def f(\n    a=1,\n):\n    if (\n        a\n    ):\n        g()\n    h(\n        a,\n    )\n"
+    statements = [parts("choosing").statement_at(ast.parse(source), line) for line in range(1, 11)]
+    assert [(min(each.lines), max(each.lines)) for each in statements] == [
+        *[(1, 3)] * 3,
+        *[(4, 6)] * 3,
+        (7, 7),
+        *[(8, 10)] * 3,
     ]
-    assert by_coverage(project, data, "networks/journal/adder.py", 13) == []
-    assert by_coverage(project, data, "networks/journal/other.py", 6) == []
+    assert [each.is_imported for each in statements] == [True] * 3 + [False] * 7
+    assert list(statements[0].body) == list(range(4, 11))
 
 
 def test_each_equivalent_mutant_is_still_one_and_has_a_reason(parts: Any) -> None:
@@ -140,3 +193,35 @@ def test_survivors_are_printed_and_too_few_killed_fail(project: Path, tmp_path: 
     assert "      - note(b)\n      + pass\n" in ended.stdout
     assert "equivalent networks/journal/adder.py:10 nobody reads what is noted" in ended.stdout
     assert (project / "networks/journal/adder.py").read_text() == ADDER
+
+
+@pytest.mark.slow
+def test_a_recording_chooses_single_tests_and_takes_new_ones_in(project: Path, tmp_path: Path) -> None:
+    nothing = tmp_path / "equivalent.yaml"
+    nothing.write_text("[]\n")
+    (project / "tests/networks/journal/test_else.py").write_text("def test_else() -> None: pass\n")
+    (project / "pyproject.toml").write_text("")
+    command = [sys.executable, str(MUTATION), "--project", str(project), "--modules", "journal"]
+    recorded = ["--record", str(tmp_path / "recorded"), "--jobs", "1"]
+    subprocess.run([*command, *recorded], check=True, stdout=subprocess.DEVNULL)
+    (project / "tests/networks/journal/test_adder_more.py").write_text(NEW_TEST)
+    used = ["--coverage", str(tmp_path / "recorded"), "--seed", "1", "--drawn", "12"]
+    ended = subprocess.run(
+        [*command, *used, "--equivalent", str(nothing)], capture_output=True, text=True, check=False
+    )
+    assert f"killed     {ADDER_FILE}:6 by {SUM}" in ended.stdout, ended.stderr
+    assert (
+        f"killed     {ADDER_FILE}:10 by tests/networks/journal/test_adder_more.py::test_seen" in ended.stdout
+    )
+    assert "2 tests ran; 1 are known to execute it" in ended.stdout
+
+
+@pytest.mark.slow
+def test_a_test_that_fails_without_any_mutant_kills_none(project: Path, tmp_path: Path) -> None:
+    (project / "tests/networks/journal/test_adder.py").write_text(TEST + "    assert False\n")
+    command = [sys.executable, str(MUTATION), "--project", str(project), "--modules", "journal"]
+    options = ["--seed", "1", "--drawn", "3", "--equivalent", str(tmp_path / "equivalent.yaml")]
+    (tmp_path / "equivalent.yaml").write_text("[]\n")
+    ended = subprocess.run([*command, *options], capture_output=True, text=True, check=False)
+    assert f"fails without it: {SUM}" in ended.stdout
+    assert "(0.0 %)" in ended.stdout

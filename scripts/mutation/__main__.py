@@ -1,35 +1,35 @@
 """Draw mutants by a seed and report which the tests kill: `python scripts/mutation --drawn 20 --seed 1`.
 
-The mutants are made by Cosmic Ray's operators, so nobody chose them. Each is tried on a copy of the project,
-with the tests that execute its line (`--coverage`) or else those nearest to its file. More tests could kill
-more of them, so the score is a lower bound. docs/reference/mutation.md.
+The mutants are made by Cosmic Ray's operators, so nobody chose them. Each is tried on a copy of the project:
+with the tests that execute its line, by a recording (`--record`, then `--coverage`), or else with those
+nearest to its file. More tests could kill more of them, so the score is a lower bound.
+docs/reference/mutation.md.
 """
 
 from __future__ import annotations
 
 import argparse
-import re
 import sys
 import tempfile
 import time
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from itertools import islice
 from pathlib import Path
 from queue import SimpleQueue
+from threading import Lock
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.append(str(ROOT / "scripts" / "mutants"))
 
-from bed import TIMED_OUT, Bed  # noqa: E402
-from choosing import MAX_FILES, nearest_tests, tests_by_coverage  # noqa: E402
-from coverage import CoverageData  # noqa: E402
+from choosing import MAX_FILES, ChosenTests, choose_tests  # noqa: E402
 from drawing import MODULES, DrawnMutant, draw  # noqa: E402
 from equivalent import TABLE, key_of, read_equivalents  # noqa: E402
+from recording import durations_of, read_recording, record  # noqa: E402
+from warm_bed import WarmBed  # noqa: E402
 
-PATIENCE_S = 180.0
-NO_TESTS = 5  # pytest's exit status where it found none
-BLAMED = re.compile(r"^(?:FAILED|ERROR) (\S+?\.py(?:::\w+)*)", re.MULTILINE)
+SECONDS = 60.0
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class Verdict:
     word: str
     """killed, timed out, SURVIVED or equivalent."""
     blamed: tuple[str, ...] = ()
-    """Tests that failed, as pytest takes them."""
+    """Tests that failed or never ended, as pytest takes them."""
     reason: str = ""
 
     def __str__(self) -> str:
@@ -51,22 +51,44 @@ class Verdict:
 
 
 def main() -> int:
-    """Print each mutant and the score; 1: fewer than `--least` % are killed, 2: tests fail without any."""
+    """Print each mutant and the score; 1: fewer than `--least` % are killed. `--record` runs the suite."""
     wanted = _arguments()
-    begun = time.monotonic()
+    if wanted.record:
+        return record(wanted.project, wanted.record, wanted.jobs)
+    durations = durations_of(wanted.coverage.resolve()) if wanted.coverage else None
     with tempfile.TemporaryDirectory() as folder:
-        beds = [Bed(wanted.project, Path(folder) / str(job), {}) for job in range(wanted.jobs)]
-        verdicts = []
-        for verdict in _verdicts(wanted, beds):
-            verdicts.append(verdict)
-            print(f"{len(verdicts):>4}/{wanted.drawn} {verdict}", flush=True)
-            if time.monotonic() - begun > 60.0 * wanted.minutes:
-                break
-        blamed = sorted({name for verdict in verdicts for name in verdict.blamed})
-        if blamed and not beds[0].passes(tuple(blamed)):
-            print(f"fails without any mutant, one of: {' '.join(blamed)}")
-            return 2
+        beds = [WarmBed(wanted.project, Path(folder) / str(job), durations) for job in range(wanted.jobs)]
+        try:
+            verdicts = _print_all(wanted, beds)
+            verdicts = _confirmed(verdicts, beds[0])
+        finally:
+            for bed in beds:
+                bed.close()
     return _report(verdicts, wanted.seed, wanted.least)
+
+
+def _print_all(wanted: argparse.Namespace, beds: Sequence[WarmBed]) -> list[Verdict]:
+    begun, verdicts = time.monotonic(), []
+    for verdict in _verdicts(wanted, beds):
+        verdicts.append(verdict)
+        print(f"{len(verdicts):>4}/{wanted.drawn} {verdict}", flush=True)
+        if time.monotonic() - begun > 60.0 * wanted.minutes:
+            break
+    return verdicts
+
+
+def _confirmed(verdicts: Sequence[Verdict], bed: WarmBed) -> list[Verdict]:
+    """Return the verdicts; a mutant whose tests fail without it, too, has survived."""
+    failing = bed.failing(sorted({name for verdict in verdicts for name in verdict.blamed}))
+    confirmed = []
+    for verdict in verdicts:
+        if verdict.blamed and failing.issuperset(verdict.blamed):
+            verdict = replace(
+                verdict, word="SURVIVED", reason=f"fails without it: {' '.join(verdict.blamed)}"
+            )
+            print(f"     {verdict}", flush=True)
+        confirmed.append(verdict)
+    return confirmed
 
 
 def _report(verdicts: Sequence[Verdict], seed: str, least: float) -> int:
@@ -81,45 +103,41 @@ def _report(verdicts: Sequence[Verdict], seed: str, least: float) -> int:
     return int(share < least)
 
 
-def _verdicts(wanted: argparse.Namespace, beds: Sequence[Bed]) -> Iterator[Verdict]:
-    free: SimpleQueue[Bed] = SimpleQueue()
+def _verdicts(wanted: argparse.Namespace, beds: Sequence[WarmBed]) -> Iterator[Verdict]:
+    free: SimpleQueue[WarmBed] = SimpleQueue()
     for bed in beds:
         free.put(bed)
-    equivalents, data = read_equivalents(wanted.equivalent), CoverageData(str(wanted.coverage or ""))
-    if wanted.coverage:
-        data.read()
+    equivalents, recording = read_equivalents(wanted.equivalent), read_recording(wanted.coverage)
 
     def judge(mutant: DrawnMutant) -> Verdict:
         if key_of(mutant) in equivalents:
             return Verdict(mutant, "equivalent", reason=equivalents[key_of(mutant)])
+        with choosing:
+            tests = choose_tests(
+                wanted.project, recording, mutant.file, mutant.line, wanted.seconds, wanted.files
+            )
         bed = free.get()
         try:
-            return _try(bed, _with_tests(wanted, data, mutant))
+            return _try(bed, mutant, tests, wanted.seconds)
         finally:
             free.put(bed)
 
+    choosing = Lock()
     mutants = draw(wanted.project, wanted.seed, wanted.modules)
     with ThreadPoolExecutor(len(beds)) as pool:
-        for _ in range(0, wanted.drawn, len(beds)):
-            batch = [mutant for _, mutant in zip(beds, mutants, strict=False)]
-            yield from pool.map(judge, batch)
+        yield from pool.map(judge, islice(mutants, wanted.drawn))
 
 
-def _with_tests(wanted: argparse.Namespace, data: CoverageData, mutant: DrawnMutant) -> DrawnMutant:
-    tests = tests_by_coverage(wanted.project, data, mutant.file, mutant.line) if wanted.coverage else []
-    tests = tests or nearest_tests(wanted.project, mutant.file)
-    return replace(mutant, tests=tuple(tests[: wanted.files]))
-
-
-def _try(bed: Bed, mutant: DrawnMutant) -> Verdict:
-    if not mutant.tests:
+def _try(bed: WarmBed, mutant: DrawnMutant, tests: ChosenTests, seconds: float) -> Verdict:
+    if not tests.tests and not tests.files:
         return Verdict(mutant, "SURVIVED", reason="no tests")
-    ended = bed.run_tests(mutant, PATIENCE_S)
-    if ended.status == TIMED_OUT:
-        return Verdict(mutant, "timed out")
-    if ended.status in (0, NO_TESTS):
-        return Verdict(mutant, "SURVIVED", reason=f"{len(mutant.tests)} files of tests")
-    return Verdict(mutant, "killed", tuple(BLAMED.findall(ended.output)) or mutant.tests)
+    answer = bed.try_mutant(mutant, tests, seconds)
+    if answer.word == "hung":
+        return Verdict(mutant, "timed out", answer.blamed, f"in {' '.join(answer.blamed)}")
+    if answer.word == "failed":
+        return Verdict(mutant, "killed", answer.blamed or tuple(tests.files))
+    chosen = f"{len(tests.tests)} are known to execute it" if tests.tests else "of the nearest files"
+    return Verdict(mutant, "SURVIVED", reason=f"{answer.ran} tests ran; {chosen}")
 
 
 def _diff(mutant: DrawnMutant) -> list[str]:
@@ -135,8 +153,10 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--least", type=float, default=0.0, help="share in percent that has to be killed")
     parser.add_argument("--modules", nargs="+", choices=MODULES, default=list(MODULES), metavar="MODULE")
     parser.add_argument("--minutes", type=float, default=1e9, help="draw no further mutant after these")
-    parser.add_argument("--files", type=int, default=MAX_FILES, help="files of tests for one mutant")
-    parser.add_argument("--coverage", type=Path, help="data file of coverage.py, with contexts of tests")
+    parser.add_argument("--record", type=Path, help="run the quick suite once and write this file instead")
+    parser.add_argument("--coverage", type=Path, help="what `--record` wrote: which test executes which line")
+    parser.add_argument("--seconds", type=float, default=SECONDS, help="of tests for one mutant")
+    parser.add_argument("--files", type=int, default=MAX_FILES, help="files of tests where no test is known")
     parser.add_argument("--jobs", type=int, default=1, help="copies of the project to work in")
     parser.add_argument("--project", type=Path, default=ROOT)
     parser.add_argument("--equivalent", type=Path, default=TABLE)
