@@ -66,11 +66,15 @@ def goes_over_unknown(document: Document) -> bool:
     return any(reference(document.root.deepest(over)[0], "all") is not None for over in _overs(document))
 
 
-def _overs(document: Document) -> list[KeyPath]:
-    """Where its repeats tell what they go over."""
+def repeat_count(document: Document) -> int:
+    """Return the number of entries under `repeat`, valid or not."""
     repeats = document.root.child(REPEAT)
-    count = len(repeats.content) if repeats and isinstance(repeats.content, list) else 0
-    return [(REPEAT, number, "over") for number in range(count)]
+    return len(repeats.content) if repeats and isinstance(repeats.content, list) else 0
+
+
+def _overs(document: Document) -> list[KeyPath]:
+    """Return the paths of the lists that the document's repeats go over."""
+    return [(REPEAT, number, "over") for number in range(repeat_count(document))]
 
 
 def with_element(node: Node, element: Element | None, root: Node, findings: Findings) -> Node:

@@ -29,7 +29,7 @@ from handcart.primitives.clock.wall_clock import ALLOWED_CLOCK, wall_clock_reads
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.registry import primitive_class
 
-from .parameters import goes_over_unknown, with_all, with_listed_repeats, with_parameters
+from .parameters import goes_over_unknown, repeat_count, with_all, with_listed_repeats, with_parameters
 from .primitive_parameters import ParameterReader
 from .repeat_faults import Situations, element_facts, repeat_faults
 from .repeating import Copied, Copies, repeated
@@ -193,7 +193,10 @@ class _Reader:
     def _copies(
         self, situations: Situations, entries: Mapping[int, ActionEntry], start: str, goal: str
     ) -> Copies:
-        parts = repetitions(self._listed("repeat", Repeat), entries.values())
+        repeats = self._listed("repeat", Repeat)
+        if len(repeats) < repeat_count(self._document):  # every use of its element would be reported too
+            self._findings.raise_all()
+        parts = repetitions(repeats, entries.values())
         faults = list(repeat_faults(parts, situations, entries, start, goal))
         for path, fault in faults:
             self._add(path, fault)

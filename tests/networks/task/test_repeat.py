@@ -145,6 +145,13 @@ def test_elements_of_another_part_are_unknown(load: Callable[..., Task]) -> None
     assert {"word[1] (one)", "term[1] (three)"} < elements
 
 
+def test_a_wrong_list_is_reported_once(load: Callable[..., Task]) -> None:
+    """The uses of its element are right."""
+    with pytest.raises(FileError) as error:
+        load(changed("over: [one, two]", "over: one,two"))
+    assert {found.line for found in error.value.findings} == {20}
+
+
 @pytest.mark.parametrize(
     ("old", "new", "line", "column", "message"),
     [
