@@ -19,6 +19,7 @@ from contextlib import contextmanager
 import can
 import numpy as np
 from can.interfaces.virtual import VirtualBus
+from typing_extensions import override
 
 from handcart.backends.can.bench.bench import Bench
 from handcart.backends.can.bench.injected_faults import injected_fault
@@ -43,8 +44,8 @@ QUICK_STOP = 0x02
 class Patient(Pace):
     """Counts what is late, and doesn't stop for it: machines that are measured on may be busy."""
 
+    @override
     def wait(self) -> None:
-        """See `Pace`."""
         super().wait()
         self.trouble = ""
 

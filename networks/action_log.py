@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from typing_extensions import override
+
 from handcart.networks.coordination.events import Ended, Event, Restoring, Started
 from handcart.networks.journal.past_run import PastAction
 from handcart.networks.journal.run_log import outcome_record
@@ -19,8 +21,8 @@ class ActionLog(RunObserver):
         self.actions: list[PastAction] = []
         """In the order in which they were started."""
 
+    @override
     def event(self, event: Event) -> None:
-        """See `RunObserver`."""
         time = round(event.time, 6)  # as the journal keeps it
         match event:
             case Started(_, number, action, primitive):

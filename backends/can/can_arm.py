@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from handcart.backends.can.drives.axis import Axis
 from handcart.backends.capabilities.arm import Arm
@@ -52,20 +53,20 @@ class CanArm(Arm):
         """What it was commanded last, (n,) in [rad]."""
         self._command = self._sent = joints.copy()
 
+    @override
     def move(self, joints: Vector) -> None:
-        """See `Arm`."""
         self._command = checked_joints(self._model, joints, self._sent, self._most)
 
+    @override
     def command(self) -> Vector:
-        """See `Arm`."""
         return self._command.copy()
 
+    @override
     def joints(self) -> Vector:
-        """See `Arm`."""
         return np.array([joint.position for joint in self._joints])
 
+    @override
     def hand_force(self) -> Vector:
-        """See `Arm`."""
         q = self.joints()
         telling = [place for place, joint in enumerate(self._joints) if joint.tells_torque]
         measured = np.array([joint.torque for joint in self._joints]) * self._rated

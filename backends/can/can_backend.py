@@ -11,6 +11,7 @@ from typing import Any
 import can
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from handcart.backends.backend import Backend
 from handcart.backends.can.bench.bench import Bench
@@ -130,10 +131,10 @@ class CanBackend(Backend):
         return cls(robot, None)
 
     @classmethod
+    @override
     def build_on_bench(
         cls, robot: RobotFile, world: Path | None, seed: int, bench: type[Backend]
     ) -> CanBackend:
-        """See `Backend`."""
         return cls._on_bench(robot, world, seed, bench)
 
     @classmethod
@@ -155,8 +156,8 @@ class CanBackend(Backend):
         return backend
 
     @classmethod
+    @override
     def kinds(cls, robot: RobotFile) -> tuple[type[Capability], ...] | None:
-        """See `Backend`."""
         return capabilities_of(robot) if robot.can and robot.can.interface != VIRTUAL else None
 
     @property
@@ -164,8 +165,8 @@ class CanBackend(Backend):
         """On a bench the backend that simulates the rest of the robot, where there is one."""
         return self.bench.inner if self.bench else None
 
+    @override
     def capabilities(self) -> tuple[Capability, ...]:
-        """See `Backend`."""
         sensors = [each for each in self._sensors if isinstance(each, Capability)]
         own = (*self._parts.capabilities(), *sensors)
         others = () if self.inner is None else self.inner.capabilities()
@@ -259,8 +260,8 @@ class CanBackend(Backend):
             if self._fault is None and self._enabled:
                 self._stop_for_good()
 
+    @override
     def view(self) -> NDArray[np.uint8] | None:
-        """See `Backend`."""
         inner = self.bench.inner if self.bench else None
         return None if inner is None else inner.view()
 
@@ -271,8 +272,8 @@ class CanBackend(Backend):
             return None
         return {"inner": inner, "time": self.bench.time, "parts": attributes(self._parts, CanParts.STATE)}
 
+    @override
     def set_state(self, state: object) -> None:
-        """See `Backend`."""
         if self.bench is None or self.bench.inner is None:
             super().set_state(state)
             return
@@ -284,8 +285,8 @@ class CanBackend(Backend):
         self.axes.look()
         set_attributes(self._parts, CanParts.STATE, kept["parts"])
 
+    @override
     def figures(self) -> Mapping[str, Any]:
-        """See `Backend`."""
         return {} if self._pace is None else {"loop": self._pace.figures()}
 
     @contextmanager

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing_extensions import override
+
 from handcart.backends.can.drives.axis import Axis
 from handcart.backends.capabilities.base import Base, WheelTravel
 from handcart.backends.description.robot_file import Drive
@@ -16,14 +18,14 @@ class CanBase(Base):
         self._drive, self._left, self._right = drive, left, right
         self._command = (0.0, 0.0)
 
+    @override
     def drive(self, speed: float, turn_rate: float) -> None:
-        """See `Base`."""
         speed, turn_rate = checked_drive(self._drive, speed, turn_rate)
         half = turn_rate * self._drive.tread_m / 2
         self._command = speed - half, speed + half
 
+    @override
     def wheel_travel(self) -> WheelTravel:
-        """See `Base`."""
         return WheelTravel(self._left.travel, self._right.travel)
 
     def set_travel(self, travel: WheelTravel) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing_extensions import override
+
 from handcart.backends.can.drives.axis import Axis
 from handcart.backends.can.drives.axis_limits import FULL_TORQUE
 from handcart.backends.capabilities.gripper import Gripper
@@ -33,20 +35,20 @@ class CanGripper(Gripper):
         """What it was commanded last, in [m]."""
         self._command = width
 
+    @override
     def command(self) -> float:
-        """See `Gripper`."""
         return self._command
 
+    @override
     def move(self, width: float) -> None:
-        """See `Gripper`."""
         self._command = checked_width(self._spec, width)
 
+    @override
     def width(self) -> float:
-        """See `Gripper`."""
         return max(0.0, self._axis.position)
 
+    @override
     def closed_on_something(self) -> bool:
-        """See `Gripper`."""
         most = self._axis.limits.torque / FULL_TORQUE
         stands = abs(self._axis.velocity) <= _BLOCKED * self._axis.limits.speed
         if not self._axis.tells_torque:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
+from typing_extensions import override
+
 from handcart.backends.description.ground_spec import GroundSpec
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.simulation.body.base_contact import move_base
@@ -92,8 +94,8 @@ class KinematicBackend(SimulatedBackend):
         self.scene.lean_to(ride.tilt)
         return KinematicCar(robot, ride), ride
 
+    @override
     def step(self) -> None:
-        """See `Backend`."""
         self._periods += 1
         self.scene.time = self._periods * self.period
         for props in self.scene.props.values():
@@ -131,8 +133,8 @@ class KinematicBackend(SimulatedBackend):
         self.scene.lean_to(lean_of((float(x), float(y)), rate))
         self._hand.follow_base()
 
+    @override
     def set_state(self, state: object) -> None:
-        """See `Backend`."""
         super().set_state(state)
         if self._hand is not None:
             self._hand.forget_derived()

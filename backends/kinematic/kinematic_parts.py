@@ -9,6 +9,7 @@ from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from handcart.backends.capabilities.base import WheelTravel
 from handcart.backends.capabilities.range_sensor import Scan
@@ -94,8 +95,8 @@ class KinematicArm(SimulatedArm):
         hand.scene.joints = self._command + self._offset
         self._touching: frozenset[tuple[str, str]] = frozenset()
 
+    @override
     def true_joints(self) -> Vector:
-        """See `SimulatedArm`."""
         return self._hand.scene.joints
 
     def _true_force(self) -> Vector:
@@ -124,8 +125,8 @@ class KinematicGripper(SimulatedGripper):
     def _fingers(self) -> Fingers:
         return Fingers(self._hand)
 
+    @override
     def true_width(self) -> float:
-        """See `SimulatedGripper`."""
         return self._scene.width
 
     def advance(self, period: int) -> bool:

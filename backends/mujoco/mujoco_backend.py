@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.sensor_specs import CameraSpec
@@ -65,14 +66,14 @@ class MujocoBackend(PhysicsBackend):
         backend._window = Window(backend._engine, backend._body, backend._body.standing_pose())
         return backend
 
+    @override
     def step(self) -> None:
-        """See `Backend`."""
         super().step()
         if self._window is not None:
             self._window.show(self._body.standing_pose(), self.period)
 
+    @override
     def view(self) -> NDArray[np.uint8]:
-        """See `Backend`."""
         width, height = VIEW_SIZE
         K = np.array([[_FOCAL, 0.0, (width - 1) / 2], [0.0, _FOCAL, (height - 1) / 2], [0.0, 0.0, 1.0]])
         return self._studio.take(self._seen_from(), K, self._onlooker.at)
@@ -81,8 +82,8 @@ class MujocoBackend(PhysicsBackend):
     def _studio(self) -> Studio:
         return Studio(self._engine, self._body.looks(), FILM, VIEW_SIZE)
 
+    @override
     def close(self) -> None:
-        """See `Backend`."""
         if self._window is not None:
             self._window.close()
         if "_studio" in self.__dict__:

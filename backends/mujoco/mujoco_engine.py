@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from handcart.backends.physics.engine import ContactPoint, Engine, Pinned, Touching
 from handcart.backends.physics.thing_form import ThingForm
@@ -116,8 +117,8 @@ class MujocoEngine(Engine):
         often = max(0, min(FELT, self.substeps // LOOKS - 1))
         return (self.substeps - often * LOOKS, *(LOOKS,) * often)
 
+    @override
     def step(self, steps: int | None = None) -> None:
-        """See `Engine`."""
         model, data = self._grown.both()
         steps = self.substeps if steps is None else steps
         while (pinned := self._slipping.pinned) is not None and steps > 0:
@@ -129,52 +130,52 @@ class MujocoEngine(Engine):
         self.displaced()
         self._leaning.look(model, data)
 
+    @override
     def close(self) -> None:
-        """See `Engine`."""
         self._grown.forget()
 
     # Bodies
 
+    @override
     def add_floor(self, friction: float) -> int:
-        """See `Engine`."""
         number = self.grow()
         self.looks.level = True
         self.world.floor(number, friction)
         return number
 
+    @override
     def add_box(
         self, box: Box, friction: float, grey: int, moves: bool = False, material: Material = WOOD
     ) -> int:
-        """See `Engine`."""
         number = self.grow()
         self.looks.boxes[number] = BoxLook(box, grey, moves, material)
         self.world.box(number, box, friction, moves)
         return number
 
+    @override
     def add_tile(self, corner: Array, cell: float, heights: Array, friction: float) -> int:
-        """See `Engine`."""
         number = self.grow()
         self.looks.tiles[number] = TileLook(corner, cell, heights)
         self.world.tile(number, corner, cell, heights, friction)
         return number
 
+    @override
     def add_sheet(self, sheet: Sheet) -> None:
-        """See `Engine`."""
         self.looks.sheets.append(sheet)
 
+    @override
     def add_thing(self, form: ThingForm) -> int:
-        """See `Engine`."""
         number = self.grow()
         self._forms[number] = self.looks.things[number] = form
         self.world.thing(number, form)
         return number
 
+    @override
     def show(self, body: int, picture: GreyImage) -> None:
-        """See `Engine`."""
         self.looks.shown[body] = picture
 
+    @override
     def weigh(self, body: int, mass: float) -> None:
-        """See `Engine`."""
         form = self._forms[body]
         assert form is not None
         inertia = box_inertia(mass, form.size)
@@ -193,8 +194,8 @@ class MujocoEngine(Engine):
         result[:3, :3], result[:3, 3], result[3, 3] = data.xmat[index].reshape(3, 3), data.xpos[index], 1.0
         return result
 
+    @override
     def moved(self) -> Collection[int] | None:
-        """See `Engine`."""
         coordinates, seen = self.data.qpos, self._seen
         self._seen = coordinates.copy()
         return None if seen is None else self._numbering.moved(coordinates != seen)
@@ -204,8 +205,8 @@ class MujocoEngine(Engine):
         self._grown.both()
         return self._numbering.things[body]
 
+    @override
     def set_pose(self, body: int, pose: Transform) -> None:
-        """See `Engine`."""
         model, data = self._grown.both()
         placed = np.concatenate([pose[:3, 3], quaternion(pose)])
         if body in self._numbering.things:
@@ -217,8 +218,8 @@ class MujocoEngine(Engine):
             data.mocap_pos[mocap], data.mocap_quat[mocap] = placed[:3], placed[3:]
         self.displaced()
 
+    @override
     def touches(self, body: int, anything: bool) -> None:
-        """See `Engine`."""
         bits, model = int(anything), self.model
         thing = self._numbering.things[body]
         model.body_contype[thing.body] = model.body_conaffinity[thing.body] = bits  # MuJoCo looks here first
@@ -228,12 +229,12 @@ class MujocoEngine(Engine):
             spec.contype = spec.conaffinity = bits
 
     @property
+    @override
     def pinned(self) -> Pinned | None:
-        """See `Engine`."""
         return self._slipping.pinned
 
+    @override
     def pin(self, wanted: Pinned | None) -> None:
-        """See `Engine`."""
         model, data = self._grown.both()
         if wanted is None:
             self._slipping.let_go(data)
@@ -246,18 +247,18 @@ class MujocoEngine(Engine):
 
     # What is there
 
+    @override
     def touching(self, body: int) -> Collection[Touching]:
-        """See `Engine`."""
         data = self.data  # what is numbered below may be numbered anew by it
         return self._pressing.touching(data, body)
 
+    @override
     def contacts(self, body: int) -> list[ContactPoint]:
-        """See `Engine`."""
         data = self.data
         return self._pressing.contacts(data, body)
 
+    @override
     def free_shares(self, start: Array, ends: Array) -> Array:
-        """See `Engine`."""
         data = self.links()
         return self._beams.free_shares(data, start, ends)
 
@@ -269,8 +270,8 @@ class MujocoEngine(Engine):
         leans = self._leaning.trees.astype(np.int64)
         return {**saved(self.model, self.data), "pinned": pinned, "leans": leans}
 
+    @override
     def set_state(self, state: object) -> None:
-        """See `Engine`."""
         model, data = self._grown.both()
         if not isinstance(state, dict) or not {"pinned", "leans"} <= state.keys():
             raise NotAState("no state of this engine; needed: mujoco, asleep, pinned, leans")

@@ -46,7 +46,7 @@ class Pressing:
         return {body: frozenset(each) for body, each in found.items()}
 
     def contacts(self, data: Any, body: int) -> list[ContactPoint]:
-        """See `Engine.contacts`."""
+        """Return the contact points of one body, with normals and forces in the world's frame."""
         contact, forces = data.contact, data.efc_force
         found = []
         for touching, index, row, sign in self._points(data, body):

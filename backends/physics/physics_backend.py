@@ -9,6 +9,7 @@ from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
+from typing_extensions import override
 
 from handcart.backends.backend import RobotFault
 from handcart.backends.description.ground_spec import GroundSpec
@@ -191,8 +192,8 @@ class PhysicsBackend(SimulatedBackend):
         """True world pose (4, 4) of a link's frame, as the engine has it."""
         return self._body.link_pose(link)
 
+    @override
     def step(self) -> None:
-        """See `Backend`."""
         self._periods += 1
         self.scene.time = self._periods * self.period
         for props in self.scene.props.values():
@@ -301,12 +302,12 @@ class PhysicsBackend(SimulatedBackend):
         """Bodies of what stands on the robot."""
         return [self._world.bodies[each.name] for each in self.scene.riding()]
 
+    @override
     def state(self) -> dict[str, Any]:
-        """See `Backend`."""
         return {**super().state(), "engine": self._engine.state()}
 
+    @override
     def set_state(self, state: object) -> None:
-        """See `Backend`."""
         if not isinstance(state, dict) or "engine" not in state:
             raise NotAState(
                 f"no state of this robot in {self.name}; needed: {', '.join(self._parts())}, engine"
@@ -328,6 +329,6 @@ class PhysicsBackend(SimulatedBackend):
         bodies = {f"body {name}": each for name, each in self._bodies.items()}
         return {"drives": self._base.drives, **bodies, "made": self._world}
 
+    @override
     def close(self) -> None:
-        """See `Backend`."""
         self._engine.close()

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from typing_extensions import override
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.physics.body.robot_body import RobotBody
@@ -28,7 +29,7 @@ _GEAR_FORCE = 500.0  # with which a linkage keeps two joints alike [N]
 
 
 class BulletBody(RobotBody):
-    """See `RobotBody`."""
+    """Robot of links and joints in PyBullet."""
 
     def __init__(self, engine: BulletEngine, robot: RobotFile, base: Pose2) -> None:
         """Load it with `base` as world_T_base."""
@@ -86,8 +87,8 @@ class BulletBody(RobotBody):
     def _root(self) -> Transform:
         return self._engine.pose(self.id) @ inverse(self._root_T_middle)
 
+    @override
     def put(self, base: Pose2, height: float = 0.0) -> None:
-        """See `RobotBody`."""
         self._engine.set_pose(self.id, base.lift(height) @ inverse(self._middle_T_base))
 
     def free(self, joint: int) -> None:
@@ -96,17 +97,17 @@ class BulletBody(RobotBody):
             self.id, joint, self._p.VELOCITY_CONTROL, force=0.0, physicsClientId=self._engine.client
         )
 
+    @override
     def standing_pose(self) -> Transform:
-        """See `RobotBody`."""
         return self._engine.pose(self.id) @ self._middle_T_base
 
+    @override
     def mass(self, link: str) -> float:
-        """See `RobotBody`."""
         index = self.link_index[link]
         return float(self._p.getDynamicsInfo(self.id, index, physicsClientId=self._engine.client)[0])
 
+    @override
     def link_pose(self, link: str) -> Transform:
-        """See `RobotBody`."""
         index = self.link_index[link]
         if index == -1:
             return self._root()
@@ -115,8 +116,8 @@ class BulletBody(RobotBody):
         )
         return matrix(state[4], state[5])
 
+    @override
     def middle_of_mass(self, link: str) -> Transform:
-        """See `RobotBody`."""
         index = self.link_index[link]
         if index == -1:
             return self._engine.pose(self.id)
@@ -125,18 +126,18 @@ class BulletBody(RobotBody):
         )
         return matrix(state[0], state[1])
 
+    @override
     def joints(self, names: Sequence[str]) -> BulletJoints:
-        """See `RobotBody`."""
         return BulletJoints(self._engine, self.id, [self.joint_index[name] for name in names])
 
+    @override
     def reset(self, joint: str, position: float) -> None:
-        """See `RobotBody`."""
         self._p.resetJointState(
             self.id, self.joint_index[joint], position, physicsClientId=self._engine.client
         )
 
+    @override
     def cover(self, links: Iterable[str], surface: Surface) -> None:
-        """See `RobotBody`."""
         asked: dict[str, Any] = {
             "lateralFriction": surface.friction,
             "anisotropicFriction": None if surface.along_axle is None else (1.0, surface.along_axle, 1.0),
@@ -150,8 +151,8 @@ class BulletBody(RobotBody):
                 self.id, self.link_index[link], **given, physicsClientId=self._engine.client
             )
 
+    @override
     def mirror(self, joints: tuple[str, str]) -> None:
-        """See `RobotBody`."""
         one, other = (self.joint_index[name] for name in joints)
         p, client = self._p, self._engine.client
         nowhere = (0, 0, 0)
@@ -161,8 +162,8 @@ class BulletBody(RobotBody):
         force = _GEAR_FORCE / self._engine.substeps
         p.changeConstraint(gear, gearRatio=-1, maxForce=force, erp=0.8, physicsClientId=client)
 
+    @override
     def links_behind(self, joint: str) -> set[int]:
-        """See `RobotBody`."""
         moved = {self.joint_index[joint]}
         for link in sorted(self._parent):  # Bullet numbers a parent before its children
             if self._parent[link] in moved:

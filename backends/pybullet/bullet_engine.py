@@ -12,6 +12,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
+from typing_extensions import override
 
 from handcart.backends.physics.engine import GRAVITY, ContactPoint, Engine, Pinned, Point, Touching
 from handcart.backends.physics.thing_form import ThingForm
@@ -93,16 +94,16 @@ class BulletEngine(Engine):
         return int(self.p.ER_BULLET_HARDWARE_OPENGL if window else self.p.ER_TINY_RENDERER)
 
     @property
+    @override
     def pinned(self) -> Pinned | None:
-        """See `Engine`."""
         return self._pinned
 
+    @override
     def step(self, steps: int | None = None) -> None:
-        """See `Engine`."""
         self.p.stepSimulation(physicsClientId=self.client)
 
+    @override
     def close(self) -> None:
-        """See `Engine`."""
         if self._connected:
             self._connected = False
             with quiet():
@@ -116,16 +117,16 @@ class BulletEngine(Engine):
         body = self.p.createMultiBody(0.0, shape, floor_look(self.client), physicsClientId=self.client)
         return self._rub(body, friction)
 
+    @override
     def add_box(
         self, box: Box, friction: float, grey: int, moves: bool = False, material: Material = WOOD
     ) -> int:
-        """See `Engine`."""
         shapes = plain_box(self.client, box.size, grey)
         body = self.p.createMultiBody(0.0, *shapes, *placed(box.pose), physicsClientId=self.client)
         return self._rub(body, friction)
 
+    @override
     def add_tile(self, corner: Array, cell: float, heights: Array, friction: float) -> int:
-        """See `Engine`."""
         shapes = tile_shape(self.client, cell, heights)
         x, y = corner + cell * (len(heights) - 1) / 2
         middle = (float(heights.min()) + float(heights.max())) / 2  # Bullet has a field about its middle
@@ -136,8 +137,8 @@ class BulletEngine(Engine):
         self.p.changeDynamics(body, -1, lateralFriction=friction, physicsClientId=self.client)
         return int(body)
 
+    @override
     def add_sheet(self, sheet: Sheet) -> None:
-        """See `Engine`."""
         picture, metres = sheet.levels[min(_LEVEL, len(sheet.levels) - 1)]
         height, width = (size * metres for size in picture.shape)
         faces = [_FLAT] * 4 + [((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)), _FLAT]
@@ -146,8 +147,8 @@ class BulletEngine(Engine):
         body = self.p.createMultiBody(0.0, -1, visual, *placed(pose), physicsClientId=self.client)
         self.show(int(body), picture)
 
+    @override
     def add_thing(self, form: ThingForm) -> int:
-        """See `Engine`."""
         p, client = self.p, self.client
         shape, visual = thing_shape(client, form.pieces), box_mesh(client, form.size, form.uvs)
         body = int(p.createMultiBody(form.mass, shape, visual, *placed(form.middle), physicsClientId=client))
@@ -171,15 +172,15 @@ class BulletEngine(Engine):
         )
         return body
 
+    @override
     def show(self, body: int, picture: GreyImage) -> None:
-        """See `Engine`."""
         texture = self.texture(picture)
         if texture != self._shown.get(body):
             self._shown[body] = texture
             self.p.changeVisualShape(body, -1, textureUniqueId=texture, physicsClientId=self.client)
 
+    @override
     def weigh(self, body: int, mass: float) -> None:
-        """See `Engine`."""
         self.p.changeDynamics(body, -1, mass=mass, physicsClientId=self.client)
 
     def texture(self, picture: NDArray[np.uint8]) -> int:
@@ -195,27 +196,27 @@ class BulletEngine(Engine):
             cv2.imwrite(path, cv2.cvtColor(picture, cv2.COLOR_GRAY2BGR))
             return int(self.p.loadTexture(path, physicsClientId=self.client))
 
+    @override
     def pose(self, body: int) -> Transform:
-        """See `Engine`."""
         position, turn = self.p.getBasePositionAndOrientation(body, physicsClientId=self.client)
         return matrix(position, turn)
 
+    @override
     def set_pose(self, body: int, pose: Transform) -> None:
-        """See `Engine`."""
         self.p.resetBasePositionAndOrientation(body, *placed(pose), physicsClientId=self.client)
         self.p.resetBaseVelocity(body, (0.0,) * 3, (0.0,) * 3, physicsClientId=self.client)
 
+    @override
     def touches(self, body: int, anything: bool) -> None:
-        """See `Engine`."""
         group, mask = (1, -1) if anything else (0, 0)
         self.p.setCollisionFilterGroupMask(body, -1, group, mask, physicsClientId=self.client)
 
+    @override
     def touching(self, body: int) -> set[Touching]:
-        """See `Engine`."""
         return {Touching(point[3], point[2], point[4]) for point in self._pressing(body)}
 
+    @override
     def contacts(self, body: int) -> list[ContactPoint]:
-        """See `Engine`."""
         return [self._contact(point) for point in self._pressing(body)]
 
     def _pressing(self, body: int) -> list[Sequence[Any]]:
@@ -286,8 +287,8 @@ class BulletEngine(Engine):
 
     # What is held together
 
+    @override
     def pin(self, wanted: Pinned | None) -> None:
-        """See `Engine`."""
         for number in self._pins:
             self.p.removeConstraint(number, physicsClientId=self.client)
         self._pins, self._pinned = [], wanted

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from typing_extensions import override
 
 from handcart.backends.physics.body.joint_group import JointGroup, Vector
 
@@ -19,13 +20,13 @@ class BulletJoints(JointGroup):
         self._p, self._client, self._substeps = engine.p, engine.client, engine.substeps
         self._body, self._joints = body, list(joints)
 
+    @override
     def states(self) -> tuple[Vector, Vector]:
-        """See `JointGroup`."""
         read = self._p.getJointStates(self._body, self._joints, physicsClientId=self._client)
         return np.array([each[0] for each in read]), np.array([each[1] for each in read])
 
+    @override
     def turn(self, speeds: Vector, most: Vector) -> None:
-        """See `JointGroup`."""
         self._p.setJointMotorControlArray(
             self._body,
             self._joints,
@@ -35,8 +36,8 @@ class BulletJoints(JointGroup):
             physicsClientId=self._client,
         )
 
+    @override
     def stand(self, positions: Vector, most: Vector, share: float, rates: Vector | None = None) -> None:
-        """See `JointGroup`."""
         self._p.setJointMotorControlArray(
             self._body,
             self._joints,
@@ -47,8 +48,8 @@ class BulletJoints(JointGroup):
             physicsClientId=self._client,
         )
 
+    @override
     def push(self, torques: Vector) -> None:
-        """See `JointGroup`."""
         self._p.setJointMotorControlArray(
             self._body,
             self._joints,

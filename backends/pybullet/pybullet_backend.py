@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.sensor_specs import CameraSpec
@@ -42,11 +43,11 @@ class PyBulletBackend(PhysicsBackend):
         return BulletCamera(self._robot, spec, arm, self._body, self._world, self._engine, self._seed)
 
     @classmethod
+    @override
     def build_in_window(cls, robot: RobotFile, world: Path | WorldFile | None, seed: int) -> PyBulletBackend:
-        """See `Backend`."""
         needs_display()
         return cls(robot, cls.needed(world), seed, window=True)
 
+    @override
     def view(self) -> NDArray[np.uint8]:
-        """See `Backend`."""
         return render(self._engine, self._seen_from(), _VIEW_K, _VIEW_SIZE, lit=True)

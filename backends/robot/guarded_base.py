@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from handcart.backends.capabilities.base import Base, WheelTravel
 from handcart.backends.capabilities.range_sensor import Scan
@@ -74,8 +75,8 @@ class GuardedBase(Base):
         self._base.drive(speed, turn_rate)
         self._command = (speed, turn_rate)
 
+    @override
     def wheel_travel(self) -> WheelTravel:
-        """See `Base`."""
         return self._base.wheel_travel()
 
     def starts_here(self) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from typing_extensions import override
 
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.capabilities.scan import Scan, Validity
@@ -38,8 +39,8 @@ class Lidar(RangeSensor):
             self._raw, self._read = raw, self.read(raw)
         return self._read
 
+    @override
     def scan_later(self) -> Callable[[], Scan]:
-        """See `RangeSensor`."""
         later = self._sensor.scan_later()
         return lambda: self.read(later())
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, ClassVar, Generic, Self, TypeVar, cast
 
+from typing_extensions import override
+
 from handcart.backends.simulation.world.solids import Solid
 from handcart.backends.simulation.world.support import put_down, rest_of
 from handcart.backends.simulation.world.thing import Rest, Thing
@@ -39,8 +41,8 @@ class Props(SceneProps, Generic[S]):
         self.scene, self.spec, self.seed = scene, spec, seed
 
     @classmethod
+    @override
     def none_in(cls, scene: Scene) -> Self:
-        """See `SceneProps`."""
         props = cls(scene, cast(S, cls.section()), 0)
         props.set_up()
         return props
@@ -58,12 +60,12 @@ class Props(SceneProps, Generic[S]):
     def set_up(self) -> None:
         """A person sets everything up. Draws from `keyed` with `self.seed` alone."""
 
+    @override
     def let_go(self, thing: Thing) -> None:
-        """See `SceneProps`."""
         put_down(self.scene, thing)
 
+    @override
     def rested(self, thing: Thing) -> None:
-        """See `SceneProps`."""
         thing.rest = rest_of(self.scene, thing)
         if thing.rest is Rest.TRAY:
             thing.base_T_thing = inverse(self.scene.world_T_base) @ thing.pose

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, ClassVar, Protocol, TypeVar
 
 import numpy as np
+from typing_extensions import override
 
 from handcart.backends.backend import Backend
 from handcart.backends.capabilities.capability import Capability
@@ -68,13 +69,13 @@ class SimulatedBackend(Backend):
         self._by_kind: dict[type[Capability], Capability] = {}
 
     @classmethod
+    @override
     def build(cls, robot: RobotFile, world: Path | WorldFile | None, seed: int) -> SimulatedBackend:
-        """See `Backend`."""
         return cls(robot, cls.needed(world), seed)
 
     @classmethod
+    @override
     def read_world(cls, path: Path, start: Pose2) -> WorldFile:
-        """See `Backend`."""
         return load_world_or_map(path, start)
 
     @classmethod
@@ -113,14 +114,14 @@ class SimulatedBackend(Backend):
                 self._by_kind[kind] = known
         return known  # type: ignore[return-value]
 
+    @override
     def capabilities(self) -> tuple[Capability, ...]:
-        """See `Backend`."""
         sensors = (self._camera, self._range, self._imu, self._gps, self._beacons, self._positioning)
         parts = (self._base, self._arm, self._gripper, *sensors)
         return tuple(part for part in parts if part is not None)
 
+    @override
     def stop(self) -> None:
-        """See `Backend`."""
         for part in (self._base, self._arm, self._gripper):
             if part is not None:
                 part.halt()
@@ -148,24 +149,24 @@ class SimulatedBackend(Backend):
         }
         return {name: part for name, part in named.items() if part is not None}
 
+    @override
     def state(self) -> dict[str, Any]:
-        """See `Backend`."""
         return {name: attributes(part, part.STATE) for name, part in self._parts().items()}
 
+    @override
     def set_state(self, state: object) -> None:
-        """See `Backend`."""
         parts = self._parts()
         if not isinstance(state, dict) or state.keys() != parts.keys():
             raise NotAState(f"no state of this robot in {self.name}; needed: {', '.join(parts)}")
         for name, part in parts.items():
             set_attributes(part, part.STATE, state[name])
 
+    @override
     def true_base(self) -> Pose2:
-        """See `Backend`."""
         return self.scene.base
 
+    @override
     def ground_truth(self) -> GroundTruth:
-        """See `Backend`."""
         return self.scene.truth()
 
 

@@ -61,7 +61,7 @@ class Watch:
     on: bool = False
 
     def __call__(self, event: str, words: tuple[Any, ...]) -> None:
-        """See `sys.addaudithook`."""
+        """Record an audit event that a reader of run folders must not cause."""
         if not self.on:
             return
         if event in _RUNS and not (event == "pickle.find_class" and _compiling()):

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import can
+from typing_extensions import override
 
 from handcart.backends.can.bench.bench import Bench
 from handcart.backends.can.bench.bench_bus import BenchBus
@@ -183,8 +184,8 @@ class NoisyBench(Bench):
         self._rng = rng
         self.bus: NoisyBus | None = None
 
+    @override
     def open(self) -> NoisyBus:  # type: ignore[override]
-        """See `Bench`."""
         nodes = list(self.drives)
         self.bus = NoisyBus(super().open(), Noise(self._rng, nodes), self._rng, nodes)
         return self.bus

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import orjson
+from typing_extensions import override
 
 from handcart.backends.saved_state import digest, pack
 from handcart.evaluation.trials.running import prepare_again, put_back, run_task
@@ -75,8 +76,8 @@ class Quiet(RunObserver):
     def __init__(self, after: Sequence[int] = (), to: Path = Path(), whole: bool = True) -> None:
         self._after, self._to, self._whole, self._folder = after, to, whole, Path()
 
+    @override
     def begin(self, prepared: Prepared, run_dir: Path) -> None:
-        """See `RunObserver`."""
         self._folder = run_dir
 
     def event(self, event: Event) -> None:

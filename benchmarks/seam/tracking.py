@@ -21,6 +21,7 @@ from unittest.mock import patch
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from handcart.evaluation.seam.seam_survey import SeamSurvey
 from handcart.evaluation.seam.tracking_plot import draw_tracking_errors
@@ -41,8 +42,8 @@ Run = tuple[NDArray[np.float64], NDArray[np.float64]]
 class OpenLoop(DrivenBase):
     """The arm moves as if the base were where it should be."""
 
+    @override
     def base_at_end(self, index: int, speed: float, turn_rate: float) -> Pose2:
-        """See `DrivenBase`."""
         x, y = self.ahead(index + 1)[0]
         return Pose2(float(x), float(y), self.heading)
 

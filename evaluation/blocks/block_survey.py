@@ -9,6 +9,7 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from handcart.backends.robot.robot import Robot
 from handcart.backends.simulation.blocks.block_props import BlockProps
@@ -58,8 +59,8 @@ class BlockSurvey(Survey):
     noted = BlockNotes
     limits: ClassVar = {"raw_error_mm_max": STACKED_MM}
 
+    @override
     def __init__(self, run: SurveyedRun) -> None:
-        """See `Survey`."""
         super().__init__(run)
         self.scene, self.model = run.world, run.model
         self._props = run.world.of(BlockProps)
@@ -76,8 +77,8 @@ class BlockSurvey(Survey):
         self._moved: dict[str, tuple[float, float]] = {}
         """Turn and lean about x since the fixation when it was let go, in [rad]."""
 
+    @override
     def look(self, robot: Robot) -> None:
-        """See `Survey`."""
         blocks = self.model.of(Blocks)
         if blocks.fixed is not None and not _same_fix(blocks.fixed, self._fixed):
             self._reference = self._attitude()
@@ -92,15 +93,15 @@ class BlockSurvey(Survey):
             self._held = held
         self._rested = {block.name: block.rest.value for block in self._props.blocks.values()}
 
+    @override
     def ended(self, number: int, primitive: ActionPrimitive, outcome: Outcome) -> list[str]:
-        """See `Survey`."""
         self._frames += int(primitive.facts.get("frames", 0))
         if getattr(primitive, "onto", "") == "goal":
             self._uncorrected &= getattr(primitive, "method", "") == "fix_once"
         return []
 
+    @override
     def notes(self) -> BlockNotes:
-        """See `Survey`."""
         gripped, released = (
             {name: tuple(shift.tolist()) for name, shift in each.items()}
             for each in (self._gripped, self._released)
@@ -108,8 +109,8 @@ class BlockSurvey(Survey):
         reference = None if self._reference is None else (self._reference.heading, self._reference.lean)
         return BlockNotes(reference, gripped, released, self._moved, self._frames, self._uncorrected)
 
+    @override
     def go_on(self, noted: BlockNotes) -> None:
-        """See `Survey`."""
         if noted.reference is not None:
             self._reference, self._fixed = Attitude(*noted.reference), self.model.of(Blocks).fixed
         self._gripped = {name: np.array(shift) for name, shift in noted.gripped.items()}
@@ -154,8 +155,8 @@ class BlockSurvey(Survey):
         missing = goals - len(errors)
         return far + ([f"{missing} of {goals} blocks don't stand where they should"] if missing else [])
 
+    @override
     def draw(self, folder: Path) -> None:
-        """See `Survey`."""
         errors = self.errors()
         if errors:
             from .stacking_plot import draw_stacking_errors

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from typing_extensions import override
+
 from handcart.backends.simulation.books.book_props import BookProps
 from handcart.evaluation.truth.survey import Survey, SurveyedRun
 from handcart.primitives.contract.action_primitive import ActionPrimitive
@@ -35,8 +37,8 @@ class BookSurvey(Survey):
     noted = BookNotes
     shown = frozenset({"SEARCH"})
 
+    @override
     def __init__(self, run: SurveyedRun) -> None:
-        """See `Survey`."""
         super().__init__(run)
         self._labels, self._stops = 0, dict[str, float]()
         self._shelving: Shelving | None = None
@@ -52,28 +54,28 @@ class BookSurvey(Survey):
         """See `Survey`; where there are shelves, it counts how the base stops before them."""
         return super().applies(run) or bool(run.scene is not None and run.scene.of(BookProps).shelves)
 
+    @override
     def ended(self, number: int, primitive: ActionPrimitive, outcome: Outcome) -> list[str]:
-        """See `Survey`."""
         self._labels += int(primitive.facts.get("labels_read", 0))
         if isinstance(outcome, Success):
             self._stops |= stop_errors(self.run.world, primitive)
         return []
 
+    @override
     def notes(self) -> BookNotes:
-        """See `Survey`."""
         first = self._shelving
         accessions, fronts = (None, {}) if first is None else (first.accessions, first.fronts)
         return BookNotes(accessions, list(fronts.items()), self._labels, self._stops)
 
+    @override
     def go_on(self, noted: BookNotes) -> None:
-        """See `Survey`."""
         self._labels, self._stops = noted.labels, noted.stops
         self._shelving = None
         if noted.accessions is not None:
             self._shelving = Shelving(noted.accessions, dict(noted.fronts))
 
+    @override
     def figures(self) -> dict[str, Any]:
-        """See `Survey`."""
         if self._shelving is None:
             return self._stops
         stands = self._shelving.judge(self._books)

@@ -34,7 +34,7 @@ class Libraries(FileModel):
     level: float = Field(default=1.0, ge=0.0, le=1.0)
 
     def __call__(self, seed: int, folder: Path) -> dict[str, str]:
-        """See `WorldGenerator`."""
+        """Write the library of a seed into a folder; return its files by their keys in a task."""
         write_library(make_library(seed, **self.model_dump()), folder)
         return {name: f"{folder}/{name}.yaml" for name in ("world", "map", "places", "catalogue")}
 

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from handcart.backends.can.can_backend import CanBackend
 from handcart.backends.description.mount_findings import FINGERS
@@ -70,8 +71,8 @@ class AxesRung(Rung):
     name = "axes"
     summary = "one axis at a time, held by a key, hand at most 250 mm/s: direction and scale"
 
+    @override
     def climb(self, site: Site) -> Facts:
-        """See `Rung`."""
         facts: Facts = {"hand_speed_m_s": HAND_SPEED}
         with site.backend() as backend:
             jogger = Jogger(backend, site.robot)
@@ -129,12 +130,12 @@ class LimitsRung(Rung):
     name = "limits"
     summary = "each joint is jogged to those of its limits that it reaches freely, and stops there"
 
+    @override
     def left_out(self, site: Site) -> str:
-        """See `Rung`."""
         return "" if site.spec.joints else "the robot has no joints"
 
+    @override
     def climb(self, site: Site) -> Facts:
-        """See `Rung`."""
         facts: Facts = {}
         with site.backend() as backend:
             jogger, free = Jogger(backend, site.robot), FreeWay(site.robot)

@@ -8,6 +8,7 @@ from typing import Any
 import canopen
 from canopen.sdo.client import SdoClient
 from canopen.sdo.exceptions import SdoAbortedError, SdoError
+from typing_extensions import override
 
 from handcart.backends.can.bus.can_line import CanLine
 from handcart.backends.can.bus.line_sdo_client import LineSdoClient
@@ -52,8 +53,8 @@ class InterfaceRung(Rung):
     summary = "the CAN interface is up, its bit rate is the drives', and one of them answers"
     moves = False
 
+    @override
     def climb(self, site: Site) -> Facts:
-        """See `Rung`."""
         spec = site.spec
         first = spec.left.node
         with site.line() as (line, came):
@@ -91,8 +92,8 @@ class IdentifyRung(Rung):
     summary = "the nodes on the bus are those of the robot's file, drives all, and no others"
     moves = False
 
+    @override
     def climb(self, site: Site) -> Facts:
-        """See `Rung`."""
         wanted = {axis.node: (name, axis) for name, axis in site.spec.axes()}
         with site.line() as (line, _):
             line.scanner.search()
@@ -140,8 +141,8 @@ class ReadBackRung(Rung):
     summary = "supervision, reactions, limits and mappings are written, and read back as they were written"
     moves = False
 
+    @override
     def climb(self, site: Site) -> Facts:
-        """See `Rung`."""
         accepted = {name: not_watched(axis) for name, axis in site.spec.axes() if axis.without}
         for name, words in accepted.items():
             for each in words:

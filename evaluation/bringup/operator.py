@@ -7,6 +7,8 @@ from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, nullcontext
 from typing import Any
 
+from typing_extensions import override
+
 from handcart.files.errors import InputError
 
 Held = Callable[[], bool]
@@ -47,28 +49,28 @@ class BenchOperator(Operator):
     def __init__(self, say: Callable[[str], None] = lambda _: None) -> None:
         self._say = say
 
+    @override
     def tell(self, words: str) -> None:
-        """See `Operator`."""
         self._say(words)
 
+    @override
     def confirm(self, key: str, question: str) -> bool:
-        """See `Operator`."""
         self._say(f"{question} yes (bench)")
         return True
 
+    @override
     def number(self, key: str, question: str, truth: Callable[[], float]) -> float:
-        """See `Operator`."""
         measured = truth()
         self._say(f"{question} {measured:.4g} (bench)")
         return measured
 
+    @override
     def act(self, key: str, words: str, on_bench: Callable[[], None]) -> None:
-        """See `Operator`."""
         self._say(f"{words} (bench)")
         on_bench()
 
+    @override
     def hold(self, words: str) -> AbstractContextManager[Held]:
-        """See `Operator`."""
         self._say(f"{words} (bench)")
         return nullcontext(lambda: True)
 

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable
 
 import numpy as np
+from typing_extensions import override
 
 from handcart.backends.can.can_backend import CanBackend
 from handcart.backends.can.drives.axis import ENABLED
@@ -29,8 +30,8 @@ class EmergencyStopRung(Rung):
     name = "emergency_stop"
     summary = "the emergency stop (STO) takes every drive out of OPERATION ENABLED; released, none comes back"
 
+    @override
     def climb(self, site: Site) -> Facts:
-        """See `Rung`."""
         with site.backend() as backend:
             bench = backend.bench
 
@@ -77,8 +78,8 @@ class StopTestRung(Rung):
     name = "stop_test"
     summary = "how far the base runs on at 250 mm/s: a stop by the program, and our heartbeat gone"
 
+    @override
     def climb(self, site: Site) -> Facts:
-        """See `Rung`."""
         site.operator.tell(
             f"The base drives {HAND_SPEED * 1.5:.2f} m straight on and stops, {2 * TIMES} times."
         )

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from typing_extensions import override
 
 from handcart.backends.can.can_backend import CanBackend
 from handcart.backends.capabilities.base import Base
@@ -45,8 +46,8 @@ class CalibrationRung(Rung):
     name = "calibrate"
     summary = "wheel radius, tread and range sensor are measured; `handcart adopt` shows what that changes"
 
+    @override
     def climb(self, site: Site) -> Facts:
-        """See `Rung`."""
         found: dict[str, Calibrated] = {}
         facts: Facts = {}
         with site.backend() as backend:
@@ -166,16 +167,16 @@ class CameraRung(Rung):
     name = "camera"
     summary = "the camera and where it sits on the hand, by a board; `handcart adopt` shows what that changes"
 
+    @override
     def left_out(self, site: Site) -> str:
-        """See `Rung`."""
         if site.robot.camera is None or site.robot.arm is None:
             return "the robot has no camera on an arm"
         if site.bench and not site.camera_on_bench:
             return "on the bench only with --camera: it takes minutes"
         return ""
 
+    @override
     def climb(self, site: Site) -> Facts:
-        """See `Rung`."""
         question = f"Is the board where {CAMERA_TASK.parent}/building.yaml says, and the arm free?"
         if not site.confirm("board", question):
             raise RungFailed("the board isn't there")
@@ -189,8 +190,8 @@ class PrimitiveRung(Rung):
     name = "primitive"
     summary = "the first primitive of the task ends in Success"
 
+    @override
     def climb(self, site: Site) -> Facts:
-        """See `Rung`."""
         if not site.confirm("free", "Is the way free, and nobody in the robot's reach?"):
             raise RungFailed("it wasn't free")
         settings = {"robot": site.name}
@@ -215,8 +216,8 @@ class TaskRung(Rung):
     name = "task"
     summary = "the task ends in Success"
 
+    @override
     def climb(self, site: Site) -> Facts:
-        """See `Rung`."""
         if not site.confirm("ready", f"Is all ready for {site.task}, and is nobody in the robot's reach?"):
             raise RungFailed("it isn't ready")
         return _run(site, site.task)

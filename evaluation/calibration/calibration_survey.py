@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import ClassVar
 
+from typing_extensions import override
+
 from handcart.backends.robot.robot import Robot
 from handcart.evaluation.truth.survey import Claim, FiguresSurvey, SurveyedRun
 from handcart.primitives.contract.action_primitive import ActionPrimitive
@@ -32,22 +34,22 @@ class CalibrationSurvey(FiguresSurvey):
     name = "calibration"
     effects: ClassVar = {CAMERA: _camera, SUSPENSION: _suspension}
 
+    @override
     def __init__(self, run: SurveyedRun) -> None:
-        """See `Survey`."""
         super().__init__(run)
         self._lasers: LaserSurvey | None = None
 
+    @override
     def started(self, number: int, primitive: ActionPrimitive) -> None:
-        """See `Survey`."""
         self._lasers = LaserSurvey(self.run.world) if primitive.label() == SUSPENSION else None
 
+    @override
     def look(self, robot: Robot) -> None:
-        """See `Survey`."""
         if self._lasers is not None:
             self._lasers.look(robot)
 
+    @override
     def ended(self, number: int, primitive: ActionPrimitive, outcome: Outcome) -> list[str]:
-        """See `Survey`."""
         if isinstance(outcome, Success):
             self._take(primitive.label(), primitive.evidence.calibrated)
         self._lasers = None

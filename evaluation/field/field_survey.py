@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from handcart.backends.capabilities.gps import Gps
 from handcart.backends.description.ground_spec import OUTDOORS
@@ -84,8 +85,8 @@ class FieldSurvey(Survey):
         """See `Survey`; the as-laid report needs no ground truth."""
         return bool(run.does & cls.effects.keys() or run.model.of(FieldWork).targets)
 
+    @override
     def look(self, robot: Robot) -> None:
-        """See `Survey`."""
         if self._scene is None:
             return
         if self.station is not None:
@@ -151,8 +152,8 @@ class FieldSurvey(Survey):
                 found.append(Placement(laid.name, (target.x, target.y), laid, seen, lies))
         return found
 
+    @override
     def figures(self) -> dict[str, Any]:
-        """See `Survey`."""
         if self._scene is None or not self._model.of(FieldWork).targets:
             return {}
         every = self.placements()

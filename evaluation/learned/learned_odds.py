@@ -47,7 +47,7 @@ class LearnedOdds:
         return not self._known[entry]
 
     def ends(self, action: Numbers, context: Numbers, drawn: Floats) -> Codes:
-        """See `Odds`."""
+        """Draw how each action ends, with the probabilities learned from a campaign."""
         entry = self._entry[action]
         ends = (drawn[:, None] >= self._limits[entry, context, : KNOWN - 1]).sum(axis=1)
         return np.where(self._known[entry], ends, End.UNKNOWN).astype(np.int8)

@@ -11,6 +11,7 @@ from typing import Any
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.gripper import Gripper
@@ -77,13 +78,13 @@ class PlaybackRecorder(RunObserver):
             self._lose(error)
         self._note(prepared.robot)
 
+    @override
     def period(self, robot: Robot) -> None:
-        """See `RunObserver`."""
         if robot.time >= self._due - _SOON:
             self._note(robot)
 
+    @override
     def event(self, event: Event) -> None:
-        """See `RunObserver`."""
         match event:
             case Started(number=number):
                 self._action, self._restoring = number, False
@@ -94,8 +95,8 @@ class PlaybackRecorder(RunObserver):
             case _:
                 pass
 
+    @override
     def end(self) -> None:
-        """See `RunObserver`."""
         self._write()
         self._folder = None
 

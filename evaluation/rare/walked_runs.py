@@ -37,7 +37,7 @@ class WalkedRuns:
         self._after_fail = self._skipped = np.zeros(0, dtype=bool)
 
     def advance(self, level: int, starts: Numbers | int) -> Level:
-        """See `Runs`."""
+        """Walk runs on from their starts until each is at the level or has ended."""
         self._begin(starts)
         steps = 0
         while (left := np.flatnonzero((self._at >= 0) & (self._importance < level))).size:

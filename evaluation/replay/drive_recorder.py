@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TextIO
 
 import numpy as np
+from typing_extensions import override
 
 from handcart.backends.robot.robot import Robot
 from handcart.files.csv_table import number_in
@@ -56,8 +57,8 @@ class DriveRecorder(RunObserver):
             self._file = path.open("w", encoding="utf-8")
             self._file.writelines(lines)
 
+    @override
     def period(self, robot: Robot) -> None:
-        """See `RunObserver`."""
         self._note(robot)
 
     def event(self, event: Event) -> None:
@@ -78,8 +79,8 @@ class DriveRecorder(RunObserver):
         except OSError:
             self.end()
 
+    @override
     def end(self) -> None:
-        """See `RunObserver`."""
         if self._file is not None:
             with suppress(OSError):
                 self._file.close()

@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from handcart.backends.robot.robot import Robot
 from handcart.evaluation.truth.survey import Survey, SurveyedRun
@@ -58,8 +59,8 @@ class SeamSurvey(Survey):
     noted = list[StretchNotes]
     limits: ClassVar = {"tracking_error_mm_max": 1e3 * (MOST_OFF + SENSORS)}
 
+    @override
     def __init__(self, run: SurveyedRun) -> None:
-        """See `Survey`."""
         super().__init__(run)
         self.tracks: Track | None = None
         """The running one."""
@@ -72,13 +73,13 @@ class SeamSurvey(Survey):
         """See `Survey`; where a seam is known, it says how much of it was tracked."""
         return super().applies(run) or (run.scene is not None and run.model.of(Seam).seam is not None)
 
+    @override
     def started(self, number: int, primitive: ActionPrimitive) -> None:
-        """See `Survey`."""
         self.tracks = primitive if isinstance(primitive, Track) else None
         self._now = None
 
+    @override
     def look(self, robot: Robot) -> None:
-        """See `Survey`."""
         part = None if self.tracks is None else self.tracks.tracking
         if part is None:
             return
@@ -88,20 +89,20 @@ class SeamSurvey(Survey):
         self._now.joints.append(robot.arm.command())
         self._now.tips.append(self.run.world.world_T("hand")[:3, 3].copy())
 
+    @override
     def ended(self, number: int, primitive: ActionPrimitive, outcome: Outcome) -> list[str]:
-        """See `Survey`."""
         if isinstance(outcome, Success) and self._now is not None:
             self._now.score = float(outcome.evidence.get("part_score_m", 0.0))
             self.stretches.append(self._now)
         self.tracks = self._now = None
         return []
 
+    @override
     def notes(self) -> list[StretchNotes]:
-        """See `Survey`."""
         return [_noted(each) for each in self.stretches]
 
+    @override
     def go_on(self, noted: list[StretchNotes]) -> None:
-        """See `Survey`."""
         self.stretches = [_again(each, self.run.robot.arm_model.dof) for each in noted]
 
     def errors(self) -> list[tuple[Floats, Floats]]:
@@ -138,8 +139,8 @@ class SeamSurvey(Survey):
         off = max((float(distance.max()) for _, distance in self.errors()), default=0.0)
         return found + ([f"the tool was {1e3 * off:.1f} mm off the seam"] if off > MOST_OFF + SENSORS else [])
 
+    @override
     def draw(self, folder: Path) -> None:
-        """See `Survey`."""
         from .tracking_plot import draw_tracking_errors
 
         stretches = [

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import ClassVar
 
+from typing_extensions import override
+
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.contract.outcome import Outcome, Success
@@ -80,8 +82,8 @@ class ArrivalSurvey(FiguresSurvey):
     name = "arrival"
     effects: ClassVar = {DRIVES: _moved_to, "ORIENT": _oriented, "STAND": _stood, "MODIFY": _modified}
 
+    @override
     def ended(self, number: int, primitive: ActionPrimitive, outcome: Outcome) -> list[str]:
-        """See `Survey`."""
         if primitive.label() == DRIVES and isinstance(outcome, Success):
             off, turned = arrival(self.run, str(getattr(primitive, "place", "")))
             for name, size in (("arrival_mm_max", round(off, 2)), ("arrival_deg_max", round(turned, 3))):

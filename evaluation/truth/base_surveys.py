@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from typing_extensions import override
+
 from handcart.backends.robot.robot import Robot
 
 from .survey import Survey, SurveyedRun
@@ -16,8 +18,8 @@ class LocalisationSurvey(Survey):
     name = "localisation"
     noted = tuple[int, float, float, float]
 
+    @override
     def __init__(self, run: SurveyedRun) -> None:
-        """See `Survey`."""
         super().__init__(run)
         self.periods = 0
         self.squares = 0.0
@@ -28,8 +30,8 @@ class LocalisationSurvey(Survey):
         """The largest error of the heading, in [rad]."""
 
     @classmethod
+    @override
     def applies(cls, run: SurveyedRun) -> bool:
-        """See `Survey`."""
         return run.scene is not None
 
     def look(self, robot: Robot) -> None:
@@ -41,12 +43,12 @@ class LocalisationSurvey(Survey):
         self.farthest = max(self.farthest, off)
         self.turned = max(self.turned, pose.turn(truth))
 
+    @override
     def notes(self) -> tuple[int, float, float, float]:
-        """See `Survey`."""
         return self.periods, self.squares, self.farthest, self.turned
 
+    @override
     def go_on(self, noted: tuple[int, float, float, float]) -> None:
-        """See `Survey`."""
         self.periods, self.squares, self.farthest, self.turned = noted
 
     def figures(self) -> dict[str, float]:
@@ -66,29 +68,29 @@ class PathSurvey(Survey):
     name = "path"
     noted = float
 
+    @override
     def __init__(self, run: SurveyedRun) -> None:
-        """See `Survey`."""
         super().__init__(run)
         self._at, self._driven = run.robot.localization.odometry_pose, 0.0
 
     @classmethod
+    @override
     def applies(cls, run: SurveyedRun) -> bool:
-        """See `Survey`."""
         return True
 
+    @override
     def look(self, robot: Robot) -> None:
-        """See `Survey`."""
         self._driven += robot.localization.odometry_pose.distance(self._at)
         self._at = robot.localization.odometry_pose
 
+    @override
     def notes(self) -> float:
-        """See `Survey`."""
         return self._driven
 
+    @override
     def go_on(self, noted: float) -> None:
-        """See `Survey`."""
         self._driven = noted
 
+    @override
     def figures(self) -> dict[str, Any]:
-        """See `Survey`."""
         return {"path_length_m": round(self._driven, 3)}

@@ -6,6 +6,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
+from typing_extensions import override
 
 from handcart.backends.robot.robot import Robot
 from handcart.backends.simulation.body.arm_contact import HELD
@@ -53,8 +54,8 @@ class ContactSurvey(Survey):
     name = "contacts"
     noted = list[Touched]
 
+    @override
     def __init__(self, run: SurveyedRun) -> None:
-        """See `Survey`."""
         super().__init__(run)
         self.contacts: list[Touched] = []
         """All of them that are over, and those that last."""
@@ -64,8 +65,8 @@ class ContactSurvey(Survey):
         self._links, self._held = RobotLinks(run.world.arm), ""
 
     @classmethod
+    @override
     def applies(cls, run: SurveyedRun) -> bool:
-        """See `Survey`."""
         return run.scene is not None
 
     def started(self, number: int, primitive: ActionPrimitive) -> None:
@@ -117,12 +118,12 @@ class ContactSurvey(Survey):
             force = float(np.linalg.norm(self.run.world.hand_force))
             each.force_n = round(max(force, each.force_n or 0.0), 1)
 
+    @override
     def notes(self) -> list[Touched]:
-        """See `Survey`."""
         return self.contacts
 
+    @override
     def go_on(self, noted: list[Touched]) -> None:
-        """See `Survey`."""
         self.contacts = noted
         self._lasting = dict.fromkeys(self.run.world.touching)
 

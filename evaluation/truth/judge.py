@@ -6,6 +6,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from typing_extensions import override
+
 from handcart.backends.robot.robot import Robot
 from handcart.backends.saved_state import NotAState
 from handcart.networks.coordination.events import Ended, Event, Started
@@ -42,8 +44,8 @@ class Judge(RunObserver):
     def _notes(self) -> SurveyNotes | None:
         return None if self._path is None else SurveyNotes(self._path.parent, NOTES)
 
+    @override
     def period(self, robot: Robot) -> None:
-        """See `RunObserver`."""
         self.surveys.look(robot)
 
     def event(self, event: Event) -> None:
@@ -75,8 +77,8 @@ class Judge(RunObserver):
             raise NotAState(f"{self._path}: {error}") from None
         self.surveys.go_on(notes, self._path)
 
+    @override
     def figures(self, end: RunEnd) -> dict[str, Any]:
-        """See `RunObserver`."""
         figures = self.surveys.figures()
         if end.outcome == "Success":
             self.untrue += [f"Success: {each}" for each in self.surveys.faults()]

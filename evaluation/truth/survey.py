@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
+from typing_extensions import override
+
 from handcart.backends.backend import Backend
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.ground_truth import GroundTruth
@@ -158,19 +160,19 @@ class FiguresSurvey(Survey):
 
     noted = dict[str, float]
 
+    @override
     def __init__(self, run: SurveyedRun) -> None:
-        """See `Survey`."""
         super().__init__(run)
         self._figures: dict[str, float] = {}
 
+    @override
     def notes(self) -> dict[str, float]:
-        """See `Survey`."""
         return self._figures
 
+    @override
     def go_on(self, noted: dict[str, float]) -> None:
-        """See `Survey`."""
         self._figures = noted
 
+    @override
     def figures(self) -> dict[str, Any]:
-        """See `Survey`."""
         return self._figures

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from handcart.backends.robot.robot import Robot
 from handcart.evaluation.playback.scenery import scenery_of, thing_shapes
@@ -57,8 +58,8 @@ class LiveView(RunObserver):
         self._since = (0.0, 0.0)  # a wall time, and the robot's time then
         self._drawing: threading.Thread | None = None
 
+    @override
     def begin(self, prepared: Prepared, run_dir: Path) -> None:
-        """See `RunObserver`."""
         scene = simulated_world(prepared.backend)
         scenery = scenery_of(prepared, scene)
         things = [] if scene is None else thing_shapes(scene.things())
@@ -80,8 +81,8 @@ class LiveView(RunObserver):
         self._drawing = threading.Thread(target=self._draw, daemon=True)
         self._drawing.start()
 
+    @override
     def period(self, robot: Robot) -> None:
-        """See `RunObserver`."""
         if self._wanted.is_set():
             self._take()
         if self._factor is not None:
@@ -90,8 +91,8 @@ class LiveView(RunObserver):
             if ahead > 0.0:
                 clock.sleep(min(ahead, 1.0))
 
+    @override
     def event(self, event: Event) -> None:
-        """See `RunObserver`."""
         match event:
             case Planned(situation=situation):
                 self._situation = situation

@@ -27,12 +27,12 @@ class FileOdds:
         self._cost = np.array([action.cost_s for action in task.network.actions])
 
     def ends(self, action: Numbers, context: Numbers, drawn: Floats) -> Codes:
-        """See `Odds`."""
+        """Draw how each action ends, with the probabilities of the task file."""
         ends = np.full(len(action), End.FAIL, dtype=np.int8)
         ends[drawn >= 1.0 - self._give_up[action]] = End.GIVE_UP
         ends[drawn < self._success[action]] = End.SUCCESS
         return ends
 
     def seconds(self, action: Numbers, context: Numbers, ends: Codes, drawn: Floats) -> Floats:
-        """See `Odds`."""
+        """Return the duration of each action: its cost in the task file, in [s]."""
         return np.asarray(self._cost[action])

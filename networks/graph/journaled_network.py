@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
+from typing_extensions import override
+
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 
 from .network import Action, ActionNetwork, Binding, Situation
@@ -25,8 +27,8 @@ class NamedBinding(Binding):
         """The primitive's name in files."""
         return self.name
 
+    @override
     def given(self) -> dict[str, Any]:
-        """See `Binding`."""
         return dict(self.parameters)
 
 

@@ -7,6 +7,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
+from typing_extensions import override
+
 from handcart.backends.robot.robot import Robot
 from handcart.files.printable import clipped, printable
 from handcart.networks.coordination.coordinator import Coordinator
@@ -46,8 +48,8 @@ class Operation(RunObserver):
         if answer is not None:
             self._permits.answer(answer)
 
+    @override
     def period(self, robot: Robot) -> None:
-        """See `RunObserver`."""
         self.look()
 
     def answer(self, message: Message) -> dict[str, Any]:

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base
@@ -110,8 +111,8 @@ class FlightRecorder(RunObserver):
             case _:
                 pass
 
+    @override
     def end(self) -> None:
-        """See `RunObserver`."""
         self._decided = []
         if self._time > self._kept:
             self._keep(END)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from typing_extensions import override
+
 from handcart.backends.recording import Recording
 from handcart.backends.robot.robot import Robot
 from handcart.networks.coordination.events import Ended, Event, Restoring
@@ -48,8 +50,8 @@ class RecordingKeeper(RunObserver):
             case _:
                 pass
 
+    @override
     def end(self) -> None:
-        """See `RunObserver`."""
         self._recording.mark()
         self._recording.keep(self._folder / END)
         self._recording.close()

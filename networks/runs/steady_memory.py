@@ -6,6 +6,8 @@ import gc
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from typing_extensions import override
+
 from handcart.networks.coordination.events import Ended, Event
 from handcart.networks.run_observer import RunObserver
 
@@ -20,8 +22,8 @@ class SteadyMemory(RunObserver):
     out of all of them.
     """
 
+    @override
     def begin(self, prepared: Prepared, run_dir: Path) -> None:
-        """See `RunObserver`."""
         self._was_on = gc.isenabled()
         gc.collect()
         gc.freeze()
@@ -32,8 +34,8 @@ class SteadyMemory(RunObserver):
         if isinstance(event, Ended):
             gc.collect()
 
+    @override
     def end(self) -> None:
-        """See `RunObserver`."""
         gc.unfreeze()
         if self._was_on:
             gc.enable()

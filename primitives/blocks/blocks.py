@@ -8,6 +8,7 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from handcart.primitives.blocks.building import Building
 from handcart.primitives.knowledge.section import Section
@@ -67,14 +68,14 @@ class Blocks(Section):
     taken: tuple[int, ...] = ()
     """The blocks that don't wait any more."""
 
+    @override
     def names(self) -> Mapping[str, Collection[object]]:
-        """See `Section`."""
         if self.building is None:
             return {}
         return {"landmarks": self.building.landmarks, "blocks": self.building.numbers}
 
+    @override
     def noted(self) -> dict[str, Any]:
-        """See `Section`."""
         return {
             "fixed": list(self.fixed) if self.fixed else None,
             "placed": [list(each) for each in self.placed],

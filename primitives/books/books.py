@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple
 
+from typing_extensions import override
+
 from handcart.primitives.books.catalogue import Book, Catalogue
 from handcart.primitives.knowledge.section import Section
 from handcart.robotics.geometry.pose2 import Pose2
@@ -51,8 +53,8 @@ class Books(Section):
     """base_T_book while it stands on the tray: middle of its spine, x along its depth."""
     slot: Slot | None = None
 
+    @override
     def noted(self) -> dict[str, Any]:
-        """See `Section`."""
         return {
             "book": self.book.accession if self.book else None,
             "book_pose": list(self.book_pose) if self.book_pose else None,

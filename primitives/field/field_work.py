@@ -11,6 +11,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.robot.robot import Robot
@@ -41,8 +42,8 @@ class FieldWork(Section):
     """The file of the targets."""
 
     @classmethod
+    @override
     def load(cls, files: NamedFiles) -> Self:
-        """See `Section`."""
         ground = files.read("field", lambda path: load(path, Field))
         if "targets" in files.paths and "field" not in files.paths:
             files.wrong("targets", "targets lie in a field; needed: `field`")
@@ -51,16 +52,16 @@ class FieldWork(Section):
         targets = files.read("targets", lambda path: load_targets(path, ground, files.start))
         return cls(ground, targets or {}, listed_in=files.paths.get("targets", Path()))
 
+    @override
     def names(self) -> Mapping[str, Collection[object]]:
-        """See `Section`."""
         return {"targets": list(self.targets)} if self.targets else {}
 
     def places(self) -> Mapping[str, Place]:
         """See `Section`: where the base stands for each target."""
         return {name: place_of(target) for name, target in self.targets.items()}
 
+    @override
     def discs(self) -> NDArray[np.float64]:
-        """See `Section`."""
         return np.empty((0, 3)) if self.field is None else self.field.discs
 
     def faults(self, robot: RobotFile) -> Iterator[Finding]:
@@ -86,8 +87,8 @@ class FieldWork(Section):
             return None
         return SensorOnTheWay(robot, self.field, self.targets[place])
 
+    @override
     def contacts_on_the_way(self, place: str) -> Sequence[MeantContact]:
-        """See `Section`."""
         return (self.sensor_contact(place),) if place in self.targets else ()
 
     def sensor_contact(self, target: str) -> MeantContact:
@@ -96,8 +97,8 @@ class FieldWork(Section):
         number = laid.index(target) if target in laid else len(laid)
         return MeantContact("hand", f"sensor {number + 1}")
 
+    @override
     def noted(self) -> dict[str, Any]:
-        """See `Section`."""
         return {
             "sensors_laid": len(self.laid),
             "last_laid": list(self.laid[-1]) if self.laid else None,

@@ -29,7 +29,7 @@ class SensorOnTheWay:
         self._robot, self._field, self._target = robot, field, target
 
     def motion(self, remaining: Callable[[], float]) -> Iterator[None]:
-        """See `Companion`."""
+        """Move the arm while the base drives, until little of the route remains."""
         arm, target = SensorArm(self._robot, self._field), self._target
         if not arm.holds:
             yield from arm.stow()

@@ -268,7 +268,7 @@ class ModelView:
         return cast(S, ModelView(model, self.__dict__["_primitive"], model.of(kind)))
 
     def companion(self, robot: Robot, place: str) -> Companion | None:
-        """See `WorldModel`."""
+        """Return the companion that a section offers for a drive to a place, or None."""
         found: Companion | None = self.__dict__["_model"].companion(robot, place)
         return found
 

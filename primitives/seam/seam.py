@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from dataclasses import field as dataclass_field
 from typing import Any, ClassVar, Self
 
+from typing_extensions import override
+
 from handcart.files.models.loading import load
 from handcart.primitives.knowledge.section import NamedFiles, Section
 from handcart.primitives.seam.seam_file import load_seam
@@ -28,13 +30,13 @@ class Seam(Section):
     """How far it is tracked, and from where."""
 
     @classmethod
+    @override
     def load(cls, files: NamedFiles) -> Self:
-        """See `Section`."""
         seam = files.read("seam", load_seam)
         return cls(seam, files.read("work_piece", lambda path: load(path, WorkPiece)))
 
+    @override
     def noted(self) -> dict[str, Any]:
-        """See `Section`."""
         return {
             "seam_tracked": self.seam_work.tracked,
             "seam_rest": [list(each) for each in self.seam_work.rest],

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from cosmic_ray.operators.operator import Example, Operator
 from parso.python.tree import Keyword
 from parso.tree import BaseNode, NodeOrLeaf
+from typing_extensions import override
 
 CALL_TYPES = ("atom_expr", "yield_expr", "await")
 """Kinds of nodes that parso gives to a statement `f()`, `yield from f()`, `await f()`."""
@@ -15,20 +16,20 @@ CALL_TYPES = ("atom_expr", "yield_expr", "await")
 class CallRemover(Operator):
     """Replace a statement that is nothing but a call by `pass`."""
 
+    @override
     def mutation_positions(self, node: NodeOrLeaf) -> Iterable[tuple[tuple[int, int], tuple[int, int]]]:
-        """See `Operator`."""
         statement = node.parent is not None and node.parent.type == "simple_stmt"
         if statement and node.type in CALL_TYPES and _calls(node):
             yield node.start_pos, node.end_pos
 
+    @override
     def mutate(self, node: BaseNode, index: int) -> Keyword:
-        """See `Operator`."""
         assert index == 0
         return Keyword("pass", node.start_pos, prefix=node.get_first_leaf().prefix)
 
     @classmethod
+    @override
     def examples(cls) -> Iterable[Example]:
-        """See `Operator`."""
         return (
             Example("def f():\n    stop()\n", "def f():\n    pass\n"),
             Example("def f():\n    yield from a.b(1)\n    c = d()\n", "def f():\n    pass\n    c = d()\n"),

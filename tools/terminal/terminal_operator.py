@@ -6,6 +6,8 @@ import sys
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 
+from typing_extensions import override
+
 from handcart.evaluation.bringup.operator import Held, NoAnswer, Operator
 from handcart.tools.hardware.key_holding import held_key
 
@@ -13,32 +15,32 @@ from handcart.tools.hardware.key_holding import held_key
 class TerminalOperator(Operator):
     """Asks on stderr, and reads what is typed."""
 
+    @override
     def tell(self, words: str) -> None:
-        """See `Operator`."""
         print(words, file=sys.stderr, flush=True)
 
+    @override
     def confirm(self, key: str, question: str) -> bool:
-        """See `Operator`."""
         while True:
             said = self._line(key, f"{question} [y/n] ").lower()
             if said in ("y", "yes", "n", "no"):
                 return said.startswith("y")
 
+    @override
     def number(self, key: str, question: str, truth: Callable[[], float]) -> float:
-        """See `Operator`."""
         while True:
             try:
                 return float(self._line(key, f"{question} ").replace(",", "."))
             except ValueError:
                 self.tell("a number, please, such as 0.103")
 
+    @override
     def act(self, key: str, words: str, on_bench: Callable[[], None]) -> None:
-        """See `Operator`."""
         self.tell(words)
         on_bench()
 
+    @override
     def hold(self, words: str) -> AbstractContextManager[Held]:
-        """See `Operator`."""
         self.tell(words)
         return held_key()
 

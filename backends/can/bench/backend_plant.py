@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from handcart.backends.backend import Backend
 from handcart.backends.can.drives.axes import Axes
@@ -52,8 +53,8 @@ class BackendPlant(Plant):
         for drive in drives.values():
             drive.velocity = 0.0
 
+    @override
     def step(self, drives: Mapping[int, DriveNode], seconds: float) -> None:
-        """See `Plant`."""
         self._roll(drives, seconds)
         if self._arm and self._changed(drives, *self._axes.joints):
             self._move_arm(self._arm, drives)

@@ -11,6 +11,7 @@ from typing import NamedTuple, TextIO, cast
 
 import can
 from can.io.canutils import CanutilsLogWriter
+from typing_extensions import override
 
 from handcart.backends.recording import Recording
 from handcart.files.whole_file import write_whole
@@ -94,8 +95,8 @@ class FrameLog(Recording):
         elif self._folder is None and len(self._waiting) < _BEFORE:
             self._waiting.append(line)
 
+    @override
     def open(self, folder: Path) -> None:
-        """See `Recording`."""
         self._folder = folder
         try:
             write_whole(folder / NAMES, self._names().model_dump_json(indent=1) + "\n", sync=False)
@@ -106,8 +107,8 @@ class FrameLog(Recording):
             self._write(line)
         self._waiting = []
 
+    @override
     def look(self, time: float) -> None:
-        """See `Recording`."""
         self._later = time - self._clock()
         if self._file is not None:
             try:
@@ -115,12 +116,12 @@ class FrameLog(Recording):
             except OSError as error:
                 self._give_up(error)
 
+    @override
     def mark(self) -> None:
-        """See `Recording`."""
         self._marked = list(self._recent)
 
+    @override
     def keep(self, stem: Path) -> None:
-        """See `Recording`."""
         last = self._marked[-1].number if self._marked else -1
         noted = [*self._marked, *(new for new in self._recent if new.number > last)]
         self._marked = []
@@ -133,8 +134,8 @@ class FrameLog(Recording):
         except OSError as error:
             self._give_up(error)
 
+    @override
     def close(self) -> None:
-        """See `Recording`."""
         file, self._file = self._file, None
         if file is not None:
             with suppress(OSError):

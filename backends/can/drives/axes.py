@@ -97,7 +97,7 @@ class Axes(Mapping[str, Axis]):
             check.check()
 
     def end_handshakes(self) -> None:
-        """See `Axis.end_handshake`."""
+        """End the handshake of each axis."""
         for axis in self.values():
             axis.end_handshake()
 

@@ -7,6 +7,7 @@ from abc import abstractmethod
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from handcart.backends.description.can_sensor_spec import LineSource
 
@@ -57,6 +58,6 @@ class LineSensor(LiveSensor):
         self._stamp = line.stamp
         return True
 
+    @override
     def close(self) -> None:
-        """See `LiveSensor`."""
         self._port.close()

@@ -7,6 +7,7 @@ import time
 
 import numpy as np
 from pyproj import Transformer
+from typing_extensions import override
 
 from handcart.backends.capabilities.gps import Fix, Gps
 from handcart.backends.description.can_sensor_spec import GpsSource
@@ -37,8 +38,8 @@ class NmeaGps(LiveSensor, Gps):
         self._accuracy: Accuracy | None = None
         self._fix: Fix | None = None
 
+    @override
     def fix(self) -> Fix | None:
-        """See `Gps`."""
         return self._fix
 
     def _take_in(self) -> None:
@@ -94,6 +95,6 @@ class NmeaGps(LiveSensor, Gps):
             return accuracy.sigma
         return self._source.sigma_m * position.hdop
 
+    @override
     def close(self) -> None:
-        """See `LiveSensor`."""
         self._port.close()

@@ -9,6 +9,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from handcart.backends.capabilities.camera import Camera
 from handcart.backends.description.can_sensor_spec import CameraSource
@@ -72,13 +73,13 @@ class VideoCamera(LiveSensor, Camera):
         return self._image
 
     @property
+    @override
     def model(self) -> CameraModel:
-        """See `Camera`."""
         return self._mounted.model
 
     @property
+    @override
     def hand_T_camera(self) -> Transform:
-        """See `Camera`."""
         return self._mounted.hand_T_camera.copy()
 
     def _take_in(self) -> None:
@@ -118,8 +119,8 @@ class VideoCamera(LiveSensor, Camera):
         except (NoSensor, cv2.error) as error:
             self.trouble = str(error)
 
+    @override
     def close(self) -> None:
-        """See `LiveSensor`."""
         self._over.set()
         if self._thread is not None:
             self._thread.join(2.0)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing_extensions import override
+
 from .drive_mode import SETPOINT_TAKEN, DriveMode
 
 
@@ -11,20 +13,20 @@ class CyclicPosition(DriveMode):
     The target is taken with each SYNC; where none came, the last one stays: the drive reaches it and holds.
     """
 
+    @override
     def begin(self) -> None:
-        """See `DriveMode`."""
         self._target = self.demand.position
         self.objects[0x607A] = round(self._target + self.demand.home)
         self._left = 0.0
 
+    @override
     def latch(self) -> None:
-        """See `DriveMode`."""
         lowest, highest = self.objects(0x607D, 1), self.objects(0x607D, 2)
         self._target = min(max(float(self.objects(0x607A)), lowest), highest) - self.demand.home
         self._left = self.objects(0x60C2, 1) * 10.0 ** self.objects(0x60C2, 2)
 
+    @override
     def advance(self, seconds: float) -> None:
-        """See `DriveMode`."""
         demand, way = self.demand, self._target - self.demand.position
         if seconds >= self._left - 1e-9:
             moved = way
@@ -44,18 +46,18 @@ class CyclicPosition(DriveMode):
 class CyclicVelocity(DriveMode):
     """Mode 9: runs at the target velocity (60FFh) that it had at the last SYNC."""
 
+    @override
     def begin(self) -> None:
-        """See `DriveMode`."""
         self.objects[0x60FF] = 0
         self._target = 0.0
 
+    @override
     def latch(self) -> None:
-        """See `DriveMode`."""
         most = float(self.objects(0x607F))
         self._target = max(-most, min(most, float(self.objects(0x60FF))))
 
+    @override
     def advance(self, seconds: float) -> None:
-        """See `DriveMode`."""
         self.demand.velocity = self._target
         self.demand.position += self._target * seconds
 
@@ -65,6 +67,6 @@ class CyclicVelocity(DriveMode):
         return SETPOINT_TAKEN
 
     @property
+    @override
     def position_loop(self) -> bool:
-        """See `DriveMode`."""
         return False

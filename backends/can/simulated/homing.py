@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing_extensions import override
+
 from handcart.backends.can.drives.profile import ramp
 
 from .drive_mode import NEW_SETPOINT, SETPOINT_TAKEN, TARGET_REACHED, DriveMode
@@ -19,12 +21,12 @@ class Homing(DriveMode):
     At home the position actual value becomes the home offset (607Ch).
     """
 
+    @override
     def begin(self) -> None:
-        """See `DriveMode`."""
         self._searching = self._backing = self._done = self._failed = False
 
+    @override
     def control(self, controlword: int, rising: int) -> None:
-        """See `DriveMode`."""
         if not rising & NEW_SETPOINT:
             self._searching = self._searching and bool(controlword & NEW_SETPOINT)
             return
@@ -35,8 +37,8 @@ class Homing(DriveMode):
         if method in HERE:
             self._arrived(self.demand.position)
 
+    @override
     def advance(self, seconds: float) -> None:
-        """See `DriveMode`."""
         demand = self.demand
         pressed = demand.position <= demand.switch
         self._backing = self._searching and (self._backing or pressed)
@@ -54,7 +56,7 @@ class Homing(DriveMode):
         self._done = True
 
     @property
+    @override
     def status(self) -> int:
-        """See `DriveMode`."""
         stands = self.demand.velocity == 0.0 and not self._searching
         return SETPOINT_TAKEN * self._done | TARGET_REACHED * stands | _FAILED * self._failed

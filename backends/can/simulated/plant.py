@@ -5,6 +5,8 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 
+from typing_extensions import override
+
 from .drive_node import DriveNode
 
 
@@ -19,7 +21,7 @@ class Plant(ABC):
 class IdealMotors(Plant):
     """Motors without load, which stand exactly where they are driven to."""
 
+    @override
     def step(self, drives: Mapping[int, DriveNode], seconds: float) -> None:
-        """See `Plant`."""
         for drive in drives.values():
             drive.moved(drive.driven, seconds, torque=0)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing_extensions import override
+
 from handcart.backends.can.drives.profile import approach
 
 from .drive_mode import AT_ONCE, NEW_SETPOINT, RELATIVE, SETPOINT_TAKEN, TARGET_REACHED, DriveMode
@@ -14,13 +16,13 @@ class ProfilePosition(DriveMode):
     statusword is set while the drive can't take another.
     """
 
+    @override
     def begin(self) -> None:
-        """See `DriveMode`."""
         self._target, self._next = self.demand.position, list[float]()
         self._taken = self._asked = False
 
+    @override
     def control(self, controlword: int, rising: int) -> None:
-        """See `DriveMode`."""
         self._asked = bool(controlword & NEW_SETPOINT)
         if rising & NEW_SETPOINT and not self._taken:
             self._take(controlword)
@@ -38,8 +40,8 @@ class ProfilePosition(DriveMode):
             self._next = [wanted]
         self._taken = True
 
+    @override
     def advance(self, seconds: float) -> None:
-        """See `DriveMode`."""
         demand = self.demand
         top = min(self.objects(0x6081), self.objects(0x607F))
         rates = float(self.objects(0x6083)), float(self.objects(0x6084))
@@ -52,7 +54,7 @@ class ProfilePosition(DriveMode):
             self._taken = self._asked
 
     @property
+    @override
     def status(self) -> int:
-        """See `DriveMode`."""
         reached = self._target == self.demand.position and not self._next
         return TARGET_REACHED * reached | SETPOINT_TAKEN * self._taken

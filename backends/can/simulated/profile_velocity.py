@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing_extensions import override
+
 from handcart.backends.can.drives.profile import ramp
 
 from .drive_mode import TARGET_REACHED, DriveMode
@@ -10,12 +12,12 @@ from .drive_mode import TARGET_REACHED, DriveMode
 class ProfileVelocity(DriveMode):
     """Mode 3: goes over to the target velocity (60FFh) by 6083h and 6084h."""
 
+    @override
     def begin(self) -> None:
-        """See `DriveMode`."""
         self.objects[0x60FF] = 0
 
+    @override
     def advance(self, seconds: float) -> None:
-        """See `DriveMode`."""
         demand, most = self.demand, float(self.objects(0x607F))
         target = max(-most, min(most, float(self.objects(0x60FF))))
         slows = abs(target) < abs(demand.velocity) or target * demand.velocity < 0.0
@@ -25,11 +27,11 @@ class ProfileVelocity(DriveMode):
         demand.position += way
 
     @property
+    @override
     def status(self) -> int:
-        """See `DriveMode`."""
         return TARGET_REACHED if self.demand.velocity == self.objects(0x60FF) else 0
 
     @property
+    @override
     def position_loop(self) -> bool:
-        """See `DriveMode`."""
         return False

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import can
+from typing_extensions import override
 
 from handcart.backends.can.errors import ControllerFault
 
@@ -25,8 +26,8 @@ class ControllerWatch(Watch):
         self._trouble = ""
         self._warned: float | None = None
 
+    @override
     def hear(self, frame: can.Message, sent: bool, now: float) -> None:
-        """See `Watch`."""
         if not frame.is_error_frame:
             return
         kind = frame.arbitration_id

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 
 import can
+from typing_extensions import override
 
 from handcart.backends.can.bus.fault_words import fault_words
 from handcart.backends.can.errors import Emergency, TwoNodes
@@ -25,12 +26,12 @@ class EmergencyWatch(Watch):
         self._seen: tuple[int, int] | None = None
         self._begun = False
 
+    @override
     def begin(self, now: float) -> None:
-        """See `Watch`."""
         self._begun = True
 
+    @override
     def hear(self, frame: can.Message, sent: bool, now: float) -> None:
-        """See `Watch`."""
         kind, node = frame.arbitration_id & ~_NODES, frame.arbitration_id & _NODES
         if sent or not self._begun or not plain(frame):
             return
@@ -40,8 +41,8 @@ class EmergencyWatch(Watch):
         if code & 0xFF00 and code not in self._allowed:
             self._seen = self._seen or (node, code)
 
+    @override
     def check(self, now: float) -> None:
-        """See `Watch`."""
         if self._seen is None:
             return
         node, code = self._seen

@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Mapping
 
 import can
+from typing_extensions import override
 
 from handcart.backends.can.errors import CanFault, NodeRestarted, SilentDrive, TwoNodes
 
@@ -36,13 +37,13 @@ class NodeWatch(Watch):
         self._open: Counter[int] = Counter()
         self._trouble: CanFault | None = None
 
+    @override
     def begin(self, now: float) -> None:
-        """See `Watch`."""
         self._begun = True
         self._last = dict.fromkeys(self._names, now)
 
+    @override
     def hear(self, frame: can.Message, sent: bool, now: float) -> None:
-        """See `Watch`."""
         if not plain(frame):
             return
         kind, node = frame.arbitration_id & ~_NODES, frame.arbitration_id & _NODES
@@ -82,8 +83,8 @@ class NodeWatch(Watch):
     def _wrong(self, fault: CanFault) -> None:
         self._trouble = self._trouble or fault
 
+    @override
     def check(self, now: float) -> None:
-        """See `Watch`."""
         if self._trouble is not None:
             raise self._trouble
         for node, last in self._last.items():

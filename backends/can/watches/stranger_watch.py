@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 import can
+from typing_extensions import override
 
 from handcart.backends.can.errors import Stranger
 
@@ -27,8 +28,8 @@ class StrangerWatch(Watch):
         self._ours = {_NMT, _SYNC, _HEARTBEAT + our_node, *commands}
         self._seen: can.Message | None = None
 
+    @override
     def hear(self, frame: can.Message, sent: bool, now: float) -> None:
-        """See `Watch`."""
         if not sent and plain(frame) and frame.arbitration_id in self._ours:
             self._seen = self._seen or frame
 

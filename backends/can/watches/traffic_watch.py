@@ -6,6 +6,7 @@ from collections import deque
 from collections.abc import Callable
 
 import can
+from typing_extensions import override
 
 from handcart.backends.can.errors import Overloaded
 
@@ -35,14 +36,14 @@ class TrafficWatch(Watch):
         self._looked: deque[tuple[float, int]] = deque()
         self._busy_since: float | None = None
 
+    @override
     def begin(self, now: float) -> None:
-        """See `Watch`."""
         self._frames.clear()
         self._bits = 0
         self._looked = deque([(now, self._malformed())])
 
+    @override
     def hear(self, frame: can.Message, sent: bool, now: float) -> None:
-        """See `Watch`."""
         bits = _FRAME + 8 * frame.dlc + (_STUFFABLE + 8 * frame.dlc) // _STUFFING
         self._frames.append((now, bits))
         self._bits += bits

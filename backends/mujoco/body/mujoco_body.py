@@ -7,6 +7,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+from typing_extensions import override
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.mujoco.mujoco_engine import MujocoEngine
@@ -139,8 +140,8 @@ class MujocoBody(RobotBody):
 
     # Where it is
 
+    @override
     def put(self, base: Pose2, height: float = 0.0) -> None:
-        """See `RobotBody`."""
         pose = base.lift(height) @ inverse(self._root_T_base)
         joint, data = self._engine.model.joint(f"{self.id}"), self._engine.data
         at, speed = int(joint.qposadr[0]), int(joint.dofadr[0])
@@ -148,22 +149,22 @@ class MujocoBody(RobotBody):
         data.qvel[speed : speed + 6] = 0.0
         self._engine.displaced()
 
+    @override
     def standing_pose(self) -> Transform:
-        """See `RobotBody`."""
         return self.link_pose(self._root) @ self._root_T_base
 
+    @override
     def link_pose(self, link: str) -> Transform:
-        """See `RobotBody`."""
         data, index = self._engine.links(), self._body(link)
         return _pose(data.xpos[index], data.xmat[index])
 
+    @override
     def middle_of_mass(self, link: str) -> Transform:
-        """See `RobotBody`."""
         data, index = self._engine.links(), self._body(link)
         return _pose(data.xipos[index], data.ximat[index])
 
+    @override
     def mass(self, link: str) -> float:
-        """See `RobotBody`."""
         return float(self._engine.model.body_mass[self._body(link)])
 
     def _body(self, link: str) -> int:
@@ -171,12 +172,12 @@ class MujocoBody(RobotBody):
 
     # What it does
 
+    @override
     def joints(self, names: Sequence[str]) -> MujocoJoints:
-        """See `RobotBody`."""
         return MujocoJoints(self._engine, [ROBOT + name for name in names])
 
+    @override
     def reset(self, joint: str, position: float) -> None:
-        """See `RobotBody`."""
         found, data = self._engine.model.joint(ROBOT + joint), self._engine.data
         data.qpos[found.qposadr[0]], data.qvel[found.dofadr[0]] = position, 0.0
         self._engine.displaced()
@@ -208,16 +209,16 @@ class MujocoBody(RobotBody):
                 geometry.solimp, geometry.solref = SINKS, (-stiffness, -2.0 * stiffness**0.5)
         self._engine.changed()
 
+    @override
     def mirror(self, joints: tuple[str, str]) -> None:
-        """See `RobotBody`."""
         one, other = (ROBOT + name for name in joints)
         linkage = self._engine.world.spec.add_equality(name1=one, name2=other)
         linkage.type, linkage.objtype = mujoco().mjtEq.mjEQ_JOINT, mujoco().mjtObj.mjOBJ_JOINT
         linkage.data[:5], linkage.solref = (0.0, 1.0, 0.0, 0.0, 0.0), STIFF
         self._engine.changed()
 
+    @override
     def links_behind(self, joint: str) -> set[int]:
-        """See `RobotBody`."""
         moved = self._engine.world.spec.joint(ROBOT + joint).parent
         names = [moved.name, *(each.name for each in moved.find_all("body"))]
         return {self.link_index[name.removeprefix(ROBOT)] for name in names}

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from handcart.backends.mujoco.mujoco_engine import MujocoEngine
 from handcart.backends.physics.body.joint_group import BREAKAWAY, DAMPING, GIVES, JointGroup, Vector
@@ -36,17 +37,17 @@ class MujocoJoints(JointGroup):
         self._step = float(model.opt.timestep)
         self._gain = model.dof_M0[self._speed] / self._step
 
+    @override
     def states(self) -> tuple[Vector, Vector]:
-        """See `JointGroup`."""
         data = self._engine.data
         return data.qpos[self._at].copy(), data.qvel[self._speed].copy()
 
+    @override
     def turn(self, speeds: Vector, most: Vector) -> None:
-        """See `JointGroup`."""
         self._alone(0.0, most, self._gain * speeds)
 
+    @override
     def follow(self, off: Vector, rates: Vector, most: Vector, catches_up: float) -> None:
-        """See `JointGroup`."""
         self._alone(self._gain / catches_up, most)
         self._stiff.set_out(self._engine.data.qpos[self._at] + off + catches_up * rates, rates)
 
@@ -64,8 +65,8 @@ class MujocoJoints(JointGroup):
         self._giving.serve(pull, pull * damping, (1.0 - BREAKAWAY) * effort)
         self._giving.set_out(begins + damping * rates, rates)
 
+    @override
     def stand(self, positions: Vector, most: Vector, share: float, rates: Vector | None = None) -> None:
-        """See `JointGroup`."""
         self._alone(self._gain * share / self._step, most)
         if rates is None:
             self._stiff.set_out(positions, np.zeros(len(positions)))
@@ -77,8 +78,8 @@ class MujocoJoints(JointGroup):
         self._stiff.serve(stiffness, damping, np.full(len(torques), UNBOUND), torques)
         self._stiff.set_out(np.zeros(len(torques)), np.zeros(len(torques)))
 
+    @override
     def push(self, torques: Vector) -> None:
-        """See `JointGroup`."""
         self._engine.data.qfrc_applied[self._speed] = torques
 
     def _alone(self, pull: float | Vector, most: Vector, torques: float | Vector = 0.0) -> None:

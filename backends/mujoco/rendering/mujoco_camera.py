@@ -21,7 +21,7 @@ from .style import CAMERA
 
 
 class MujocoCamera(EngineCamera):
-    """See `EngineCamera`."""
+    """Camera that MuJoCo renders."""
 
     def __init__(
         self,

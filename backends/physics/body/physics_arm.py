@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import ClassVar
 
 import numpy as np
+from typing_extensions import override
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.physics.urdf.sound_urdf import HOLDS
@@ -62,8 +63,8 @@ class PhysicsArm(SimulatedArm):
         self.load: tuple[float, Vector] = (0.0, np.zeros(3))
         """Mass in [kg] of what is held, and its middle of mass in the base frame, (3,) in [m]."""
 
+    @override
     def true_joints(self) -> Vector:
-        """See `SimulatedArm`."""
         return self._drives.states()[0]
 
     def _true_force(self) -> Vector:

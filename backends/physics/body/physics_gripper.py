@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 import numpy as np
+from typing_extensions import override
 
 from handcart.backends.description.robot_file import GripperSpec
 from handcart.backends.description.simulated_errors import Errors
@@ -40,8 +41,8 @@ class PhysicsGripper(SimulatedGripper):
         self._target = self._stood = opening
         body.mirror(FINGERS)
 
+    @override
     def true_width(self) -> float:
-        """See `SimulatedGripper`."""
         return float(self._joints.states()[0].sum())
 
     @property

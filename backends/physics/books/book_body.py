@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from handcart.backends.physics.thing_form import Cuboid, Portrait, Uvs, Wedge
 from handcart.backends.physics.world.thing_body import ThingBody
@@ -42,17 +43,17 @@ class BookBody(ThingBody):
         core = Cuboid((depth - CHAMFER, thickness, height), -CHAMFER / 2)
         return core, Wedge(depth / 2 - CHAMFER, depth / 2, thickness, height, CHAMFER)
 
+    @override
     def uvs(self) -> tuple[Uvs, ...]:
-        """See `ThingBody`."""
         width = int(spine_levels(self.thing.spec)[1][0].shape[1]) + 2 * _STRIP
         return tuple(_uvs(face, width) for face in range(6))
 
+    @override
     def first_picture(self) -> NDArray[np.uint8]:
-        """See `ThingBody`."""
         return _FROM_AFAR
 
+    @override
     def printed(self) -> NDArray[np.uint8]:
-        """See `ThingBody`."""
         return _picture(self.thing)
 
     def portrait(self) -> Portrait:
@@ -65,8 +66,8 @@ class BookBody(ThingBody):
         strips = [np.full((len(spine), _STRIP // 2, 3), 255.0) * each for each in (cloth, _LEAVES)]
         return np.hstack((shown, *strips)).astype(np.uint8)
 
+    @override
     def asleep(self) -> bool:
-        """See `ThingBody`."""
         return self.thing.shelf is not None
 
     def look(self, eye: NDArray[np.float64]) -> None:

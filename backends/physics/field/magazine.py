@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import ClassVar
 
+from typing_extensions import override
+
 from handcart.backends.physics.props_body import Pieces, PropsBody
 from handcart.backends.plain_values import Kinds
 from handcart.backends.simulation.field.field_props import FieldProps
@@ -29,8 +31,8 @@ class Magazine(PropsBody):
         """See `PropsBody`: just given a sensor, the fingers needn't press on it yet."""
         return self._given < FRESH
 
+    @override
     def step(self) -> None:
-        """See `PropsBody`."""
         self._given += 1
         sensor, (engine, _, world, gripper, grip) = self._waiting(), self.pieces
         if sensor is None or gripper is None or grip is None:

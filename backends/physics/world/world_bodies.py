@@ -122,7 +122,7 @@ class WorldBodies:
         self._made.append(tile)
 
     def moved(self) -> Collection[int] | None:
-        """See `Engine.moved`."""
+        """Return the numbers of the bodies that moved since the last step; None if unknown."""
         return self._engine.moved()
 
     def pose(self, thing: Thing) -> Transform:

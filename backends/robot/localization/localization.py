@@ -8,6 +8,7 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from handcart.backends.backend import Backend
 from handcart.backends.capabilities.base import Base, WheelTravel
@@ -303,8 +304,8 @@ class ScanLocalization(Localization):
         self.set_origin()
 
     @property
+    @override
     def repeatability(self) -> NDArray[np.float64]:
-        """See `Localization`."""
         return repeatability_of(self.covariance, self._matching.map_error)
 
     @property
@@ -315,19 +316,19 @@ class ScanLocalization(Localization):
         turned = _turned(self._matching.odometry.origin.theta)
         return Belief(mean, _without(spread, turned @ shared @ turned.T) + 2.0 * SCAN_REPEATABILITY)
 
+    @override
     def set_origin(self) -> None:
-        """See `Localization`."""
         super().set_origin()
         self._map_error_then = self._matching.map_error
 
     @property
+    @override
     def dead_reckoned(self) -> bool:
-        """See `Localization`."""
         return False
 
     @property
+    @override
     def lost(self) -> Lost | None:
-        """See `Localization`."""
         if not self._matching.lost:
             return None
         share = "share of the scan that the map explains"
@@ -341,8 +342,8 @@ class ScanLocalization(Localization):
         return Lost("its scans fit the map nowhere near", "RangeSensor", share, self.explained, LEAST_INLIERS)
 
     @property
+    @override
     def explained(self) -> float:
-        """See `Localization`."""
         match = self._matching.last_match
         return super().explained if match is None else match.inliers
 
@@ -370,13 +371,13 @@ class WheelLocalization(Localization):
         self._period, self._unanswered = backend.period, 0.0
 
     @property
+    @override
     def dead_reckoned(self) -> bool:
-        """See `Localization`."""
         return True
 
     @property
+    @override
     def lost(self) -> Lost | None:
-        """See `Localization`."""
         if self._reckoning.astray:
             share = "share of the scan that the map explains"
             why = "after the drive its scan fits the map nowhere near where its wheels say"
@@ -388,13 +389,13 @@ class WheelLocalization(Localization):
         return Lost(why, "Base", way, 1e3 * self._unanswered, 1e3 * UNANSWERED, "mm")
 
     @property
+    @override
     def slips(self) -> int:
-        """See `Localization`."""
         return self._reckoning.slips
 
     @property
+    @override
     def added_sigma(self) -> float:
-        """See `Localization`."""
         return self._reckoning.added_sigma
 
     def look_again(self) -> None:
@@ -408,8 +409,8 @@ class WheelLocalization(Localization):
             self.look_again()
         super()._correct()
 
+    @override
     def update(self, driven: tuple[float, float]) -> None:
-        """See `Localization`."""
         before = self.travel
         super().update(driven)
         speed, turn_rate = driven

@@ -6,6 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from handcart.backends.backend import Backend
 from handcart.backends.capabilities.base import WheelTravel
@@ -55,8 +56,8 @@ class OutdoorLocalization(Localization):
         self.set_origin()
 
     @property
+    @override
     def pose(self) -> Pose2:
-        """See `Localization`."""
         if self._here is None:
             self._here = self._filter.pose
         return self._here
@@ -66,8 +67,8 @@ class OutdoorLocalization(Localization):
         """See `Localization`: by wheels and gyros."""
         return self._filter.odometry.pose
 
+    @override
     def set_origin(self) -> None:
-        """See `Localization`."""
         self._filter.set_origin()
 
     @property
@@ -76,13 +77,13 @@ class OutdoorLocalization(Localization):
         return self._filter.displacement
 
     @property
+    @override
     def covariance(self) -> NDArray[np.float64]:
-        """See `Localization`."""
         return self._filter.covariance
 
     @property
+    @override
     def particles(self) -> Array | None:
-        """See `Localization`."""
         return self._filter.particles
 
     @property
@@ -91,13 +92,13 @@ class OutdoorLocalization(Localization):
         return self.covariance if self.heading_known else self._filter.displacement.covariance
 
     @property
+    @override
     def tilt(self) -> tuple[float, float]:
-        """See `Localization`."""
         return self._filter.tilt
 
     @property
+    @override
     def dead_reckoned(self) -> bool:
-        """See `Localization`."""
         by_fixes = self._gps is not None and self._filter.TAKES_FIXES
         return not by_fixes and (self._beacons is None or not self._filter.TAKES_RANGES)
 
@@ -111,13 +112,13 @@ class OutdoorLocalization(Localization):
         return Lost(why, "Imu", "way since a gyro read anything new", 1e3 * rolled, 1e3 * BLIND, "mm")
 
     @property
+    @override
     def heading_known(self) -> bool:
-        """See `Localization`."""
         return self._filter.heading_known
 
     @property
+    @override
     def doubt(self) -> Lost | None:
-        """See `Localization`."""
         found = self._filter.inconsistency
         if self.lost is not None or found is None:
             return self.lost
@@ -126,17 +127,17 @@ class OutdoorLocalization(Localization):
         return Lost(why, sensor, found.what, found.value, found.limit)
 
     @property
+    @override
     def sensed(self) -> Sensed:
-        """See `Localization`."""
         return self._sensed
 
+    @override
     def mark(self) -> None:
-        """See `Localization`."""
         self._filter.mark()
         self._here = None
 
+    @override
     def smoothed(self) -> list[Belief]:
-        """See `Localization`."""
         return self._filter.smoothed()
 
     def _predict(self, left: float, right: float) -> None:
@@ -161,8 +162,8 @@ class OutdoorLocalization(Localization):
     def _correct(self) -> None:
         """A fix is taken when it comes."""
 
+    @override
     def set_state(self, state: object) -> None:
-        """See `Localization`."""
         super().set_state(state)
         self._filter.forget_derived()
         self._here = None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from typing_extensions import override
 
 from handcart.backends.backend import Backend
 from handcart.backends.capabilities.positioning import Positioning
@@ -26,8 +27,8 @@ class PositioningLocalization(Localization):
         self._positioning = positioning
 
     @property
+    @override
     def dead_reckoned(self) -> bool:
-        """See `Localization`."""
         return False
 
     def _correct(self) -> None:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from typing_extensions import override
+
 from handcart.backends.simulation.world.material import Material
 from handcart.backends.simulation.world.placed_thing import PlacedSpec, PlacedThing
 
@@ -26,6 +28,6 @@ class Block(PlacedThing):
     spec: BlockSpec
 
     @property
+    @override
     def material(self) -> Material:
-        """See `Thing`."""
         return BRICK

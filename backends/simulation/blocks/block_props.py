@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from typing import ClassVar, Self
 
 from pydantic import model_validator
+from typing_extensions import override
 
 from handcart.backends.plain_values import Kinds
 from handcart.backends.simulation.props import Props
@@ -32,10 +33,10 @@ class BlockProps(Props[BlocksSection]):
     section = BlocksSection
     STATE: ClassVar[Kinds] = {"blocks": dict[str, Block]}
 
+    @override
     def set_up(self) -> None:
-        """See `Props`."""
         self.blocks = {spec.name: Block.set_down(self.scene, spec, self.seed) for spec in self.spec.blocks}
 
+    @override
     def things(self) -> Iterable[Block]:
-        """See `Props`."""
         return self.blocks.values()

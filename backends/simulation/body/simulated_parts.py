@@ -9,6 +9,7 @@ from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base, WheelTravel
@@ -38,12 +39,12 @@ class CommandedBase(Base):
         self._command = (0.0, 0.0)
         self._travel = WheelTravel(0.0, 0.0)
 
+    @override
     def drive(self, speed: float, turn_rate: float) -> None:
-        """See `Base`."""
         self._command = checked_drive(self._drive, speed, turn_rate)
 
+    @override
     def wheel_travel(self) -> WheelTravel:
-        """See `Base`."""
         return self._travel
 
     def halt(self) -> None:
@@ -100,22 +101,22 @@ class SimulatedArm(Arm):
     def _true_force(self) -> Vector:
         """What acts on the hand, (3,) in [N] in its frame."""
 
+    @override
     def move(self, joints: Vector) -> None:
-        """See `Arm`."""
         self._command = checked_joints(self._model, joints, self._from, self._most)
 
+    @override
     def command(self) -> Vector:
-        """See `Arm`."""
         return self._command.copy()
 
+    @override
     def joints(self) -> Vector:
-        """See `Arm`."""
         return self._read(
             "joints", lambda: self.true_joints() - self._offset, self._errors.encoder_mrad / 1e3
         )
 
+    @override
     def hand_force(self) -> Vector:
-        """See `Arm`."""
         return self._read("hand force", self._true_force, self._errors.hand_force_n)
 
     def halt(self) -> None:
@@ -170,21 +171,21 @@ class SimulatedGripper(Gripper):
     def true_width(self) -> float:
         """The opening, in [m]."""
 
+    @override
     def command(self) -> float:
-        """See `Gripper`."""
         return self._command
 
+    @override
     def move(self, width: float) -> None:
-        """See `Gripper`."""
         self._command = checked_width(self._spec, width)
 
+    @override
     def width(self) -> float:
-        """See `Gripper`."""
         noise = self._sigma * float(keyed_normal(self._seed, "width", self._now, 1)[0])
         return float(max(0.0, self.true_width() + noise))
 
+    @override
     def closed_on_something(self) -> bool:
-        """See `Gripper`."""
         return self._pressing
 
     def halt(self) -> None:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from typing_extensions import override
 
 from handcart.backends.simulation.world.material import Material
 from handcart.backends.simulation.world.thing import Thing
@@ -51,8 +52,8 @@ class Book(Thing):
         return self.spec.accession
 
     @cached_property
+    @override
     def name(self) -> str:
-        """See `Thing`."""
         return f"book {self.accession}"
 
     @property
@@ -71,8 +72,8 @@ class Book(Thing):
         return self.shelf or super().carrier
 
     @property
+    @override
     def thing_T_middle(self) -> Transform:
-        """See `Thing`."""
         result = np.eye(4)
         result[0, 3], result[2, 3] = self.depth / 2, self.height / 2
         return result

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from handcart.backends.simulation.body.grasp import BITE, PAD, Pads
 from handcart.backends.simulation.keyed_noise import keyed
@@ -51,36 +52,36 @@ class BookProps(BooksThere):
         self._places = np.array([each.pose[:3, 3] for each in self.shelves.values()]).reshape(-1, 3)
         """Where shelves stand, (n, 3) in [m]."""
 
+    @override
     def set_up(self) -> None:
-        """See `Props`."""
         super().set_up()
         self._person = Person(self)
 
+    @override
     def painted(self, rests: frozenset[Rest]) -> Iterable[Painted]:
-        """See `Props`."""
         from .painted_books import painted  # fonts and all: not before a camera looks
 
         return painted(self, rests)
 
     # What happens
 
+    @override
     def taken(self, thing: Thing) -> None:
-        """See `Props`."""
         assert isinstance(thing, Book)
         thing.rest, thing.shelf = Rest.HAND, None
 
+    @override
     def step(self) -> None:
-        """See `Props`."""
         if self._person is not None:
             self._person.step()
 
+    @override
     def hand_rule(self, arm: ArmModel) -> RowRule:
-        """See `Props`."""
         self._rule = RowRule(self, arm)
         return self._rule
 
+    @override
     def thickness(self, thing: Thing, pads: Pads) -> float:
-        """See `Props`."""
         return thing.size[1]
 
     def fits(self, thing: Thing, pads: Pads) -> bool:
@@ -99,8 +100,8 @@ class BookProps(BooksThere):
         pitch = float(np.arctan2(-before[2, 0], before[0, 0]))
         return transform((before[0, 3], 0.0, before[2, 3]), (0.0, pitch, 0.0))
 
+    @override
     def let_go(self, thing: Thing) -> None:
-        """See `Props`."""
         assert isinstance(thing, Book)
         slot = None if self._rule is None else self._rule.left()
         put_down(self, thing, slot, self._left_aside(thing))
@@ -119,8 +120,8 @@ class BookProps(BooksThere):
         near = {name for name, far in zip(self.shelves, away.tolist(), strict=True) if far < AWAKE}
         return [book for book in self.books.values() if book.rest is not Rest.TABLE or book.shelf in near]
 
+    @override
     def rested(self, thing: Thing) -> None:
-        """See `Props`."""
         assert isinstance(thing, Book)
         thing.rest, thing.shelf = book_rest(self, thing)
         if thing.rest is Rest.TRAY:

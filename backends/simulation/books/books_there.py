@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from typing import ClassVar, NamedTuple
 
 import numpy as np
+from typing_extensions import override
 
 from handcart.backends.plain_values import Kinds
 from handcart.backends.simulation.keyed_noise import keyed
@@ -52,8 +53,8 @@ class BooksThere(Props[BooksSection]):
         self.waits = Waiting()
 
     @classmethod
+    @override
     def solids(cls, spec: BooksSection) -> Sequence[Solid]:
-        """See `Props`."""
         return [solid for each in spec.shelves for solid in Shelf(each).solids()]
 
     def set_up(self) -> None:
@@ -79,8 +80,8 @@ class BooksThere(Props[BooksSection]):
         self.books[spec.accession] = Book(scene.world_T_base @ stands, Rest.TRAY, spec, base_T_thing=stands)
         scene.changes += 1
 
+    @override
     def things(self) -> Iterable[Book]:
-        """See `Props`."""
         return self.books.values()
 
     def book_pose(self, accession: int) -> Transform:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import ClassVar, NamedTuple
 
 import numpy as np
+from typing_extensions import override
 
 from handcart.backends.plain_values import Kinds
 from handcart.backends.saved_state import NotAState
@@ -76,13 +77,13 @@ class RowRule(HandRule):
     def entries(self, count: int) -> None:
         self._entrance.count = count
 
+    @override
     def aim(self, joints: Vector) -> None:
-        """See `HandRule`."""
         self._front = self.front(joints)
         self._follow_entry(self._front)
 
+    @override
     def decides(self, body: str, other: str) -> bool:
-        """See `HandRule`."""
         if body in FINGERS:
             tray = self._books.tray_book()
             return other.startswith("book ") and (tray is None or other != f"book {tray.accession}")
@@ -90,8 +91,8 @@ class RowRule(HandRule):
             return False
         return other.startswith(("book ", "left panel", "right panel"))
 
+    @override
     def meet(self, start: Vector, joints: Vector) -> Met:
-        """See `HandRule`."""
         return Met(joints) if self._front is None else self._stop_at_row(self._front, start, joints)
 
     def carry(self, thing: Thing, world_T_hand: Transform, start: Vector) -> Vector:

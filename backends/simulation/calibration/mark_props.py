@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from typing_extensions import override
+
 from handcart.backends.simulation.props import Props
 
 from .mark import Mark
@@ -15,10 +17,10 @@ class MarkProps(Props[MarksSection]):
 
     section = MarksSection
 
+    @override
     def set_up(self) -> None:
-        """See `Props`."""
         self.marks = tuple(Mark(spec) for spec in self.spec.marks)
 
+    @override
     def sheets(self) -> Sequence[Mark]:
-        """See `Props`."""
         return self.marks

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from typing import ClassVar
 
 import numpy as np
+from typing_extensions import override
 
 from handcart.backends.plain_values import Kinds
 from handcart.backends.simulation.props import Props
@@ -46,12 +47,12 @@ class FieldProps(Props[FieldSection]):
             self._home = np.array(scene.robot.posture("home"))
             self._open = scene.robot.gripper.opening_mm / 1e3 - 1e-3
 
+    @override
     def things(self) -> Iterable[Sensor]:
-        """See `SceneProps`."""
         return self.sensors.values()
 
+    @override
     def step(self) -> None:
-        """See `SceneProps`."""
         if self._magazine is not None:
             self._give(self._magazine)
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from typing_extensions import override
+
 from handcart.backends.simulation.world.material import Material
 from handcart.backends.simulation.world.placed_thing import PlacedThing
 
@@ -17,6 +19,6 @@ class Sensor(PlacedThing):
     KIND = "sensor"
 
     @property
+    @override
     def material(self) -> Material:
-        """See `Thing`."""
         return ORANGE

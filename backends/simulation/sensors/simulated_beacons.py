@@ -7,6 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from handcart.backends.capabilities.beacons import BeaconRanges, Beacons
 from handcart.backends.description.beacons_spec import BeaconsSpec
@@ -34,8 +35,8 @@ class SimulatedBeacons(Beacons):
         self._scale = 1.0 + spec.scale_percent / 100 * keyed(seed, "beacon scale").standard_normal()
         self._ranges: BeaconRanges | None = None
 
+    @override
     def ranges(self) -> BeaconRanges | None:
-        """See `Beacons`."""
         return self._ranges
 
     def advance(self, period: int) -> None:

@@ -8,6 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from handcart.backends.capabilities.camera import Camera
 from handcart.backends.description.robot_file import RobotFile
@@ -46,8 +47,8 @@ class SimulatedCamera(Camera):
     def _take(self) -> NDArray[np.uint8]:
         """This period's picture (h, w)."""
 
+    @override
     def image(self) -> NDArray[np.uint8]:
-        """See `Camera`."""
         if self._last is None or self._last[0] != self._now:
             picture = self._take()
             picture.flags.writeable = False
@@ -55,13 +56,13 @@ class SimulatedCamera(Camera):
         return self._last[1]
 
     @property
+    @override
     def model(self) -> CameraModel:
-        """See `Camera`."""
         return self._known.model
 
     @property
+    @override
     def hand_T_camera(self) -> Transform:
-        """See `Camera`."""
         return self._known.hand_T_camera.copy()
 
     def advance(self, period: int) -> None:

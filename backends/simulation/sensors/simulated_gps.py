@@ -7,6 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from handcart.backends.capabilities.gps import Fix, Gps
 from handcart.backends.description.ground_spec import GpsSpec
@@ -37,8 +38,8 @@ class SimulatedGps(Gps):
         self._count, self._spell, self._off = 0, 0, np.zeros(2)
         self._until = self._next_spell()
 
+    @override
     def fix(self) -> Fix | None:
-        """See `Gps`."""
         return self._fix
 
     def advance(self, period: int) -> None:

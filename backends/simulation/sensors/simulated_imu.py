@@ -6,6 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from handcart.backends.capabilities.imu import Imu
 from handcart.backends.description.sensor_specs import ImuSpec
@@ -35,15 +36,15 @@ class SimulatedImu(Imu):
         self._rates: tuple[int, Vector, Vector] | None = None
         self._accelerations: tuple[int, Vector, Vector] | None = None
 
+    @override
     def rates(self) -> Vector:
-        """See `Imu`."""
         last = self._rates
         if last is None or last[0] != self._now or last[1] is not self._turned:
             last = self._rates = (self._now, self._turned, self._read_rates())
         return last[2].copy()
 
+    @override
     def accelerations(self) -> Vector:
-        """See `Imu`."""
         last = self._accelerations
         if last is None or last[0] != self._now or last[1] is not self._turn:
             last = self._accelerations = (self._now, self._turn, self._read_accelerations())

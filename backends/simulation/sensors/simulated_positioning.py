@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import ClassVar
 
+from typing_extensions import override
+
 from handcart.backends.capabilities.positioning import PoseReading, Positioning
 from handcart.backends.description.sensor_specs import PositioningSpec
 from handcart.backends.simulation.keyed_noise import keyed_normal
@@ -37,8 +39,8 @@ class SimulatedPositioning(Positioning):
         self._last: tuple[int, Pose2, float] | None = None
         self._take()
 
+    @override
     def reading(self) -> PoseReading | None:
-        """See `Positioning`."""
         if self._last is None:
             return None
         number, pose, when = self._last

@@ -8,6 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from handcart.backends.capabilities.range_sensor import RangeSensor, Scan
 from handcart.backends.description.sensor_specs import RangeSpec
@@ -44,8 +45,8 @@ class SimulatedRangeSensor(RangeSensor):
     def _cast(self) -> NDArray[np.float64]:
         """True ranges (n,) along the beams, in [m]; infinite, or beyond reach, where nothing is."""
 
+    @override
     def scan(self) -> Scan:
-        """See `RangeSensor`."""
         if self._last is None or self._last[0] != self._now:
             self._last = (self._now, self._noisy(self._cast(), self._now))
         return self._last[1]

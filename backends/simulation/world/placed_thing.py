@@ -7,6 +7,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import Field
+from typing_extensions import override
 
 from handcart.backends.simulation.keyed_noise import keyed
 from handcart.backends.simulation.scene import Scene
@@ -39,8 +40,8 @@ class PlacedThing(Thing):
     spec: PlacedSpec
 
     @property
+    @override
     def name(self) -> str:
-        """See `Thing`."""
         return f"{self.KIND} {self.spec.name}"
 
     @property
@@ -50,8 +51,8 @@ class PlacedThing(Thing):
         return length / 1e3, width / 1e3, height / 1e3
 
     @property
+    @override
     def grey(self) -> int:
-        """See `Thing`."""
         return self.spec.grey
 
     @classmethod

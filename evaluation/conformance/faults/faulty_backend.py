@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from handcart.backends.backend import Backend, CommandError
 from handcart.backends.capabilities.arm import Arm
@@ -81,8 +82,8 @@ class FaultyBackend(LayeredBackend):
         self._joints = self._width = None
         return slid
 
+    @override
     def step(self) -> None:
-        """See `Backend`."""
         slips = self._is(FaultKind.SLIP)
         base = part_of(self.inner, Base) if slips else None
         before = base.wheel_travel() if base else WheelTravel(0.0, 0.0)
@@ -109,8 +110,8 @@ class FaultyBackend(LayeredBackend):
 
     # Commands
 
+    @override
     def pass_on(self, part: Capability, kind: Kind, method: str, *words: Any) -> Any:
-        """See `LayeredBackend`."""
         take = partial(super().pass_on, part, kind, method, *words)
         reading = kind.READINGS.get(method)
         if reading is not None:
@@ -120,7 +121,7 @@ class FaultyBackend(LayeredBackend):
         return take()
 
     def base_drive(self, base: Base, speed: float, turn_rate: float) -> None:
-        """See `Base`."""
+        """Pass on the base's command, unless the fault holds or slows the base."""
         self._driven = True
         if self._sticks(base):
             base.drive(0.0, 0.0)
@@ -130,7 +131,7 @@ class FaultyBackend(LayeredBackend):
             base.drive(speed, turn_rate)
 
     def arm_move(self, arm: Arm, joints: Vector) -> None:
-        """See `Arm`."""
+        """Pass on the arm's command, unless the fault holds the arm."""
         if self._sticks(arm) or self._joints is not None:
             self._joints = np.array(joints, dtype=np.float64)
         else:
@@ -138,11 +139,11 @@ class FaultyBackend(LayeredBackend):
             self._joints = None
 
     def arm_command(self, arm: Arm) -> Vector:
-        """See `Arm`."""
+        """Return the joint angles last commanded, in [rad], as if the arm obeyed."""
         return arm.command() if self._joints is None else self._joints.copy()
 
     def gripper_move(self, gripper: Gripper, width: float) -> None:
-        """See `Gripper`."""
+        """Pass on the gripper's command, unless the fault holds the gripper."""
         if self._sticks(gripper):
             self._width = float(width)
         else:
@@ -150,7 +151,7 @@ class FaultyBackend(LayeredBackend):
             self._width = None
 
     def gripper_command(self, gripper: Gripper) -> float:
-        """See `Gripper`."""
+        """Return the width last commanded, in [m], as if the gripper obeyed."""
         return gripper.command() if self._width is None else self._width
 
     def _sticks(self, part: Capability) -> bool:
@@ -187,7 +188,7 @@ class FaultyBackend(LayeredBackend):
     # Readings
 
     def base_wheel_travel(self, base: Base) -> WheelTravel:
-        """See `Base`."""
+        """Return the wheels' travel, including the travel that the fault hides from the base."""
         return WheelTravel(*np.add(base.wheel_travel(), self._hidden))
 
     def _read(self, reading: Reading, name: tuple[Kind, str], take: Callable[[], Any]) -> Any:

@@ -35,7 +35,7 @@ class Rehearsal:
     backend: str
     seed: int = 0
     liar: str | None = None
-    """See `Bench`."""
+    """Name of the backend fault that the rehearsal plants; None: the backend as it is."""
     settings: Mapping[str, str] = field(default_factory=dict)
     """As for `handcart run --set`."""
     instead: Mapping[str, type[ActionPrimitive]] = field(default_factory=dict)
@@ -94,7 +94,7 @@ class Solo:
 
 
 def rehearsed(task: Task) -> list[Action]:
-    """See `Rehearsal.actions`."""
+    """Return the actions of the cheapest plan, and those that compute only, where the plan passes."""
     network = task.network
     plan = Planner(network).plan(network.start)
     if isinstance(plan, NoWay):

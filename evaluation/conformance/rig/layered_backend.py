@@ -7,6 +7,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from typing_extensions import override
+
 from handcart.backends.backend import Backend
 from handcart.backends.capabilities.all_kinds import CAPABILITIES
 from handcart.backends.capabilities.capability import Capability
@@ -51,20 +53,20 @@ class LayeredBackend(Backend):
         """Not by name: a layer is put around a backend that is there."""
         raise TypeError(f"{cls.__name__} is made around another backend")
 
+    @override
     def capabilities(self) -> tuple[Capability, ...]:
-        """See `Backend`."""
         return self._layers
 
+    @override
     def step(self) -> None:
-        """See `Backend`."""
         self.inner.step()
 
+    @override
     def stop(self) -> None:
-        """See `Backend`."""
         self.inner.stop()
 
+    @override
     def close(self) -> None:
-        """See `Backend`."""
         self.inner.close()
 
 

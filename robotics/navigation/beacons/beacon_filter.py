@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.outdoors import field_model as states
@@ -104,13 +105,13 @@ class BeaconFilter(FieldLocalizer):
         return Belief(self._mean[own].copy(), self._spread[own, own].copy())
 
     @property
+    @override
     def covariance(self) -> Array:
-        """See `FieldLocalizer`."""
         return self._spread[:3, :3].copy()
 
     @property
+    @override
     def inconsistency(self) -> Inconsistency | None:
-        """See `FieldLocalizer`."""
         return inconsistency_of(self._squares, axes=1)
 
     def _ranges(self, distances: Array) -> None:

@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.localization.odometry import Odometry, OdometryErrors
@@ -134,8 +135,8 @@ class OdometryLocalizer(Localizer):
         """See `Localizer`: it needs a map."""
         return self._field is not None
 
+    @override
     def predict(self, left: float, right: float) -> None:
-        """See `Localizer`."""
         before = self.pose
         super().predict(left, right)
         self._rolled += max(abs(left), abs(right))
@@ -281,8 +282,8 @@ class ScanLocalizer(Localizer):
         """(3, 3) share of the map's error in `covariance`: the same in all poses measured at one place."""
         return self._map_error @ self._map_error.T
 
+    @override
     def predict(self, left: float, right: float) -> None:
-        """See `Localizer`."""
         before, errors, tread = self.pose, self._odometry.errors, self._odometry.tread
         self._odometry.slip_factor = self.slip.factor
         super().predict(left, right)

@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.outdoors.field_kalman import FieldKalman
@@ -130,18 +131,18 @@ class GpsFilter(FieldLocalizer):
         return Belief(mean[:3], covariance[:3, :3])
 
     @property
+    @override
     def inconsistency(self) -> Inconsistency | None:
-        """See `FieldLocalizer`."""
         return inconsistency_of(self._squares)
 
     @property
+    @override
     def parts(self) -> list[FieldKalman | HeadingBank]:
-        """See `FieldLocalizer`."""
         return [*self.filters, self._bank]
 
     @property
+    @override
     def covariance(self) -> Array:
-        """See `FieldLocalizer`."""
         if self._searching:
             away = self._start_position**2 + self._estimate().distance(self._begun) ** 2
             return np.diag([away, away, math.pi**2 / 3.0])
@@ -150,8 +151,8 @@ class GpsFilter(FieldLocalizer):
             self._spread.flags.writeable = False
         return self._spread
 
+    @override
     def mark(self) -> Belief:
-        """See `FieldLocalizer`."""
         self._flush()
         return self._mixed([each.mark() for each in self.filters])
 
@@ -175,8 +176,8 @@ class GpsFilter(FieldLocalizer):
             self._here = Pose2(x, y, wrap(heading))
         return self._here
 
+    @override
     def forget_derived(self) -> None:
-        """See `FieldLocalizer`."""
         self._here, self._spread = None, None
 
     def _advance(self, advance: Advance) -> None:
