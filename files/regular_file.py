@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from handcart.files.errors import FileError, Finding
+from handcart.files.suggest import did_you_mean
 
 MAX_LINE = 20_000
 """[characters]. The YAML parser takes 8 s for a tag that fills a line of 1 MiB: quadratic."""
@@ -30,6 +31,8 @@ def read_regular_file(path: Path | str, max_bytes: int) -> bytes:
     """
     try:
         descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC | os.O_NOCTTY)
+    except FileNotFoundError as error:
+        raise _refused(path, _cause(error), meant=did_you_mean(Path(path))) from None
     except (OSError, ValueError) as error:
         raise _refused(path, _cause(error)) from None
     try:
@@ -104,8 +107,8 @@ def _inside(folder: Path) -> str:
     return f"a file, such as {found[0]}" if found else ALLOWED
 
 
-def _refused(path: Path | str, wrong: str, allowed: str = ALLOWED) -> FileError:
-    return FileError([Finding(str(path), 1, 1, f"the file {wrong}; allowed: {allowed}")])
+def _refused(path: Path | str, wrong: str, allowed: str = ALLOWED, meant: str = "") -> FileError:
+    return FileError([Finding(str(path), 1, 1, f"the file {wrong}; {meant}allowed: {allowed}")])
 
 
 def _cause(error: OSError | ValueError) -> str:

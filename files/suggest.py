@@ -1,9 +1,13 @@
 """The nearest of the names that would have been valid."""
 
+import os
 from collections.abc import Iterable
 from difflib import get_close_matches
+from itertools import islice
+from pathlib import Path
 
 _SHOWN = 12
+_MAX_ENTRIES = 5000  # of a folder that are looked at
 
 
 def suggest(name: str, allowed: Iterable[str]) -> str:
@@ -34,3 +38,43 @@ def listed(names: Iterable[str]) -> str:
     left_out = len(every) - _SHOWN
     shown = ", ".join(every[:_SHOWN])
     return f"{shown} and {left_out} more" if left_out > 0 else shown
+
+
+def similar_file(path: Path) -> Path | None:
+    """Return the regular file most like a path that is missing: the same but for case, or a near name.
+
+    Folders are compared by case alone, because a file of another folder is rarely meant.
+    """
+    there = path.parent
+    missing: list[str] = []
+    while not there.is_dir() and there != there.parent:
+        missing.insert(0, there.name)
+        there = there.parent
+    for name in missing:
+        same = next((each for each in _entries(there) if each.casefold() == name.casefold()), None)
+        if same is None:
+            return None
+        there = there / same
+    found = nearest(path.name, (each for each in _entries(there) if (there / each).is_file()))
+    return None if found is None else there / found
+
+
+def did_you_mean(path: Path) -> str:
+    """Return the question of a message about a file that is missing, "" where none is like it.
+
+    It names the last part of the path, from the first folder on that is spelled otherwise.
+    """
+    try:
+        found = similar_file(path)
+    except (OSError, ValueError, RuntimeError):  # a name that no file system takes, a folder that is closed
+        return ""
+    if found is None:
+        return ""
+    pairs = list(zip(path.parts[-len(found.parts) :], found.parts, strict=False))
+    first = next((number for number, (asked, there) in enumerate(pairs) if asked != there), -1)
+    return f"did you mean {Path(*found.parts[first:]).as_posix()!r}? "
+
+
+def _entries(folder: Path) -> list[str]:
+    with os.scandir(folder) as entries:
+        return sorted(each.name for each in islice(entries, _MAX_ENTRIES))

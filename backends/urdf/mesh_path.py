@@ -11,6 +11,7 @@ from urllib.parse import unquote
 from handcart.files.errors import UnsafePath
 from handcart.files.inside import resolve_inside
 from handcart.files.printable import printable
+from handcart.files.suggest import did_you_mean
 
 from .packages import package_folders
 
@@ -66,7 +67,11 @@ def _in_package(name: str, rest: str, urdf: Path) -> Path:
         raise UnsafePath(name[:1024], "leads out of its package")
     beside = (folder / rest for folder in urdf.resolve().parents)
     installed = (folder / rest.partition("/")[2] for folder in package_folders(package))
-    return next((place for place in chain(beside, installed) if is_mesh(place)), urdf.parent / rest)
+    places = list(chain(beside, installed))
+    found = next((place for place in places if is_mesh(place)), None)
+    if found is None:  # the package itself is there: a message can name a file in it
+        found = next((place for place in places if did_you_mean(place)), urdf.parent / rest)
+    return found
 
 
 def _root(urdf: Path, root: Path) -> Path:

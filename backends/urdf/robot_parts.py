@@ -13,6 +13,7 @@ from handcart.files.errors import FileError, Finding, UnsafePath
 from handcart.files.extras import lack
 from handcart.files.inside import portable, resolve_inside
 from handcart.files.models.model import FileModel
+from handcart.files.suggest import did_you_mean
 from handcart.files.xml_file import read_xml_text
 from handcart.robotics.kinematics.coal_bodies import hull_of_mesh, read_mesh
 from handcart.robotics.kinematics.urdf_assembly import Part, with_mesh_files
@@ -96,7 +97,7 @@ def read_part(urdf: str, folder: Path) -> ReadPart:
     """
     path, root, shown = _found(urdf, folder)
     if not path.is_file():
-        raise UrdfError(f"there is no text file {urdf!r}; allowed: a URDF")
+        raise UrdfError(f"there is no text file {urdf!r}; {did_you_mean(path)}allowed: a URDF")
     text, doubts = read_urdf_file(path, shown)
     robot = read_urdf(text)
     places = {
@@ -118,7 +119,7 @@ def read_srdf(srdf: str, folder: Path) -> str:
     """The text of a SRDF; arguments and errors as for `read_part`."""
     path, _, _ = _found(srdf, folder)
     if not path.is_file():
-        raise UrdfError(f"there is no text file {srdf!r}; allowed: a SRDF")
+        raise UrdfError(f"there is no text file {srdf!r}; {did_you_mean(path)}allowed: a SRDF")
     return read_xml_text(path)
 
 
@@ -163,7 +164,8 @@ def _mesh_files(robot: UrdfElement, path: Path, root: Path, shown: str) -> dict[
 def _mesh_fault(mesh_file: _MeshFile, scale: str) -> str | None:
     file, unit = mesh_file
     if not is_mesh(file):
-        return "it isn't there; allowed: a file beside the URDF, or beside or above it in its package"
+        allowed = "a file beside the URDF, or beside or above it in its package"
+        return f"it isn't there; {did_you_mean(file)}allowed: {allowed}"
     if wrong := lack("a mesh that collides", "arm"):
         return wrong
     x, y, z = (unit * float(word) for word in scale.split())

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+from handcart.files.suggest import did_you_mean
 from handcart.robotics.kinematics.coal_bodies import hull_of_mesh, read_mesh
 from handcart.robotics.kinematics.urdf_contents import MeshUse
 
@@ -23,12 +24,14 @@ class MeshRow:
     corners: int = 0
     filled: float | None = None
     """Share of its convex hull that it fills; of collision meshes, where they are closed."""
+    hint: str = ""
+    """Of one that is missing, the file that may be meant."""
 
     @property
     def fault(self) -> str | None:
         """What is wrong with it, in words."""
         if not self.found:
-            return "missing"
+            return f"missing{self.hint}"
         if self.filled is None or self.filled >= CONVEX:
             return None
         return f"concave: fills {100 * self.filled:.0f} % of its hull; the hull counts"
@@ -38,7 +41,8 @@ def mesh_row(use: MeshUse) -> MeshRow:
     """Look at a mesh; visual ones are only looked for."""
     path, name = Path(use.file), Path(use.file).name
     if not path.is_file():
-        return MeshRow(use.link, use.kind, name, found=False)
+        meant = did_you_mean(path).rstrip(" ")
+        return MeshRow(use.link, use.kind, name, found=False, hint=f"; {meant}" if meant else "")
     if use.kind == "visual":
         return MeshRow(use.link, use.kind, name, found=True)
     mesh = read_mesh(str(path), use.scale)

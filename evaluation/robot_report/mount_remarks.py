@@ -61,6 +61,25 @@ def _lidar_remarks(robot: RobotFile, urdf: str) -> Iterator[Remark]:
             yield Remark(subject, _sector_words(link, hidden), place)
 
 
+def hidden_links(robot: RobotFile) -> list[tuple[str, tuple[float, float]]]:
+    """Return the links fixed on the base that its lidar sees, with the sector of each in [rad].
+
+    The arm is left out, because it moves. So is a link that encloses the lidar, such as its own housing.
+    """
+    urdf = robot.urdf_text()
+    if robot.range_sensor is None or not {"base", LIDAR} <= set(link_names(urdf)):
+        return []
+    slices = _slices(robot, urdf, base_T_frame(urdf, LIDAR))
+    sectors = ((link, hidden_sector(points)) for link, points in slices)
+    return [(link, each) for link, each in sectors if each is not None and _is_seen(robot, each)]
+
+
+def whole_degrees(sector: tuple[float, float]) -> tuple[int, int]:
+    """Return a sector in [rad] as `masked_deg` has it: rounded outwards to degrees, its end at most 180."""
+    start, end = math.floor(math.degrees(sector[0])), math.ceil(math.degrees(sector[1]))
+    return start, end if end <= 180 else end - 360
+
+
 def hidden_sector(points: Points) -> tuple[float, float] | None:
     """Return the bearings in [rad] between which a convex outline hides what is behind it.
 
@@ -107,7 +126,7 @@ def _is_seen(robot: RobotFile, sector: tuple[float, float]) -> bool:
 
 def _sector_words(link: str, sector: tuple[float, float]) -> str:
     start, end = math.floor(math.degrees(sector[0])), math.ceil(math.degrees(sector[1]))
-    masked = f"[[{start}, {end if end <= 180 else end - 360}]]"
+    masked = [list(whole_degrees(sector))]
     return (
         f"the lidar sees the link {link!r} of the robot itself from {start} to {end} deg; "
         f"if so, `range_sensor: masked_deg: {masked}`"

@@ -25,6 +25,7 @@ def write_draft(draft: Path, urdf: Path, report: UrdfReport) -> None:
     """
     from handcart.backends.description.robot_loading import load_robot
     from handcart.evaluation.robot_report.drafting.draft import OPTIONAL, draft_text
+    from handcart.evaluation.robot_report.mount_remarks import hidden_links, whole_degrees
     from handcart.tools.terminal.writing import write_text
 
     name, left_out = _named(urdf, draft), dict[str, str]()
@@ -32,13 +33,16 @@ def write_draft(draft: Path, urdf: Path, report: UrdfReport) -> None:
         text = draft_text(report.outline, report.text, name, left_out)
         write_text(draft, text)
         try:
-            load_robot(str(draft))
+            robot = load_robot(str(draft))
         except FileError as error:
             wrong = _optional_faults(text, error)
             if not wrong.keys() - left_out.keys():
                 return  # `check` of the draft reports the rest
             left_out |= wrong
         else:
+            hidden = {link: whole_degrees(sector) for link, sector in hidden_links(robot)}
+            if hidden:
+                write_text(draft, draft_text(report.outline, report.text, name, left_out, hidden))
             return
 
 

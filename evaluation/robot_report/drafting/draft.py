@@ -16,12 +16,18 @@ GUESSED = "by the URDF; measure"
 FOOTPRINT = 0.5  # [m] of a robot without collision bodies
 ON_THE_FLOOR = 0.01  # [m]
 CAMERA = "{width_px: 640, height_px: 480, focal_px: 600}"
-RANGE_SENSOR = "{beams: 360, reach_m: 8, sigma_mm: 20}"
+RANGE_SENSOR = "beams: 360, reach_m: 8, sigma_mm: 20"
 OPTIONAL = ("gripper", "camera", "range_sensor")
 """Sections that a draft can do without, where what is in them is wrong for the URDF."""
 
 
-def draft_text(outline: Outline, urdf_text: str, urdf: str, left_out: Mapping[str, str] | None = None) -> str:
+def draft_text(
+    outline: Outline,
+    urdf_text: str,
+    urdf: str,
+    left_out: Mapping[str, str] | None = None,
+    hidden: Mapping[str, tuple[int, int]] | None = None,
+) -> str:
     """Return the text of a robot's file.
 
     Args:
@@ -29,6 +35,7 @@ def draft_text(outline: Outline, urdf_text: str, urdf: str, left_out: Mapping[st
         urdf_text: its URDF.
         urdf: its URDF, as the file is to name it.
         left_out: sections that are not written, with the reason, which is.
+        hidden: links of the robot itself that its lidar sees, with from and to in [deg].
     """
     without = dict(left_out or {})
     facts = {each.name: each for each in joints_of(urdf_text)}
@@ -50,7 +57,7 @@ def draft_text(outline: Outline, urdf_text: str, urdf: str, left_out: Mapping[st
         *_drive(outline, urdf),
         *_arm(outline, facts, units, home),
         *_gripper(outline, facts, without),
-        *_sensors(outline, without),
+        *_sensors(outline, without, dict(hidden or {})),
         "tolerance: {base_mm: 25, base_deg: 1.5, joints_deg: 0.3, gripper_mm: 1, object_mm: 8}     # choose",
     ]
     return "\n".join(lines) + "\n"
@@ -157,17 +164,33 @@ def _has_range_sensor(outline: Outline) -> bool:
     return found is not None and not found.between
 
 
-def _sensors(outline: Outline, without: Mapping[str, str]) -> list[str]:
+def _sensors(
+    outline: Outline, without: Mapping[str, str], hidden: Mapping[str, tuple[int, int]]
+) -> list[str]:
     lines = []
-    for role, section, onto in (("range_sensor", RANGE_SENSOR, "base"), ("camera", CAMERA, "hand")):
+    for role, section, onto in (("range_sensor", "", "base"), ("camera", CAMERA, "hand")):
         found = outline.sensors.get(role)
         if role in without:
             lines.append(f"# {role}: {without[role]}")
         elif found is not None and found.between:
             lines.append(f"# {role}: {found.link} moves against the {onto}: only one fixed on it can be used")
-        elif found is not None and (role != "camera" or outline.arm):
+        elif found is not None and role == "range_sensor":
+            lines += _range_sensor(hidden)
+        elif found is not None and outline.arm:
             lines.append(f"{role}: {section}     # by its data sheet")
     return lines
+
+
+def _range_sensor(hidden: Mapping[str, tuple[int, int]]) -> list[str]:
+    if not hidden:
+        return [f"range_sensor: {{{RANGE_SENSOR}}}     # by its data sheet"]
+    sectors = ", ".join(f"[{start}, {end}]" for start, end in dict.fromkeys(hidden.values()))
+    names = ", ".join(hidden)
+    return [
+        "range_sensor:     # by its data sheet",
+        *(f"  {each}" for each in RANGE_SENSOR.split(", ")),
+        f"  masked_deg: [{sectors}]     # by the URDF it sees the robot itself: {names}; look at a scan",
+    ]
 
 
 def _flow(names: Sequence[str]) -> str:

@@ -122,6 +122,13 @@ def test_a_missing_collision_mesh_is_told(robot: Path) -> None:
     assert "stick.urdf:2:43: link 'stick': mesh 'package://stick_shop/solid.obj': it isn't there" in said
 
 
+@pytest.mark.parametrize(("there", "meant"), [("Solid.OBJ", "Solid.OBJ"), ("sold.obj", "sold.obj")])
+def test_mesh_spelled_otherwise_is_named(robot: Path, there: str, meant: str) -> None:
+    shop = robot.parent / "stick_shop"
+    (shop / "solid.obj").rename(shop / there)
+    assert f"solid.obj': it isn't there; did you mean {meant!r}? allowed: a file" in error_of(robot)
+
+
 def test_a_mesh_without_volume_is_told(robot: Path) -> None:
     (robot.parent / "stick_shop" / "solid.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "utf-8")
     said = error_of(robot)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from handcart.backends.description.robot_loading import load_robot
@@ -97,6 +98,25 @@ def test_head_camera_is_left_out_with_the_reason(drafted: Callable[..., str], tm
     assert 'range_sensor: "base_laser_link"' in text
     robot = load_robot(str(tmp_path / "robot.yaml"))
     assert (robot.localizer, robot.camera) == ("scan", None)
+
+
+MASTS = (
+    link("mast", BOX) + joint("m", "fixed", "base_link mast", "-0.2 0 0.2")
+    + link("pole", BOX) + joint("p", "fixed", "base_link pole", "0.2 0.3 0.2")
+)  # fmt: skip
+
+
+def test_lidar_that_sees_the_robot_itself_is_masked(drafted: Callable[..., str], tmp_path: Path) -> None:
+    text = drafted(WHEELS, LASER, MASTS)
+    assert (
+        "  masked_deg: [[178, -178], [80, 100]]     # by the URDF it sees the robot itself: mast, pole"
+        in text
+    )
+    lidar = load_robot(str(tmp_path / "robot.yaml")).range_sensor
+    assert lidar is not None
+    degrees = np.array([0.0, 75.0, 90.0, 105.0, 170.0, 180.0, -170.0])
+    assert lidar.masked(np.radians(degrees)).tolist() == [False, False, True, False, False, True, False]
+    assert "masked_deg" not in drafted(WHEELS, LASER)
 
 
 def test_optical_frame_on_the_hand_comes_first(drafted: Callable[..., str], tmp_path: Path) -> None:
