@@ -8,9 +8,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from handcart.backends.capabilities.base import Base, WheelTravel
-from handcart.backends.robot.robot import Robot
+from handcart.backends.description.range_spec import RangeSpec
+from handcart.backends.robot.robot import MissingCapability, Robot, StaleReading
 from handcart.evaluation.trials.rig import Rig, RigFiles, build_rig
 from handcart.evaluation.truth.survey import simulated_world
 from handcart.robotics.geometry.pose2 import Pose2
@@ -167,3 +169,121 @@ def test_an_old_scan_holds_no_base_back_that_drives(robot: Robot, monkeypatch: p
     for _ in range(10):
         robot.step()
     assert robot.pose.distance(scene.base) < 0.03
+
+
+def test_a_new_robot_has_done_and_seen_nothing(robot: Robot) -> None:
+    assert (robot.time, robot.driven) == (0.0, (0.0, 0.0))
+    assert (robot.held, robot.blocked, robot.seen, robot.failed_from) == (None, None, None, None)
+
+
+def test_limits_are_those_of_its_files(robot: Robot) -> None:
+    limits = robot.drive_limits
+    assert tuple(limits) == pytest.approx((0.6, math.radians(90.0), 0.5, math.radians(120.0)))
+    assert robot.stopping_distance == pytest.approx(0.6 * 3 * 0.05 + 0.6**2 / (2 * 0.5))
+    assert robot.joint_speeds == pytest.approx(np.full(6, math.radians(85.0)))
+    assert 0.05 < robot.range_sensor_height < 0.6
+
+
+def test_what_it_cannot_do_is_said_with_what_it_can(make_stage: Callable[..., Rig]) -> None:
+    cart = make_stage("cart", HALL).robot
+    with pytest.raises(
+        MissingCapability, match="the robot has no Gripper; it has: Base, RangeSensor"
+    ) as found:
+        _ = cart.gripper
+    assert found.value.exit_status == 2
+    with pytest.raises(MissingCapability, match="no Arm"):
+        _ = cart.arm_model
+
+
+def test_inertial_sensors_tell_how_it_turned(make_stage: Callable[..., Rig]) -> None:
+    robot = make_stage("toyama", HALL).robot
+    scene = simulated_world(robot.backend)
+    assert scene is not None
+    for _ in range(20):
+        robot.step()
+    rested, before = robot.attitude.moved, scene.base.theta
+    assert rested <= robot.period  # in the first one it does not know whether the arm moves
+    assert abs(robot.attitude.yaw) < 1e-4
+    for _ in range(20):
+        robot.base.drive(0.0, 0.4)
+        robot.step()
+    assert robot.attitude.moved - rested == pytest.approx(20 * robot.period, abs=2 * robot.period)
+    assert robot.attitude.yaw == pytest.approx(scene.base.theta - before, abs=0.01)
+
+
+@pytest.mark.parametrize(("localizer", "left"), [("scan", 4), ("gyro", 2)])
+def test_a_lowered_hand_is_left_out_of_scans_outdoors_alone(
+    robot: Robot, monkeypatch: pytest.MonkeyPatch, localizer: str, left: int
+) -> None:
+    points = np.array([[0.6, 0.0], [0.6, 0.1], [0.6, 0.4], [2.0, 0.0]])
+    monkeypatch.setattr("handcart.backends.robot.robot.steady_points", lambda _: points)
+    monkeypatch.setattr(robot, "base_T", lambda _: transform((0.6, 0.0, 0.3)))
+    robot.spec = robot.spec.model_copy(update={"localizer": localizer})
+    assert robot.surroundings().tolist() == points[4 - left :].tolist()
+
+
+@pytest.mark.parametrize("noise", [0.0, 3.0])
+def test_a_picture_that_stays_the_same_as_it_moves_is_stale(
+    robot: Robot, monkeypatch: pytest.MonkeyPatch, noise: float
+) -> None:
+    errors = robot.spec.errors.model_copy(update={"image_noise_grey": noise})
+    robot.spec = robot.spec.model_copy(update={"errors": errors})
+    grey: NDArray[np.uint8] = np.full((4, 4), 7, np.uint8)
+    travel = robot.base.wheel_travel()
+    wheels = robot.backend.get(Base)  # type: ignore[type-abstract]
+    monkeypatch.setattr(robot.camera, "image", lambda: grey)
+
+    def rolled(way: float) -> None:
+        monkeypatch.setattr(wheels, "wheel_travel", lambda: travel._replace(left=travel.left + way))
+        robot.step()
+
+    assert robot.picture() is grey
+    assert robot.seen is grey
+    rolled(0.0)
+    robot.picture()
+    rolled(0.9e-3)
+    robot.picture()
+    rolled(2.1e-3)
+    with pytest.raises(StaleReading):
+        robot.picture()
+    rolled(0.9e-3)  # back: without noise it may look the same again
+    if noise:
+        with pytest.raises(StaleReading):
+            robot.picture()
+    else:
+        robot.picture()
+    grey = np.full((4, 4), 8, np.uint8)
+    rolled(5e-3)
+    assert robot.picture() is grey
+
+
+def test_a_checkpoint_keeps_the_ground_that_was_driven(make_stage: Callable[..., Rig]) -> None:
+    half = RangeSpec(beams=360, reach_m=12.0, sigma_mm=10.0, masked_deg=((100.0, 260.0),))
+    robots = [make_stage("cart", HALL).robot for _ in range(2)]
+    for each in robots:
+        assert "driven" not in each.state()
+        assert each.lidar is not None
+        each.lidar.spec = half
+    for _ in range(10):
+        robots[0].base.drive(0.2, 0.0)
+        robots[0].step()
+    kept = robots[0].state()
+    assert len(kept["driven"]["_driven"]) > 2
+    robots[1].set_state(kept)
+    assert robots[1].state()["driven"] == kept["driven"]
+
+
+def test_waiting_lasts_as_long_as_it_says(robot: Robot) -> None:
+    for seconds, periods in ((0.2, 4), (0.21, 5), (0.0, 0)):
+        count = 0
+        for _ in robot.wait(seconds):
+            robot.step()
+            count += 1
+        assert count == periods
+
+
+def test_a_stop_takes_back_what_was_commanded(robot: Robot) -> None:
+    robot.base.drive(0.2, 0.1)
+    robot.stop()
+    robot.step()
+    assert robot.driven == (0.0, 0.0)

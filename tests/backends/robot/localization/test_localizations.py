@@ -1,0 +1,407 @@
+"""Which localization a robot gets, and what each makes of the readings of stubs of its sensors."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from handcart.backends.backend import Backend
+from handcart.backends.capabilities.base import Base, WheelTravel
+from handcart.backends.capabilities.beacons import BeaconRanges, Beacons
+from handcart.backends.capabilities.capability import Capability
+from handcart.backends.capabilities.gps import Fix, Gps
+from handcart.backends.capabilities.imu import Imu
+from handcart.backends.capabilities.positioning import PoseReading, Positioning
+from handcart.backends.capabilities.range_sensor import RangeSensor, Scan
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.robot.localization.localization import (
+    Localization,
+    WheelLocalization,
+    repeatability_of,
+    worst_sigmas,
+)
+from handcart.backends.robot.localization.localizations import localization_of
+from handcart.backends.robot.localization.outdoor_localization import OutdoorLocalization
+from handcart.backends.robot.localization.positioning_localization import PositioningLocalization
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.localization.localizer import OdometryLocalizer
+from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
+from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.navigation.outdoors.field_localizer import Inconsistency
+from handcart.robotics.navigation.outdoors.field_noise import REFERENCE
+from handcart.robotics.navigation.outdoors.gyro_only import GyroOnly
+
+START = Pose2(2.0, 3.0, 0.5)
+GRAVITY = np.array([0.0, 0.0, 9.81])
+STANDS = (0.0, 0.0)
+START_VARIANCES = [0.05**2, 0.05**2, 0.035**2]
+
+
+class Wheels(Base):
+    def __init__(self) -> None:
+        self.travel = WheelTravel(0.0, 0.0)
+
+    def drive(self, speed: float, turn_rate: float) -> None:
+        raise AssertionError("a localization commands nothing")
+
+    def wheel_travel(self) -> WheelTravel:
+        return self.travel
+
+    def roll(self, left: float, right: float) -> None:
+        self.travel = WheelTravel(self.travel.left + left, self.travel.right + right)
+
+
+class Gyros(Imu):
+    """A sensor whose noise makes each reading another; not while it is `stuck`."""
+
+    def __init__(self) -> None:
+        self.asked, self.stuck, self.broken = 0, False, False
+
+    def rates(self) -> np.ndarray:
+        self.asked += not self.stuck
+        return np.array([0.0, 0.0, math.nan if self.broken else 1e-6 * self.asked])
+
+    def accelerations(self) -> np.ndarray:
+        return GRAVITY
+
+
+class Receiver(Gps):
+    def __init__(self) -> None:
+        self.now: Fix | None = None
+
+    def fix(self) -> Fix | None:
+        return self.now
+
+
+class Radio(Beacons):
+    def __init__(self) -> None:
+        self.now: BeaconRanges | None = None
+
+    def ranges(self) -> BeaconRanges | None:
+        return self.now
+
+
+class Ceiling(Positioning):
+    def __init__(self) -> None:
+        self.now: PoseReading | None = None
+
+    def reading(self) -> PoseReading | None:
+        return self.now
+
+
+class Room(RangeSensor):
+    """A lidar in the middle of a room of 8 m by 6 m, of a base at `pose` in it."""
+
+    def __init__(self) -> None:
+        self.pose, self.count = START, 0
+
+    def scan(self) -> Scan:
+        angles = np.linspace(-math.pi, math.pi, 180, endpoint=False)
+        heading = angles + self.pose.theta
+        self.count += 1
+        with np.errstate(divide="ignore"):
+            across = np.where(np.cos(heading) > 0.0, 8.0 - self.pose.x, -self.pose.x) / np.cos(heading)
+            along = np.where(np.sin(heading) > 0.0, 6.0 - self.pose.y, -self.pose.y) / np.sin(heading)
+        jitter = 1e-6 * (self.count % 7)
+        return Scan(angles, np.minimum(across, along) + jitter, Pose2(0.0, 0.0, 0.0))
+
+
+class Stub(Backend):
+    """A backend of some capabilities, whose time stands still."""
+
+    name, period = "stub", 0.05
+
+    def __init__(self, *parts: Capability) -> None:
+        self._parts = parts
+
+    @classmethod
+    def build(cls, robot: RobotFile, world: Path | None, seed: int) -> Backend:
+        raise NotImplementedError
+
+    def capabilities(self) -> tuple[Capability, ...]:
+        return self._parts
+
+    def step(self) -> None:
+        pass
+
+    def stop(self) -> None:
+        pass
+
+    def close(self) -> None:
+        pass
+
+
+def room() -> GridMap:
+    solid = np.zeros((140, 180), np.bool_)
+    solid[:10], solid[130:], solid[:, :10], solid[:, 170:] = True, True, True, True
+    return GridMap(solid, np.zeros_like(solid), 0.05, -0.5, -0.5)
+
+
+def made(name: str, localizer: str, *parts: Capability, grid: GridMap | None = None) -> Localization:
+    backend = Stub(*parts)
+    spec = load_robot(name).model_copy(update={"localizer": localizer})
+    return localization_of(backend, spec, START, grid, backend.get(RangeSensor))  # type: ignore[type-abstract]
+
+
+@pytest.mark.parametrize(
+    ("name", "localizer", "parts", "has_map", "kind"),
+    [
+        ("cart", "scan", [Room], True, "ScanLocalization"),
+        ("cart", "scan", [Room], False, "WheelLocalization"),
+        ("cart", "scan", [], True, "WheelLocalization"),
+        ("cart", "odometry", [Room], True, "WheelLocalization"),
+        ("atrv", "positioning", [Ceiling, Room], True, "PositioningLocalization"),
+        ("atrv", "positioning", [Room], True, "ScanLocalization"),
+        ("cart", "positioning", [Ceiling, Room], True, "ScanLocalization"),
+        ("atrv", "odometry", [Ceiling, Room], True, "WheelLocalization"),
+        ("el_verde", "gyro", [Gyros, Room], True, "OutdoorLocalization"),
+        ("el_verde", "gps_filter", [Gyros, Receiver], False, "OutdoorLocalization"),
+    ],
+)
+def test_a_localization_needs_what_its_sensors_need(
+    name: str, localizer: str, parts: list[Callable[[], Capability]], has_map: bool, kind: str
+) -> None:
+    found = made(name, localizer, Wheels(), *(one() for one in parts), grid=room() if has_map else None)
+    assert type(found).__name__ == kind
+    assert found.dead_reckoned == (kind == "WheelLocalization" or localizer == "gyro")
+
+
+def test_a_start_is_as_sure_as_a_task_says() -> None:
+    found = made("cart", "odometry", Wheels())
+    assert found.pose == START
+    assert found.covariance == pytest.approx(np.diag(START_VARIANCES))
+    assert made("atrv", "positioning", Wheels(), Ceiling()).covariance == pytest.approx(
+        np.diag(START_VARIANCES)
+    )
+    scanned = made("cart", "scan", Wheels(), Room(), grid=room())
+    assert scanned.covariance[0, 0] < 0.02**2
+
+
+def test_still_counts_periods_in_which_wheels_stand() -> None:
+    wheels = Wheels()
+    found, seen = made("cart", "odometry", wheels), []
+    for way in (0.0, 0.0, 1e-3, 0.0, 1.5e-4, -1.5e-4, 3e-4, 0.0):
+        wheels.roll(way, 0.5 * way)
+        found.update(STANDS)
+        seen.append(found.still)
+    assert seen == [1, 2, 0, 1, 2, 3, 0, 1]
+    assert found.travel == pytest.approx((1.3e-3, 6.5e-4))
+
+
+def test_a_reading_that_is_not_finite_is_made_up_for_by_the_next() -> None:
+    wheels = Wheels()
+    found = made("cart", "odometry", wheels)
+    for reading in (WheelTravel(math.nan, 0.1), WheelTravel(0.1, math.inf)):
+        wheels.travel = reading
+        found.update(STANDS)
+        assert found.pose == START
+    wheels.travel = WheelTravel(0.2, 0.2)
+    found.update(STANDS)
+    assert found.pose == pytest.approx(START.compose(Pose2(0.2, 0.0, 0.0)))
+
+
+@pytest.mark.parametrize("driven", [(0.16, 0.0), (-0.16, 0.0), (0.0, -0.64), (0.08, 0.32)])
+def test_wheels_that_do_not_answer_are_lost_after_3_cm(driven: tuple[float, float]) -> None:
+    """Each is 8 mm a period: of a tread of 0.5 m half times the turn rate is the way of a wheel."""
+    wheels, lost = Wheels(), []
+    found = made("cart", "odometry", wheels)
+    assert isinstance(found, WheelLocalization)
+    for _ in range(4):
+        found.update(driven)
+        lost.append(found.lost)
+    assert lost[:3] == [None] * 3
+    assert lost[3] is not None
+    assert (lost[3].value, lost[3].limit) == pytest.approx((32.0, 30.0))
+    assert lost[3].unit == "mm"
+    assert lost[3].sensor == "Base"
+    assert found.sigma == (math.inf, math.inf)
+    wheels.roll(1e-4, 0.0)
+    found.update(driven)
+    assert found.lost is None
+    assert found.sigma == worst_sigmas(found.covariance)
+
+
+def test_a_measured_pose_is_as_sure_as_it_was_measured() -> None:
+    found = made("cart", "odometry", Wheels())
+    found.found_at(Pose2(2.01, 3.02, 0.51), (0.004, 0.002))
+    assert found.pose == (2.01, 3.02, 0.51)
+    assert found.covariance == pytest.approx(np.diag([0.004**2, 0.004**2, 0.002**2]))
+
+
+def test_sigmas_are_along_the_worst_direction() -> None:
+    covariance = np.array([[5.0, 4.0, 0.0], [4.0, 5.0, 0.0], [0.0, 0.0, 0.25]])
+    assert worst_sigmas(covariance) == pytest.approx((3.0, 0.5))
+    scatter = np.diag([0.004**2, 0.004**2, 0.0015**2])
+    shared = np.diag([1.0, 0.5, 0.05])
+    assert repeatability_of(covariance, shared) == pytest.approx(covariance - shared + scatter)
+    assert repeatability_of(shared, 2.0 * shared) == pytest.approx(scatter)
+
+
+def outdoors(
+    *parts: Capability, filtering: GyroOnly | None = None
+) -> tuple[OutdoorLocalization, Wheels, Gyros]:
+    wheels, gyros = Wheels(), Gyros()
+    field = LikelihoodField(room())
+    odometry = OdometryLocalizer(START, 0.6, covariance=np.diag(START_VARIANCES), field=field)
+    filtering = GyroOnly(START, REFERENCE, 0.05) if filtering is None else filtering
+    return OutdoorLocalization(Stub(wheels, gyros, *parts), odometry, filtering), wheels, gyros
+
+
+@pytest.mark.parametrize("broken", [False, True])
+def test_gyros_that_read_the_same_are_lost_after_15_cm(broken: bool) -> None:
+    found, wheels, gyros = outdoors()
+    found.update(STANDS)
+    wheels.roll(1.0, 1.0)
+    found.update(STANDS)
+    assert found.lost is None
+    gyros.stuck, gyros.broken = not broken, broken
+    for way in (0.1, 0.04):
+        wheels.roll(way, -way)
+        found.update(STANDS)
+        assert found.lost is None
+    wheels.roll(0.02, 0.0)
+    found.update(STANDS)
+    lost = found.lost
+    assert lost is not None
+    assert (lost.sensor, lost.value, lost.limit, lost.unit) == ("Imu", pytest.approx(160.0), 150.0, "mm")
+    assert found.doubt == lost
+    gyros.stuck, gyros.broken = False, False
+    found.update(STANDS)
+    assert found.lost is None
+
+
+def test_outdoors_wheels_carry_the_pose_that_scans_look_near() -> None:
+    found, wheels, _ = outdoors()
+    for _ in range(5):
+        wheels.roll(0.05, 0.05)
+        found.update(STANDS)
+    carried = START.compose(Pose2(0.25, 0.0, 0.0))
+    assert found._wheels.pose == pytest.approx(carried)
+    assert found.pose == pytest.approx(carried, abs=1e-3)
+    assert found.odometry_pose == pytest.approx(carried, abs=1e-3)
+
+
+def test_what_was_sensed_is_told_as_it_came() -> None:
+    receiver, radio = Receiver(), Radio()
+    found, wheels, _ = outdoors(receiver, radio)
+    assert found.sensed.fix is None
+    assert found.sensed.rolled.tolist() == [0.0, 0.0]
+    receiver.now, radio.now = Fix(np.array([1.0, 2.0]), 0.5), BeaconRanges(np.array([3.0, math.nan]))
+    wheels.roll(0.1, 0.2)
+    found.update(STANDS)
+    assert found.sensed.fix is receiver.now
+    assert found.sensed.rolled.tolist() == pytest.approx([0.1, 0.2])
+    assert found.sensed.accelerations.tolist() == GRAVITY.tolist()
+    assert found.sensed.rates[2] > 0.0
+    assert found.sensed.ranges is not None
+    assert found.sensed.ranges[0] == 3.0
+    receiver.now, radio.now = None, None
+    found.update(STANDS)
+    assert found.sensed.fix is None
+    assert found.sensed.ranges is None
+
+
+class Asked(GyroOnly):
+    """A filter that keeps what it is given, and contradicts itself where it is told to."""
+
+    found: Inconsistency | None = None
+
+    def __init__(self, fixes: bool, ranges: bool) -> None:
+        super().__init__(START, REFERENCE, 0.05)
+        self.TAKES_FIXES, self.TAKES_RANGES = fixes, ranges  # type: ignore[misc]
+        self.given: list[list[float]] = []
+
+    @property
+    def inconsistency(self) -> Inconsistency | None:
+        return self.found
+
+    def fix(self, position: np.ndarray, sigma: float | None = None) -> bool:
+        self.given.append(position.tolist())
+        return True
+
+    def ranges(self, distances: np.ndarray) -> None:
+        self.given.append(distances.tolist())
+
+
+@pytest.mark.parametrize("fixes", [False, True])
+@pytest.mark.parametrize("ranges", [False, True])
+@pytest.mark.parametrize("has_gps", [False, True])
+@pytest.mark.parametrize("has_radio", [False, True])
+def test_outdoors_only_readings_that_count_end_dead_reckoning(
+    fixes: bool, ranges: bool, has_gps: bool, has_radio: bool
+) -> None:
+    parts = [part() for part, there in ((Receiver, has_gps), (Radio, has_radio)) if there]
+    found, _, _ = outdoors(*parts, filtering=Asked(fixes, ranges))
+    assert found.dead_reckoned == (not (fixes and has_gps) and not (ranges and has_radio))
+
+
+@pytest.mark.parametrize(("ranges", "sensor", "what"), [(True, "Beacons", "ranges"), (False, "Gps", "fixes")])
+def test_readings_that_contradict_the_claim_are_a_doubt(ranges: bool, sensor: str, what: str) -> None:
+    filtering = Asked(not ranges, ranges)
+    found, _, _ = outdoors(filtering=filtering)
+    assert found.doubt is None
+    filtering.found = Inconsistency("share", 0.7, 0.5)
+    doubt = found.doubt
+    assert doubt is not None
+    assert (doubt.sensor, doubt.what, doubt.value, doubt.limit) == (sensor, "share", 0.7, 0.5)
+    assert doubt.why == f"the {what} of the last minute contradict what is claimed"
+    assert found.lost is None
+
+
+def test_fixes_and_ranges_reach_the_filter_once() -> None:
+    receiver, radio, filtering = Receiver(), Radio(), Asked(True, True)
+    found, _, _ = outdoors(receiver, radio, filtering=filtering)
+    found.update(STANDS)
+    receiver.now, radio.now = Fix(np.array([1.0, 2.0]), 0.5), BeaconRanges(np.array([3.0, 4.0]))
+    found.update(STANDS)
+    assert filtering.given == [[1.0, 2.0], [3.0, 4.0]]
+
+
+def positioned() -> tuple[PositioningLocalization, Wheels, Ceiling]:
+    wheels, ceiling = Wheels(), Ceiling()
+    found = made("atrv", "positioning", wheels, ceiling)
+    assert isinstance(found, PositioningLocalization)
+    return found, wheels, ceiling
+
+
+def test_a_positioning_reading_is_where_the_base_was_then() -> None:
+    found, wheels, ceiling = positioned()
+    for _ in range(4):
+        wheels.roll(0.02, 0.02)
+        found.update(STANDS)
+    there = START.compose(Pose2(0.04, 0.01, 0.0))  # two periods ago, and 10 mm to the left
+    ceiling.now = PoseReading(1, there, 0.1)
+    found.update(STANDS)
+    assert found.pose.distance(START.compose(Pose2(0.06, 0.01, 0.0))) < 1e-4
+    assert found.displacements == 0
+
+
+@pytest.mark.parametrize(
+    "reading", [(math.nan, 0.0, 0.0, 0.0), (0.0, 0.0, math.inf, 0.0), (0.0, 0.0, 0.0, math.nan)]
+)
+def test_a_broken_positioning_reading_counts_nothing(reading: tuple[float, ...]) -> None:
+    found, _, ceiling = positioned()
+    ceiling.now = PoseReading(1, Pose2(*reading[:3]), reading[3])
+    found.update(STANDS)
+    assert found.pose == START
+    assert found.covariance == pytest.approx(np.diag(START_VARIANCES))
+
+
+@pytest.mark.parametrize(("standing", "moved"), [(0, 0), (1, 1)])
+def test_a_base_was_moved_only_if_it_stood_when_measured(standing: int, moved: int) -> None:
+    """By three readings that are two periods old, from the last period in which it rolled, or the next."""
+    found, wheels, ceiling = positioned()
+    elsewhere = START.compose(Pose2(0.0, 1.0, 0.0))
+    for period in range(3 + standing):
+        wheels.roll(*((0.001, 0.001) if period == 0 else (0.0, 0.0)))
+        if period >= standing:
+            ceiling.now = PoseReading(period + 1, elsewhere, 0.1)
+        found.update(STANDS)
+    assert found.pose.distance(elsewhere) < 0.01
+    assert found.displacements == moved
+    assert found.still == (0 if moved else 2)
