@@ -54,8 +54,15 @@ class WarmBed(Bed):
 
     def failing(self, tests: Iterable[str]) -> set[str]:
         """Return those of these tests that fail without any mutant."""
-        chosen = ChosenTests([(name, 0.0) for name in tests if "::" in name], [])
-        return set(self._ask(self._machine_code, chosen, CONFIRM_LIMIT_S, run_all=True).blamed)
+        left, failing = [name for name in tests if "::" in name], set[str]()
+        while left:
+            chosen = ChosenTests([(name, 0.0) for name in left], [])
+            answer = self._ask(self._machine_code, chosen, CONFIRM_LIMIT_S, run_all=True)
+            failing |= set(answer.blamed)
+            if answer.word != "hung" or not answer.blamed or answer.blamed[-1] not in left:
+                break
+            left = left[left.index(answer.blamed[-1]) + 1 :]
+        return failing
 
     def close(self) -> None:
         """End the processes."""

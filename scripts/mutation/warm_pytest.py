@@ -48,9 +48,9 @@ LIBRARIES = (
 )
 """Imported before the first fork, as far as they are installed."""
 MEMORY = 4 * 2**30  # [bytes] of addresses for the tests of a mutant
-COLLECT_LIMIT_S = 60.0
+COLLECT_LIMIT_S = 90.0
 """Time without any test: imports and collecting."""
-MIN_LIMIT_S = 20.0
+MIN_LIMIT_S = 30.0
 """Time that a test may take, however quick it was when it was recorded; also of a test without a record."""
 MAX_SLOWDOWN = 10.0
 """Times as long as recorded: then a test hangs."""
@@ -87,7 +87,7 @@ class ChosenTests:
             item.session.shouldstop = "out of time"
             return True
         limit = max(MIN_LIMIT_S, MAX_SLOWDOWN * self._known.get(item.nodeid, 0.0))
-        self._write("begins", item.nodeid, limit)
+        self._write("begins", item.nodeid, limit * _crowding())
         return None
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
@@ -106,6 +106,11 @@ class ChosenTests:
     def _write(self, *what: object) -> None:
         self._pipe.write(json.dumps(what) + "\n")
         self._pipe.flush()
+
+
+def _crowding() -> float:
+    """Return how many processes want each processor, at least 1: on a busy machine a test takes longer."""
+    return max(1.0, os.getloadavg()[0] / (os.cpu_count() or 1))
 
 
 def main() -> None:
@@ -175,7 +180,7 @@ def _watch(child: int, reader: int) -> dict[str, Any]:
     """Follow the child to its end, or to a test that takes too long."""
     failed: list[str] = []
     ran, test, rest = 0, "", b""
-    limit = time.monotonic() + COLLECT_LIMIT_S
+    limit = time.monotonic() + COLLECT_LIMIT_S * _crowding()
     while True:
         ended, status = os.waitpid(child, os.WNOHANG)
         while select.select([reader], [], [], 0.0 if ended else 0.05)[0]:
@@ -195,7 +200,7 @@ def _watch(child: int, reader: int) -> dict[str, Any]:
         if time.monotonic() > limit:
             os.killpg(child, signal.SIGKILL)
             os.waitpid(child, 0)
-            return {"word": "hung", "blamed": [test] if test else [], "ran": ran}
+            return {"word": "hung", "blamed": [*failed, test] if test else failed, "ran": ran}
         time.sleep(0.01)
 
 

@@ -1,0 +1,126 @@
+"""What the page shows of a run: exact values from a journal, and how often it is read."""
+
+from __future__ import annotations
+
+import asyncio
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import orjson
+import pytest
+
+from handcart.tools.console import kept_details as module
+from handcart.tools.console.kept_details import KeptDetails
+from handcart.tools.console.run_details import RunDetails
+
+
+def cut(ran: Path, folder: Path, kind: bytes, times: int) -> Path:
+    """Copy a run up to the `times`-th record of a kind."""
+    shutil.copytree(ran, folder)
+    lines = (folder / "journal.jsonl").read_bytes().splitlines(keepends=True)
+    there = [number for number, line in enumerate(lines) if b'"kind":"' + kind + b'"' in line]
+    (folder / "journal.jsonl").write_bytes(b"".join(lines[: there[times - 1] + 1]))
+    return folder
+
+
+def test_a_run_that_is_over_shows_its_end(ran: Path) -> None:
+    shown = RunDetails(ran, alive=False).summary(None)
+    assert [(each["number"], each["outcome"]) for each in shown["actions"]] == [
+        (1, "Success"),
+        (2, "Success"),
+    ]
+    assert shown["situation"] == shown["actions"][-1]["to"]
+    assert (shown["reason"], shown["waits"], shown["moved"], shown["view"]) == ("", [], [], None)
+    assert shown["resume"] == f"handcart resume {ran}"
+    assert shown["view_command"] == f"handcart view {ran}"
+
+
+def test_a_run_that_was_broken_off_is_where_its_last_action_began(ran: Path, tmp_path: Path) -> None:
+    shown = RunDetails(cut(ran, tmp_path / "second", b"START", 2), alive=False).summary(None)
+    first, second = shown["actions"]
+    assert first["to"] == second["from"] == shown["situation"] != first["from"]
+    before = RunDetails(cut(ran, tmp_path / "none", b"RUN", 1), alive=False).summary(None)
+    assert (before["situation"], before["actions"], before["reason"]) == ("", [], "")
+
+
+def test_a_run_that_goes_on_says_itself_where_it_is(ran: Path, tmp_path: Path) -> None:
+    folder = cut(ran, tmp_path / "second", b"START", 2)
+    assert RunDetails(folder, alive=True).summary("elsewhere")["situation"] == "elsewhere"
+
+
+def test_pictures_are_listed_by_their_action_and_no_other_files(ran: Path, tmp_path: Path) -> None:
+    folder = cut(ran, tmp_path / "second", b"START", 2)
+    assert RunDetails(folder, alive=False).summary(None)["pictures"] == []
+    (folder / "evidence").mkdir(exist_ok=True)
+    for name in ("010_b.jpg", "002_c.png", "x_a.jpeg", "003_d.npz"):
+        (folder / "evidence" / name).write_bytes(b"")
+    shown = RunDetails(folder, alive=False).summary(None)["pictures"]
+    assert [(each["action"], each["file"]) for each in shown] == [
+        (0, "evidence/x_a.jpeg"),
+        (2, "evidence/002_c.png"),
+        (10, "evidence/010_b.jpg"),
+    ]
+
+
+class Reader:
+    """Counts what is read, and does it at once."""
+
+    def __init__(self) -> None:
+        self.count = 0
+
+    async def away(self, work: Callable[[], Any]) -> Any:
+        self.count += 1
+        return work()
+
+
+@pytest.fixture
+def read(monkeypatch: pytest.MonkeyPatch) -> Reader:
+    class Details:
+        def __init__(self, folder: Path, alive: bool) -> None:
+            self.folder, self.alive = folder, alive
+
+        def summary(self, situation: str | None) -> dict[str, Any]:
+            return {"folder": self.folder.name, "alive": self.alive, "situation": situation}
+
+    monkeypatch.setattr(module, "RunDetails", Details)
+    return Reader()
+
+
+def test_details_are_read_once_until_something_is_new(read: Reader, tmp_path: Path) -> None:
+    async def ask_often() -> None:
+        kept = KeptDetails()
+
+        async def of(alive: bool = True, situation: str | None = "a") -> Any:
+            return orjson.loads(await kept.of(tmp_path, alive, situation, read.away))
+
+        assert await of() == {"folder": tmp_path.name, "alive": True, "situation": "a"}
+        await asyncio.gather(of(), of())
+        assert read.count == 1
+        assert (await of(situation="b"))["situation"] == "b"
+        assert (await of(alive=False))["alive"] is False
+        assert read.count == 3
+        for number, name in enumerate(("journal.jsonl", "evidence", "report.html"), 4):
+            (tmp_path / name).write_text("new")
+            await of(alive=False)
+            await of(alive=False)
+            assert read.count == number
+
+    asyncio.run(ask_often())
+
+
+def test_details_of_thirty_two_runs_are_kept_the_last_asked_for(read: Reader, tmp_path: Path) -> None:
+    async def ask_all() -> None:
+        kept = KeptDetails()
+        for number in range(module.MOST):
+            await kept.of(tmp_path / str(number), False, None, read.away)
+        await kept.of(tmp_path / "0", False, None, read.away)
+        assert read.count == module.MOST == 32
+        await kept.of(tmp_path / "one more", False, None, read.away)
+        await kept.of(tmp_path / "1", False, None, read.away)
+        assert read.count == 33
+        await kept.of(tmp_path / "0", False, None, read.away)
+        assert read.count == 34
+
+    asyncio.run(ask_all())
