@@ -46,7 +46,7 @@ class Verdict:
     def __str__(self) -> str:
         found = f"{self.word:<10} {self.mutant.file}:{self.mutant.line}"
         if self.word == "killed":
-            return f"{found} by {' '.join(self.blamed)}"
+            return f"{found} by {' '.join(self.blamed) or 'an end without any test'}"
         return "\n".join([f"{found} {self.reason}".rstrip(), *(f"      {x}" for x in _diff(self.mutant))])
 
 
@@ -114,7 +114,7 @@ def _verdicts(wanted: argparse.Namespace, beds: Sequence[WarmBed]) -> Iterator[V
             return Verdict(mutant, "equivalent", reason=equivalents[key_of(mutant)])
         with choosing:
             tests = choose_tests(
-                wanted.project, recording, mutant.file, mutant.line, wanted.seconds, wanted.files
+                beds[0].root, recording, mutant.file, mutant.line, wanted.seconds, wanted.files
             )
         bed = free.get()
         try:
@@ -135,7 +135,7 @@ def _try(bed: WarmBed, mutant: DrawnMutant, tests: ChosenTests, seconds: float) 
     if answer.word == "hung":
         return Verdict(mutant, "timed out", answer.blamed, f"in {' '.join(answer.blamed)}")
     if answer.word == "failed":
-        return Verdict(mutant, "killed", answer.blamed or tuple(tests.files))
+        return Verdict(mutant, "killed", answer.blamed)
     chosen = f"{len(tests.tests)} are known to execute it" if tests.tests else "of the nearest files"
     return Verdict(mutant, "SURVIVED", reason=f"{answer.ran} tests ran; {chosen}")
 

@@ -50,6 +50,11 @@ class WarmBed(Bed):
         if compiled:
             self._end(code)
             shutil.rmtree(code, ignore_errors=True)
+            code = self._machine_code
+        if answer.word == "failed" and not answer.blamed:
+            sound = self._ask(code, tests, seconds)
+            if sound.word != "passed":
+                raise RuntimeError(f"the tests of {mutant.file} can't be run without any mutant: {tests}")
         return answer
 
     def failing(self, tests: Iterable[str]) -> set[str]:

@@ -6,14 +6,13 @@ from pathlib import Path
 
 import pytest
 
-from handcart.tools.console import tickets as module
 from handcart.tools.console.tickets import MOST, Tickets
 from tests.conftest import Clock
 
 
 @pytest.fixture
 def tickets(monkeypatch: pytest.MonkeyPatch, clock: Clock) -> Tickets:
-    monkeypatch.setattr(module.time, "monotonic", clock)
+    monkeypatch.setattr("time.monotonic", clock)
     return Tickets()
 
 

@@ -107,7 +107,7 @@ def test_emergency_that_is_none_or_allowed_does_not_trip() -> None:
     watch.hear(emcy(1, 0x2310), True, 0.0)  # sent by us
     watch.hear(emcy(0, 0x2310), False, 0.0)  # a SYNC
     watch.hear(frame(0x81, b"\x10\x23"), False, 0.0)  # too short
-    watch.hear(frame(0x181, emcy(1, 0x2310).data), False, 0.0)
+    watch.hear(frame(0x181, bytes(emcy(1, 0x2310).data)), False, 0.0)
     for kind in NODE_LIKE:
         data = b"" if "is_remote_frame" in kind else bytes(emcy(1, 0x2310).data)
         watch.hear(frame(0x81, data, **kind), False, 0.0)
