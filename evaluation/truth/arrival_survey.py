@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 from typing import ClassVar
 
+import numpy as np
 from typing_extensions import override
 
+from handcart.backends.robot.localization.determination import PoseNeed, difference, sigmas_along
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.contract.outcome import Outcome, Success
@@ -28,8 +30,6 @@ LOOKS_ROUND = (
 )  # localizers that feel a slide
 CAR_ARRIVED = PoseTolerance(position=0.25, heading=0.15)
 """What a car's MOVE_TO means by arrived: nothing is regulated at the end, it can't move sideways."""
-CAR_NEEDS = PoseTolerance(position=1.5, heading=math.radians(15.0))
-"""Fixed limit of a car's arrival, however uncertain its fixes are: DEPLOY reaches a target from there."""
 ORIENTED_DEG = 10.0  # fixed limit of the heading that ORIENT claims to know
 DRIVES = "MOVE_TO"
 
@@ -37,16 +37,37 @@ DRIVES = "MOVE_TO"
 def _moved_to(survey: Survey, claim: Claim) -> list[str]:
     """Compare the arrival with what was measured, and with the fixed limit of the place."""
     robot, place, model = survey.run.robot, claim.primitive.place, survey.run.model
-    off, turned = arrival(survey.run, place)
+    _, turned = arrival(survey.run, place)
     sigma, heading_sigma = robot.localization.sigma
     if not math.isfinite(sigma):
         return ["it isn't known where the base is"]
-    claimed, needed = _claimed(robot, place, model), _needed(robot, place, model)
-    far = 1e3 * (claimed.position + SIGMAS * sigma)
+    claimed, needed = _claimed(robot, place, model), model.places[place].need_of(robot.spec.drive.kind)
     askew = math.degrees(claimed.heading + SIGMAS * heading_sigma)
     return [
-        *at_most("the base is {:.1f} mm from its place", off, far, 1e3 * needed.position),
+        *_far(survey.run, place, claimed.position, needed),
         *at_most("the base is {:.2f} deg off", turned, askew, math.degrees(needed.heading)),
+    ]
+
+
+def _far(run: SurveyedRun, place: str, claimed: float, needed: PoseNeed) -> list[str]:
+    """Return in which direction the base is farther from its place than measured or needed, in words."""
+    off, _ = arrival(run, place)
+    if needed.across is None:
+        far = 1e3 * (claimed + SIGMAS * run.robot.localization.sigma[0])
+        return at_most("the base is {:.1f} mm from its place", off, far, 1e3 * needed.position)
+    axes, limits = needed.axes(run.robot.localization.covariance)
+    away = np.abs(np.array(difference(run.world.base, run.model.places[place].pose)[:2]) @ axes)
+    sigmas = sigmas_along(run.robot.localization.covariance, axes)
+    named = zip(("along", "across"), away.tolist(), sigmas.tolist(), limits.tolist(), strict=True)
+    return [
+        wrong
+        for name, size, sigma, limit in named
+        for wrong in at_most(
+            f"the base is {{:.1f}} mm from its place, {name} its heading",
+            1e3 * size,
+            1e3 * (claimed + SIGMAS * sigma),
+            1e3 * limit,
+        )
     ]
 
 
@@ -101,11 +122,3 @@ def _claimed(robot: Robot, place: str, model: WorldModel) -> PoseTolerance:
     if robot.spec.drive.kind == "ackermann":
         return CAR_ARRIVED
     return DOCKED if model.places[place].docks else ARRIVED
-
-
-def _needed(robot: Robot, place: str, model: WorldModel) -> PoseTolerance:
-    """Return how far from a place the base may truly be, whatever its localizer claims."""
-    if robot.spec.drive.kind == "ackermann":
-        return CAR_NEEDS
-    need = model.places[place].need
-    return PoseTolerance(need.position, need.heading)

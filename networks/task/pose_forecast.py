@@ -63,7 +63,7 @@ def pose_findings(
     for room in rooms:
         if room.way.route is None or not room.driven_to:
             continue
-        need = model.places[room.name].need
+        need = model.places[room.name].need_of(robot.drive.kind)
         forecast = forecast_pose(field, robot, lidar, task.knowledge.start, room.way.route.points, need)
         if forecast.found is not None:
             where = f"{forecast.blind_m:.1f} of {forecast.route_m:.1f} m of the way there are as uncertain"

@@ -14,7 +14,13 @@ from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.capabilities.range_sensor import RangeSensor
-from handcart.backends.robot.localization.determination import SURE, PoseNeed, difference, undetermined
+from handcart.backends.robot.localization.determination import (
+    SURE,
+    PoseNeed,
+    difference,
+    room_left,
+    undetermined,
+)
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured, NeedsPerson
@@ -48,11 +54,6 @@ SLIPPED = 0.1  # [m] that the base was driven meanwhile: something stops it
 NOT_DETERMINED = "not determined"  # the check that found a pose to be uncertain
 CORRECTIONS = 3  # times that a base which drives by its wheels alone is led on after a look at rest
 ASTRAY = 0.3  # [m] off the goal, from where a route is planned again
-CAR_NEED = PoseNeed(position=1.5, heading=math.radians(20.0))
-"""What a car's place needs that says nothing, distance and 3 sigma together.
-
-After a detour a car arrives turned by up to 9 degrees, for it cannot turn on the spot.
-"""
 CLOSER = 0.8  # of what a place needs; the estimate moves and grows less sure until the base is at rest
 NEAR = 0.05  # [m] before the goal, where it turns and comes to stand
 
@@ -107,7 +108,7 @@ class MoveTo(ActionPrimitive):
         if model.places[self.place].docks:
             robot.base.may_stand_at(goal)
         tracker, points = yield from plan_tracker(
-            robot, model, self.place, goal, self._arrived(model), self.reverse
+            robot, model, self.place, goal, self._arrived(robot, model), self.reverse
         )
         self.evidence.points["planned"] = points
         yield from self._follow(robot, model, tracker)
@@ -115,35 +116,36 @@ class MoveTo(ActionPrimitive):
             yield from self._follow_again(robot, model, goal)
         self._ahead = np.empty((0, 2))
         if model.places[self.place].docks:
-            yield from self._dock(robot, model.places[self.place])
+            yield from self._dock(robot, model.places[self.place], self._need(robot, model))
         elif robot.spec.drive.kind != "ackermann":
-            yield from self._come_closer(robot, model.places[self.place])
+            yield from self._come_closer(robot, model.places[self.place], self._need(robot, model))
         self.evidence.points["scan"] = robot.pose.apply(robot.range_sensor.scan().points())
         if model.detour and model.detour.goal == self.place:
             model.detour = None
 
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
         """The base stands at the place, as exactly as the place needs it, along every direction."""
-        self._check_determined(robot, model.places[self.place])
+        self._check_determined(robot, model.places[self.place], self._need(robot, model))
         return True
         yield
 
-    def _arrived(self, model: ModelView) -> PoseTolerance:
+    def _need(self, robot: Robot, model: ModelView) -> PoseNeed:
+        """How exactly this base has to stand at the place."""
+        return model.places[self.place].need_of(robot.spec.drive.kind)
+
+    def _arrived(self, robot: Robot, model: ModelView) -> PoseTolerance:
         """Where regulating ends: what is left of the place's tolerance is for the uncertainty."""
-        need = model.places[self.place].need
+        need = self._need(robot, model)
         return PoseTolerance(
-            min(ARRIVED.position, 0.5 * need.position), min(ARRIVED.heading, 0.5 * need.heading)
+            min(ARRIVED.position, 0.5 * need.strictest), min(ARRIVED.heading, 0.5 * need.heading)
         )
 
-    def _come_closer(self, robot: Robot, place: Place) -> Periods:
+    def _come_closer(self, robot: Robot, place: Place, need: PoseNeed) -> Periods:
         """Stand more exactly where the uncertainty leaves less room than the base came to stand in."""
-        need, pose = place.need, robot.localization.repeatability
-        off = difference(robot.pose, place.pose)
-        wanted = need._replace(position=CLOSER * need.position, heading=CLOSER * need.heading)
-        if undetermined(pose, wanted, off) is None or undetermined(pose, need) is not None:
+        pose, off = robot.localization.repeatability, difference(robot.pose, place.pose)
+        if undetermined(pose, need.scaled(CLOSER), off) is None or undetermined(pose, need) is not None:
             return
-        sigma = math.sqrt(float(np.linalg.eigvalsh(pose[:2, :2])[-1]))
-        room = need.position - SURE * sigma, need.heading - SURE * math.sqrt(float(pose[2, 2]))
+        room = room_left(pose, need)
         closer = PoseTolerance(
             max(DOCKED.position, min(ARRIVED.position, 0.5 * room[0])),
             max(DOCKED.heading, min(ARRIVED.heading, 0.5 * room[1])),
@@ -151,16 +153,14 @@ class MoveTo(ActionPrimitive):
         yield from reach_pose(robot, place.pose, closer)
         yield from settle(robot)
 
-    def _check_determined(self, robot: Robot, place: Place) -> None:
+    def _check_determined(self, robot: Robot, place: Place, need: PoseNeed) -> None:
         """Raise `Discrepancy` where the sensors don't determine that the base is at its place."""
         off = (0.0, 0.0, 0.0) if place.docks else difference(robot.pose, place.pose)
-        need = _car_need(place) if robot.spec.drive.kind == "ackermann" else place.need
         found = undetermined(robot.localization.repeatability, need, off)
         if found is None:
             return
         size, limit = found.shown
-        sensor = "Gps" if robot.spec.drive.kind == "ackermann" else "RangeSensor"
-        measured = Measured(sensor, "3 sigma of the pose", size, limit, found.unit)
+        measured = Measured(robot.localization.source, "3 sigma of the pose", size, limit, found.unit)
         raise Discrepancy(f"not determined: at {self.place} {found.words}", True, measured, NOT_DETERMINED)
 
     def _arm(self, robot: Robot, model: ModelView, remaining: Callable[[], float]) -> Iterator[None]:
@@ -182,7 +182,7 @@ class MoveTo(ActionPrimitive):
             if anew < ANEW and robot.time > since + HELD and self._held_by_map(robot, model):
                 goal = goal_pose(model, self.place)
                 tracker, _ = yield from plan_tracker(
-                    robot, model, self.place, goal, self._arrived(model), self.reverse
+                    robot, model, self.place, goal, self._arrived(robot, model), self.reverse
                 )
                 progress, since, anew = 0.0, robot.time, anew + 1
             if robot.time > since + self._patience(robot, tracker):
@@ -197,7 +197,7 @@ class MoveTo(ActionPrimitive):
 
     def _follow_again(self, robot: Robot, model: ModelView, goal: Pose2) -> Periods:
         """Drive on where a scan at rest shows that the wheels led elsewhere than they say."""
-        arrived = self._arrived(model)
+        arrived = self._arrived(robot, model)
         for _ in range(CORRECTIONS):
             yield from settle(robot)
             if robot.pose.distance(goal) < arrived.position and robot.pose.turn(goal) < arrived.heading:
@@ -286,10 +286,10 @@ class MoveTo(ActionPrimitive):
                 return
             yield
 
-    def _check_front(self, front: FrontLine, place: Place) -> None:
+    def _check_front(self, front: FrontLine, need: PoseNeed) -> None:
         """Raise `Discrepancy` where the front does not determine that the base stands before it as needed."""
         sizes = 1e3 * SURE * front.distance_std, math.degrees(SURE * front.angle_std)
-        limits = 1e3 * place.need.position, math.degrees(place.need.heading)
+        limits = 1e3 * need.position, math.degrees(need.heading)
         for size, limit, unit in zip(sizes, limits, ("mm", "deg"), strict=True):
             if not size <= limit:
                 measured = Measured("RangeSensor", "3 sigma of the front", size, limit, unit)
@@ -298,7 +298,7 @@ class MoveTo(ActionPrimitive):
                     f"{why}, at most {limit:.1f} {unit} allowed", True, measured, NOT_DETERMINED
                 )
 
-    def _dock(self, robot: Robot, place: Place) -> Periods:
+    def _dock(self, robot: Robot, place: Place, need: PoseNeed) -> Periods:
         """Correct the pose by the front until it stands square before it."""
         for _ in range(DOCKINGS):
             yield from settle(robot)
@@ -314,18 +314,10 @@ class MoveTo(ActionPrimitive):
             seen = pose_from_front(robot.pose, front, place.front)
             self.found(dock_mm=round(1e3 * seen.distance(place.pose), 1))
             if seen.distance(place.pose) < DOCKED.position and seen.turn(place.pose) < DOCKED.heading:
-                self._check_front(front, place)
+                self._check_front(front, need)
                 return
             yield from reach_pose(robot, robot.pose.compose(place.pose.relative_to(seen)), DOCKED)
         off = Measured(
             "RangeSensor", "off its place", 1e3 * seen.distance(place.pose), 1e3 * DOCKED.position, "mm"
         )
         raise Discrepancy(f"the base doesn't come to stand square before {self.place}", measured=off)
-
-
-def _car_need(place: Place) -> PoseNeed:
-    """Return how exactly a car has to stand at a place: what the place says, by default `CAR_NEED`."""
-    return PoseNeed(
-        CAR_NEED.position if place.tolerance_mm is None else place.need.position,
-        CAR_NEED.heading if place.tolerance_deg is None else place.need.heading,
-    )

@@ -234,7 +234,9 @@ class Deploy(TreePrimitive):
                 if doubt is not None:
                     why = f"it can't be told where the target is: {doubt.why}"
                     raise Discrepancy(why, measured=Measured(*doubt[1:]))
-                known = Measured("Gps", "sigma of where the target is", 1e3 * sigma, self.sure_mm, "mm")
+                known = Measured(
+                    robot.localization.source, "sigma of where the target is", 1e3 * sigma, self.sure_mm, "mm"
+                )
                 raise Discrepancy("it isn't known well enough where the target is", measured=known)
             yield
         self.found(stood_s=round(robot.time - begun + self.settle_s, 2), sigma_mm=round(1e3 * sigma, 1))
@@ -284,7 +286,8 @@ class Deploy(TreePrimitive):
             return
         free = moved <= REFINED_MOST and (yield from robot.compute(arm.line_free, better, takes=0.05))
         if not free:
-            off = Measured("Gps", "where the target is by now, off the tip", 1e3 * moved, 1e3 * REFINED, "mm")
+            what = "where the target is by now, off the tip"
+            off = Measured(robot.localization.source, what, 1e3 * moved, 1e3 * REFINED, "mm")
             raise Discrepancy("by what is known now the target is out of reach from here", measured=off)
         yield from self._lead_clear(robot, arm, better, moved)
 

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from pydantic import Field as Limited
 
 from handcart.files.models.model import FileModel
+from handcart.primitives.knowledge.place import DirectedTolerance
 from handcart.robotics.geometry.transform import transform
 from handcart.robotics.kinematics.shapes import Box
 
@@ -44,6 +45,13 @@ class Field(FileModel):
     """What is known to stand there."""
     aside_m: Positive = 0.75
     """From the middle of the base's rear axle to a target on its right, when a sensor is laid."""
+    stand_tolerance_mm: Positive | DirectedTolerance | None = None
+    """How far the base may be from where it is to stand for a target, measured with 3 sigma.
+
+    (default: as any place of a car)
+    """
+    stand_tolerance_deg: Positive | None = None
+    """The same of its heading."""
     sensor_mm: tuple[Positive, Positive, Positive] = (60.0, 60.0, 120.0)
     """Of a sensor: along and across the fingers, and its height."""
     gripped_mm: Positive = 35.0

@@ -58,7 +58,10 @@ class FieldWork(Section):
 
     def places(self) -> Mapping[str, Place]:
         """See `Section`: where the base stands for each target."""
-        return {name: place_of(target) for name, target in self.targets.items()}
+        ground = self.field
+        if ground is None:
+            return {}
+        return {name: place_of(target, ground) for name, target in self.targets.items()}
 
     @override
     def discs(self) -> NDArray[np.float64]:

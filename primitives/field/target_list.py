@@ -75,10 +75,16 @@ def load_targets(path: Path, field: Field, start: Pose2) -> dict[str, Target]:
     return found
 
 
-def place_of(target: Target) -> Place:
-    """Where the base stands for it, as a place of the map."""
+def place_of(target: Target, field: Field) -> Place:
+    """Where the base stands for it, as a place of the map, as exactly as the field's file says."""
     stand = target.stand
-    return Place(x_m=stand.x, y_m=stand.y, heading_deg=math.degrees(stand.theta))
+    return Place(
+        x_m=stand.x,
+        y_m=stand.y,
+        heading_deg=math.degrees(stand.theta),
+        tolerance_mm=field.stand_tolerance_mm,
+        tolerance_deg=field.stand_tolerance_deg,
+    )
 
 
 class _Wrong(ValueError):

@@ -21,6 +21,12 @@ from .ros_goals import LISTS, goals_as_places
 
 ARRIVED_MM, ARRIVED_DEG = 40.0, 1.0  # of a place that says nothing
 DOCKED_MM = 24.0  # of one where the base docks
+CAR_ARRIVED_MM, CAR_ARRIVED_DEG = 1500.0, 20.0
+"""Of one that says nothing, where a car drives to: it can't turn on the spot, nor move sideways.
+
+After a detour a car arrives turned by up to 9 degrees; 3 sigma of its heading are some 6 more.
+"""
+CAR = "ackermann"  # kind of drive
 
 Positive = Annotated[float, Field(gt=0.0)]
 
@@ -41,6 +47,15 @@ class Shelf(FileModel):
     """Width of the front that the range sensor sees."""
 
 
+class DirectedTolerance(FileModel):
+    """How far a base may be from a place, by direction."""
+
+    along: Positive
+    """In the direction of the place's heading, ahead or behind, in [mm]."""
+    across: Positive
+    """At right angles to it, in [mm]."""
+
+
 class Place(FileModel):
     """A pose of the base that has a name."""
 
@@ -48,13 +63,13 @@ class Place(FileModel):
     y_m: float
     heading_deg: float
     shelf: Shelf | None = None
-    tolerance_mm: Positive | None = None
-    """How far the base may be from there, in any direction, measured with 3 sigma.
+    tolerance_mm: Positive | DirectedTolerance | None = None
+    """How far the base may be from there, measured with 3 sigma: in any direction, or along and across.
 
-    (default: 40; 24 where it docks)
+    (default: 40; 24 where it docks; 1500 for a car)
     """
     tolerance_deg: Positive | None = None
-    """The same of its heading. (default: 1)"""
+    """The same of its heading. (default: 1; 20 for a car)"""
 
     @property
     def pose(self) -> Pose2:
@@ -66,13 +81,21 @@ class Place(FileModel):
         """Whether the base docks there: something with a straight front stands before it."""
         return self.shelf is not None
 
-    @property
-    def need(self) -> PoseNeed:
-        """How exactly the base has to stand there."""
-        usual = DOCKED_MM if self.docks else ARRIVED_MM
-        position = usual if self.tolerance_mm is None else self.tolerance_mm
-        heading = ARRIVED_DEG if self.tolerance_deg is None else self.tolerance_deg
-        return PoseNeed(position / 1e3, math.radians(heading))
+    def need_of(self, drive: str) -> PoseNeed:
+        """Return how exactly a base has to stand there.
+
+        Args:
+            drive: its kind; a car's usual tolerances are larger.
+        """
+        usual_mm, usual_deg = DOCKED_MM if self.docks else ARRIVED_MM, ARRIVED_DEG
+        if drive == CAR:
+            usual_mm, usual_deg = CAR_ARRIVED_MM, CAR_ARRIVED_DEG
+        position = usual_mm if self.tolerance_mm is None else self.tolerance_mm
+        heading = math.radians(usual_deg if self.tolerance_deg is None else self.tolerance_deg)
+        if isinstance(position, DirectedTolerance):
+            theta = math.radians(self.heading_deg)
+            return PoseNeed(position.along / 1e3, heading, position.across / 1e3, theta)
+        return PoseNeed(position / 1e3, heading)
 
     @property
     def map_T_shelf(self) -> Transform:

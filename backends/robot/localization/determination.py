@@ -11,15 +11,45 @@ from numpy.typing import NDArray
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 
 SURE = 3.0  # sigmas that have to stay within a tolerance
+VERTICAL = 1e-9  # x of a unit vector, below which it points along y
 
 
 class PoseNeed(NamedTuple):
     """How exactly something needs a pose."""
 
     position: float
-    """In [m], along any direction."""
+    """In [m], along any direction; along `axis` alone where `across` is given."""
     heading: float
     """In [rad]."""
+    across: float | None = None
+    """In [m], at right angles to `axis`; None: as `position`, and no direction is special."""
+    axis: float = 0.0
+    """Direction on the map, in [rad]."""
+
+    @property
+    def strictest(self) -> float:
+        """Limit of the position in the direction that allows least, in [m]."""
+        return self.position if self.across is None else min(self.position, self.across)
+
+    def scaled(self, share: float) -> PoseNeed:
+        """Return the same need with all limits multiplied by `share`."""
+        across = None if self.across is None else share * self.across
+        return PoseNeed(share * self.position, share * self.heading, across, self.axis)
+
+    def axes(self, covariance: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return the directions along which a position is compared, and the limit of each.
+
+        Args:
+            covariance: (2, 2) or (3, 3), of x and y in [m²] first.
+
+        Returns:
+            (2, 2) unit vectors in columns, and (2,) limits in [m]. Without `across` they are the principal
+            axes of the covariance, so that the worst direction is one of them.
+        """
+        if self.across is None:
+            return np.linalg.eigh(covariance[:2, :2])[1], np.full(2, self.position)
+        cos, sin = math.cos(self.axis), math.sin(self.axis)
+        return np.array([[cos, -sin], [sin, cos]]), np.array([self.position, self.across])
 
 
 class Undetermined(NamedTuple):
@@ -69,14 +99,33 @@ def undetermined(
     """
     if not np.isfinite(covariance).all():
         return Undetermined(0.0, math.inf, need.position)
-    variances, axes = np.linalg.eigh(covariance[:2, :2])
-    sizes = np.abs(np.array(off[:2]) @ axes) + SURE * np.sqrt(np.maximum(variances, 0.0))
-    worst = int(np.argmax(sizes))
-    if sizes[worst] > need.position:
+    axes, limits = need.axes(covariance)
+    sizes = np.abs(np.array(off[:2]) @ axes) + SURE * sigmas_along(covariance, axes)
+    worst = int(np.argmax(sizes / limits))
+    if sizes[worst] > limits[worst]:
         x, y = axes[:, worst].tolist()
-        return Undetermined(math.atan(y / x) if x else 0.5 * math.pi, float(sizes[worst]), need.position)
+        direction = math.atan(y / x) if abs(x) > VERTICAL else 0.5 * math.pi
+        return Undetermined(direction, float(sizes[worst]), float(limits[worst]))
     turn = abs(off[2]) + SURE * math.sqrt(max(0.0, float(covariance[2, 2])))
     return Undetermined(None, turn, need.heading) if turn > need.heading else None
+
+
+def room_left(covariance: NDArray[np.float64], need: PoseNeed) -> tuple[float, float]:
+    """Return what 3 sigma leave of a need: of the position where it leaves least, in [m], and of the heading.
+
+    Args:
+        covariance: (3, 3) of x, y in [m] and heading in [rad].
+        need: of the pose.
+    """
+    axes, limits = need.axes(covariance)
+    room = float((limits - SURE * sigmas_along(covariance, axes)).min())
+    return room, need.heading - SURE * math.sqrt(max(0.0, float(covariance[2, 2])))
+
+
+def sigmas_along(covariance: NDArray[np.float64], axes: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return (2,) sigmas of a position in [m] along (2, 2) unit vectors in columns."""
+    variances: NDArray[np.float64] = np.sum(axes * (covariance[:2, :2] @ axes), axis=0)
+    return np.sqrt(np.maximum(variances, 0.0))
 
 
 def difference(pose: Pose2, goal: Pose2) -> tuple[float, float, float]:

@@ -189,6 +189,11 @@ class Localization(ABC):
 
     @property
     @abstractmethod
+    def source(self) -> str:
+        """Name of the capability that determines the pose."""
+
+    @property
+    @abstractmethod
     def dead_reckoned(self) -> bool:
         """Whether nothing but the wheels, or gyros, tells how the base moves."""
 
@@ -323,6 +328,11 @@ class ScanLocalization(Localization):
 
     @property
     @override
+    def source(self) -> str:
+        return "RangeSensor"
+
+    @property
+    @override
     def dead_reckoned(self) -> bool:
         return False
 
@@ -369,6 +379,11 @@ class WheelLocalization(Localization):
         super().__init__(backend, wheels, lidar)
         self._reckoning = wheels
         self._period, self._unanswered = backend.period, 0.0
+
+    @property
+    @override
+    def source(self) -> str:
+        return "Base"
 
     @property
     @override

@@ -98,9 +98,15 @@ class OutdoorLocalization(Localization):
 
     @property
     @override
+    def source(self) -> str:
+        if self._gps is not None and self._filter.TAKES_FIXES:
+            return "Gps"
+        return "Beacons" if self._beacons is not None and self._filter.TAKES_RANGES else "Imu"
+
+    @property
+    @override
     def dead_reckoned(self) -> bool:
-        by_fixes = self._gps is not None and self._filter.TAKES_FIXES
-        return not by_fixes and (self._beacons is None or not self._filter.TAKES_RANGES)
+        return self.source == "Imu"
 
     @property
     def lost(self) -> Lost | None:
@@ -122,9 +128,9 @@ class OutdoorLocalization(Localization):
         found = self._filter.inconsistency
         if self.lost is not None or found is None:
             return self.lost
-        what, sensor = ("ranges", "Beacons") if self._filter.TAKES_RANGES else ("fixes", "Gps")
+        what = "ranges" if self._filter.TAKES_RANGES else "fixes"
         why = f"the {what} of the last minute contradict what is claimed"
-        return Lost(why, sensor, found.what, found.value, found.limit)
+        return Lost(why, self.source, found.what, found.value, found.limit)
 
     @property
     @override

@@ -28,6 +28,11 @@ class PositioningLocalization(Localization):
 
     @property
     @override
+    def source(self) -> str:
+        return "Positioning"
+
+    @property
+    @override
     def dead_reckoned(self) -> bool:
         return False
 

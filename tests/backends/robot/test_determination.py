@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from handcart.backends.robot.localization.determination import PoseNeed, difference, undetermined
+from handcart.backends.robot.localization.determination import PoseNeed, difference, room_left, undetermined
 from handcart.robotics.geometry.pose2 import Pose2
 
 NEED = PoseNeed(0.04, math.radians(1.0))
@@ -34,6 +34,23 @@ def test_what_the_pose_is_off_counts_in_its_own_direction_only() -> None:
     assert undetermined(spread, NEED) is None
     assert undetermined(spread, NEED, (0.0, 0.03, 0.0)) is None
     assert undetermined(spread, NEED, (0.01, 0.0, 0.0)) is not None
+
+
+@pytest.mark.parametrize("axis", [0.0, 0.7, 0.5 * math.pi, -2.0])
+def test_a_need_by_direction_is_held_along_and_across(axis: float) -> None:
+    """500 mm along a heading, 40 across: what is uncertain across counts, however the place is turned."""
+    need = PoseNeed(0.5, math.radians(1.0), 0.04, axis)
+    ahead, aside = along(axis, 0.1), along(axis + 0.5 * math.pi, 0.1)
+    assert undetermined(ahead, need) is None
+    found = undetermined(aside, need)
+    assert found is not None
+    assert found.direction is not None
+    assert math.cos(2.0 * (found.direction - axis)) == pytest.approx(-1.0, abs=1e-6)
+    assert found.shown == pytest.approx((300.0, 40.0), abs=0.1)
+    off = 0.45 * math.cos(axis), 0.45 * math.sin(axis), 0.0
+    assert undetermined(along(axis, 0.01), need, off) is None
+    assert undetermined(along(axis, 0.02), need, off) is not None
+    assert room_left(ahead, need)[0] == pytest.approx(0.04 - 3e-3, abs=1e-4)
 
 
 def test_an_uncertain_heading_is_named() -> None:

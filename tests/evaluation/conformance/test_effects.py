@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from contextlib import nullcontext
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
@@ -12,7 +13,6 @@ import pytest
 
 from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.ground_truth import Body, GroundTruth
-from handcart.backends.robot.localization.determination import PoseNeed
 from handcart.evaluation.blocks.block_survey import BlockSurvey
 from handcart.evaluation.calibration.calibration_survey import CalibrationSurvey
 from handcart.evaluation.field.field_survey import FieldSurvey
@@ -22,7 +22,10 @@ from handcart.evaluation.truth.survey import Claim, Survey
 from handcart.evaluation.truth.surveys import survey_kinds
 from handcart.evaluation.truth.true_changes import disturbed, moved
 from handcart.primitives.contract.calibrated import Calibrated
+from handcart.primitives.contract.discrepancy import Discrepancy
+from handcart.primitives.driving.move_to import MoveTo
 from handcart.primitives.field.target import Laid
+from handcart.primitives.knowledge.place import DirectedTolerance, Place, Shelf
 from handcart.primitives.registry import primitive_names
 from handcart.robotics.geometry.pose2 import Pose2
 
@@ -111,17 +114,54 @@ def test_what_a_primitive_disturbs_is_told_but_for_its_own() -> None:
 def test_arrival_is_held_against_what_is_claimed(
     kind: str, docks: bool, sigma: float, off: float, right: bool
 ) -> None:
-    goal = Pose2(1.0, 2.0, 0.0)
     scene = SimpleNamespace(base=Pose2(1.0 + off, 2.0, 0.0))
     robot: Any = SimpleNamespace(
         localization=SimpleNamespace(sigma=(sigma, 0.001)),
         spec=SimpleNamespace(drive=SimpleNamespace(kind=kind)),
     )
-    need = PoseNeed(0.024 if docks else 0.04, math.radians(1.0))
-    model: Any = SimpleNamespace(places={"there": SimpleNamespace(pose=goal, docks=docks, need=need)})
+    shelf = Shelf(distance_m=0.6, width_m=0.9, board_m=0.4, front_m=0.9) if docks else None
+    model: Any = SimpleNamespace(places={"there": Place(x_m=1.0, y_m=2.0, heading_deg=0.0, shelf=shelf)})
     claim = claimed(SimpleNamespace(place="there"))
     untrue = false(ArrivalSurvey, "MOVE_TO", claim, robot=robot, model=model, world=scene)
     assert (untrue == []) is right
+
+
+@pytest.mark.parametrize(
+    ("ahead", "aside", "right"), [(0.49, 0.039, True), (0.51, 0.0, False), (0.0, 0.041, False)]
+)
+def test_arrival_by_direction_has_a_fixed_limit_in_each(ahead: float, aside: float, right: bool) -> None:
+    goal = Pose2(1.0, 2.0, 0.7)
+    base = goal.compose(Pose2(ahead, aside, 0.0))
+    robot: Any = SimpleNamespace(
+        localization=SimpleNamespace(sigma=(0.5, 0.001), covariance=np.diag([0.25, 0.25, 1e-6])),
+        spec=SimpleNamespace(drive=SimpleNamespace(kind="differential")),
+    )
+    tolerance = DirectedTolerance(along=500.0, across=40.0)
+    place = Place(x_m=1.0, y_m=2.0, heading_deg=math.degrees(0.7), tolerance_mm=tolerance)
+    model: Any = SimpleNamespace(places={"there": place})
+    claim, world = claimed(SimpleNamespace(place="there")), SimpleNamespace(base=base)
+    untrue = false(ArrivalSurvey, "MOVE_TO", claim, robot=robot, model=model, world=world)
+    assert (untrue == []) is right
+
+
+@pytest.mark.parametrize(("off_deg", "right"), [(19.9, True), (20.1, False)])
+def test_a_cars_heading_is_judged_as_move_to_claims_it(off_deg: float, right: bool) -> None:
+    """A place that says nothing has one default, for the primitive and the judge."""
+    heading = math.radians(off_deg)
+    covariance = np.diag([1e-4, 1e-4, math.radians(0.001) ** 2])
+    robot: Any = SimpleNamespace(
+        pose=Pose2(0.0, 0.0, heading),
+        localization=SimpleNamespace(
+            sigma=(0.01, 1.0), covariance=covariance, repeatability=covariance, source="Gps"
+        ),
+        spec=SimpleNamespace(drive=SimpleNamespace(kind="ackermann")),
+    )
+    model: Any = SimpleNamespace(places={"there": Place(x_m=0.0, y_m=0.0, heading_deg=0.0)})
+    world, claim = SimpleNamespace(base=robot.pose), claimed(SimpleNamespace(place="there"))
+    untrue = false(ArrivalSurvey, "MOVE_TO", claim, robot=robot, model=model, world=world)
+    assert (untrue == []) is right
+    with nullcontext() if right else pytest.raises(Discrepancy):
+        assert list(MoveTo(place="there").effect(robot, model)) == []
 
 
 @pytest.mark.parametrize(

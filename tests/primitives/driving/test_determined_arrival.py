@@ -68,10 +68,28 @@ def test_a_place_that_needs_no_more_than_is_known_is_reached(tmp_path: Path) -> 
         assert isinstance(rig.do(MoveTo(place="ahead")), Success)
 
 
+@pytest.mark.parametrize(("along", "across", "right"), [(500, 40, True), (40, 500, False)])
+def test_a_tolerance_counts_in_its_own_direction(
+    tmp_path: Path, along: int, across: int, right: bool
+) -> None:
+    """The walls determine the pose across the corridor, the wheels alone along it."""
+    with in_a_corridor(tmp_path, f", tolerance_mm: {{along: {along}, across: {across}}}") as rig:
+        outcome = rig.do(MoveTo(place="ahead"))
+        goal = rig.model.places["ahead"].pose
+        truth = rig.backend.ground_truth()
+    assert isinstance(outcome, Success) is right
+    if right:
+        assert truth is not None
+        assert abs(truth.base.x - goal.x) < along / 1e3
+        assert abs(truth.base.y - goal.y) < across / 1e3
+    else:
+        assert "at most 40 mm allowed" in getattr(outcome, "reason", "")
+
+
 def car(sigma_deg: float) -> Any:
     """A car at its place, 6 degrees turned, whose heading is known that well."""
     covariance = np.diag([0.05, 0.05, math.radians(sigma_deg)]) ** 2
-    where = SimpleNamespace(repeatability=covariance)
+    where = SimpleNamespace(repeatability=covariance, source="Beacons")
     spec = SimpleNamespace(drive=SimpleNamespace(kind="ackermann"))
     return SimpleNamespace(pose=Pose2(0.0, 0.0, math.radians(6.0)), localization=where, spec=spec)
 
@@ -88,8 +106,10 @@ def ended(robot: Any, **place: Any) -> bool:
 def test_car_arrival_needs_a_determined_heading() -> None:
     """By default within 1.5 m and 20 degrees, by 3 sigma; a place may need more, or less."""
     assert ended(car(2.0))
-    with pytest.raises(Discrepancy, match="not determined: at here the heading"):
+    with pytest.raises(Discrepancy, match="not determined: at here the heading") as refused:
         ended(car(5.2))
+    assert refused.value.measured is not None
+    assert refused.value.measured.sensor == "Beacons"
     assert ended(car(5.2), tolerance_deg=30.0)
     with pytest.raises(Discrepancy, match="not determined"):
         ended(car(2.0), tolerance_deg=5.0)
@@ -104,7 +124,7 @@ def test_a_front_determines_the_pose_before_it_or_not(std_mm: float, std_deg: fl
     front = FrontLine(0.6, 0.0, std_mm / 1e3, math.radians(std_deg), 100)
     move: Any = SimpleNamespace(place="shelf")
     if right:
-        MoveTo._check_front(move, front, place)
+        MoveTo._check_front(move, front, place.need_of("differential"))
         return
     with pytest.raises(Discrepancy, match="not determined: the front before shelf is measured to"):
-        MoveTo._check_front(move, front, place)
+        MoveTo._check_front(move, front, place.need_of("differential"))

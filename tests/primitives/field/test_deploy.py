@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from itertools import product
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -15,11 +16,13 @@ from handcart.backends.capabilities.arm import Arm
 from handcart.backends.robot.localization.localization import Lost
 from handcart.backends.simulation.field.field_props import FieldProps
 from handcart.evaluation.trials.rig import Rig
+from handcart.files.models.loading import load
 from handcart.networks.task.preparing import prepare
 from handcart.primitives.contract.attempt import attempt
 from handcart.primitives.contract.discrepancy import Discrepancy
 from handcart.primitives.contract.outcome import Fail, GiveUp, Success
 from handcart.primitives.field.deploy import Deploy, _spread
+from handcart.primitives.field.field import Field
 from handcart.primitives.field.field_work import FieldWork
 from handcart.primitives.field.scara_arm import scara_of
 from handcart.primitives.field.sensor_arm import FARTHEST, SensorArm
@@ -262,3 +265,19 @@ def test_a_fail_leaves_the_target_within_reach(rig: Rig) -> None:
     assert all(reached(room))
     assert not all(reached(room + 0.05))
     assert Deploy(target="nowhere").base_room(robot, model) == math.inf
+
+
+@pytest.mark.parametrize("name", ["deploy_straight", "deploy_zigzag", "deploy_field"])
+def test_a_shipped_field_allows_a_turn_that_the_arm_allows(rig: Rig, name: str) -> None:
+    """Turned by as much as the file allows, the base may still be 250 mm off along, or 100 mm across."""
+    field = load(TASK.parents[1] / name / "field.yaml", Field)
+    turn = field.stand_tolerance_deg
+    assert turn is not None
+    arm = scara_of(rig.robot)
+    to_arm = Pose2(*arm.mount[:2], arm.mount[3]).inverse()
+    off = [(0.25, 0.0), (-0.25, 0.0), (0.0, 0.1), (0.0, -0.1)]
+    for (x, y), sign in product(off, (-1.0, 0.0, 1.0)):
+        stand = Pose2(x, y, sign * math.radians(turn))
+        place = to_arm.apply(stand.inverse().apply(np.array([[0.0, -field.aside_m]])))
+        assert arm.inverse(place[0]) is not None
+    assert field.stand_tolerance_mm == pytest.approx(2.0 * 3.0 * Deploy(target="here").sure_mm)

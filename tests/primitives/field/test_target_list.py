@@ -10,10 +10,11 @@ from pathlib import Path
 import pytest
 
 from benchmarks.field.field_course import zigzag_course
+from handcart.backends.robot.localization.determination import PoseNeed
 from handcart.files.errors import FileError
 from handcart.primitives.field.field import Field, Origin
 from handcart.primitives.field.target import Target
-from handcart.primitives.field.target_list import load_targets
+from handcart.primitives.field.target_list import load_targets, place_of
 from handcart.robotics.geometry.pose2 import Pose2
 
 START = Pose2(0.0, 0.0, 0.0)
@@ -155,3 +156,13 @@ def test_the_largest_list_is_read_and_one_target_too_near_is_found(tmp_path: Pat
     last = f"last,{apart[0][0] + 0.2},{apart[0][1] - 0.2}"
     ((line, _, message),) = faults(tmp_path, "\n".join(["name,x_m,y_m", *rows, last]))
     assert (line, "lies where t0 does" in message) == (5001, True)
+
+
+def test_a_stand_is_needed_as_exactly_as_the_field_says(tmp_path: Path) -> None:
+    target = read(tmp_path, "name,x_m,y_m,heading_deg\na,10,5,30\n")["a"]
+    usual = place_of(target, FIELD).need_of("ackermann")
+    assert usual == PoseNeed(1.5, math.radians(20.0))
+    words = {"stand_tolerance_mm": {"along": 1000, "across": 850}, "stand_tolerance_deg": 12}
+    field = Field.model_validate(FIELD.model_dump() | words)
+    need = place_of(target, field).need_of("ackermann")
+    assert need == pytest.approx(PoseNeed(1.0, math.radians(12.0), 0.85, math.radians(30.0)))
