@@ -168,3 +168,16 @@ def test_tests_mirror_the_rooms() -> None:
         if room.name != "tasks" and not (ROOT / path.parent.relative_to(ROOT / "tests")).is_dir()
     ]
     assert strangers == []
+
+
+def test_names_of_tests_have_at_most_65_characters() -> None:
+    names = [name for path in (ROOT / "tests").rglob("*.py") for name in _test_names(path)]
+    assert [name for name in names if len(name) > 65] == []
+
+
+def _test_names(path: Path) -> list[str]:
+    return [
+        node.name
+        for node in ast.walk(_tree(path))
+        if isinstance(node, ast.FunctionDef) and node.name.startswith("test_")
+    ]

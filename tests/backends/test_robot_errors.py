@@ -47,7 +47,7 @@ def test_errors_that_stand_beside_none_count_as_zero(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_a_robot_without_errors_stands_where_its_world_puts_it_and_reads_the_truth(ideal: RobotFile) -> None:
+def test_robot_without_errors_reads_the_truth_at_its_start(ideal: RobotFile) -> None:
     for robot in (ideal, load_robot("librarian").without_errors()):
         backend: Any
         other: Any

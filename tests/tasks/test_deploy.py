@@ -166,9 +166,7 @@ def test_a_target_beside_a_rock_is_refused_by_its_line(tmp_path: Path, small: di
         run_task(STRAIGHT, tmp_path, RunOptions(settings={**small, "field": str(tmp_path / "field.yaml")}))
 
 
-def test_bad_targets_are_refused_by_their_lines_and_nothing_else_is_told(
-    tmp_path: Path, small: dict[str, str]
-) -> None:
+def test_bad_targets_are_reported_by_line_and_nothing_else(tmp_path: Path, small: dict[str, str]) -> None:
     (tmp_path / "bad.csv").write_text(TWO + "third,nan,1\nfirst,20,-0.75\n", encoding="utf-8")
     with pytest.raises(FileError) as refused:
         run_task(STRAIGHT, tmp_path, RunOptions(settings={**small, "targets": str(tmp_path / "bad.csv")}))

@@ -101,7 +101,7 @@ def test_a_place_without_room_is_refused_at_its_line(places: Callable[[str], str
     prepare(TASK, settings={"places": places_file, "tour": "[desk]"}).backend.close()  # nothing drives there
 
 
-def test_a_place_that_something_stands_at_is_left_out_and_the_rest_is_driven(
+def test_occupied_place_is_skipped_and_the_others_are_visited(
     tmp_path: Path, places: Callable[[str], str]
 ) -> None:
     places_file = places("""

@@ -48,7 +48,7 @@ def test_a_box_on_the_way_is_a_fail_then_another_way_is_found(tmp_path: Path) ->
     assert done.untrue == []
 
 
-def test_where_no_way_is_left_the_robot_is_restored_and_the_reason_names_the_place(tmp_path: Path) -> None:
+def test_without_a_route_robot_is_restored_and_place_is_named(tmp_path: Path) -> None:
     done = trial(tmp_path, 3, blocked="closed")
     assert done.status == 3
     assert done.summary["situation"] == "way_blocked"

@@ -59,7 +59,7 @@ def test_a_way_that_is_blocked_is_left_for_places_to_stand_at(tmp_path: Path) ->
 
 
 @pytest.mark.slow
-def test_a_place_that_is_taken_is_a_fail_and_the_rest_is_divided_again(tmp_path: Path) -> None:
+def test_occupied_place_is_a_fail_and_the_rest_is_divided_again(tmp_path: Path) -> None:
     box = "name: crate, x_m: 4.4, y_m: 2.7, size_m: [0.5, 0.5, 0.6]"
     summary, status = run_task(TASK, tmp_path, RunOptions(settings=world_with(tmp_path, box)))
     metrics = summary["metrics"]

@@ -22,9 +22,7 @@ from .conftest import Make
 from .faulty import BEFORE, assert_drives_stop_alone, assert_told, fault_of, move
 
 
-def test_an_interface_that_goes_down_leaves_the_drives_to_stop_by_themselves(
-    make: Make, robot: RobotFile
-) -> None:
+def test_drives_stop_by_themselves_when_the_interface_goes_down(make: Make, robot: RobotFile) -> None:
     """C2: our heartbeat is missing, so they stop by 6007h within 150 ms and their ramp."""
     backend = make(robot=robot, room=False)
     fault = fault_of(backend, "bus-down")
@@ -52,7 +50,7 @@ def test_what_the_interface_says_of_itself_is_heard(make: Make, robot: RobotFile
             move(backend, 1)
 
 
-def test_one_frame_that_finds_no_room_is_lost_and_three_stop_the_robot(make: Make, robot: RobotFile) -> None:
+def test_one_lost_frame_is_tolerated_and_three_stop_the_robot(make: Make, robot: RobotFile) -> None:
     """C5: as lost set-points."""
     backend = make(robot=robot, room=False)
     move(backend, BEFORE)
@@ -167,7 +165,7 @@ def test_random_frames_raise_nothing_but_a_count(make: Make, robot: RobotFile) -
         move(backend, 1)
 
 
-def test_a_listener_that_raises_is_counted_and_the_next_frame_is_heard(make: Make, robot: RobotFile) -> None:
+def test_raising_listener_is_counted_and_the_next_frame_is_received(make: Make, robot: RobotFile) -> None:
     """C21: there is no receive thread that could die."""
     backend = make(robot=robot, room=False)
     move(backend, 1)

@@ -85,9 +85,7 @@ def test_another_interpolation_period_is_refused(
         make(robot=robot, room=False)
 
 
-def test_where_a_set_point_is_missed_the_drive_reaches_the_last_and_holds(
-    make: Make, robot: RobotFile
-) -> None:
+def test_drive_missing_a_set_point_reaches_the_last_and_holds(make: Make, robot: RobotFile) -> None:
     backend = make(robot=robot, room=False)
     turn(backend, 5)
     drive, send = backend.bench.drives[JOINT_1], backend.bench.master.send

@@ -23,9 +23,7 @@ def test_a_loop_that_hangs_is_silent_and_the_drives_stop(make: Make, robot: Robo
         move(backend, 1)
 
 
-def test_without_our_heartbeat_the_drives_stop_in_its_time_though_commands_come(
-    make: Make, robot: RobotFile
-) -> None:
+def test_drives_stop_without_heartbeat_despite_commands(make: Make, robot: RobotFile) -> None:
     """C8: 1016h is a watch of its own."""
     backend = make(robot=robot, room=False)
     move(backend, 20)

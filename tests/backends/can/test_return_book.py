@@ -22,7 +22,7 @@ def run(folder: Path, backend: str, bench: str | None = None) -> tuple[Any, ...]
 
 @pytest.mark.slow
 @pytest.mark.parametrize("bench", ["kinematic", "mujoco"])
-def test_without_errors_it_ends_on_the_bench_as_on_the_backend_behind_it(tmp_path: Path, bench: str) -> None:
+def test_errorless_run_on_the_bench_equals_its_backend(tmp_path: Path, bench: str) -> None:
     ended = run(tmp_path, bench)
     assert run(tmp_path, "can", bench) == ended
     assert ended[:2] == (0, "Success")

@@ -111,9 +111,7 @@ def test_after_a_fault_the_drives_take_no_commands(make: Make, robot: RobotFile)
     assert "OPERATION ENABLED" not in {drive.life.state for drive in drives.values()}
 
 
-def test_at_the_end_wheels_lose_their_torque_even_if_their_quick_stop_keeps_it(
-    make: Make, robot: RobotFile
-) -> None:
+def test_wheels_lose_torque_at_the_end_despite_quick_stop_hold(make: Make, robot: RobotFile) -> None:
     """C12: they are told so, whatever their own quick stop ends in."""
     for ends in ("close", "fault"):
         backend = make(robot=robot, room=False)

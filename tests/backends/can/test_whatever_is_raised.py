@@ -26,7 +26,7 @@ def states(backend: Any) -> set[str]:
 
 
 @pytest.mark.parametrize("state", [0x77, 0x54, 0x01])
-def test_a_heartbeat_of_an_unknown_state_before_the_first_step_hinders_nobody(make: Make, state: int) -> None:
+def test_early_heartbeat_of_an_unknown_state_is_ignored(make: Make, state: int) -> None:
     """C16 C20: it says nothing; the drives are enabled, driven, and stopped as ever."""
     backend = make(room=False)
     backend.bench.line.send_message(0x700 + LEFT, bytes([state]))
@@ -36,7 +36,7 @@ def test_a_heartbeat_of_an_unknown_state_before_the_first_step_hinders_nobody(ma
     assert states(backend) == {"SWITCH ON DISABLED"}
 
 
-def test_a_drive_that_boots_between_set_up_and_first_step_gets_no_torque(make: Make) -> None:
+def test_drive_booting_before_the_first_step_gets_no_torque(make: Make) -> None:
     """C16: it has forgotten what it was set to."""
     backend = make(room=False)
     backend.bench.drives[LEFT].boot()
@@ -239,7 +239,7 @@ def test_a_silent_drive_costs_the_others_no_torque(make: Make, monkeypatch: pyte
     assert states(backend) == {"SWITCH ON DISABLED"}
 
 
-def test_a_noisy_bus_raises_nothing_but_a_can_fault_and_no_drive_keeps_its_torque() -> None:
+def test_noisy_bus_raises_only_can_faults_and_drops_torque() -> None:
     """C12 C20 C21: frames of all kinds in all phases; more: `python -m benchmarks.hostile.can_fuzz`."""
     seen = list(attacks(len(PHASES), 500, seed=3))
     assert [each.wrong for each in seen] == [""] * len(seen)

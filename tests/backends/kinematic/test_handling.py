@@ -73,7 +73,7 @@ def test_a_book_let_go_in_the_air_falls_to_the_floor(puppet: Puppet) -> None:
     assert puppet.scene.of(BookProps).books[117].tilt() == pytest.approx(np.pi / 2)
 
 
-def test_a_book_straight_before_its_slot_goes_in_and_stands_after_release(puppet: Puppet) -> None:
+def test_book_before_its_slot_is_inserted_and_stands_after_release(puppet: Puppet) -> None:
     neighbours = {number: front(puppet, number).front for number in (103, 104)}
     puppet.insert()
     assert puppet.scene.contacts == []
@@ -94,7 +94,7 @@ def test_a_small_error_is_taken_up_by_the_slot_and_felt(puppet: Puppet) -> None:
     assert abs(front(puppet, 117).lateral - puppet.slot) < 0.0031
 
 
-def test_a_large_error_jams_with_rising_force_and_pushes_the_neighbour_back(puppet: Puppet) -> None:
+def test_large_error_jams_with_rising_force_and_moves_the_neighbour(puppet: Puppet) -> None:
     before = front(puppet, 103).front
     puppet.before_slot(error=0.012)
     contact = puppet.DOCK - 0.12 - 0.15 + before

@@ -52,7 +52,7 @@ def test_a_command_that_is_not_renewed_lives_one_period(make: Make) -> None:
     assert backend.scene.base == there
 
 
-def test_a_base_that_stands_too_near_to_a_wall_can_leave_and_comes_no_nearer(make: Make) -> None:
+def test_base_too_near_to_a_wall_can_leave_but_not_approach(make: Make) -> None:
     backend = make()
     scene = backend.scene
     near = scene.robot.footprint_radius_m - 0.02
@@ -171,7 +171,7 @@ def drive_about(backend: Any, look: bool) -> tuple[Any, ...]:
     return backend.scene.base, *(reading.tobytes() for reading in readings)
 
 
-def test_the_same_seed_is_the_same_run_and_further_readings_change_nothing(make: Make) -> None:
+def test_same_seed_repeats_the_run_whatever_else_is_read(make: Make) -> None:
     assert drive_about(make(3), look=False) == drive_about(make(3), look=True)
 
 

@@ -51,7 +51,7 @@ def test_what_it_leans_depends_on_the_gap_beside(side: float) -> None:
     assert lean(side * over, row(0.25, 0.25)) is None
 
 
-def test_its_edge_stays_on_the_board_and_its_top_touches_the_neighbour() -> None:
+def test_leaning_book_edge_stays_on_the_board_and_top_touches() -> None:
     pose = lean_in_row(BOOK, FOOT, row(0.03, 0.03), TIPPING + 0.001)
     assert pose is not None
     corners = [pose @ np.array([0.0, y, z, 1.0]) for y in (-0.0125, 0.0125) for z in (0.0, 0.21)]

@@ -115,7 +115,7 @@ def test_a_block_whose_middle_nothing_carries_falls_and_is_lost(build: Build) ->
 
 
 @pytest.mark.slow
-def test_a_block_is_taken_carried_and_put_on_others_that_stay_where_they_are(build: Build) -> None:
+def test_block_is_picked_carried_and_stacked_without_moving_others(build: Build) -> None:
     backend = build(ON_TRAY + PILE)
     blocks = backend.scene.of(BlockProps).blocks
     before = {name: block.pose.copy() for name, block in blocks.items()}

@@ -73,7 +73,7 @@ def beside_a_target(backend: str, seed: int, folder: Path) -> Iterator[Rig]:
 
 
 @pytest.mark.parametrize("seed", [25, 37])
-def test_a_sensor_stands_on_a_slope_on_which_it_falls_over_when_it_is_let_go_at_once(
+def test_sensor_stands_on_a_slope_where_a_dropped_one_falls(
     physics: type[PhysicsBackend], tmp_path: Path, seed: int
 ) -> None:
     """Slopes of 13 degrees along the fingers' stroke and of 15 aslant."""

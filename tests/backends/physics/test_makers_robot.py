@@ -82,7 +82,7 @@ def backend(physics: type[PhysicsBackend], tmp_path: Path) -> Iterator[PhysicsBa
     made.close()
 
 
-def test_what_mimics_follows_what_is_held_stays_and_what_may_touch_does(backend: Any) -> None:
+def test_mimics_follow_held_things_stay_and_contacts_are_allowed(backend: Any) -> None:
     """The engine has the hand where kinematics has it, after the lift went up by 0.2 m."""
     arm = backend.get(Arm)
     for height in np.linspace(0.1, 0.3, 40):

@@ -137,7 +137,7 @@ def test_positive_turn_rate_turns_left(make: Make) -> None:
     assert start.inverse().compose(backend.scene.base).theta == pytest.approx(0.3, abs=0.03)
 
 
-def test_a_command_that_is_not_renewed_ends_with_its_period_and_the_base_comes_to_rest(make: Make) -> None:
+def test_base_command_not_renewed_ends_and_the_base_stops(make: Make) -> None:
     backend = make()
     base = parts(backend)[0]
     for _ in range(20):
@@ -167,7 +167,7 @@ def test_the_hand_is_where_kinematics_say(hand: Hand) -> None:
     assert np.abs(measured - np.linalg.solve(body.base_pose(), body.link_pose("hand"))).max() < 1e-6
 
 
-def test_the_arm_goes_where_it_is_told_as_exactly_as_its_repeatability(hand: Hand, spec: RobotFile) -> None:
+def test_arm_reaches_commanded_joints_within_its_repeatability(hand: Hand, spec: RobotFile) -> None:
     goal = hand.arm.command() + np.array([0.3, -0.2, 0.1, 0.2, 0.1, -0.2])
     hand.joints(goal)
     steps(hand.backend, 20)
@@ -223,7 +223,7 @@ def test_fingers_that_close_on_nothing_meet(hand: Hand) -> None:
     assert hand.gripper.width() < 1e-3
 
 
-def test_a_constraint_grasp_holds_and_a_restored_state_has_it_as_it_was(
+def test_constraint_grasp_holds_and_survives_a_restored_state(
     make: Make, spec: RobotFile, hand_of: Callable[[PhysicsBackend], Hand]
 ) -> None:
     assert spec.gripper is not None

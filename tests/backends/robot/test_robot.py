@@ -98,7 +98,7 @@ def test_two_that_move_it_are_noticed_in_the_next_period_too(robot: Robot) -> No
     assert seen == [[True], [True], [True, False], [False], [True]]
 
 
-def test_a_lowered_hand_hides_itself_from_the_scan_and_a_raised_one_nothing(
+def test_lowered_hand_is_masked_in_the_scan_and_a_raised_one_not(
     robot: Robot, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     points = np.array([[0.6, 0.0], [0.6, 0.1], [0.6, 0.4], [2.0, 0.0]])
@@ -107,7 +107,7 @@ def test_a_lowered_hand_hides_itself_from_the_scan_and_a_raised_one_nothing(
         assert robot.without_hand(points).tolist() == left.tolist()
 
 
-def test_a_base_that_was_shifted_while_it_drove_was_not_pushed_while_it_stood(
+def test_base_shifted_while_driving_is_not_reported_as_pushed(
     make_stage: Callable[..., Rig],
 ) -> None:
     """By an indoor positioning; it takes the place over in either case."""
@@ -127,7 +127,7 @@ def test_a_base_that_was_shifted_while_it_drove_was_not_pushed_while_it_stood(
     assert [shifted(0.1), shifted(0.0)] == [0, 1]
 
 
-def test_a_base_that_gives_way_under_its_arm_stands_and_one_that_creeps_does_not(
+def test_base_at_rest_that_deflects_stands_but_creeping_does_not(
     make_stage: Callable[..., Rig], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Encoders of 65,536 counts tell a hundredth of a millimetre; no scan tells that."""

@@ -22,7 +22,7 @@ def test_labels_fit_the_thinnest_spine_in_every_face(font: str) -> None:
     assert (foot > 200).sum() >= 0.5 * textures.LABEL_WIDTH_MM * textures.PX_PER_MM
 
 
-def test_tags_are_where_they_should_be_and_smeared_ones_are_unreadable() -> None:
+def test_tags_are_at_their_places_and_smeared_ones_unreadable() -> None:
     for seed in range(8):
         clean, smeared = (
             draw_spine(20, 200, 100, 31 * seed, "512.7 NAG", seed=seed, smear=s) for s in (False, True)

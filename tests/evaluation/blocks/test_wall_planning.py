@@ -28,7 +28,7 @@ def test_a_wall_too_high_for_the_arm_names_the_block_and_why(tmp_path: Path) -> 
         plan_wall(loaded, load_robot("toyama/h1"), load_map(CHART)[0])
 
 
-def test_a_wall_that_the_base_cannot_come_near_names_the_block_and_why(tmp_path: Path) -> None:
+def test_unreachable_wall_names_the_block_and_the_cause(tmp_path: Path) -> None:
     grid = load_map(CHART)[0]
     columns = grid.to_point(
         np.column_stack([np.zeros(grid.occupied.shape[1], int), np.arange(grid.occupied.shape[1])])

@@ -30,7 +30,7 @@ def test_an_axis_has_a_few_round_numbers_all_of_them_on_it(least: float, span: f
     assert all(-1e-3 <= at <= 100.001 for at, _ in ticks)
 
 
-def test_a_histogram_counts_each_trial_once_and_tells_those_that_failed() -> None:
+def test_histogram_counts_each_trial_once_and_marks_failed_ones() -> None:
     values = np.array([1.0, 2.0, 2.0, 3.0, math.nan, 3.0])
     success = np.array([True, True, False, True, True, False])
     found = histogram(values, success, limit=6.0)

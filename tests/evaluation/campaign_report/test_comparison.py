@@ -39,7 +39,7 @@ def campaign(failed: Sequence[int], count: int = 40, first: int = 0, slower: flo
     return [trial(seed, seed not in failed, 10.0 + slower * (seed % 7)) for seed in range(first, count)]
 
 
-def test_pairs_are_of_the_same_seed_and_the_first_action_that_differs_says_why() -> None:
+def test_pairs_share_a_seed_and_the_first_difference_explains() -> None:
     found = compare(campaign([3]), campaign(range(10, 22), first=2))
     assert (found.pairs, found.unpaired, found.only_one, found.only_other) == (38, 2, 12, 1)
     assert found.worse
@@ -69,7 +69,7 @@ def test_campaigns_without_a_difference_prove_none() -> None:
         compare(campaign([], 5), campaign([], 9, first=5))
 
 
-def test_a_slower_campaign_is_found_slower_though_it_succeeds_as_often() -> None:
+def test_slower_campaign_is_detected_at_equal_success_rate() -> None:
     found = compare(campaign([]), campaign([], slower=0.3))
     time = found.changes[1]
     assert (time.name, time.proven, found.success.proven) == ("sim_time_s", True, False)

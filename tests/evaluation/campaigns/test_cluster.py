@@ -86,7 +86,7 @@ def started(words: list[str], **more: str) -> subprocess.Popen[bytes]:
 
 
 @pytest.mark.slow
-def test_one_is_killed_one_freezes_one_is_slow_and_each_trial_counts_once(
+def test_killed_frozen_and_slow_workers_count_each_trial_once(
     machines: Machines, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(module, "PATIENCE_S", 1.0)
@@ -107,7 +107,7 @@ def test_one_is_killed_one_freezes_one_is_slow_and_each_trial_counts_once(
 
 
 @pytest.mark.slow
-def test_a_campaign_ends_as_on_one_machine_and_what_cannot_be_run_is_told(
+def test_cluster_campaign_equals_local_one_and_reports_broken_trials(
     machines: Machines, tmp_path: Path
 ) -> None:
     setting = CampaignSetting(walk(tmp_path), level="network")

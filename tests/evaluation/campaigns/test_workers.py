@@ -140,7 +140,7 @@ if __name__ == "__main__":
 
 
 @pytest.mark.slow
-def test_a_second_interrupt_ends_even_trials_that_are_deaf_to_the_first(tmp_path: Path) -> None:
+def test_second_interrupt_ends_trials_that_ignore_the_first(tmp_path: Path) -> None:
     """K3: it kills them, and the log is whole."""
     script, path = tmp_path / "script.py", tmp_path / "trials.jsonl"
     script.write_text(DEAF, encoding="utf-8")

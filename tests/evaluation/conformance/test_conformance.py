@@ -163,7 +163,7 @@ def test_what_is_tried_depends_on_what_the_robot_can_do() -> None:
     assert [found.task for found in without.rehearsals] == [DRIVE_MAP]
 
 
-def test_full_mode_injects_more_than_2500_faults_on_the_kinematic_backend() -> None:
+def test_full_mode_injects_over_2500_faults_on_kinematic() -> None:
     batches = KitSetting("kinematic").batches()
     assert {each.instants for each in batches} == {40}
     moving = {each.action for each in batches} - {3, 9}  # MODIFY takes a few periods

@@ -36,7 +36,7 @@ def test_a_variant_is_tried_in_what_its_robot_is_made_for() -> None:
     assert KitSetting("kinematic", "toyama/h1").tasks == KitSetting("kinematic", "toyama").tasks
 
 
-def test_a_robot_that_nothing_is_made_for_is_tried_in_all_that_it_can_do() -> None:
+def test_unknown_robot_is_tried_in_all_its_capabilities() -> None:
     assert [path.parent.name for path in KitSetting("kinematic", "cart").tasks] == ["drive_map"]
 
 

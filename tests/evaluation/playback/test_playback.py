@@ -75,9 +75,7 @@ def playback(run: Run) -> Playback:
     return Playback.read(run.folder)
 
 
-def test_a_row_ten_times_a_second_has_what_was_measured_and_what_was_true(
-    run: Run, playback: Playback
-) -> None:
+def test_playback_rows_at_10_hz_hold_measured_and_true_values(run: Run, playback: Playback) -> None:
     rows = playback.rows
     assert np.diff(rows.time) == pytest.approx(EVERY)
     assert playback.start == 0.0

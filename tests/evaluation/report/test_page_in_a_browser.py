@@ -23,9 +23,7 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @needs_browser
 @pytest.mark.slow
 @pytest.mark.parametrize("size", [PHONE, DESK])
-def test_it_asks_for_nothing_complains_of_nothing_and_never_scrolls_sideways(
-    page: Path, size: tuple[int, int]
-) -> None:
+def test_page_loads_nothing_logs_nothing_and_fits_the_width(page: Path, size: tuple[int, int]) -> None:
     with browsing(size) as seen:
         seen.page.goto(page.as_uri())
         seen.page.wait_for_load_state("networkidle")

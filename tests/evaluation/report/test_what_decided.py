@@ -62,7 +62,7 @@ def blocked(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.slow
-def test_a_way_that_was_closed_is_drawn_with_the_robot_and_what_stood_there(blocked: Path) -> None:
+def test_blocked_route_is_drawn_with_robot_and_obstacle(blocked: Path) -> None:
     page = (blocked / "report.html").read_text(encoding="utf-8")
     fails = page.count("When it decided, on the map")
     assert fails == len(list((blocked / "evidence").glob("*_Fail.svg"))) > 0

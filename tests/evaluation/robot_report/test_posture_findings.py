@@ -39,7 +39,7 @@ def test_the_shipped_postures_touch_nothing() -> None:
     assert posture_facts(load_robot("cart")) == []
 
 
-def test_a_posture_in_which_the_robot_touches_itself_is_told_with_its_line(folder: Path) -> None:
+def test_posture_with_self_contact_is_reported_with_its_line(folder: Path) -> None:
     path, line = changed(folder, "look_at_tag", INTO_ITSELF)
     found = [str(each) for each in posture_findings(path, load_robot(path))]
     assert len(found) == 1

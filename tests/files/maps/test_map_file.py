@@ -184,7 +184,7 @@ def test_a_wrong_movingai_map_is_told_with_its_line(tmp_path: Path, old: str, ne
     assert words in str(error.value)
 
 
-def test_unknown_cells_that_are_read_as_free_are_told_where_they_can_be_helped(chart: Path) -> None:
+def test_unknown_cells_read_as_free_are_reported_with_a_remedy(chart: Path) -> None:
     """map_saver's own default makes grey 205 free."""
     _, warning = load_map(changed(chart, ("free_thresh: 0.196", "free_thresh: 0.25")))
     assert warning is not None

@@ -13,7 +13,7 @@ KINDS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_before_a_run_it_ends_all_and_what_was_heard_before_is_heard_again(kind: signal.Signals) -> None:
+def test_interrupt_before_a_run_ends_it_and_handlers_are_restored(kind: signal.Signals) -> None:
     """K3"""
     before = signal.getsignal(kind)
     with pytest.raises(KeyboardInterrupt), Interrupts():

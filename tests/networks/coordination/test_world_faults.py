@@ -118,7 +118,7 @@ def test_a_success_that_is_not_seen_is_none(
     assert abs(stand.robot.pose.x) < 0.02
 
 
-def test_a_success_that_is_not_seen_and_cannot_be_undone_is_for_a_person(
+def test_unseen_effect_past_no_return_is_a_give_up(
     stand: Stand, go: type[Go], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """N8: after a point of no return it is a GiveUp."""

@@ -139,7 +139,7 @@ def test_a_person_is_needed(run: Callable[..., tuple[PastRun, ActionNetwork]]) -
     ]
 
 
-def test_the_last_fail_is_the_last_one_and_a_run_that_went_on_has_not_ended(
+def test_last_fail_is_the_latest_and_a_resumed_run_is_not_ended(
     run: Callable[..., tuple[PastRun, ActionNetwork]], tmp_path: Path
 ) -> None:
     past, _ = run(TASK, near="FF", far="F")

@@ -252,7 +252,7 @@ def test_going_on_follows_no_link(tmp_path: Path) -> None:
         Journal.go_on(path, contents)
 
 
-def test_a_torn_tail_is_kept_beside_and_nothing_is_written_through_a_link(tmp_path: Path) -> None:
+def test_torn_tail_is_kept_aside_and_links_are_not_followed(tmp_path: Path) -> None:
     """D1, D14: not even where the tail's copy goes."""
     path = tmp_path / "j.jsonl"
     whole = written(path)

@@ -182,7 +182,7 @@ def test_a_stop_of_somebody_who_has_hung_up_is_heard(run: Any, lines: Callable[[
     assert run.stand.finish(run.coordinator).outcome == "Cancelled"
 
 
-def test_requests_that_may_wait_are_limited_and_a_stop_is_none_of_them(run: Any) -> None:
+def test_waiting_requests_are_limited_but_a_stop_is_not(run: Any) -> None:
     taken = [run.answer({"do": word})["ok"] for _ in range(50) for word in ("pause", "continue")]
     assert not all(taken)
     assert run.answer({"do": "stop"})["ok"]

@@ -148,7 +148,7 @@ def test_one_that_was_stopped_or_gave_up_is_not(run: Run, outcome: str) -> None:
     assert task_of(run.folder)["start"] == "a"
 
 
-def test_a_robot_that_stands_elsewhere_does_not_go_on_whatever_is_confirmed(run: Run) -> None:
+def test_robot_at_another_place_does_not_resume_when_confirmed(run: Run) -> None:
     """U13"""
     run.cut("START", 1)
     run.forget()
@@ -168,7 +168,7 @@ def test_only_the_last_record_confirms(run: Run, confirm: int | None) -> None:
         gone_on(past, found(past, {}), confirm and past.last + confirm)
 
 
-def test_an_action_in_doubt_that_is_measured_where_it_began_has_failed(run: Run) -> None:
+def test_action_in_doubt_measured_at_its_start_has_failed(run: Run) -> None:
     run.cut("RESULT", 1)
     run.forget()
     past = run.past()

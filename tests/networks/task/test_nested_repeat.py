@@ -87,9 +87,7 @@ def test_the_order_of_the_parts_does_not_matter(load: Callable[..., Task]) -> No
     assert {str(a) for a in turned.network.actions} == {str(a) for a in load(TRIPS).network.actions}
 
 
-def test_what_was_learned_is_forgotten_where_an_element_is_left_not_where_one_within_begins(
-    load: Callable[..., Task], stand: Stand
-) -> None:
+def test_knowledge_is_cleared_when_an_outer_element_ends(load: Callable[..., Task], stand: Stand) -> None:
     network, cleared = load(TRIPS).network, []
     coordinator = Coordinator(network, stand.robot, stand.model)
     model: Any = stand.model

@@ -110,9 +110,7 @@ def test_both_parts_skip_and_say_which(load: Callable[..., Task], stand: Stand) 
     assert cleared == ["a[2]", "c[1]", "c[2]", "c[3]", "z"]
 
 
-def test_what_an_element_knew_is_forgotten_between_equal_elements_of_two_parts(
-    load: Callable[..., Task], stand: Stand
-) -> None:
+def test_element_knowledge_is_cleared_between_two_parts(load: Callable[..., Task], stand: Stand) -> None:
     network, cleared = (
         load(changed("[three, four, five]", "[one]", changed("[one, two]", "[one]"))).network,
         [],
@@ -207,7 +205,7 @@ def test_a_part_that_ends_where_it_begins(load: Callable[..., Task]) -> None:
     assert ways["THINK (d[3] to c)"] == "c[3]"
 
 
-def test_a_fail_that_leads_to_the_goal_of_a_part_leads_to_the_next_element(load: Callable[..., Task]) -> None:
+def test_fail_leading_to_a_parts_goal_leads_to_the_next_element(load: Callable[..., Task]) -> None:
     text = changed("from: b, to: c", "from: b, to: c, on_fail: c").replace("{book: here}", "{book: there}")
     assert [a.on_fail for a in load(text).network.actions if a.on_fail] == ["a[2]", "c[1]"]
 

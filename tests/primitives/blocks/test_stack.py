@@ -156,7 +156,7 @@ def test_without_inertial_sensors_their_methods_are_refused(method: Any) -> None
         assert scene_of(rig).held is scene_of(rig).of(BlockProps).blocks["1"]
 
 
-def test_no_support_where_one_should_be_is_a_fail_with_the_block_in_hand() -> None:
+def test_missing_support_is_a_fail_with_the_block_in_hand() -> None:
     with with_block(at_the_wall()) as rig:
         goals = building_of(rig).goals
         raised = goals[0].model_copy(update={"height_m": 0.44})  # there is no row below
@@ -167,7 +167,7 @@ def test_no_support_where_one_should_be_is_a_fail_with_the_block_in_hand() -> No
         assert scene_of(rig).held is scene_of(rig).of(BlockProps).blocks["1"]
 
 
-def test_something_in_the_goals_place_is_a_fail_with_the_block_in_hand() -> None:
+def test_occupied_goal_is_a_fail_with_the_block_in_hand() -> None:
     with with_block(at_the_wall()) as rig:
         scene = scene_of(rig)
         other = scene.of(BlockProps).blocks["5"]
@@ -211,7 +211,7 @@ def test_a_block_pushed_aside_once_placed_is_seen() -> None:
     assert "beside its goal" in outcome.reason
 
 
-def test_a_block_that_was_put_back_and_stands_elsewhere_is_for_a_person() -> None:
+def test_block_put_back_at_another_place_is_a_give_up() -> None:
     """A picture tells, whatever the hand has felt."""
     with at_the_wall() as rig:
         assert isinstance(rig.do(Fixate(landmark="stacking")), Success)

@@ -68,7 +68,7 @@ def test_before_the_fingers_open_everything_can_be_undone(inserted: Callable[...
 
 
 @pytest.mark.parametrize("opened", [0.0254, 0.036])
-def test_from_opening_on_a_cancel_is_for_a_person_and_the_hand_withdraws(
+def test_cancel_after_opening_is_a_give_up_and_the_hand_withdraws(
     inserted: Callable[..., Rig], opened: float
 ) -> None:
     rig = inserted()

@@ -180,9 +180,7 @@ def test_without_a_book_there_is_nothing_to_look_for(docked: Callable[..., Rig])
 
 
 @pytest.mark.parametrize(("no_gap", "end"), [(False, None), (True, -0.12)])
-def test_a_misplaced_last_book_hides_the_rows_end_only_where_no_slot_is_before_it(
-    no_gap: bool, end: float | None
-) -> None:
+def test_misplaced_last_book_hides_the_end_if_no_slot_precedes_it(no_gap: bool, end: float | None) -> None:
     calls = ("511.1 ABE", "513.1 ABE", "510.2 ABE")
     books = tuple(
         ShelfBook(-0.04 * at, -0.04 * (at + 1), parse(call), 0.9, 2) for at, call in enumerate(calls)

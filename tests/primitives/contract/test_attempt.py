@@ -234,7 +234,7 @@ def test_a_restore_that_misses_is_tried_again_by_the_framework(make_rig: Callabl
         assert "joints_deg" in outcome.reason
 
 
-def test_a_base_that_the_way_back_left_elsewhere_is_brought_back_a_second_time(
+def test_base_left_elsewhere_by_restoring_is_restored_again(
     make_rig: Callable[..., Rig],
 ) -> None:
     rig = make_rig()

@@ -135,7 +135,7 @@ def test_one_broken_reading_of_the_wheels_is_left_out() -> None:
 
 
 @pytest.mark.slow
-def test_a_base_that_is_stuck_close_to_its_goal_is_not_waited_for_for_good() -> None:
+def test_base_stuck_close_to_its_goal_is_given_up() -> None:
     _, _, underway = next(Solo(BENCH, MoveTo(place="shelf_3")).attempts())
     goal = underway.model.places["shelf_3"].pose
     while underway.robot.pose.distance(goal) > 0.04:
@@ -165,7 +165,7 @@ def test_an_old_picture_is_not_taken_for_a_new_one() -> None:
             robot.picture()
 
 
-def test_an_old_picture_is_known_where_the_camera_went_away_and_came_back() -> None:
+def test_old_picture_is_detected_after_the_camera_came_back() -> None:
     """S11: at the same place a new picture has other noise."""
     with BENCH.rig() as rig:
         faulty = FaultyBackend(rig.backend)
@@ -178,7 +178,7 @@ def test_an_old_picture_is_known_where_the_camera_went_away_and_came_back() -> N
             robot.picture()
 
 
-def test_a_camera_without_noise_may_see_the_same_again_where_it_comes_back() -> None:
+def test_noiseless_camera_may_repeat_a_picture_when_it_returns() -> None:
     spec = load_robot("librarian").without_errors()
     with make_backend("kinematic", spec, WORLD, 0) as backend:
         robot = Robot(backend, spec, Pose2(0.0, 0.0, 0.0))

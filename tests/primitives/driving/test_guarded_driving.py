@@ -70,7 +70,7 @@ def test_it_ends_before_a_low_step_that_the_map_alone_shows(make_rig: Callable[.
     assert rig.scene.contacts == []
 
 
-def test_somebody_who_steps_behind_it_is_waited_for_while_it_is_brought_back(
+def test_restoring_waits_for_a_person_behind_the_base(
     make_rig: Callable[..., Rig],
 ) -> None:
     rig = make_rig(BOX.format(x=1.0, y=1.2, height=0.6, more=", appears_s: 7, leaves_s: 20"))
@@ -124,7 +124,7 @@ def test_a_start_too_near_to_a_wall_is_left_and_come_back_to(
 
 
 @pytest.mark.slow
-def test_a_cupboard_against_a_wall_that_the_map_lacks_is_not_taken_for_the_wall(
+def test_unmapped_cupboard_at_a_wall_is_not_taken_for_the_wall(
     make_rig: Callable[..., Rig],
 ) -> None:
     """It is 8 cm deep: less than what a scan may be off the map by."""

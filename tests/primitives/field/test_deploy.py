@@ -113,7 +113,7 @@ def test_a_sensor_that_falls_over_when_it_is_let_go_is_no_success(
 
 
 @pytest.mark.parametrize("after", [1, 20, 60])
-def test_cancelled_as_the_fingers_open_it_lets_the_sensor_go_to_the_end(rig: Rig, after: int) -> None:
+def test_cancel_while_fingers_open_completes_the_release(rig: Rig, after: int) -> None:
     """Half open they would let it slide; the arm isn't to carry off what they still hold."""
     deploy, robot = Deploy(target="here"), rig.robot
     periods = attempt(deploy, robot, rig.model)
@@ -219,7 +219,7 @@ def test_together_only_the_last_sensor_brings_the_arm_home(rig: Rig, last: bool)
 
 
 @pytest.mark.parametrize("away", [(0.6, -0.8), (-0.7, 0.4), (0.0, 1.0)])
-def test_a_point_is_as_unsure_as_place_and_heading_of_the_base_make_it(away: tuple[float, float]) -> None:
+def test_point_covariance_follows_from_the_pose_of_the_base(away: tuple[float, float]) -> None:
     """Where the heading errs to the left, what lies ahead errs to the left, and what lies left backwards."""
     covariance = np.array([[4e-4, 1e-4, 2e-4], [1e-4, 9e-4, -3e-4], [2e-4, -3e-4, 4e-4]])
     spec = SimpleNamespace(arm=SimpleNamespace(accuracy_mm=20.0))

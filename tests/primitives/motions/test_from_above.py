@@ -35,7 +35,7 @@ def test_the_hand_points_down_and_its_fingers_close_along_the_place() -> None:
 
 
 @pytest.mark.parametrize("leans", [(0.0, 0.0, 0.0), (0.01, -0.02, 0.0)])
-def test_the_pads_cover_the_top_and_the_body_in_the_hand_is_the_one_that_stands_there(leans: Any) -> None:
+def test_pads_cover_the_top_and_the_held_body_is_the_one_there(leans: Any) -> None:
     """On a base that leans, what stands upright leans in the base's frame, and the hand as well."""
     lean = STANDS.pose @ transform(rpy=leans) @ inverse(STANDS.pose)
     base_T_hand = gripping(robot(), SIZE, lean @ STANDS.pose)

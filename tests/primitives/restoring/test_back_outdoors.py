@@ -133,5 +133,5 @@ def test_what_is_unsure_is_told_along_the_worst_direction(rig: Rig, monkeypatch:
 
 
 @pytest.mark.parametrize("name", ["el_verde", "el_verde/rtk"])
-def test_the_tolerance_is_what_a_planned_way_keeps_from_what_stands_there(name: str) -> None:
+def test_tolerance_is_the_clearance_of_a_planned_route(name: str) -> None:
     assert load_robot(name).tolerance.base_mm <= 1e3 * (ASTRAY + CAR_ROOM)

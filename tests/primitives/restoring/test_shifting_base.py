@@ -58,7 +58,7 @@ def test_base_that_turns_about_another_point_is_brought_back_exactly(
     assert robot.true.distance(Pose2(0.0, 0.0, 0.0)) <= FINE.position
 
 
-def test_base_that_slides_as_it_turns_is_brought_back_within_its_tolerance() -> None:
+def test_base_sliding_in_a_turn_is_restored_within_tolerance() -> None:
     robot = ShiftingRobot(Pose2(0.03, 0.03, 0.4), beside=0.06, slides=0.03, noise=0.002)
     bring(robot, Pose2(0.0, 0.0, 0.0))
     assert robot.time < LONGEST_REACH / 2  # 38 s, were the tolerance not to widen

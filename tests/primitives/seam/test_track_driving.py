@@ -93,7 +93,7 @@ def test_what_stands_in_the_way_is_a_fail_and_remembered(make_rig: Callable[...,
     assert len(rig.model.obstacles)
 
 
-def test_what_the_tool_touches_under_way_is_a_fail_and_the_base_drives_back(
+def test_tool_contact_while_driving_is_a_fail_and_base_returns(
     make_rig: Callable[..., Rig], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     rig = make_rig()

@@ -44,7 +44,7 @@ def planned(follower: ToolFollower, path: ToolPath) -> np.ndarray:
     return follower.joints(path, BASE.lift(), near)
 
 
-def test_the_tool_is_on_the_path_and_the_arm_in_the_branch_of_the_closed_form(
+def test_tool_follows_the_path_in_the_closed_forms_branch(
     follower: ToolFollower, path: ToolPath, planned: np.ndarray
 ) -> None:
     assert follower.tool_errors(path, BASE.lift(), planned).max() < 1e-7
@@ -63,7 +63,7 @@ def test_where_the_base_really_stopped_is_taken_in(
         assert follower.tool_errors(path, stopped, again).max() < 1e-7
 
 
-def test_limits_are_kept_at_every_sample_and_the_tool_stays_on_the_path(
+def test_limits_hold_at_every_sample_with_the_tool_on_its_path(
     five: ArmModel, follower: ToolFollower, path: ToolPath, planned: np.ndarray
 ) -> None:
     timed = time_tracking(five, path, planned, LIMITS, PERIOD)

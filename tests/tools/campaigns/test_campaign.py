@@ -151,7 +151,7 @@ while True:
 """
 
 
-def test_a_process_that_was_told_to_end_as_its_trial_was_over_is_told_again(tmp_path: Path) -> None:
+def test_process_asked_to_end_as_its_trial_ended_is_asked_again(tmp_path: Path) -> None:
     """K3: else it waits for ever for a lock of the queue that another one took along."""
     ready = tmp_path / "ready"
     process = get_context("spawn").Process(target=exec, args=(DEAF_ONCE, {"path": str(ready)}), daemon=True)

@@ -42,7 +42,7 @@ def network(tour: Path, p: float) -> Path:
     return tour
 
 
-def test_a_page_says_what_the_campaign_says_and_is_the_same_of_its_parts(
+def test_page_equals_the_campaign_and_that_of_its_merged_parts(
     handcart: Callable[..., Said], tour: Path, tmp_path: Path
 ) -> None:
     words = ("campaign", network(tour, 0.6), "--level", "network", "--trials", "60")
@@ -116,7 +116,7 @@ def test_a_page_of_very_many_trials_stays_small(tmp_path: Path) -> None:
     ]
 
 
-def test_of_more_trials_than_it_lists_those_that_succeeded_are_left_out(tmp_path: Path) -> None:
+def test_long_trial_list_omits_those_that_succeeded(tmp_path: Path) -> None:
     folder = CampaignFolder.made(tmp_path / "out", {**ASKED, "trials": 10_100})
     plain = {"outcome": "Success", "reason": "", "sim_time_s": 1.0, "actions": 1, "fails": 0, "metrics": {}}
     trials = [Trial(seed, 0, plain) for seed in range(10_099)]
@@ -128,7 +128,7 @@ def test_of_more_trials_than_it_lists_those_that_succeeded_are_left_out(tmp_path
 
 
 @pytest.mark.slow
-def test_trials_lead_to_their_runs_also_from_parts_that_were_put_together(
+def test_trials_link_to_their_runs_also_in_merged_campaigns(
     handcart: Callable[..., Said], tour: Path, tmp_path: Path
 ) -> None:
     """With Fails, so that a run is to be looked at first and has a page."""

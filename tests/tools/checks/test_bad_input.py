@@ -115,7 +115,7 @@ def test_an_unknown_backend_and_an_unknown_setting_are_refused(
     assert (said.status, "did you mean 'wait_s'" in said.err) == (2, True)
 
 
-def test_a_file_of_no_kind_is_refused_and_a_map_in_ros_format_is_known(
+def test_file_of_unknown_kind_is_rejected_and_a_ros_map_accepted(
     handcart: Callable[..., Said], tmp_path: Path
 ) -> None:
     (tmp_path / "some.yaml").write_text("image: some.png\n", encoding="utf-8")
@@ -188,7 +188,7 @@ def test_a_robots_file_is_checked_against_its_urdf(
     assert said.err.startswith(str(tmp_path / "robot.yaml:"))
 
 
-def test_thresholds_that_turn_unknown_cells_into_free_ones_are_warned_of(
+def test_thresholds_that_free_unknown_cells_are_a_warning(
     handcart: Callable[..., Said], broken: Callable[..., Path]
 ) -> None:
     import cv2

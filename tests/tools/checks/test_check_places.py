@@ -65,7 +65,7 @@ def task(tmp_path: Path) -> Callable[..., Path]:
     return written
 
 
-def test_check_tells_of_each_place_what_room_it_has_and_whether_it_is_reached(
+def test_check_reports_clearance_and_reachability_of_each_place(
     handcart: Callable[..., Said], task: Callable[..., Path]
 ) -> None:
     said = handcart("check", task("desk", "behind", "closet"), "--json")
@@ -131,7 +131,7 @@ def test_a_dry_run_tells_the_same_and_refuses_what_a_run_does(
     assert handcart("run", task("behind")).status == 2
 
 
-def test_a_place_that_is_named_only_on_the_way_is_held_against_nothing_but_told() -> None:
+def test_place_only_passed_is_reported_without_a_limit() -> None:
     """`place: {model: book.shelf}`: any shelf may be meant."""
     shipped = Path(__file__).resolve().parents[3] / "tasks" / "return_book" / "task.yaml"
     checked = check(shipped)

@@ -32,7 +32,7 @@ def test_status_0_only_if_all_holds(
     assert json.loads(said.out)["checks"][0]["ok"] is not bool(wrong)
 
 
-def test_off_a_terminal_progress_is_told_at_first_now_and_then_and_at_last(
+def test_progress_off_a_terminal_is_printed_rarely(
     handcart: Callable[..., Said], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     now = [0.0]

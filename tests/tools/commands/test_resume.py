@@ -250,7 +250,7 @@ def test_a_run_begun_elsewhere_is_gone_on_with(
 
 
 @pytest.mark.slow
-def test_a_run_that_is_over_says_so_though_its_task_and_checkpoint_are_gone(
+def test_ended_run_reports_so_without_task_and_checkpoint(
     handcart: Callable[..., Said], whole: tuple[Path, dict[str, Any]]
 ) -> None:
     """Nothing but the journal is read of it."""

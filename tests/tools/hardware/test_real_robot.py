@@ -236,7 +236,7 @@ def test_moved_by_hand_while_nobody_watched(
 
 
 @pytest.mark.slow
-def test_in_doubt_and_measured_where_it_began_the_action_counts_as_failed(
+def test_real_action_in_doubt_measured_at_its_start_has_failed(
     run: Callable[..., Said], handcart: Callable[..., Said], task: Path
 ) -> None:
     folder = folder_of(run())
@@ -293,7 +293,7 @@ def test_another_file_of_the_robot_is_another_robot(
 
 
 @pytest.mark.slow
-def test_a_real_robots_journal_waits_for_the_disk_and_a_simulated_ones_does_not(
+def test_journal_waits_for_the_disk_only_with_a_real_robot(
     run: Callable[..., Said], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     import os

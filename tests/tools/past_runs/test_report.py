@@ -35,7 +35,7 @@ def test_a_run_leaves_one_page_that_needs_nothing_else(
     assert (said.status, ".txt" in said.err, "*.html" in said.err) == (2, True, True)
 
 
-def test_no_page_where_none_is_wanted_and_no_traceback_where_there_is_no_run(
+def test_report_is_optional_and_a_missing_run_is_no_traceback(
     handcart: Callable[..., Said], tour: Path, tmp_path: Path
 ) -> None:
     assert handcart("run", tour, "--no-report", "--runs", tmp_path / "runs").status == 0

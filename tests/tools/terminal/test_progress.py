@@ -40,7 +40,7 @@ def typed_into(words: list[str], answer: bytes = b"", upon: bytes = b"?") -> tup
 
 
 @pytest.mark.slow
-def test_a_terminal_tells_of_loading_of_how_far_an_action_is_and_what_may_be_done_next(tour: Path) -> None:
+def test_terminal_shows_loading_progress_and_next_steps(tour: Path) -> None:
     runs = tour.parent / "runs"
     words = [sys.executable, "-m", "handcart", "run", str(tour), "--runs", str(runs)]
     shown, status = typed_into(words)
@@ -55,7 +55,7 @@ def test_a_terminal_tells_of_loading_of_how_far_an_action_is_and_what_may_be_don
 
 
 @pytest.mark.slow
-def test_a_question_is_answered_by_hand_and_tells_the_commands_that_answer_it(tour: Path) -> None:
+def test_question_is_answered_by_hand_and_names_its_commands(tour: Path) -> None:
     runs = tour.parent / "runs with a space"
     words = [sys.executable, "-m", "handcart", "run", str(tour), "--runs", str(runs), "--step"]
     shown, status = typed_into(words, b"y\n", b"handcart refuse")

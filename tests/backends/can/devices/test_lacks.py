@@ -175,7 +175,7 @@ def test_a_force_is_felt_by_the_joints_that_tell_their_torque(make: Make, robot:
         assert bool(np.linalg.norm(force) > 5.0) is felt
 
 
-def test_fingers_without_torque_press_when_they_stand_away_from_where_they_should(
+def test_fingers_without_torque_press_by_their_position_error(
     make: Make, robot: RobotFile, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     assert robot.can is not None and robot.can.gripper is not None
@@ -201,7 +201,7 @@ def test_fingers_without_torque_press_when_they_stand_away_from_where_they_shoul
     assert gripper.command() == 0.0  # fingers that press go on pressing
 
 
-def test_a_real_drive_that_lacks_what_its_file_describes_is_told_how_to_accept_that(
+def test_real_drive_lacking_a_feature_names_the_key_to_accept_it(
     make: Make, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """C9 C10: at the read-back, before anything has torque."""

@@ -102,7 +102,7 @@ def test_a_bit_4_that_was_set_before_is_no_new_set_point() -> None:
     assert (mode.demand.position, mode.status & 0x1000) == (0.0, 0)
 
 
-def test_a_cyclic_set_point_is_come_to_evenly_within_the_interpolation_time() -> None:
+def test_cyclic_set_point_is_reached_evenly_in_interpolation_time() -> None:
     """60C2h: 50 * 10^-3 s; where the next one is late the drive stands on the last."""
     objects, demand = DriveObjects(11), Demand()
     objects[0x60C2, 1], objects[0x60C2, 2] = 50, -3

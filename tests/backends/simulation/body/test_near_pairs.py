@@ -18,7 +18,7 @@ def random_poses(rng: np.random.Generator, count: int) -> Floats:
     return poses
 
 
-def test_a_body_is_near_a_box_that_its_sphere_reaches_while_that_is_there() -> None:
+def test_body_is_near_a_present_box_that_its_sphere_reaches() -> None:
     rng = np.random.default_rng(0)
     poses, radii = random_poses(rng, 12), rng.uniform(0.1, 0.7, 12)
     placed, sizes = random_poses(rng, 20), rng.uniform(0.05, 0.8, (20, 3))

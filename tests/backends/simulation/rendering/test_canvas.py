@@ -27,7 +27,7 @@ def test_a_printed_face_stands_to_a_fraction_of_a_pixel() -> None:
         assert (row * np.arange(201)).sum() / row.sum() == pytest.approx(100.0 + shift, abs=0.02)
 
 
-def test_a_flat_face_behind_the_camera_is_not_shown_and_one_across_it_is_cut() -> None:
+def test_face_behind_the_camera_is_hidden_and_one_across_is_clipped() -> None:
     painted = canvas()
     painted.polygon(SQUARE * [1, 1, -1], 255)
     assert painted.picture.max() == 0

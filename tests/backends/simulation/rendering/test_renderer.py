@@ -51,7 +51,7 @@ def test_a_gap_is_darker_than_any_spine_and_stands_where_it_is() -> None:
 
 
 @pytest.mark.parametrize(("tag", "read"), [("readable", [3]), ("smeared", []), ("none", [])])
-def test_the_tag_of_the_tray_book_is_read_unless_it_is_smeared_or_missing(tag: str, read: list[int]) -> None:
+def test_tray_book_tag_is_read_unless_smeared_or_missing(tag: str, read: list[int]) -> None:
     world = scene(tag)
     pose = world.of(BookProps).book_pose(3) @ transform((-0.25, 0.0, 0.17)) @ OPTICAL
     near = read_tags(picture(world, pose))

@@ -87,7 +87,7 @@ def test_the_printed_jacobian_fails_the_same() -> None:
     assert good < 15
 
 
-def test_inverse_returns_the_posture_and_refuses_what_is_out_of_limits() -> None:
+def test_inverse_returns_the_posture_and_rejects_beyond_limits() -> None:
     rng = np.random.default_rng(2)
     low, high = zip(ARM.theta1_working, ARM.theta2, strict=True)
     for q in rng.uniform(low, high, (200, 2)):

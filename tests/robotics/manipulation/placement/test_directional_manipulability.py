@@ -48,7 +48,7 @@ def test_no_direction_is_top_speed_for_ever() -> None:
     assert top_speed_by_program(np.eye(2), np.zeros(2), np.ones(2)) == np.inf
 
 
-def test_directional_is_the_tip_speed_of_each_joint_and_the_torque_for_a_newton() -> None:
+def test_directional_is_tip_speed_and_torque_for_a_newton() -> None:
     arm, q, k = PlanarArm(0.7, 0.4), np.array([0.3, 0.9]), np.array([0.6, 0.8])
     assert directional(arm.jacobian(q), k) == pytest.approx(np.abs(arm.jacobian(q).T @ k))
 
@@ -66,7 +66,7 @@ def test_limits_of_each_joint_that_are_equal_give_equation_6() -> None:
     np.testing.assert_allclose(performance(elements, low, high), printed, atol=1e-12)
 
 
-def test_sure_performance_is_above_zero_only_where_the_speed_is_reached() -> None:
+def test_guaranteed_performance_is_positive_only_at_full_speed() -> None:
     rng = np.random.default_rng(2)
     jacobians, k = rng.normal(size=(300, 3, 3)), np.array([1.0, 0.0, 0.0])
     velocity, speed = np.array([1.0, 1.5, 0.7]), 0.4

@@ -118,7 +118,7 @@ def test_an_arm_that_is_too_slow_is_told() -> None:
 
 
 @pytest.mark.slow
-def test_an_arm_without_closed_form_does_its_part_from_beside_its_place_too(arm: ArmModel) -> None:
+def test_arm_without_closed_form_works_from_beside_its_place(arm: ArmModel) -> None:
     placer = Placer(arm, Work(0.05, 5.0, FreeTurn.TOOL, 0.0))
     path = arched(30, span=0.4, rise=0.0, low=0.75, pitch_deg=-10.0)
     placed = placer.place(path, below)

@@ -129,7 +129,7 @@ def test_regulator_mends_a_sideways_error_in_front_of_a_shelf() -> None:
     assert max(abs(pose.x) for pose in poses) < 0.01
 
 
-def test_regulator_does_not_wait_for_itself_at_the_edge_of_its_tolerance() -> None:
+def test_regulator_does_not_stall_at_the_edge_of_its_tolerance() -> None:
     goal = Pose2(1.0, -1.0, 0.008)
     poses, _ = run(PoseRegulator(goal), Pose2(1.008, -1.0, 0.008), seconds=40.0)
     assert poses[-1].distance(goal) <= 0.008

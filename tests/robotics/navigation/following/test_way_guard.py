@@ -80,7 +80,7 @@ def test_where_it_stood_too_near_it_may_come_back_to_and_no_nearer() -> None:
     assert guard.free_way(Pose2(3.4, 3.0, 0.0), NOTHING, 0.0, 0.35)[1] is not None  # another place
 
 
-def test_a_declared_place_excuses_what_the_map_shows_there_but_not_the_scan() -> None:
+def test_declared_place_excuses_the_map_but_not_the_scan() -> None:
     guard, out = WayGuard(NEEDED, WALL), Pose2(3.4, 2.0, 0.0)
     guard.may_stand_at(Pose2(3.65, 2.0, 0.0))
     assert guard.free_way(out, NOTHING, 0.0, 0.25) == (0.25, None)

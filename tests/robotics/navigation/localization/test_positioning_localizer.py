@@ -41,7 +41,7 @@ def test_late_readings_are_carried_on_by_the_wheels() -> None:
     assert localizer.pose.distance(Pose2(100 * step + 0.04, 0.01, 0.0)) < 0.001
 
 
-def test_one_broken_reading_is_left_and_three_say_that_the_base_was_moved() -> None:
+def test_one_broken_reading_is_skipped_and_three_mean_moved() -> None:
     localizer = PositioningLocalizer(Pose2(0.0, 0.0, 0.0), 0.6, SIGMA)
     away = Pose2(0.3, 0.0, 0.1)
     assert not localizer.take(1, away, 0)
@@ -52,7 +52,7 @@ def test_one_broken_reading_is_left_and_three_say_that_the_base_was_moved() -> N
     assert localizer.pose.distance(away) < 1e-9
 
 
-def test_strange_readings_with_a_good_one_between_them_are_none_in_a_row() -> None:
+def test_outliers_around_a_good_reading_are_not_consecutive() -> None:
     localizer = PositioningLocalizer(Pose2(0.0, 0.0, 0.0), 0.6, SIGMA)
     away, here = Pose2(0.3, 0.0, 0.1), Pose2(0.0, 0.0, 0.0)
     for number, reading in enumerate((away, away, here) * 4, start=1):
@@ -60,7 +60,7 @@ def test_strange_readings_with_a_good_one_between_them_are_none_in_a_row() -> No
     assert localizer.pose.distance(here) < 1e-6
 
 
-def test_a_late_reading_is_held_against_where_the_base_is_known_to_have_been_by_now() -> None:
+def test_late_reading_is_compared_with_the_best_past_pose() -> None:
     """The correction of a period is one of that period's pose, too."""
     localizer = PositioningLocalizer(Pose2(0.0, 0.0, 0.0), 0.6, SIGMA, covariance=START)
     truth = Pose2(0.04, 0.01, 0.0)

@@ -41,7 +41,7 @@ def test_distances_of_centres_are_exact(blocked: np.ndarray) -> None:
 
 @settings(deadline=None, max_examples=150)
 @given(GRIDS, SHARES)
-def test_no_spot_of_a_line_is_nearer_than_its_clearance_and_one_is_as_near(
+def test_line_clearance_is_the_least_distance_along_it(
     blocked: np.ndarray, shares: tuple[float, ...]
 ) -> None:
     start, end = ends(blocked, shares)
@@ -64,7 +64,7 @@ def test_a_line_is_clear_exactly_when_its_clearance_suffices(
         assert is_clear(squares, end, start, need) == is_clear(squares, start, end, need)
 
 
-def test_between_two_blocked_cells_that_share_a_corner_there_is_no_room() -> None:
+def test_no_room_between_blocked_cells_that_share_a_corner() -> None:
     squares = blocked_squares(np.array([[False, True], [True, False]]))
     line = np.array([0.0, 0.0]), np.array([1.0, 1.0])
     assert line_clearance(squares, *line, FAR, 0.0) == 0.0
@@ -72,7 +72,7 @@ def test_between_two_blocked_cells_that_share_a_corner_there_is_no_room() -> Non
     assert not is_clear(squares, *line, 1e-6)
 
 
-def test_along_a_wall_there_is_room_to_its_face_not_to_its_cells_centres() -> None:
+def test_room_along_a_wall_reaches_its_face_not_cell_centres() -> None:
     blocked = np.zeros((5, 40), dtype=bool)
     blocked[4] = True
     squares = blocked_squares(blocked)
@@ -82,7 +82,7 @@ def test_along_a_wall_there_is_room_to_its_face_not_to_its_cells_centres() -> No
     assert path_clearance(squares, path[::-1] - [0.25, 0.0]).tolist() == pytest.approx([1.25, 1.25, 1.75])
 
 
-def test_a_line_through_a_wall_one_cell_thick_is_seen_however_short_its_way_through_is() -> None:
+def test_line_through_a_thin_wall_is_blocked_at_any_angle() -> None:
     blocked = np.zeros((30, 30), dtype=bool)
     blocked[np.arange(30), np.arange(30)] = True
     squares = blocked_squares(blocked)

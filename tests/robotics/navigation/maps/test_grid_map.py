@@ -57,7 +57,7 @@ def test_real_maps_by_the_trinary_rule(turtlebot3: GridMap, depot: GridMap) -> N
     assert counts == [(795, 7939, 138722), (5947, 179481, 0)]
 
 
-def test_sensed_points_become_obstacles_and_points_outside_are_left_out() -> None:
+def test_sensed_points_become_obstacles_if_on_the_map() -> None:
     grid = empty(40, 40)._replace(unknown=np.eye(40, dtype=bool))
     seen = grid.with_points(np.array([[1.0, 1.0], [50.0, 0.0]]), 0.1)
     rows, columns = np.nonzero(seen.occupied)

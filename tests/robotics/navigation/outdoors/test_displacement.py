@@ -71,7 +71,7 @@ def test_it_is_the_way_that_was_driven(log: FieldLog, number: int) -> None:
     assert np.hypot(*mean[:2]) > 3.0
 
 
-def test_claims_of_ten_metres_are_honest_and_better_than_those_of_two_poses() -> None:
+def test_displacement_over_ten_metres_is_consistent_and_smaller() -> None:
     found: list[Way] = []
     for seed in range(6):
         found += ways(record_course(straight_course(4), REFERENCE, seed), legs=1)

@@ -86,7 +86,7 @@ def test_a_wrong_start_heading_is_found_out(noise: FieldNoise, turn: float) -> N
 
 
 @pytest.mark.parametrize("shift", [2.5, 5.0, 30.0])
-def test_a_reflection_is_refused_and_what_was_believed_of_it_taken_back(shift: float) -> None:
+def test_reflection_is_rejected_and_its_effect_undone(shift: float) -> None:
     log = record_course(straight_course(4), REFERENCE, 3)
     rows = (log.fix_rows > 4000) & (log.fix_rows < 5600)  # 40 s
     log.fixes[rows] += shift
@@ -165,7 +165,7 @@ def test_no_marks_no_report() -> None:
 
 
 @pytest.mark.slow
-def test_a_record_grows_with_the_moments_that_are_wanted_not_with_the_time() -> None:
+def test_record_grows_with_the_moments_asked_for_not_with_time() -> None:
     sizes = []
     for noise in (REFERENCE, REFERENCE._replace(gps_period=0.2)):
         log = record_course(straight_course(5), noise, 1)

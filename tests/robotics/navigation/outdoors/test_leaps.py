@@ -117,7 +117,7 @@ def test_a_mixture_spreads_as_far_as_its_parts() -> None:
     assert whole.covariance == pytest.approx(np.diag([1.25 + 3.0, 1.25]))
 
 
-def test_a_reflection_that_lasts_is_as_likely_as_its_first_fix_and_its_scatter() -> None:
+def test_lasting_reflection_is_as_likely_as_its_first_fix() -> None:
     """Refused fixes are held against those before them, not each against nothing."""
     nominal = standing(REFERENCE)
     seen(nominal, fixes(1, 30))

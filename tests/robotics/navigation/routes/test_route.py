@@ -165,7 +165,7 @@ def test_the_same_query_gives_the_same_route(depot: GridMap) -> None:
 
 
 @pytest.mark.parametrize("kind", range(len(KINDS)))
-def test_what_a_route_says_of_its_clearance_is_true_on_cells_of_any_size(kind: int) -> None:
+def test_route_clearance_is_true_on_cells_of_any_size(kind: int) -> None:
     """Walls one cell thick, diagonal ones, cells larger than the robot; starts anywhere in their cells."""
     planned = 0
     for seed in range(kind, 25 * len(KINDS), len(KINDS)):
@@ -232,7 +232,7 @@ def test_a_start_beside_a_thin_wall_does_not_leave_through_it() -> None:
     assert plan_route(graph, (0.16, 1.5), (2.0, 1.5)) is None
 
 
-def test_leaving_a_narrow_spot_leads_to_where_there_is_room_and_no_nearer(library: GridMap) -> None:
+def test_route_out_of_a_narrow_spot_leads_to_room_and_no_nearer(library: GridMap) -> None:
     graph = voronoi_graph(library, 0.34)
     start = (1.93 + 0.26 + 0.24, 6.0)
     route = plan_route(graph, start, (2.9, 4.0))

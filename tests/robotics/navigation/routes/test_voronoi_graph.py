@@ -99,7 +99,7 @@ def test_the_graph_is_centred_on_a_real_map(depot: GridMap) -> None:
     assert np.quantile(lost, 0.99) <= 1.5 * 0.05
 
 
-def test_an_edge_into_a_dead_end_room_is_kept_and_spurs_into_corners_are_not() -> None:
+def test_edge_into_a_dead_end_is_kept_and_corner_spurs_are_not() -> None:
     occupied = np.zeros((60, 120), dtype=bool)
     occupied[:, 58:62] = True
     occupied[25:35, 58:62] = False

@@ -102,7 +102,7 @@ def test_before_a_declared_front_its_real_distance_counts() -> None:
     assert (beside.why, beside.kind) == ("too near", "something")
 
 
-def test_what_was_sensed_is_kept_away_from_on_the_way_and_stood_beside() -> None:
+def test_route_keeps_clear_of_sensed_points_but_may_end_beside() -> None:
     sensed = np.array([[3.1, 2.0]])
     assert Ways(two_rooms(1.0), RADIUS, START, sensed).to((5.0, 1.0)).why == "too narrow"
     past = Ways(two_rooms(1.0), RADIUS, START, np.array([[5.0, 2.0]]))
@@ -112,7 +112,7 @@ def test_what_was_sensed_is_kept_away_from_on_the_way_and_stood_beside() -> None
     assert past.to((5.0, 1.8)).why == "too near"
 
 
-def test_between_what_was_sensed_and_a_wall_there_is_less_room_than_it_seems() -> None:
+def test_room_between_sensed_points_and_a_wall_is_reduced() -> None:
     """Its far side wasn't seen."""
     clear, shown = two_rooms(1.4), two_rooms(1.4)
     shown.occupied[39:41, 61:63] = True

@@ -68,7 +68,7 @@ def test_the_right_gap_on_100_shelves_with_a_misplaced_book() -> None:
     assert naive < 85
 
 
-def test_a_misplaced_neighbour_beside_the_gap_fools_only_the_naive_search() -> None:
+def test_misplaced_neighbour_of_the_gap_fools_only_naive_search() -> None:
     reading = _shelf(["510 AAA", "511 AAA", "899 ZZZ", 0.036, "513 AAA", "514 AAA"])
     found = find_gap(reading, _number("512 AAA"), 0.03)
     assert isinstance(found, GapFound)

@@ -33,7 +33,7 @@ def test_edges_that_lean_stand_upright_afterwards(tilt: float) -> None:
     assert spread(after) < 0.3 * spread(before)
 
 
-def test_rows_are_read_between_columns_as_on_a_line_and_are_nothing_outside() -> None:
+def test_rows_are_interpolated_between_columns_and_nan_outside() -> None:
     strips = leaning(0.02)
     strips.grey[3, 70:80] = np.nan
     shown = upright(strips)

@@ -60,7 +60,7 @@ def along(count: int, spacing: float = 0.09, x: float = 0.1) -> list[tuple[float
 
 
 @pytest.mark.parametrize("shift", [-0.09, -0.05, 0.0, 0.05, 0.09])
-def test_a_row_whose_ends_are_seen_is_not_taken_for_one_shifted_by_one(shift: float) -> None:
+def test_row_with_visible_ends_is_not_shifted_by_one(shift: float) -> None:
     marks, base = row(5), Pose2(0.01, shift, 0.03)
     best, *others = rivals(look(marks, marks, base, along(9)))
     assert not others
@@ -68,7 +68,7 @@ def test_a_row_whose_ends_are_seen_is_not_taken_for_one_shifted_by_one(shift: fl
     assert best.marks == (0, 1, 2, 3, 4)
 
 
-def test_in_the_middle_of_a_long_row_it_is_said_that_it_may_be_shifted_by_one() -> None:
+def test_middle_of_a_long_row_is_reported_as_ambiguous() -> None:
     marks = row(11)
     found = rivals(look(marks, marks, HERE, along(3)))
     shifts = sorted(round(each.planned_T_base.y, 3) for each in found)

@@ -20,7 +20,7 @@ KIND = Kind(0.0, 0.06)
 
 
 @pytest.mark.parametrize(("direction", "whole"), [((1.0, 0.0), 2), ((-0.3, 0.95), 1)])
-def test_what_is_well_within_the_picture_is_found_and_what_is_not_in_it_is_not(
+def test_landmark_is_found_only_when_well_within_the_picture(
     tabletop: Tabletop, direction: tuple[float, float], whole: int
 ) -> None:
     camera_T_table, shown, seen = facing(HEIGHT), [], []
