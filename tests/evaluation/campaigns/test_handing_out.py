@@ -200,7 +200,7 @@ def test_a_trial_that_comes_back_as_another_is_a_fault(
         list(cluster.trials([3]))
 
 
-def test_a_worker_that_died_is_a_trial_that_ended_and_no_answer_is_not(
+def test_dead_worker_ends_its_trial_and_a_missing_answer_does_not(
     cluster: Cluster, scheduler: Scheduler, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def dies(_: float) -> None:

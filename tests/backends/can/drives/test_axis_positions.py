@@ -33,7 +33,7 @@ def report(axis: Any, moved: int, told: int) -> None:
     axis._take_position(axis._counts + moved)
 
 
-def test_a_jump_beyond_four_periods_is_refused_though_the_speed_told_fits(axis: Any) -> None:
+def test_jump_beyond_four_periods_is_rejected_despite_its_speed(axis: Any) -> None:
     fast = 20 * way_of(axis, 1.0 / axis.period)
     for periods in (-10.0, 10.0, 4.1, -4.1):
         travel, counts = axis.travel, axis._counts
