@@ -7,7 +7,7 @@ from typing import Annotated, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import ConfigDict, Field, model_validator
+from pydantic import AliasChoices, ConfigDict, Field, model_validator
 
 from handcart.files.models.loading import load
 from handcart.files.models.model import FileModel
@@ -43,7 +43,10 @@ class CameraInfo(FileModel):
     image_height: Pixels
     camera_matrix: Matrix
     """K, 3 x 3."""
-    distortion_model: Literal["plumb_bob", "rational_polynomial", "equidistant", "fisheye"] = "plumb_bob"
+    distortion_model: Literal["plumb_bob", "rational_polynomial", "equidistant", "fisheye"] = Field(
+        "plumb_bob", validation_alias=AliasChoices("distortion_model", "camera_model")
+    )
+    """Some versions of `camera_calibration` call it `camera_model` in files of fisheye lenses."""
     distortion_coefficients: Matrix = Matrix(data=())
     """D: k1, k2, p1, p2, k3, k4, k5, k6, or the four of `equidistant`."""
 
@@ -52,12 +55,17 @@ class CameraInfo(FileModel):
         k = self.camera_matrix.data
         if len(k) != 9:
             raise ValueError(f"camera_matrix has {len(k)} numbers; allowed: 9")
-        if k[0] <= 0.0 or k[4] <= 0.0 or k[8] != 1.0 or any(k[at] != 0.0 for at in (1, 3, 6, 7)):
+        if k[1] != 0.0:
+            raise ValueError(
+                f"camera_matrix has a skew of {k[1]:g} px; allowed: 0, calibrate with a fixed skew"
+            )
+        if k[0] <= 0.0 or k[4] <= 0.0 or k[8] != 1.0 or any(k[at] != 0.0 for at in (3, 6, 7)):
             raise ValueError("camera_matrix is not [fx, 0, cx, 0, fy, cy, 0, 0, 1] with fx, fy above 0")
         count, allowed = len(self._coefficients), COEFFICIENTS[self.distortion_model]
         if count > max(allowed):
             wrong = f"{self.distortion_model} has {count} coefficients, zeros at their end aside"
-            raise ValueError(f"{wrong}; allowed: {max(allowed)}")
+            other = ", or rational_polynomial" if self.distortion_model == "plumb_bob" and count <= 8 else ""
+            raise ValueError(f"{wrong}; allowed: {max(allowed)}{other}")
         if fault := _lens_fault(self.model):
             raise ValueError(fault)
         return self

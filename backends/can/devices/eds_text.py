@@ -53,6 +53,8 @@ _SECTION = {name.lower(): name for name in (*SECTIONS, "DeviceCommissioning")} |
 }
 _KEY = {name.lower(): name for name in (*NUMBER_KEYS, *VALUE_KEYS, *OTHER_KEYS)}
 _OCTAL = re.compile(r"([+-]?)0([0-7]+)")
+_NAMES = re.compile(r"[0-9A-F]{4}name", re.IGNORECASE)
+"""Sections with the names of a compact array's members."""
 _END_OF_FILE = "\x1a\x00"
 
 
@@ -73,8 +75,10 @@ def as_the_library_spells(text: str) -> str:
     section, result = "", list[str]()
     for line in lines:
         head = re.match(r"(\s*\[)([^\]]*)(\].*)", line, re.DOTALL)
-        if head:
-            section = head[2].strip()
+        section = head[2].strip() if head else section
+        if _NAMES.fullmatch(section):  # needed by nobody, and the library reads only lists without gaps
+            result.append("")
+        elif head:
             result.append(f"{head[1]}{_section(section)}{head[3]}")
         else:
             result.append(_entry(line, types.get(section.lower())))
@@ -93,8 +97,7 @@ def _section(name: str) -> str:
     member = re.fullmatch(r"([0-9A-Fa-f]{4})sub([0-9A-Fa-f]+)", name, re.IGNORECASE)
     if member:
         return f"{member[1]}sub{member[2]}"
-    names = re.fullmatch(r"([0-9A-Fa-f]{4})name", name, re.IGNORECASE)
-    return f"{names[1]}Name" if names else _SECTION.get(name.lower(), name)
+    return _SECTION.get(name.lower(), name)
 
 
 def _entry(line: str, data_type: int | None) -> str:

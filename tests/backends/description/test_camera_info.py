@@ -80,6 +80,16 @@ def test_lenses_of_ros_are_read(
     assert np.array_equal(model.distortion, distortion)
 
 
+@pytest.mark.parametrize("key", ["distortion_model", "camera_model"])
+def test_fisheye_named_by_either_key_is_a_fisheye(tmp_path: Path, key: str) -> None:
+    data = [0.0176, -0.0032, 0.0004, -0.0007]
+    text = INFO.replace("distortion_model: plumb_bob", f"{key}: fisheye")
+    text = text.replace("[-0.28, 0.09, 0.001, -0.0005, 0]", str(data))
+    camera: Any = load_robot(str(robot_with(tmp_path, text))).camera
+    model = camera_model(camera)
+    assert (model.lens, model.distortion.tolist()) == ("fisheye", data)
+
+
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
@@ -87,9 +97,10 @@ def test_lenses_of_ros_are_read(
         (
             "-0.0005, 0]",
             "-0.0005, 0, 0, 0.1]",
-            "plumb_bob has 7 coefficients, zeros at their end aside; allowed: 5",
+            "plumb_bob has 7 coefficients, zeros at their end aside; allowed: 5, or rational_polynomial",
         ),
         ("0, 0, 1]}\ndist", "0, 0]}\ndist", "camera_matrix has 8 numbers; allowed: 9"),
+        ("[601.5, 0,", "[601.5, -0.67,", "camera_matrix has a skew of -0.67 px; allowed: 0"),
         ("[601.5", "[0", "camera_matrix is not [fx, 0, cx, 0, fy, cy, 0, 0, 1]"),
         ("image_width: 640", "image_width: 0", "image_width"),
         ("[-0.28, 0.09,", "[-2.8, 0.09,", "the lens model folds back within the picture"),

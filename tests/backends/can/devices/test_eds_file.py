@@ -192,6 +192,16 @@ def test_text_that_looks_octal_stays_text(tmp_path: Path) -> None:
     assert dictionary[0x1009].default == "0123"
 
 
+def test_names_of_some_members_of_a_compact_array_are_read(tmp_path: Path) -> None:
+    array = (
+        "[2310]\nParameterName=A\nObjectType=8\nDataType=6\nAccessType=rw\nCompactSubObj=3\nDefaultValue=7\n"
+    )
+    names = "[2310Name]\nNrOfEntries=1\n2=second\n"
+    dictionary: Any = read_eds(eds(tmp_path, HEAD + array + names + WORD), 5)
+    assert dictionary[0x2310][3].default == 7
+    assert dictionary[0x6040].data_type == 6
+
+
 def test_default_of_a_signed_object_has_its_sign(tmp_path: Path) -> None:
     text = HEAD + "[2102]\nParameterName=S\nDataType=2\nAccessType=rw\nDefaultValue=0xFB\n"
     dictionary: Any = read_eds(eds(tmp_path, text), 5)
