@@ -57,8 +57,10 @@ class Count(NamedTuple):
 def tagged(seed: int, damaged_bits: int) -> Picture:
     """Draw twelve tags, each with so many bits turned over."""
     rng = np.random.default_rng(seed)
-    ground = cv2.GaussianBlur(rng.normal(120.0, 25.0, (HEIGHT, WIDTH)), (0, 0), 3.0)
-    ground += np.linspace(-40.0, 60.0, WIDTH)
+    light = np.linspace(-40.0, 60.0, WIDTH)
+    ground = np.asarray(
+        cv2.GaussianBlur(rng.normal(120.0, 25.0, (HEIGHT, WIDTH)), (0, 0), 3.0) + light, np.float64
+    )
     ids = rng.choice(tags_of(FAMILY), TAGS, replace=False)
     for place, number in enumerate(ids):
         _paste(ground, _marker(int(number), damaged_bits, rng), place, rng)
@@ -89,7 +91,7 @@ def stock() -> Reader:
 
     def read(image: Image) -> set[int]:
         _, ids, _ = detector.detectMarkers(image)
-        return set() if ids is None else set(np.ravel(ids).tolist())
+        return set() if ids is None else {int(number) for number in np.ravel(ids)}
 
     return read
 
