@@ -237,9 +237,9 @@ class Robot:
         """Bring the estimated pose up to date, and see whether the base gets on."""
         travel, before = self.localization.travel, self.localization.odometry_pose
         self.localization.update(self.driven)
-        left, right = (now - then for now, then in zip(self.localization.travel, travel, strict=True))
+        rolled = 0.5 * (sum(self.localization.travel) - sum(travel))
         now = self.localization.odometry_pose
-        self.blocked = self._motion.update(self.driven[0], 0.5 * (left + right), before, now)
+        self.blocked = self._motion.update(self.driven[0], rolled, before, now)
         if self.blocked is not None:
             self._motion.clear()
 

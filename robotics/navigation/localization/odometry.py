@@ -150,7 +150,7 @@ class Odometry:
         gain = np.linalg.solve(
             prior, self._state[:3]
         ).T  # (6, 3): what a change of the pose says of all states
-        turn = Pose2(0.0, 0.0, pose.theta).relative_to(Pose2(0.0, 0.0, self.pose.theta)).theta
+        turn = wrap(float(pose.theta - self.pose.theta))
         change = np.array([pose.x - self.pose.x, pose.y - self.pose.y, turn])
         self._scales += (gain @ change)[3:]
         rest = np.linalg.solve(prior, covariance).T if kept is None else kept

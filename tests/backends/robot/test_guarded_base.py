@@ -158,3 +158,70 @@ def test_a_lone_reading_is_noise_two_beside_each_other_are_not() -> None:
     seen = np.hypot(*steady_points(Scan(angles, ranges, Pose2(0.0, 0.0, 0.0))).T)
     assert np.sort(seen)[:3] == pytest.approx([0.5, 0.5, 3.0])
     assert seen.max() == pytest.approx(3.0)
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+@pytest.mark.parametrize(
+    ("room", "share"),
+    [
+        (0.391, 1.0),
+        (0.389, 0.7),
+        (0.2, 0.7),
+        (0.19, 0.45),
+        (0.1, 0.45),
+        (0.08, 0.25),
+        (0.04, 0.25),
+        (0.02, 0.1),
+    ],
+)
+def test_it_is_slowed_to_the_largest_share_that_can_brake(
+    spec: RobotFile, way: float, room: float, share: float
+) -> None:
+    """From 0.6 m/s it stops after 30 mm in this period and 360 mm of braking; 5 mm beside it stay free."""
+    wall = np.array([[way * (spec.footprint_radius_m + BESIDE + room), 0.0]])
+    rolling = Rolling(spec, 1.0 if way > 0.0 else 2.5, lambda _: wall)
+    rolling.base.drive(0.0, 0.0)
+    assert rolling.drive(way * 0.6)[0] == pytest.approx(way * share * 0.6)
+
+
+def test_what_was_commanded_is_told_once(spec: RobotFile) -> None:
+    rolling = Rolling(spec, 1.0, lambda _: NOTHING)
+    rolling.base.drive(0.2, 0.3)
+    assert rolling.base.taken() == ((0.2, 0.3), None)
+    assert rolling.base.taken() == ((0.0, 0.0), None)
+
+
+@pytest.mark.parametrize(("speed", "turn"), [(math.nan, 0.1), (0.1, math.inf), (0.0, 0.5)])
+def test_what_is_no_way_is_passed_on_as_it_is(spec: RobotFile, speed: float, turn: float) -> None:
+    """The backend below refuses what is not finite; turning in place sweeps over nothing."""
+    near = np.array([[spec.footprint_radius_m + 0.001, 0.0]])
+    rolling = Rolling(spec, 1.0, lambda _: near)
+    rolling.base.drive(speed, turn)
+    assert rolling.wheels.command == pytest.approx((speed, turn), nan_ok=True)
+
+
+class SeenBy:
+    """A scan that changes."""
+
+    def __init__(self, seen: list[NDArray[np.float64]]) -> None:
+        self._seen = seen
+
+    def __call__(self, pose: Pose2) -> NDArray[np.float64]:
+        return self._seen[0]
+
+
+def test_a_base_that_is_held_still_turns_and_a_car_does_not() -> None:
+    for name, turns in (("librarian", True), ("el_verde", False)):
+        spec, seen = load_robot(name), [NOTHING]
+        rolling = Rolling(spec, 1.0, SeenBy(seen))
+        rolling.drive(0.01)
+        seen[0] = np.array([[spec.footprint_radius_m - 0.03, 0.0]])
+        assert rolling.drive(spec.drive.top_speed_m_s, 0.1) == (0.0, 0.1 if turns else 0.0)
+
+
+@pytest.mark.parametrize(("count", "points"), [(0, 0), (1, 1), (2, 1), (3, 0)])
+def test_beams_are_compared_with_neighbours_from_three_on(count: int, points: int) -> None:
+    ranges = np.full(count, np.inf)
+    ranges[:1] = 0.4
+    scan = Scan(np.linspace(0.0, 0.2, count), ranges, Pose2(0.0, 0.0, 0.0))
+    assert len(steady_points(scan)) == points

@@ -92,3 +92,36 @@ def test_a_front_that_is_not_where_it_should_be_is_not_found() -> None:
     truth = Pose2(0.0, -0.6, math.pi / 2)
     points = beams(truth, np.random.default_rng(0))
     assert fit_front(points, expected(Pose2(0.0, -1.0, math.pi / 2))) is None
+
+
+def test_how_exact_a_front_is_follows_from_its_points() -> None:
+    """Least squares by hand: 41 points over 2 m, 1 m ahead, each of 10 mm."""
+    at = np.linspace(-1.0, 1.0, 41)
+    points = np.column_stack([np.ones(41), at])
+    front = fit_front(points, np.array([[1.0, -1.2], [1.0, 1.2]]))
+    assert front is not None
+    assert (front.distance, front.angle, front.inliers) == pytest.approx((1.0, 0.0, 41))
+    assert front.distance_std == pytest.approx(0.01 / math.sqrt(41.0))
+    assert front.angle_std == pytest.approx(0.01 / math.sqrt(float((at**2).sum())))
+
+
+def test_a_front_on_one_side_is_less_exact_by_its_lever() -> None:
+    at = np.linspace(1.0, 2.0, 21)
+    front = fit_front(np.column_stack([np.ones(21), at]), np.array([[1.0, 0.8], [1.0, 2.2]]))
+    assert front is not None
+    angle = 0.01 / math.sqrt(float(((at - 1.5) ** 2).sum()))
+    assert front.angle_std == pytest.approx(angle)
+    assert front.distance_std == pytest.approx(math.hypot(0.01 / math.sqrt(21.0), 1.5 * angle))
+
+
+@pytest.mark.parametrize(("count", "found"), [(11, False), (12, True)])
+def test_a_front_needs_twelve_points(count: int, found: bool) -> None:
+    points = np.column_stack([np.ones(count), np.linspace(-0.5, 0.5, count)])
+    assert (fit_front(points, np.array([[1.0, -1.0], [1.0, 1.0]])) is not None) == found
+
+
+@pytest.mark.parametrize(("away", "end", "inliers"), [(0.099, 0.94, 30), (0.101, 0.94, 0), (0.0, 0.96, 29)])
+def test_points_beyond_gate_and_margin_are_no_front(away: float, end: float, inliers: int) -> None:
+    points = np.column_stack([np.full(30, 1.0 + away), np.append(np.linspace(-0.9, 0.9, 29), end)])
+    front = fit_front(points, np.array([[1.0, -1.0], [1.0, 1.0]]))
+    assert (0 if front is None else front.inliers) == inliers

@@ -266,3 +266,14 @@ def test_along_a_wall_the_beam_that_tells_is_not_taken_for_a_push(noise: float, 
     assert sum(localizer.find_again(points) for points in noisy) <= most
     assert localizer.find_again(noisy[0] - (0.0, 0.03))  # across it, hundreds tell
     assert abs(localizer.pose.y - 0.03) < 0.01
+
+
+def test_before_any_scan_wheels_alone_claim_nothing_of_one(library_field: LikelihoodField) -> None:
+    localizer = OdometryLocalizer(Pose2(3.0, 1.5, 0.0), 0.5, field=library_field)
+    assert (localizer.slips, localizer.astray, localizer.explained) == (0, False, 0.0)
+    assert localizer.unchecked
+    assert localizer.added_sigma == 0.0
+    assert localizer.looks
+    blind = OdometryLocalizer(Pose2(3.0, 1.5, 0.0), 0.5)
+    assert not blind.unchecked
+    assert not blind.looks
