@@ -64,8 +64,10 @@ class Lidar(RangeSensor):
     def blind_share(self) -> float:
         """Share of this period's beams, without masked ones, that are too close or invalid."""
         scan = self.scan()
-        looking = ~self.spec.masked(scan.angles)
-        return float(np.mean(scan.blind()[looking])) if looking.any() else 1.0
+        blind = scan.blind()
+        if self.spec.masked_deg:
+            blind = blind[~self.spec.masked(scan.angles)]
+        return np.count_nonzero(blind) / len(blind) if len(blind) else 1.0
 
     @property
     def silence(self) -> str:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -24,6 +26,9 @@ def read_scan(raw: Scan, spec: RangeSpec, footprint_radius: float) -> Scan:
         footprint_radius: of the robot, in [m]: a return well inside of it is too close.
     """
     ranges = raw.ranges
+    if not spec.masked_deg and (ranges > _least_sound(raw, spec, footprint_radius)).all():
+        far = ranges > spec.reach_m
+        return Scan(raw.angles, np.where(far, np.inf, ranges), raw.base_T_sensor, far.astype(np.uint8))
     validity = np.full(len(ranges), Validity.RETURN, np.uint8)
     missing = _missing(ranges, spec)
     validity[ranges < spec.range_min_m] = Validity.TOO_CLOSE  # -infinity too
@@ -35,6 +40,12 @@ def read_scan(raw: Scan, spec: RangeSpec, footprint_radius: float) -> Scan:
         validity[spec.masked(raw.angles)] = Validity.INVALID
     read = np.where(validity == Validity.RETURN, ranges, np.inf)
     return Scan(raw.angles, read, raw.base_T_sensor, validity)
+
+
+def _least_sound(raw: Scan, spec: RangeSpec, footprint_radius: float) -> float:
+    """Return a range in [m] beyond which a reading is a return or none, whatever its angle."""
+    within = footprint_radius - WITHIN_FOOTPRINT_M + math.hypot(*raw.base_T_sensor[:2])
+    return max(0.0, spec.range_min_m, within)
 
 
 def _missing(ranges: NDArray[np.float64], spec: RangeSpec) -> NDArray[np.bool_]:

@@ -83,8 +83,15 @@ def robot_clock(now: Callable[[], float]) -> Iterator[None]:
         _robot_time.reset(token)
 
 
+_served = {"modules": 0}
+"""Number of the modules that were loaded when `serve_library` last looked through them."""
+
+
 def serve_library() -> None:
     """Give `TickTime` to each loaded module of py_trees that has imported `time`."""
+    if len(sys.modules) == _served["modules"]:
+        return  # each tick of a tree asks
+    _served["modules"] = len(sys.modules)
     for name, module in list(sys.modules.items()):
         if name.partition(".")[0] == LIBRARY and vars(module).get("time") is time:
             vars(module)["time"] = TICK_TIME

@@ -16,6 +16,7 @@ LOOKS = 2  # comparisons in a row with too few echoes, until it is said
 NEAR_SHARE = 0.8  # of the reach, within which a wall of the map must return an echo
 MIN_EXPECTED = 20  # beams that must meet a wall of the map, for a comparison
 MIN_ECHO_SHARE = 0.15  # of them that must return: walls may be black, glass, hidden, or above the scan plane
+FEW_SILENT = (1.0 - MIN_ECHO_SHARE) * MIN_EXPECTED  # beams: no more without an echo are never too many
 
 
 class LidarWatch:
@@ -55,13 +56,18 @@ class LidarWatch:
 
     def _compare(self, lidar: Lidar, robot: Robot, grid: GridMap) -> None:
         scan = lidar.scan()
+        looking = ~lidar.spec.masked(scan.angles)
+        returned = np.isfinite(scan.ranges)
+        if np.count_nonzero(looking & ~returned) <= FEW_SILENT:
+            self._silent_looks = 0
+            return
         map_T_sensor = robot.pose.compose(scan.base_T_sensor)
         expected = expected_echoes(grid, map_T_sensor, scan.angles, NEAR_SHARE * lidar.spec.reach_m)
-        expected &= ~lidar.spec.masked(scan.angles)
+        expected &= looking
         count = int(expected.sum())
         if count < MIN_EXPECTED:
             return
-        echoes = int(np.isfinite(scan.ranges[expected]).sum())
+        echoes = int((returned & expected).sum())
         self._silent_looks = 0 if echoes >= MIN_ECHO_SHARE * count else self._silent_looks + 1
         if self._silent_looks >= LOOKS:
             walls = f"of {count} beams that meet a wall of the map within its reach {echoes} return"

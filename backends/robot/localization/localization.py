@@ -439,8 +439,9 @@ def worst_sigmas(covariance: NDArray[np.float64]) -> tuple[float, float]:
     Args:
         covariance: (3, 3) of x, y in [m] and heading in [rad].
     """
-    worst = float(np.linalg.eigvalsh(covariance[:2, :2])[-1])
-    return math.sqrt(max(0.0, worst)), math.sqrt(max(0.0, float(covariance[2, 2])))
+    (xx, _, _), (xy, yy, _), (_, _, turn) = covariance.tolist()
+    worst = 0.5 * (xx + yy) + math.hypot(0.5 * (xx - yy), xy)
+    return math.sqrt(max(0.0, worst)), math.sqrt(max(0.0, turn))
 
 
 def repeatability_of(covariance: NDArray[np.float64], map_error: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -458,8 +459,18 @@ def _beams(lidar: Lidar) -> Beams:
 
 def _without(covariance: NDArray[np.float64], part: NDArray[np.float64]) -> NDArray[np.float64]:
     """Subtract a part (3, 3) of a covariance (3, 3); no variance of what is left is negative."""
-    variances, axes = np.linalg.eigh(covariance - part)
+    rest = covariance - part
+    if _is_positive(rest):
+        return rest
+    variances, axes = np.linalg.eigh(rest)
     return np.asarray((axes * np.maximum(variances, 0.0)) @ axes.T)
+
+
+def _is_positive(matrix: NDArray[np.float64]) -> bool:
+    """Return whether a symmetric matrix (3, 3) has no variance of 0 or below: its leading minors."""
+    (a, _, _), (b, c, _), (d, e, f) = matrix.tolist()
+    block = a * c - b * b
+    return bool(a > 0.0 and block > 0.0 and f * block > a * e * e - 2.0 * b * d * e + c * d * d)
 
 
 def _turned(heading: float) -> NDArray[np.float64]:

@@ -7,6 +7,7 @@ at the centre: measured from the cells' edges a pose comes out twice as wrong.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import cv2
 import numpy as np
@@ -14,6 +15,15 @@ from numpy.typing import NDArray
 
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.numerics.compiled import compiled
+
+
+class Reading(NamedTuple):
+    """What a likelihood field says of points."""
+
+    distances: NDArray[np.float64]
+    """(n,) in [m] to the nearest surface; inf outside the map."""
+    slopes: NDArray[np.float64]
+    """(n, 2) of the distances, along x and y."""
 
 
 class LikelihoodField:
@@ -38,10 +48,10 @@ class LikelihoodField:
         ]
         return distances
 
-    def slopes(self, points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Distances (n,) in [m] as `read` gives them, and their slopes (n, 2) along x and y."""
+    def reading(self, points: NDArray[np.float64]) -> Reading:
+        """Distances as `read` gives them, and their slopes."""
         readings = read_field(self.distance, self.map.occupied, self._scaled(points))
-        return readings[:, 0], readings[:, 1:3] / self.map.resolution
+        return Reading(readings[:, 0], readings[:, 1:3] / self.map.resolution)
 
     def _scaled(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Column and row (n, 2), cell centres at whole numbers."""
@@ -70,3 +80,15 @@ def read_field(
         out[i, 2] = (c - a) * (1 - u) + (d - b) * u
         out[i, 3] = occupied[int(row + v + 0.5), int(column + u + 0.5)]
     return out
+
+
+@compiled
+def distance_at(distance: NDArray[np.float32], u: float, v: float) -> float:
+    """Distance as `read_field` has it, at column `u` and row `v`."""
+    column, row = math.floor(u), math.floor(v)
+    if not (0 <= column < distance.shape[1] - 1 and 0 <= row < distance.shape[0] - 1):
+        return np.inf
+    u, v = u - column, v - row
+    a, b = distance[row, column], distance[row, column + 1]
+    c, d = distance[row + 1, column], distance[row + 1, column + 1]
+    return float((a * (1 - u) + b * u) * (1 - v) + (c * (1 - u) + d * u) * v)

@@ -291,9 +291,10 @@ class ScanLocalizer(Localizer):
         slip_variance = errors.slip**2 * self.slip.factor * errors.slip_length
         self.way.roll(0.5 * (left + right), slip_variance * (abs(left) + abs(right)) / 4.0)
         self._rolled = (self._rolled[0] + left, self._rolled[1] + right)
-        x, y, heading = self._map_error
-        moved = np.outer((before.y - self.pose.y, self.pose.x - before.x), heading)
-        self._map_error = np.vstack([x + moved[0], y + moved[1], heading])
+        error = self._map_error.copy()  # the one of the last match stays as it is
+        error[0] += (before.y - self.pose.y) * error[2]
+        error[1] += (self.pose.x - before.x) * error[2]
+        self._map_error = error
 
     @property
     def lost(self) -> bool:

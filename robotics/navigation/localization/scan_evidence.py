@@ -15,17 +15,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.numerics.compiled import compiled
 
-from .likelihood_field import LikelihoodField
+from .likelihood_field import Reading, distance_at
 
 SHIFTS = np.array([2.6, 3.3, 4.3, 5.2])  # cells, each way: more than one, and no multiples of each other
 MIN_SHARE = 0.12  # of the rise that the slopes claim; less is grain: up to 0.10 along a diagonal wall
 PLAIN_SHARE = 0.8  # of it; no less, and there is no need to look closer
 FAN_STEP = math.radians(2.0)
 FAN = FAN_STEP * np.arange(-8, 9)  # [rad] from the direction that the slopes give: grain turns it
+FIT_PARABOLA = np.linalg.pinv(np.vander(FAN_STEP * np.arange(-2, 3), 3))  # (3, 5): squares, slope, constant
 FAN_POINTS = 120  # points by which those directions are compared
 MIN_POINTS = 5.0  # points on a wall across the direction that the cost has to rise by
-
+NO_SLOPES = np.empty((0, 2))
 SAME = 0.7  # cosine of two directions that are about the same
 
 Array = NDArray[np.float64]
@@ -43,32 +46,39 @@ class Evidence(NamedTuple):
 
 
 def weakest_evidence(
-    field: LikelihoodField, points: Array, pose: Pose2, information: Array, scale: float, noise: float
+    grid: GridMap,
+    distance: NDArray[np.float32],
+    points: Array,
+    reading: Reading,
+    pose: Pose2,
+    information: Array,
+    scale: float,
+    noise: float,
 ) -> Evidence:
     """Shift a scan along the direction that it determines worst, and see whether its cost rises.
 
     Args:
-        field: of the map.
-        points: (n, 2) where beams ended, in the base frame, in [m].
+        grid: the map.
+        distance: (h, w) of its cells to the nearest surface, in [m].
+        points: (n, 2) where beams ended, on the map, in [m].
+        reading: of the likelihood field at the points.
         pose: map_T_base that fits best.
         information: (3, 3) of the scan alone, of x, y in [m] and heading in [rad].
         scale: of the robust cost, in [m].
         noise: sigma of a point's distance, in [m].
     """
     lever = information[:2, 2] / max(float(information[2, 2]), 1e-9)
-    inner = information[:2, :2] - np.outer(lever, information[2, :2])
-    _, axes = np.linalg.eigh(inner)
-    direction = axes[:, 0]
-    seen = pose.apply(points)
-    distances, slopes = field.slopes(seen)
-    used = distances < 4.0 * scale
+    inner = information[:2, :2] - lever[:, None] * information[2, :2]
+    direction = _weakest_axis(inner)
+    used = reading.distances < 4.0 * scale
     if not used.any():
         return Evidence(direction, 0.0)
-    shifted = _Shifted(field, seen[used], np.array(pose[:2]), distances[used], lever, scale)
-    across, claimed = shifted.rise(direction, slopes[used])
+    near = reading.distances[used], reading.slopes[used]
+    shifted = _Shifted(grid, distance, points[used], *near, np.array(pose[:2]), lever, scale)
+    across, claimed = shifted.rise(direction)
     if across < PLAIN_SHARE * claimed:
         direction = shifted.flattest(direction)
-        across, claimed = shifted.rise(direction, slopes[used])
+        across, claimed = shifted.rise(direction)
     if across < max(MIN_POINTS, MIN_SHARE * claimed):
         return Evidence(direction, 0.0)
     by_slopes = float(direction @ inner @ direction) * noise**2
@@ -76,62 +86,125 @@ def weakest_evidence(
     return Evidence(direction, share, max(0.0, across - by_slopes) / noise**2)
 
 
+def _weakest_axis(information: Array) -> Array:
+    """Return the unit vector (2,) along which an information (2, 2) is least: its eigenvector."""
+    (xx, _), (xy, yy) = information.tolist()
+    strongest = 0.5 * math.atan2(2.0 * xy, xx - yy)
+    return np.array([-math.sin(strongest), math.cos(strongest)])
+
+
 class _Shifted(NamedTuple):
     """A scan that is shifted about on a map, its heading following."""
 
-    field: LikelihoodField
+    grid: GridMap
+    distance: NDArray[np.float32]
+    """(h, w) of the map's cells to the nearest surface, in [m]."""
     points: Array
     """(m, 2) on the map, in [m]."""
-    middle: Array
-    """(2,) the base, in [m]."""
     distances: Array
     """(m,) of the points as they are, in [m]."""
+    slopes: Array
+    """(m, 2) of the distances, along x and y."""
+    middle: Array
+    """(2,) the base, in [m]."""
     lever: Array
     """(2,) by which the heading turns back with a shift, in [rad/m]."""
     scale: float
 
-    def rise(self, direction: Array, slopes: Array) -> tuple[float, float]:
-        """Rise of the cost along a direction (2,), as it is seen and as the slopes (m, 2) claim it.
+    def rise(self, direction: Array) -> tuple[float, float]:
+        """Rise of the cost along a direction (2,), as it is seen and as the slopes claim it.
 
         Both as a number of points: those on a wall straight across that would make it rise as much. The least
         of several shifts counts: grain that lies as before after one of them doesn't after another.
         """
-        steps = SHIFTS * self.field.map.resolution
-        one = 2.0 * _cost(steps, self.scale)
-        along = (slopes * self._ways(direction, self.points)).sum(axis=1)
-        claimed = 2.0 * _cost(steps[:, None] * np.abs(along), self.scale).sum(axis=1)
-        return float((self._rises(direction[None], 1)[0] / one).min()), float((claimed / one).min())
+        seen, claimed, one = self._rises(direction[None], 1, self.slopes)[0].T
+        return float((seen / one).min()), float((claimed / one).min())
 
     def flattest(self, direction: Array) -> Array:
         """Direction (2,) near this one along which the cost rises least: that of the walls."""
         cos, sin = np.cos(FAN), np.sin(FAN)
         x, y = direction
         rays = np.column_stack([cos * x - sin * y, sin * x + cos * y])
-        rises = self._rises(rays, max(1, len(self.points) // FAN_POINTS)).sum(axis=1)
+        rises = self._rises(rays, max(1, len(self.points) // FAN_POINTS), NO_SLOPES)[:, :, 0].sum(axis=1)
         least = int(np.clip(np.argmin(rises), 2, len(FAN) - 3))
-        near = slice(least - 2, least + 3)
-        bend, slope, _ = np.polyfit(FAN[near] - FAN[least], rises[near], 2)
-        off = np.clip(-0.5 * slope / bend, -FAN_STEP, FAN_STEP) if bend > 0.0 else 0.0
+        bend, slope, _ = FIT_PARABOLA @ rises[least - 2 : least + 3]
+        off = min(FAN_STEP, max(-FAN_STEP, -0.5 * slope / bend)) if bend > 0.0 else 0.0
         turned = float(FAN[least] + off)
         return np.array(
             [math.cos(turned) * x - math.sin(turned) * y, math.sin(turned) * x + math.cos(turned) * y]
         )
 
-    def _ways(self, direction: Array, points: Array) -> Array:
-        """(m, 2) by which each point moves, for each metre that the base does."""
-        arm = points - self.middle
-        return np.asarray(
-            direction - float(self.lever @ direction) * np.column_stack([-arm[:, 1], arm[:, 0]])
-        )
+    def _rises(self, rays: Array, every: int, slopes: Array) -> Array:
+        """See `rises`: along directions (k, 2), by every so manieth point."""
+        grid = self.grid
+        steps, corner = SHIFTS * grid.resolution, (grid.origin_x, grid.origin_y)
+        where = rays, steps, every, corner, grid.resolution, self.distance, self.points, self.distances
+        return rises(*where, slopes, self.middle, self.lever, self.scale)
 
-    def _rises(self, rays: Array, every: int) -> Array:
-        """Rise of the cost (k, n) along directions (k, 2), forth and back, by every so manieth point."""
-        steps, points = SHIFTS * self.field.map.resolution, self.points[::every]
-        ways = np.array([self._ways(ray, points) for ray in rays])
-        moved = points + np.array([-steps, steps])[:, None, :, None, None] * ways[:, None]
-        after = _cost(self.field.read(moved.reshape(-1, 2)), self.scale)
-        before = 2.0 * _cost(self.distances[::every], self.scale).sum()
-        return np.asarray(after.reshape(2, len(rays), len(steps), -1).sum(axis=(0, 3)) - before)
+
+@compiled
+def rises(
+    rays: Array,
+    steps: Array,
+    every: int,
+    origin: tuple[float, float],
+    resolution: float,
+    distance: NDArray[np.float32],
+    points: Array,
+    distances: Array,
+    slopes: Array,
+    middle: Array,
+    lever: Array,
+    scale: float,
+) -> Array:
+    """Return by how much the cost of a scan rises as it is shifted along directions, forth and back.
+
+    Args:
+        rays: (k, 2) unit vectors.
+        steps: (n,) by which it is shifted, in [m].
+        every: so manieth point counts.
+        origin: lower-left corner of the map, in [m].
+        resolution: side of a cell, in [m].
+        distance: (h, w) of the cells to the nearest surface, in [m].
+        points: (m, 2) of the scan on the map, in [m].
+        distances: (m,) of the points to the nearest surface, in [m].
+        slopes: (m, 2) of the distances; empty where nobody asks what they claim.
+        middle: (2,) the base, in [m].
+        lever: (2,) by which the heading turns back, in [rad/m].
+        scale: of the robust cost, in [m].
+
+    Returns:
+        (k, n, 3) in [m²]: the rise as it is seen, as the slopes claim it, and that of one point on a wall
+        straight across.
+    """
+    out = np.empty((len(rays), len(steps), 3))
+    for k in range(len(rays)):
+        turn = lever[0] * rays[k, 0] + lever[1] * rays[k, 1]
+        for j in range(len(steps)):
+            out[k, j, 0], out[k, j, 1], out[k, j, 2] = 0.0, 0.0, 2.0 * _cost(steps[j], scale)
+        for i in range(0, len(points), every):
+            x = rays[k, 0] + turn * (points[i, 1] - middle[1])  # moved by, for each metre of the base
+            y = rays[k, 1] - turn * (points[i, 0] - middle[0])
+            before = 2.0 * _cost(distances[i], scale)
+            u = (points[i, 0] - origin[0]) / resolution - 0.5
+            v = (points[i, 1] - origin[1]) / resolution - 0.5
+            for j in range(len(steps)):
+                cells = steps[j] / resolution
+                forth = _cost(distance_at(distance, u + cells * x, v + cells * y), scale)
+                back = _cost(distance_at(distance, u - cells * x, v - cells * y), scale)
+                out[k, j, 0] += forth + back - before
+            if len(slopes):
+                slope = abs(slopes[i, 0] * x + slopes[i, 1] * y)
+                for j in range(len(steps)):
+                    out[k, j, 1] += 2.0 * _cost(steps[j] * slope, scale)
+    return out
+
+
+@compiled
+def _cost(distance: float, scale: float) -> float:
+    """Cost of Geman and McClure, in [m²]: of a point beyond the map that of one far off."""
+    square = min(distance, 1e3 * scale) ** 2
+    return square / (1.0 + square / scale**2)
 
 
 def confirmed(seen: Evidence, before: Evidence | None) -> Evidence:
@@ -153,9 +226,3 @@ def unrelated(covariance: Array, seen: Evidence) -> Array:
     ray = np.array([*seen.direction, 0.0])
     rest = np.eye(3) - np.outer(ray, ray)
     return np.asarray(rest @ covariance @ rest + float(ray @ covariance @ ray) * np.outer(ray, ray))
-
-
-def _cost(distances: Array, scale: float) -> Array:
-    """Cost of Geman and McClure, in [m²]: of points beyond the map that of points far off."""
-    squares = np.minimum(distances, 1e3 * scale) ** 2
-    return np.asarray(squares / (1.0 + squares / scale**2))

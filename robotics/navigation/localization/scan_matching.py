@@ -126,17 +126,21 @@ def match_scan(
 
     for scale in (*ANNEALED, final) if anneal else (3.0 * final, final):
         found, hessian = descend(information if scale <= final or not anneal else 0.0 * information, scale)
+    pose, residuals = Pose2(*found.tolist()), np.empty(0)
     if len(points):
+        on_map = pose.apply(points)
+        reading = field.reading(on_map)
+        residuals = reading.distances
         evidence = weakest_evidence(
-            field, points, Pose2(*found.tolist()), hessian - information, final, noise
+            grid, field.distance, on_map, reading, pose, hessian - information, final, noise
         )
         seen = confirmed(evidence, before)
         if seen.share < 1.0:
             information = _inverse(unrelated(prior_covariance, seen))
             found, hessian = descend(information, final)
-        hessian[:2, :2] += seen.more * np.outer(seen.direction, seen.direction)
-    pose = Pose2(*found.tolist())
-    residuals = field.read(pose.apply(points)) if len(points) else np.empty(0)
+            pose = Pose2(*found.tolist())
+            residuals = field.read(pose.apply(points))
+        hessian[:2, :2] += seen.more * seen.direction[:, None] * seen.direction
     inliers = float(np.mean(residuals < INLIER * noise)) if len(points) else 0.0
     fit = np.asarray(np.linalg.inv(hessian + 1e-9 * np.eye(3)), dtype=np.float64)
     kept = fit @ information

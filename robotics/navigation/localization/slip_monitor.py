@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from typing import ClassVar
 
-import numpy as np
-
 WINDOW_M = 0.3  # travel of a wheel over which the turn is compared: scan noise counts for little
 MAX_WINDOWS = 10
 MIN_WINDOWS = 3
@@ -33,7 +31,7 @@ class SlipMonitor:
         """By how much the variance of slip is larger than claimed; at least 1."""
         if len(self._ratios) < MIN_WINDOWS:
             return 1.0
-        return float(np.clip(np.mean(self._ratios), 1.0, MAX_FACTOR))
+        return min(MAX_FACTOR, max(1.0, math.fsum(self._ratios) / len(self._ratios)))
 
     @property
     def begun(self) -> bool:

@@ -9,6 +9,9 @@ from handcart.robotics.geometry.pose2 import Pose2
 
 from .grid_map import GridMap
 
+STEPS = 32
+"""Cells by which beams are followed at a time."""
+
 
 def expected_echoes(
     grid: GridMap, map_T_sensor: Pose2, angles: NDArray[np.float64], reach: float
@@ -24,13 +27,22 @@ def expected_echoes(
     Returns:
         (n,).
     """
-    along = np.arange(grid.resolution, reach, grid.resolution)
+    along = np.arange(grid.resolution, reach, grid.resolution) / grid.resolution
     turned = angles + map_T_sensor.theta
-    x = map_T_sensor.x + np.outer(np.cos(turned), along)
-    y = map_T_sensor.y + np.outer(np.sin(turned), along)
-    rows, columns = grid.to_cell(np.column_stack([x.ravel(), y.ravel()])).T
+    column = (map_T_sensor.x - grid.origin_x) / grid.resolution
+    row = (map_T_sensor.y - grid.origin_y) / grid.resolution
+    met = np.zeros(len(angles), np.bool_)
+    for near in range(0, len(along), STEPS):  # most beams meet a wall near by, and are followed no farther
+        left = np.flatnonzero(~met)
+        steps = along[near : near + STEPS, None]
+        columns, rows = column + steps * np.cos(turned[left]), row + steps * np.sin(turned[left])
+        met[left] = _occupied(grid, rows, columns).any(axis=0)
+    return met
+
+
+def _occupied(grid: GridMap, rows: NDArray[np.float64], columns: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Return whether positions (n, m) in cells from the corner are in occupied cells; none beyond the map."""
     height, width = grid.occupied.shape
-    inside = (rows >= 0) & (rows < height) & (columns >= 0) & (columns < width)
-    met = np.zeros(len(rows), np.bool_)
-    met[inside] = grid.occupied[rows[inside], columns[inside]]
-    return np.asarray(met.reshape(x.shape).any(axis=1))
+    inside: NDArray[np.bool_] = (rows >= 0.0) & (rows < height) & (columns >= 0.0) & (columns < width)
+    inside[inside] = grid.occupied[rows[inside].astype(np.int64), columns[inside].astype(np.int64)]
+    return inside
