@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Mapping
+from functools import lru_cache
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -124,13 +125,31 @@ def _package_folder(point: EntryPoint) -> Path | None:
 def _may_have(folder: str, section: str) -> bool:
     """Whether an entry of Python's path may hold a package with that section; of archives nobody knows."""
     try:
-        names = os.listdir(folder)
+        changed = os.stat(folder).st_mtime_ns
+        return any(section in text for text in _entry_points_in(folder, changed))
     except NotADirectoryError:
         return True
     except OSError:
         return False
-    infos = (name for name in names if name.endswith((".dist-info", ".egg-info")) or name == "EGG-INFO")
-    return any(section in _text(Path(folder, name, "entry_points.txt")) for name in infos)
+
+
+@lru_cache(maxsize=256)
+def _entry_points_in(folder: str, changed: int) -> tuple[str, ...]:
+    """Return what the packages in a folder declare; read again when one was added or removed.
+
+    Args:
+        folder: an entry of Python's path.
+        changed: time of the folder's last change, in [ns].
+
+    Raises:
+        OSError: it is no folder, or cannot be read.
+    """
+    infos = (
+        name
+        for name in os.listdir(folder)
+        if name.endswith((".dist-info", ".egg-info")) or name == "EGG-INFO"
+    )
+    return tuple(filter(None, (_text(Path(folder, name, "entry_points.txt")) for name in infos)))
 
 
 def _text(path: Path) -> str:

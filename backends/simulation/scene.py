@@ -97,6 +97,8 @@ class Scene:
     """Counts the times that a thing was moved: what is derived from their poses asks it."""
     _leant: tuple[tuple[Pose2, tuple[float, float]], Transform] | None = field(default=None, repr=False)
     """The last base and lean asked for, and world_T_base (4, 4): it is asked many times in a period."""
+    _owners: dict[int, tuple[Thing, SceneProps]] = field(default_factory=dict, repr=False)
+    """Things that `props_of` was asked about, by their `id`, and whose they are: asked in each period."""
 
     @cached_property
     def body_plan(self) -> FloorPlan:
@@ -157,7 +159,13 @@ class Scene:
 
     def props_of(self, thing: Thing) -> SceneProps:
         """Of which domain a thing is."""
-        return next(props for props in self.props.values() if any(each is thing for each in props.things()))
+        known = self._owners.get(id(thing))
+        if known is None or known[0] is not thing:
+            owner = next(
+                props for props in self.props.values() if any(each is thing for each in props.things())
+            )
+            known = self._owners[id(thing)] = thing, owner
+        return known[1]
 
     def riding(self) -> list[Thing]:
         """What stands on the robot."""

@@ -284,6 +284,9 @@ class ScanLocalizer(Localizer):
 
     @override
     def predict(self, left: float, right: float) -> None:
+        if left == 0.0 and right == 0.0:
+            super().predict(left, right)
+            return
         before, errors, tread = self.pose, self._odometry.errors, self._odometry.tread
         self._odometry.slip_factor = self.slip.factor
         super().predict(left, right)

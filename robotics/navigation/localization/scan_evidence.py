@@ -204,7 +204,7 @@ def rises(
 def _cost(distance: float, scale: float) -> float:
     """Cost of Geman and McClure, in [m²]: of a point beyond the map that of one far off."""
     square = min(distance, 1e3 * scale) ** 2
-    return square / (1.0 + square / scale**2)
+    return square * scale**2 / (scale**2 + square)
 
 
 def confirmed(seen: Evidence, before: Evidence | None) -> Evidence:
