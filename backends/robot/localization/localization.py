@@ -469,8 +469,8 @@ def _without(covariance: NDArray[np.float64], part: NDArray[np.float64]) -> NDAr
 def _is_positive(matrix: NDArray[np.float64]) -> bool:
     """Return whether a symmetric matrix (3, 3) has no variance of 0 or below: its leading minors."""
     (a, _, _), (b, c, _), (d, e, f) = matrix.tolist()
-    block = a * c - b * b
-    return bool(a > 0.0 and block > 0.0 and f * block > a * e * e - 2.0 * b * d * e + c * d * d)
+    minor = a * c - b * b
+    return bool(a > 0.0 and minor > 0.0 and f * minor > a * e * e - 2.0 * b * d * e + c * d * d)
 
 
 def _turned(heading: float) -> NDArray[np.float64]:
