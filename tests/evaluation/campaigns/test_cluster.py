@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 import socket
 import subprocess
@@ -20,6 +21,7 @@ from distributed import Client
 
 from benchmarks.campaigns.walk import walk
 from handcart.evaluation.campaigns import cluster as module
+from handcart.evaluation.campaigns import scheduler_check
 from handcart.evaluation.campaigns.campaign import run_campaign
 from handcart.evaluation.campaigns.campaign_setting import CampaignSetting
 from handcart.evaluation.campaigns.cluster import Cluster, ClusterLost, TrialThere
@@ -184,6 +186,30 @@ def _answer_with(server: socket.socket, sent: bytes) -> None:
             line, _ = server.accept()
             stack.enter_context(line)
             line.sendall(sent)
+
+
+@pytest.mark.parametrize(
+    ("said", "wrong"),
+    [
+        ({"type": "Scheduler", "id": "x"}, None),
+        ({"type": "Worker"}, "what answers there is no scheduler: 'Worker'; allowed"),
+        ({"id": "x"}, "what answers there is no scheduler: {'id': 'x'}; allowed"),
+        ("Scheduler", "what answers there is no scheduler: 'Scheduler'; allowed"),
+    ],
+)
+def test_only_who_says_that_it_is_a_scheduler_is_one(
+    monkeypatch: pytest.MonkeyPatch, said: object, wrong: str | None
+) -> None:
+    async def identity(address: str, timeout: float) -> object:
+        assert (address, timeout) == ("tcp://10.0.0.1:1", 2.0)
+        return said
+
+    monkeypatch.setattr(scheduler_check, "_identity", identity)
+    if wrong is None:
+        check_scheduler("tcp://10.0.0.1:1", 2.0)
+        return
+    with pytest.raises(NoScheduler, match=re.escape(wrong)):
+        check_scheduler("tcp://10.0.0.1:1", 2.0)
 
 
 @pytest.mark.parametrize("content", ["", "[]", '{"address": 3}', '{"address": "carrier pigeon"}'])

@@ -6,6 +6,8 @@ import itertools
 from collections.abc import Callable
 from pathlib import Path
 from random import Random
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
@@ -59,6 +61,27 @@ def test_a_plan_that_makes_no_sense_is_refused(tmp_path: Path, line: str, wrong:
         load_faults(path)
     assert wrong in str(refused.value)
     assert "faults.yaml:3:" in str(refused.value)
+
+
+def test_each_is_injected_once_it_is_due_and_what_it_changed_is_kept(plan: Path) -> None:
+    observer, injected = InjectedFaults(load_faults(plan), 1), list[str]()
+    observer._coming, observer._next = observer._coming[:2], observer._next[:2]
+    backend: Any = SimpleNamespace(asked=False, bitten=0, inject=lambda fault: injected.append(str(fault)))
+    observer.end()
+    assert observer.injected == []
+    observer._backend = backend
+    for period in range(1, 81):
+        robot: Any = SimpleNamespace(time=period * 0.1)
+        backend.asked = False
+        observer.period(robot)
+        assert backend.asked
+        backend.bitten += 1 if period < 50 else 0
+    observer.end()
+    assert [(each["at_s"], each["bitten"]) for each in observer.injected] == [(2.0, 10), (3.0, 20), (6.0, 0)]
+    assert injected == [each["fault"] for each in observer.injected]
+    late: Any = SimpleNamespace(time=30.0)  # of several instants that have passed one counts
+    observer.period(late)
+    assert [each["at_s"] for each in observer.injected] == [2.0, 3.0, 6.0, 30.0]
 
 
 @pytest.mark.slow

@@ -79,6 +79,7 @@ def test_a_lost_connection_changes_nothing_of_a_run(console: Served, live: LiveR
 
 
 def test_the_command_is_free_some_time_after_its_page_is_gone() -> None:
+    assert GONE_S == 10.0
     clock = Clock()
     lease = Lease(clock)
     lease.connected("a")

@@ -11,7 +11,9 @@ from typing import Any
 import orjson
 import pytest
 
+from handcart.files.errors import InputError
 from handcart.tools.console import kept_details as module
+from handcart.tools.console import run_details as details_module
 from handcart.tools.console.kept_details import KeptDetails
 from handcart.tools.console.run_details import RunDetails
 
@@ -62,6 +64,15 @@ def test_pictures_are_listed_by_their_action_and_no_other_files(ran: Path, tmp_p
         (2, "evidence/002_c.png"),
         (10, "evidence/010_b.jpg"),
     ]
+
+
+def test_what_a_permission_means_is_unknown_in_one_line(ran: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refused(*_: object) -> None:
+        raise InputError("the first thing\nthe second")
+
+    monkeypatch.setattr(details_module, "load_task", refused)
+    details = RunDetails(ran, alive=True)
+    assert details.after("at_home", 0) == {"unknown": "the first thing"}
 
 
 class Reader:

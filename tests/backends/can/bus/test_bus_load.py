@@ -5,6 +5,8 @@ from __future__ import annotations
 import pytest
 
 from handcart.backends.can.bus.bus_load import BusLoad, CyclicFrame, frame_bits
+from handcart.backends.can.bus.cyclic_frames import cyclic_frames
+from handcart.backends.description.robot_loading import load_robot
 
 
 def stuffed_bits(bits: list[int]) -> int:
@@ -33,3 +35,22 @@ def test_load_of_a_bus() -> None:
     assert load.burst_s == pytest.approx(250 / 125_000)
     assert not load.too_much
     assert BusLoad.of(load.frames, 35_000).too_much
+
+
+def test_cyclic_frames_of_a_robot_have_their_ids_lengths_and_times() -> None:
+    cart = load_robot("cart").can
+    assert cart is not None
+    frames = [tuple(each) for each in cyclic_frames(cart, 0.1)]
+    beat = cart.heartbeat_ms / 1e3
+    assert frames == [
+        ("SYNC", 0x080, 0, 0.1),
+        ("heartbeat of this program", 0x77F, 1, 0.1),  # once a period, though it is due more often
+        ("left wheel: command 1", 0x201, 6, 0.1),
+        ("left wheel: answer 1", 0x181, 7, 0.1),
+        ("left wheel: answer 2", 0x281, 8, 0.1),
+        ("left wheel: heartbeat", 0x701, 1, beat),
+        ("right wheel: command 1", 0x202, 6, 0.1),
+        ("right wheel: answer 1", 0x182, 7, 0.1),
+        ("right wheel: answer 2", 0x282, 8, 0.1),
+        ("right wheel: heartbeat", 0x702, 1, beat),
+    ]
