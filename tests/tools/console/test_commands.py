@@ -15,6 +15,8 @@ import orjson
 import pytest
 
 from handcart.networks.journal.journal_record import read_journal
+from handcart.tools.console import handlers as handlers_module
+from handcart.tools.console import lease as lease_module
 from handcart.tools.console.lease import GONE_S, Lease
 from tests.conftest import Clock
 from tests.tools.console.conftest import LIVE, OVER, LiveRun, Served
@@ -99,6 +101,19 @@ def test_the_command_is_free_some_time_after_its_page_is_gone() -> None:
     assert lease.holds("b")
     lease.release("b")
     assert not lease.holds("b")
+
+
+def test_a_page_that_hangs_up_gives_the_command_back(
+    console: Served, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(lease_module, "GONE_S", 0.1)
+    monkeypatch.setattr(handlers_module, "BEAT_S", 0.05)
+    console.take()
+    assert events(console, 1)[0]["lease"] == {"tab": "tab-1", "name": "Ada"}
+    other, end = replace(console, tab="tab-2"), monotonic() + 10.0
+    while other.ask("POST", "/api/lease", {"take": False}).json["lease"]["tab"]:
+        assert monotonic() < end
+        sleep(0.02)
 
 
 @pytest.mark.parametrize("name", ["", "   ", None, 7, "x" * 81])
