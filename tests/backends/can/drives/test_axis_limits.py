@@ -26,7 +26,7 @@ def test_a_wheel_keeps_up_with_driving_and_turning_at_once(robot: RobotFile) -> 
         assert units == AxisUnits(spec.counts_per_m(drive.wheel_radius_m), 0)
 
 
-def test_a_joint_and_the_fingers_have_ramps_quicker_than_their_motions(robot: RobotFile) -> None:
+def test_a_joint_and_the_fingers_have_ramps_quicker_than_motions(robot: RobotFile) -> None:
     assert robot.can is not None
     assert robot.gripper is not None
     assert robot.can.gripper is not None

@@ -11,8 +11,8 @@ from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.saved_state import NotAState
 
-from .conftest import Make
-from .faulty import move
+from ..conftest import Make
+from ..faulty import move
 
 
 def test_state_brings_travel_commands_and_time_back(make: Make, robot: RobotFile) -> None:
