@@ -82,6 +82,7 @@ def write_bag(
     storage: str = "SQLITE3",
     stamp: Stamp = lambda topic, time: BEGUN + time,
     topics: dict[str, str] = TOPICS,
+    compression: str = "NONE",
 ) -> Path:
     """Write a bag of rosbag2; of ROS 1 if `storage` is ROS1.
 
@@ -91,9 +92,10 @@ def write_bag(
         storage: SQLITE3, MCAP or ROS1.
         stamp: returns the header stamp of a message, by topic and time, in [s].
         topics: those to write, each with the type that is declared.
+        compression: what is compressed with zstd: NONE, FILE, MESSAGE, or STORAGE (chunks of MCAP).
     """
     from rosbags.rosbag1 import Writer as Writer1
-    from rosbags.rosbag2 import StoragePlugin
+    from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin
     from rosbags.rosbag2 import Writer as Writer2
     from rosbags.typesys import Stores, get_typestore
 
@@ -102,6 +104,8 @@ def write_bag(
     writer: Any = (
         Writer1(path) if is_ros1 else Writer2(path, version=8, storage_plugin=StoragePlugin[storage])
     )
+    if compression != "NONE":
+        writer.set_compression(CompressionMode[compression], CompressionFormat.ZSTD)
     fixes = dict(zip(drive.fix_rows.tolist(), drive.places, strict=True))
     with writer:
         connections = {

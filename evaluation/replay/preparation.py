@@ -11,6 +11,7 @@ from handcart.robotics.navigation.outdoors.field_noise import FieldNoise
 from .checks.fix_noise import suppose_noise
 from .checks.mirror import check_mirror
 from .checks.mount import axes_rotation, check_mount, mounted
+from .checks.readings import check_readings
 from .checks.tilt import without_tilt_drift
 from .drive_log import DriveLog
 
@@ -39,7 +40,8 @@ def prepare(path: Path, log: DriveLog, noise: FieldNoise, is_known: bool, imu_ax
         FileError: the unit isn't mounted like the base, or the axes are no frame.
     """
     log = _with_axes(path, log, imu_axes)
-    notes = list(log.notes)
+    log, contradictions = check_readings(log)
+    notes = [*log.notes, *contradictions]
     if not is_known:
         log = without_tilt_drift(log)
         noise, log, more = suppose_noise(log, noise)

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from handcart.robotics.navigation.outdoors.field_noise import FieldNoise
 
 BAGS = (".bag", ".db3", ".mcap")
+PACKED_BAGS = tuple(f"{suffix}{packed}" for suffix in BAGS for packed in (".zstd", ".zst"))
 STAMPS = ("header", "receive")
 RUN_LOG = "drive.csv"
 PICTURES = (".svg", ".png", ".pdf")
@@ -146,7 +147,7 @@ def _read(log: Path, nmea: Path | None, reference: str | None, stamps: str, colu
     """The log, whatever it is; of a run's folder, the one in it."""
     if (log / RUN_LOG).is_file():
         log = log / RUN_LOG
-    if log.is_dir() or log.suffix in BAGS:
+    if log.is_dir() or log.name.endswith((*BAGS, *PACKED_BAGS)):
         from handcart.evaluation.replay.bags.bag_log import read_bag_log
 
         if nmea is not None:

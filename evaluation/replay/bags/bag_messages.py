@@ -6,13 +6,15 @@ from collections import Counter
 from collections.abc import Collection, Iterator
 from functools import cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
+from .bag_compression import is_packed, unpacked_file, unpacked_message
 from .bag_recovery import RawMessage, recovered
 
 STORAGES = (".mcap", ".db3", ".bag")
 METADATA = "metadata.yaml"
-ALLOWED = "allowed: rosbag2 (SQLite, MCAP), rosbag1"
+ALLOWED = "allowed: rosbag2 (SQLite, MCAP; also with .zstd), rosbag1"
 
 
 class BagError(Exception):
@@ -49,18 +51,42 @@ def read_bag(path: Path, kinds: Collection[str]) -> Bag:
     the first damage.
 
     Args:
-        path: a folder of rosbag2, or a .mcap, .db3 or .bag file.
+        path: a folder of rosbag2, or a .mcap, .db3 or .bag file, also compressed (.zstd).
         kinds: message types, as `sensor_msgs/msg/Imu`.
 
     Raises:
         BagError: nothing can be read.
     """
     files, notes = _storage_files(path)
-    whole = [path] if path.is_dir() and (path / METADATA).is_file() else files
-    try:
-        return _complete(whole, kinds, notes)
-    except Exception as error:  # a reader of other people's bytes raises whatever they lead it to
-        return _damaged(files, kinds, notes, _first_line(error))
+    is_whole = path.is_dir() and (path / METADATA).is_file()
+    with TemporaryDirectory() as folder:
+        try:
+            return _complete([path] if is_whole else _unpacked(files, Path(folder), notes), kinds, notes)
+        except Exception as error:  # a reader of other people's bytes raises whatever they lead it to
+            notes = notes if is_whole else _storage_files(path)[1]
+            return _damaged(
+                _unpacked(files, Path(folder), notes),
+                kinds,
+                notes,
+                _first_line(error).replace(f"{folder}/", ""),
+            )
+
+
+def has_bag_suffix(path: Path) -> bool:
+    """Return whether a file's name is that of a bag's storage file, packed or not."""
+    return (path.with_suffix("") if is_packed(path) else path).suffix in STORAGES
+
+
+def _unpacked(files: list[Path], folder: Path, notes: list[str]) -> list[Path]:
+    """Return the storage files, those that are compressed as a whole unpacked into a folder."""
+    found = list[Path]()
+    for file in files:
+        words = ""
+        if is_packed(file):
+            file, words = unpacked_file(file, folder)
+        found.append(file)
+        notes += [words] if words else []
+    return found
 
 
 def _storage_files(path: Path) -> tuple[list[Path], list[str]]:
@@ -71,9 +97,10 @@ def _storage_files(path: Path) -> tuple[list[Path], list[str]]:
     """
     if not path.is_dir():
         return [path], []
-    files = sorted(each for each in path.iterdir() if each.suffix in STORAGES and each.is_file())
+    files = sorted(each for each in path.iterdir() if has_bag_suffix(each) and each.is_file())
+    files = [each for each in files if not is_packed(each) or each.with_suffix("") not in files]
     if not files:
-        raise BagError(f"no .mcap, .db3 or .bag file in the folder; {ALLOWED}")
+        raise BagError(f"no .mcap, .db3 or .bag file in the folder, nor one with .zstd; {ALLOWED}")
     if (path / METADATA).is_file():
         return files, []
     return files, [f"the folder has no {METADATA}: its {len(files)} storage files are read as they are"]
@@ -91,7 +118,7 @@ def _complete(paths: list[Path], kinds: Collection[str], notes: list[str]) -> Ba
         for connection, nanoseconds, raw in reader.messages(chosen) if chosen else ():
             kind = connection.msgtype
             try:
-                content = reader.deserialize(raw, kind)
+                content = reader.deserialize(unpacked_message(raw), kind)
             except Exception:  # see `read_bag`
                 unreadable[connection.topic] += 1
                 continue
@@ -136,7 +163,7 @@ def _until_damage(file: Path, notes: list[str]) -> Iterator[RawMessage]:
 def _decoded(raw: RawMessage) -> Any:
     store = _typestore(raw.is_ros1)
     decode = store.deserialize_ros1 if raw.is_ros1 else store.deserialize_cdr
-    return decode(raw.data, raw.kind)
+    return decode(unpacked_message(raw.data), raw.kind)
 
 
 @cache

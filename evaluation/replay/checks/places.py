@@ -41,7 +41,7 @@ def checked_places(latitudes: Array, longitudes: Array, times: Array) -> tuple[A
     ):
         if wrong.any():
             notes.append(_left_out(what, wrong, times))
-    held = _held(latitudes, longitudes, known)
+    held = repeated_rows(latitudes, longitudes)
     if held.any():
         notes.append(_left_out("only repeat the one before", held, times))
     left = outside | zero | away | held
@@ -53,10 +53,15 @@ def _left_out(what: str, wrong: NDArray[np.bool_], times: Array) -> str:
     return f"{int(wrong.sum())} fixes {what}, first after {after:.1f} s; they are left out"
 
 
-def _held(latitudes: Array, longitudes: Array, known: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return (n,) fixes that repeat the one before digit by digit, in rows of at least `HELD`."""
-    rows = np.flatnonzero(known)
-    found = np.zeros(len(known), dtype=bool)
+def repeated_rows(latitudes: Array, longitudes: Array) -> NDArray[np.bool_]:
+    """Return (n,) which fixes repeat the one before digit by digit, in rows of at least `HELD`.
+
+    Args:
+        latitudes: (n,) or any other first coordinate; NaN where there is no fix.
+        longitudes: (n,) or any other second coordinate.
+    """
+    rows = np.flatnonzero(np.isfinite(latitudes) & np.isfinite(longitudes))
+    found = np.zeros(len(latitudes), dtype=bool)
     if len(rows) < HELD:
         return found
     again = (np.diff(latitudes[rows]) == 0.0) & (np.diff(longitudes[rows]) == 0.0)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import IO
 
 import numpy as np
 import pytest
@@ -167,3 +168,51 @@ def test_mutated_bags_are_played_or_refused_in_words(tmp_path: Path) -> None:
         assert status in (0, 2), f"{words}: {err}"
         assert "Traceback" not in err
         assert not is_silent(status, out), words
+
+
+@pytest.mark.parametrize("mode", ["FILE", "MESSAGE"])
+@pytest.mark.parametrize("storage", ["SQLITE3", "MCAP"])
+def test_a_compressed_bag_reads_as_a_plain_one(
+    bags: dict[str, Path], storage: str, mode: str, tmp_path: Path
+) -> None:
+    packed = write_bag(tmp_path / "packed", DRIVE, storage, compression=mode)
+    plain = read_bag_log(bags[storage])
+    assert storage_of(packed).suffix == (".zstd" if mode == "FILE" else storage_of(bags[storage]).suffix)
+    assert same(read_bag_log(packed), plain)
+    assert same(read_bag_log(storage_of(packed)), plain)
+    (packed / "metadata.yaml").unlink()
+    assert same(read_bag_log(packed), plain)
+
+
+def test_a_compressed_bag_cut_off_is_read_up_to_there(tmp_path: Path) -> None:
+    file = storage_of(write_bag(tmp_path / "packed", DRIVE, "SQLITE3", compression="FILE"))
+    file.write_bytes(file.read_bytes()[: file.stat().st_size // 2])
+    log = read_bag_log(file)
+    assert 1.0 < log.times[-1] < 0.8 * DRIVE.times[-1]
+    assert any("cut off" in note for note in log.notes)
+
+
+@pytest.mark.parametrize("compression", ["LZ4", "ZSTD"])
+def test_an_mcap_with_compressed_chunks_is_read(
+    bags: dict[str, Path], compression: str, tmp_path: Path
+) -> None:
+    chunked = tmp_path / "chunked.mcap"
+    with storage_of(bags["MCAP"]).open("rb") as source, chunked.open("wb") as sink:
+        _copy_mcap(source, sink, compression)
+    assert same(read_bag_log(chunked), read_bag_log(bags["MCAP"]))
+
+
+def _copy_mcap(source: IO[bytes], sink: IO[bytes], compression: str) -> None:
+    """Write all messages again, in chunks that are compressed."""
+    from mcap.reader import make_reader
+    from mcap.writer import CompressionType, Writer
+
+    writer, channels = Writer(sink, compression=CompressionType[compression]), dict[int, int]()
+    writer.start("ros2", "test")
+    for schema, channel, message in make_reader(source).iter_messages():
+        if channel.id not in channels:
+            assert schema is not None
+            number = writer.register_schema(schema.name, schema.encoding, schema.data)
+            channels[channel.id] = writer.register_channel(channel.topic, channel.message_encoding, number)
+        writer.add_message(channels[channel.id], message.log_time, message.data, message.publish_time)
+    writer.finish()  # type: ignore[no-untyped-call]

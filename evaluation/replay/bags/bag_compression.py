@@ -1,0 +1,77 @@
+"""Unpack bags that rosbag2 compressed: whole storage files, or each message (zstd, RFC 8878)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import IO
+
+PACKED_SUFFIXES = (".zstd", ".zst")
+MAGIC = b"\x28\xb5\x2f\xfd"
+"""First bytes of a zstd frame; CDR begins with 00."""
+MAX_BYTES = 1 << 36
+"""Of an unpacked file."""
+PIECE = 1 << 20
+
+
+def is_packed(path: Path) -> bool:
+    """Return whether a file is compressed as a whole, by its name."""
+    return path.suffix in PACKED_SUFFIXES
+
+
+def unpacked_file(packed: Path, folder: Path) -> tuple[Path, str]:
+    """Unpack a file into a folder, up to the first damage.
+
+    Args:
+        packed: such as `drive_0.db3.zstd`.
+        folder: in which the unpacked file is written, under its name without the last suffix.
+
+    Returns:
+        The unpacked file, and in words what was wrong (empty if nothing).
+    """
+    from zstandard import ZstdError
+
+    target = folder / packed.with_suffix("").name
+    with packed.open("rb") as source, target.open("wb") as sink:
+        try:
+            _copy_unpacked(source, sink)
+        except (ZstdError, ValueError) as error:
+            return target, f"{packed.name}: damaged ({error}); unpacked up to there"
+    return target, ""
+
+
+def _copy_unpacked(source: IO[bytes], sink: IO[bytes]) -> None:
+    """Copy the content of all frames.
+
+    Raises:
+        ValueError: the last frame is cut off, or more than `MAX_BYTES` come out.
+        zstandard.ZstdError: a frame is damaged.
+    """
+    from zstandard import ZstdDecompressor
+
+    frame, size = ZstdDecompressor().decompressobj(), 0
+    piece = source.read(PIECE)
+    while piece:
+        plain = frame.decompress(piece)
+        size += len(plain)
+        if size > MAX_BYTES:
+            raise ValueError(f"more than {MAX_BYTES >> 30} GB")
+        sink.write(plain)
+        piece = frame.unused_data if frame.eof else b""
+        piece = piece or source.read(PIECE)
+        if frame.eof and piece:
+            frame = ZstdDecompressor().decompressobj()
+    if not frame.eof:
+        raise ValueError("cut off")
+
+
+def unpacked_message(data: bytes) -> bytes:
+    """Return a message's bytes, unpacked where they are a zstd frame.
+
+    Raises:
+        zstandard.ZstdError: the frame is damaged.
+    """
+    if not data.startswith(MAGIC):
+        return data
+    from zstandard import ZstdDecompressor
+
+    return ZstdDecompressor().decompressobj().decompress(data)
