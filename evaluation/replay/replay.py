@@ -183,13 +183,10 @@ def replay(
             sigma, time = float(log.sigmas[row]), float(log.times[row])
             x, y = log.fixes[row].tolist()
             heading = localizer.pose.theta if localizer.heading_known else None
-            jump = (
-                ""
-                if gate is None
-                else gate.refusal(
-                    time, log.fixes[row], localizer.odometry.pose, float(ways[row]), heading, sigma
-                )
-            )
+            jump = ""
+            if gate is not None:
+                way, doubt = float(ways[row]), math.sqrt(float(localizer.covariance[2, 2]))
+                jump = gate.refusal(time, log.fixes[row], localizer.odometry.pose, way, heading, sigma, doubt)
             if jump:
                 fixes.append(ReplayedFix(time, (x, y), False, jump))
             elif time >= latest + NEARLY * period:

@@ -37,7 +37,14 @@ class JumpGate:
         self._since: float | None = None  # [s] when the first fix of a jump came
 
     def refusal(
-        self, time: float, position: Array, odometry: Pose2, way: float, heading: float | None, sigma: float
+        self,
+        time: float,
+        position: Array,
+        odometry: Pose2,
+        way: float,
+        heading: float | None,
+        sigma: float,
+        heading_sigma: float = 0.0,
     ) -> str:
         """Return why a fix isn't believed, in words; empty if it is.
 
@@ -48,6 +55,7 @@ class JumpGate:
             way: that the wheels have driven so far, in [m].
             heading: world's, in [rad]; None while it is open.
             sigma: what the receiver says, an axis, in [m]; NaN if nothing.
+            heading_sigma: of the world's heading, in [rad]: it turns the way since the latest good fix aside.
         """
         turn = None if heading is None else wrap(heading - odometry.theta)
         if not self._good:
@@ -55,7 +63,7 @@ class JumpGate:
             return ""
         latest, _, _, before = self._good[-1]
         off = self._off(position, odometry, way, turn)
-        limit = self._limit(sigma, way - before, time - latest)
+        limit = self._limit(sigma, way - before, time - latest, 0.0 if turn is None else heading_sigma)
         if off > limit and not self._lasts(time):
             return f"jumps {off:.1f} m against wheels and gyros, {limit:.1f} m allowed"
         if off > limit:
@@ -74,13 +82,14 @@ class JumpGate:
         expected = [last + _moved(odometry, then, turn) for _, last, then, _ in self._good]
         return float(np.hypot(*(position - np.mean(expected, axis=0))))
 
-    def _limit(self, sigma: float, way: float, time: float) -> float:
+    def _limit(self, sigma: float, way: float, time: float, heading_sigma: float) -> float:
         if len(self._steps) >= ENOUGH:
             white = float(np.median(self._steps)) / RAYLEIGH / math.sqrt(2.0)
         else:
             white = sigma if math.isfinite(sigma) else self._sigma
         alone = math.sqrt(1.0 + 1.0 / len(self._good)) * white
-        return SIGMAS * math.hypot(alone, WANDER_M * math.sqrt(time)) + SLIP * abs(way)
+        aside = heading_sigma * way
+        return SIGMAS * math.hypot(alone, WANDER_M * math.sqrt(time), aside) + SLIP * abs(way)
 
     def _learn(self, position: Array, odometry: Pose2, turn: float) -> None:
         _, last, then, _ = self._good[-1]
