@@ -11,6 +11,7 @@ import pytest
 from benchmarks.field.foreign import JumpCount, Played, jumps_refused, played
 from benchmarks.field.foreign_logs import SIDEWAYS, ForeignLog, record_foreign
 from handcart.evaluation.replay.checks.fix_noise import suppose_noise, white_error
+from handcart.evaluation.replay.checks.jump_gate import JumpGate
 from handcart.evaluation.replay.checks.mirror import check_mirror
 from handcart.evaluation.replay.checks.mount import axes_rotation, check_mount, mounted
 from handcart.evaluation.replay.checks.tilt import without_tilt_drift
@@ -140,3 +141,14 @@ def test_exchanged_axes_of_the_fixes_show_as_a_mirror_image(name: str) -> None:
     log = UPRIGHT if name == "skid" else recorded(name).log
     assert check_mirror(log, 1.0) == ""
     assert "are exchanged" in check_mirror(log._replace(fixes=log.fixes[:, ::-1]), 1.0)
+
+
+def test_a_doubtful_heading_turns_no_good_fix_into_a_jump() -> None:
+    """A heading 0.2 rad off lays a fix 7 m aside after 35 m."""
+    fix, there = 35.0 * np.array([math.cos(0.2), math.sin(0.2)]), Pose2(35.0, 0.0, 0.0)
+    refused = []
+    for doubt in (math.radians(1.0), math.radians(10.0)):
+        gate = JumpGate(0.5)
+        gate.refusal(0.0, np.zeros(2), Pose2(0.0, 0.0, 0.0), 0.0, 0.0, math.nan, doubt)
+        refused.append(bool(gate.refusal(5.0, fix, there, 35.0, 0.0, math.nan, doubt)))
+    assert refused == [True, False]
