@@ -81,7 +81,7 @@ def main() -> None:
     parser.add_argument("--limit-s", type=int, default=60, help="of a processor's time for one")
     parser.add_argument("--build", default="kinematic", help="backends that robots are built on, or none")
     given = parser.parse_args()
-    folders = given.folders or [ROBOTS, Path(str(find_spec("pybullet_data").submodule_search_locations[0]))]  # type: ignore
+    folders = given.folders or [ROBOTS, *_package_folders("pybullet_data")]
     backends = tuple(each for each in given.build.split(",") if each not in ("", "none"))
     with tempfile.TemporaryDirectory(prefix="urdfs-", dir=os.environ.get("TMPDIR")) as scratch:
         copies = [_linked(each, Path(scratch) / str(n)) for n, each in enumerate(folders)]
@@ -89,6 +89,12 @@ def main() -> None:
             each._replace(backends=backends) for each in _cases(copies, given.mutants, given.most, given.seed)
         ]
         sys.exit(_look(cases, given.jobs, given.limit_s))
+
+
+def _package_folders(name: str) -> list[Path]:
+    """Return the folders of an installed package; none where it is not installed."""
+    spec = find_spec(name)
+    return [Path(each) for each in (spec.submodule_search_locations or ())] if spec is not None else []
 
 
 def _linked(folder: Path, target: Path) -> Path:
