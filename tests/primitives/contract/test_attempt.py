@@ -10,10 +10,11 @@ import numpy as np
 import pytest
 
 from handcart.backends.capabilities.arm import Arm
-from handcart.backends.capabilities.base import Base
+from handcart.backends.capabilities.base import Base, WheelTravel
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.books.books import Books
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.contract.attempt import PUSHED
 from handcart.primitives.contract.discrepancy import Discrepancy, NeedsPerson
 from handcart.primitives.contract.outcome import Fail, GiveUp, Success
 from handcart.primitives.knowledge.world_model import ModelView, UndeclaredAccess
@@ -58,6 +59,49 @@ class Wave(ActionPrimitive):
     def finish(self, robot: Robot, model: ModelView) -> Periods:
         yield
         self.found(finished=1)
+
+
+class WithdrawsBadly(Wave):
+    """Can't withdraw after its point of no return."""
+
+    def finish(self, robot: Robot, model: ModelView) -> Periods:
+        yield
+        raise ValueError("it is stuck")
+
+
+class NotYet(Wave):
+    """Must not start, or is pushed while it is looked at whether it may."""
+
+    stage: str
+
+    def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
+        match self.stage:
+            case "precondition":
+                return "the lamp is missing"
+            case "unmet raises":
+                raise ValueError("nobody knows")
+        robot.localization.displacements += 1
+        return ""
+
+
+class Thinks(ActionPrimitive):
+    """Learns something for a period, and ends as told."""
+
+    end: str
+    only_knowledge: ClassVar = True
+
+    def motion(self, robot: Robot, model: ModelView) -> Periods:
+        yield
+        match self.end:
+            case "discrepancy":
+                raise Discrepancy("it makes no sense")
+            case "for good":
+                raise Discrepancy("it never will", permanent=True)
+            case "a fault":
+                raise ZeroDivisionError("division by zero")
+            case "a person":
+                raise NeedsPerson("who knows")
+        self.found(thought=1)
 
 
 class Blind(Wave):
@@ -148,11 +192,26 @@ def at(rig: Any) -> tuple[float, ...]:
     return (*rig.scene.base, *rig.robot.arm.command())
 
 
+def count_stops(rig: Any) -> list[float]:
+    """When the robot is told to stop from now on, by its time."""
+    stops: list[float] = []
+    stop = rig.robot.stop
+
+    def noted() -> None:
+        stops.append(rig.robot.time)
+        stop()
+
+    rig.robot.stop = noted
+    return stops
+
+
 def test_success_carries_what_was_found(make_rig: Callable[..., Rig]) -> None:
     rig = make_rig()
     outcome = rig.run(Wave())
     assert outcome == Success({"swings": 1})
     assert rig.restored == []
+    assert rig.robot.time == pytest.approx(1.5)  # 20 periods of motion, 5 at rest before and after
+    assert rig.robot.failed_from is None
 
 
 @pytest.mark.parametrize(
@@ -228,10 +287,105 @@ def test_an_object_that_is_not_where_it_was_is_for_a_person(make_rig: Callable[.
 def test_a_restore_that_misses_is_tried_again_by_the_framework(make_rig: Callable[..., Rig]) -> None:
     rig = make_rig()
     outcome = rig.run(Stubborn())
-    assert isinstance(outcome, GiveUp | Fail)
-    assert rig.robot.pose.distance(rig.robot.pose) == 0.0
-    if isinstance(outcome, GiveUp):  # the arm isn't brought back by regulating the base
-        assert "joints_deg" in outcome.reason
+    assert isinstance(outcome, GiveUp)  # the arm isn't brought back by regulating the base
+    assert outcome.reason.startswith("the wave was not answered; and not restored: joints_deg ")
+    assert "base" not in outcome.reason
+    assert rig.restored == ["the wave was not answered"]
+    assert outcome.residuals["base_mm"] < 25.0
+
+
+def test_withdrawing_that_fails_is_told_beside_what_failed_before(make_rig: Callable[..., Rig]) -> None:
+    primitive = WithdrawsBadly(end="no return")
+    outcome = make_rig().run(primitive)
+    assert outcome == GiveUp(
+        "the wave was not answered; and withdrawing: ValueError: it is stuck; "
+        "after a point of no return (it waved)"
+    )
+    first, second = primitive.evidence.causes
+    assert (first.check, first.restoring, first.fault) == ("motion", False, "")
+    assert (second.check, second.restoring, second.fault) == ("finish", True, "ValueError")
+    assert (first.calls, second.calls) == (("Wave.motion",), ("WithdrawsBadly.finish",))
+
+
+@pytest.mark.parametrize(
+    ("stage", "reason", "check"),
+    [
+        ("precondition", "the lamp is missing", "precondition"),
+        ("unmet raises", "ValueError: nobody knows", "framework"),
+    ],
+)
+def test_nothing_moves_before_the_start_is_allowed(
+    make_rig: Callable[..., Rig], stage: str, reason: str, check: str
+) -> None:
+    rig = make_rig()
+    before, stops = at(rig), count_stops(rig)
+    primitive = NotYet(stage=stage)
+    outcome = rig.run(primitive)
+    assert isinstance(outcome, Fail)
+    assert (outcome.reason, outcome.permanent, outcome.residuals) == (reason, False, {})
+    assert [cause.check for cause in primitive.evidence.causes] == [check]
+    assert (at(rig), rig.restored, len(stops)) == (before, [], 1)
+
+
+def test_a_push_before_the_start_is_for_a_person(make_rig: Callable[..., Rig]) -> None:
+    rig = make_rig()
+    stops = count_stops(rig)
+    primitive = NotYet(stage="pushed")
+    assert rig.run(primitive) == GiveUp(PUSHED)
+    assert [(cause.reason, cause.check) for cause in primitive.evidence.causes] == [(PUSHED, "push")]
+    assert len(stops) == 1
+
+
+def test_a_robot_that_never_rests_does_not_start(
+    make_rig: Callable[..., Rig], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rig = make_rig()
+    stops = count_stops(rig)
+    base: Any = rig.robot.base
+    ticks = iter(range(10_000))
+    monkeypatch.setattr(type(base), "wheel_travel", lambda _: WheelTravel(0.01 * next(ticks), 0.0))
+    primitive = Wave()
+    words = "the robot doesn't come to rest before the start"
+    assert rig.run(primitive) == GiveUp(words)
+    assert [(cause.reason, cause.check) for cause in primitive.evidence.causes] == [(words, "rest")]
+    assert (len(stops), primitive.facts) == (1, {})
+
+
+def test_a_fail_stops_before_and_after_its_way_back(make_rig: Callable[..., Rig]) -> None:
+    rig = make_rig()
+    stops = count_stops(rig)
+    assert isinstance(rig.run(Wave(end="discrepancy")), Fail)
+    assert len(stops) == 2
+    assert stops[0] == pytest.approx(1.25)  # 5 periods to settle, 20 of its motion
+    assert stops[1] == rig.robot.time
+
+
+@pytest.mark.parametrize(
+    ("end", "outcome"),
+    [
+        ("returns", Success({"thought": 1})),
+        ("discrepancy", "it makes no sense"),
+        ("for good", "it never will"),
+        ("a fault", "ZeroDivisionError: division by zero"),
+        ("a person", GiveUp("who knows")),
+    ],
+)
+def test_what_only_changes_knowledge_never_moves_or_waits(
+    make_rig: Callable[..., Rig], end: str, outcome: Any
+) -> None:
+    rig = make_rig()
+    primitive = Thinks(end=end)
+    found = rig.run(primitive)
+    assert rig.robot.time == pytest.approx(0.05)
+    assert rig.restored == []
+    causes = [(cause.check, cause.fault) for cause in primitive.evidence.causes]
+    assert causes == [("motion", "ZeroDivisionError" if end == "a fault" else "")] * (end != "returns")
+    assert ("traceback" in primitive.facts) == (end == "a fault")
+    if isinstance(outcome, str):
+        assert isinstance(found, Fail)
+        assert (found.reason, found.permanent, found.residuals) == (outcome, end == "for good", {})
+    else:
+        assert found == outcome
 
 
 def test_base_left_elsewhere_by_restoring_is_restored_again(

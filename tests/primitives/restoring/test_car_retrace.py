@@ -1,0 +1,267 @@
+"""A car is brought back along its own track, its arm on the same time line; and no base leaves it otherwise."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.gripper import Gripper
+from handcart.primitives.contract.discrepancy import Discrepancy
+from handcart.primitives.restoring.arm_command import GRIP_PAUSE, command_moment, hold_measured, moves_fingers
+from handcart.primitives.restoring.back_off import BACK_OFF_M, BACK_OFF_SPEED_M_S, BACK_OFF_TIMEOUT_S, back_off
+from handcart.primitives.restoring.car_retrace import SHORT, car_retrace, check_stands
+from handcart.primitives.restoring.snapshot import Snapshot, take_snapshot
+from handcart.primitives.restoring.trace import Moment, Trace
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.following.drive_limits import DriveLimits
+from handcart.robotics.navigation.outdoors.watched_moment import Belief
+
+PERIOD = 0.05
+
+
+class Car:
+    """Rolls exactly as commanded; its arm and fingers are where they were commanded to be."""
+
+    def __init__(self, arm: bool = True) -> None:
+        self.true, self.time, self.period = Pose2(0.0, 0.0, 0.0), 0.0, PERIOD
+        self.slip = 1.0
+        self.joints, self.grip = np.zeros(2), 0.0
+        self.drives: list[tuple[float, float]] = []
+        self.arms: list[tuple[float, list[float]]] = []
+        self._arm = SimpleNamespace(command=lambda: self.joints, joints=lambda: self.joints, move=self._move)
+        self._gripper = SimpleNamespace(
+            command=lambda: self.grip, width=lambda: self.grip, closed_on_something=lambda: False
+        )
+        self.gripper = SimpleNamespace(move=lambda grip: setattr(self, "grip", grip))
+        self.arm = self._arm
+        parts = {Arm: self._arm, Gripper: self._gripper} if arm else {}
+        self.backend = SimpleNamespace(get=parts.get)
+        self.base, self.drive_limits = self, DriveLimits()
+        self.arm_model = SimpleNamespace(
+            nearest=lambda goal, start: goal, clipped=lambda joints: np.clip(joints, -1.0, 1.0)
+        )
+        self.joint_speeds = np.array([0.5, 1.0])
+        tolerance = SimpleNamespace(base_mm=100.0, base_deg=5.0)
+        self.spec = SimpleNamespace(tolerance=tolerance, drive=SimpleNamespace(sharpest_per_m=0.8))
+        self.displacement: Belief | None = None
+
+    @property
+    def pose(self) -> Pose2:
+        return self.true
+
+    @property
+    def localization(self) -> Any:
+        return SimpleNamespace(
+            odometry_pose=self.true,
+            displacement=self.displacement,
+            sigma=(0.0, 0.0),
+            dead_reckoned=True,
+            POSE_JUMPS=False,
+        )
+
+    def drive(self, speed: float, turn_rate: float) -> None:
+        self.drives.append((speed, turn_rate))
+        self._rolls = (speed * self.slip, turn_rate * self.slip)
+
+    _rolls = (0.0, 0.0)
+
+    def step(self) -> None:
+        speed, turn_rate = self._rolls
+        self.true = self.true.compose(Pose2(speed * PERIOD, 0.0, turn_rate * PERIOD))
+        self._rolls, self.time = (0.0, 0.0), self.time + PERIOD
+
+    def wait(self, seconds: float) -> Any:
+        end = self.time + seconds
+        while self.time < end - 1e-9:
+            yield
+
+    def _move(self, joints: Any) -> None:
+        self.joints = np.array(joints, dtype=float)
+        self.arms.append((self.true.x, self.joints.round(9).tolist()))
+
+    def play(self, periods: Any) -> int:
+        """Step until it has ended; how many periods that took."""
+        count = 0
+        for _ in periods:
+            self.step()
+            count += 1
+        return count
+
+    def record(self, motion: Sequence[tuple[float, float, float]]) -> tuple[Snapshot, Trace]:
+        """Drive by speed and turn rate in each period, the first joint there; forget what was commanded."""
+        robot: Any = self
+        start, trace = take_snapshot(robot, {}), Trace(robot)
+        trace.record()
+        for speed, turn_rate, joint in motion:
+            self.drive(speed, turn_rate)
+            self.joints = np.array([joint, 0.0])
+            self.step()
+            trace.record()
+        self.drives.clear()
+        self.arms.clear()
+        return start, trace
+
+
+def ramp(speed: float, periods: int, turn_rate: float = 0.0) -> list[tuple[float, float, float]]:
+    return [(speed, turn_rate, 0.01 * number) for number in range(periods)]
+
+
+def test_a_way_ahead_is_driven_backwards_the_arm_with_it() -> None:
+    car = Car()
+    robot: Any = car
+    start, trace = car.record(ramp(0.4, 60, 0.1))
+    there = car.true
+    assert there.x > 1.1
+    periods = car.play(car_retrace(robot, start, trace))
+    assert all(speed <= 0.0 for speed, _ in car.drives)
+    assert car.true.distance(start.pose) < SHORT
+    assert car.true.turn(start.pose) < 0.05
+    assert periods < 250
+    assert car.joints.tolist() == [0.0, 0.0]
+    first = [joints[0] for _, joints in car.arms]
+    assert first == sorted(first, reverse=True)
+    by_place = {round(moment.joints[0], 6): moment.pose.x for moment in trace.moments[1:]}
+    late = [x - by_place[round(joints[0], 6)] for x, joints in car.arms if joints[0] > 0.005]
+    assert max(map(abs, late)) < 0.12  # the arm is where it was when the base was there
+
+
+def test_a_way_backwards_is_driven_ahead() -> None:
+    car = Car()
+    robot: Any = car
+    start, trace = car.record(ramp(-0.3, 60))
+    car.play(car_retrace(robot, start, trace))
+    assert all(speed >= 0.0 for speed, _ in car.drives)
+    assert car.true.distance(start.pose) < SHORT
+
+
+def test_there_and_back_is_driven_in_two_stretches() -> None:
+    """Where the direction changes the tracker begins anew: both are driven, the last one first."""
+    car = Car()
+    robot: Any = car
+    start, trace = car.record([*ramp(0.4, 50), *ramp(0.0, 5), *ramp(-0.4, 25, 0.2)])
+    car.play(car_retrace(robot, start, trace))
+    signs = [math.copysign(1.0, speed) for speed, _ in car.drives if speed]
+    changes = sum(1 for a, b in zip(signs, signs[1:], strict=False) if a != b)
+    assert (signs[0], changes) == (1.0, 1)
+    assert car.true.distance(start.pose) < SHORT
+    assert car.true.turn(start.pose) < 0.1
+
+
+def test_a_standing_car_plays_its_arm_back_command_by_command() -> None:
+    car = Car()
+    robot: Any = car
+    start, trace = car.record(ramp(0.0, 6))
+    assert car.play(car_retrace(robot, start, trace)) == 5
+    assert car.drives == []
+    assert [joints[0] for _, joints in car.arms] == pytest.approx([0.04, 0.03, 0.02, 0.01, 0.0])
+
+
+@pytest.mark.parametrize(("ahead_m", "sign"), [(0.6, -1.0), (-0.6, 1.0), (0.09, 0.0), (-0.09, 0.0)])
+def test_what_short_ways_left_is_driven_straight_in_the_end(ahead_m: float, sign: float) -> None:
+    """At 0.1 m/s; less than 0.1 m is not worth it."""
+    car = Car()
+    robot: Any = car
+    start, trace = car.record([])
+    car.true = Pose2(ahead_m, 0.0, 0.0)
+    car.play(car_retrace(robot, start, trace))
+    assert {speed for speed, _ in car.drives} == ({0.1 * sign} if sign else set())
+    assert abs(car.true.x) == pytest.approx(0.0 if sign else abs(ahead_m), abs=0.006)
+
+
+def test_how_far_it_came_goes_before_where_it_is_thought_to_be() -> None:
+    """Known since the start: what the pose says of that is not looked at."""
+    car = Car()
+    robot: Any = car
+    start, trace = car.record([])
+    car.displacement = Belief(np.array([0.4, 0.0, 0.0]), np.zeros((3, 3)))
+    car.true = Pose2(-3.0, 0.0, 0.0)
+    car.play(car_retrace(robot, start, trace))
+    assert car.true.x == pytest.approx(-3.4, abs=0.006)
+
+
+@pytest.mark.parametrize(
+    ("off", "stands"),
+    [
+        ((0.099, 0.0, 0.0), True),
+        ((0.0, 0.101, 0.0), False),
+        ((0.0, 0.0, math.radians(4.9)), True),
+        ((0.0, 0.0, math.radians(-5.1)), False),
+    ],
+)
+def test_a_car_stands_where_its_file_allows_it_to(off: tuple[float, float, float], stands: bool) -> None:
+    car = Car()
+    robot: Any = car
+    car.true = Pose2(*off)
+    if stands:
+        check_stands(robot, Pose2(0.0, 0.0, 0.0))
+        return
+    with pytest.raises(Discrepancy, match="the car doesn't stand where it is to") as error:
+        check_stands(robot, Pose2(0.0, 0.0, 0.0))
+    assert error.value.measured == ("Base", "off where it is to stand", math.hypot(*off[:2]), 0.1, "m")
+
+
+@pytest.mark.parametrize("forwards", [True, False])
+def test_what_the_base_ran_into_is_left_straight_and_slowly(forwards: bool) -> None:
+    car = Car()
+    robot: Any = car
+    periods = car.play(back_off(robot, forwards))
+    sign = -1.0 if forwards else 1.0
+    speeds = [sign * speed for speed, _ in car.drives]
+    assert speeds == pytest.approx([0.03, 0.06, 0.09, *[BACK_OFF_SPEED_M_S] * (periods - 3)])
+    assert {turn for _, turn in car.drives} == {0.0}
+    assert BACK_OFF_M <= sign * car.true.x < BACK_OFF_M + BACK_OFF_SPEED_M_S * PERIOD
+
+
+def test_a_base_that_does_not_come_off_stops_trying() -> None:
+    car = Car()
+    robot: Any = car
+    car.slip = 0.0
+    car.drive_limits = DriveLimits(speed=0.05)
+    car.play(back_off(robot, forwards=True))
+    assert car.time == pytest.approx(BACK_OFF_TIMEOUT_S, abs=1.1 * PERIOD)
+    assert min(speed for speed, _ in car.drives) == -0.05
+
+
+def test_fingers_move_before_the_arm_and_get_their_time() -> None:
+    car = Car()
+    robot: Any = car
+    moment = Moment(car.pose, np.array([0.2, 0.0]), 0.04)
+    assert moves_fingers(robot, moment)
+    periods = car.play(command_moment(robot, moment, periods=4))
+    assert periods == round(GRIP_PAUSE / PERIOD) + 4
+    assert car.grip == 0.04
+    assert [joints[0] for _, joints in car.arms] == pytest.approx([0.05, 0.1, 0.15, 0.2])
+    assert not moves_fingers(robot, moment)
+    assert car.play(command_moment(robot, moment)) == 0  # it is there already
+    assert not moves_fingers(robot, moment._replace(grip=0.04 + 5e-7))
+
+
+def test_without_arm_and_fingers_a_moment_commands_nothing() -> None:
+    car = Car(arm=False)
+    robot: Any = car
+    moment = Moment(car.pose, np.empty(0), 0.04)
+    assert not moves_fingers(robot, moment)
+    assert car.play(command_moment(robot, moment, 3)) == 0
+
+
+@pytest.mark.parametrize(
+    ("measured", "steps"),
+    [
+        ([0.05, 0.0], [0.0 + 0.025, 0.05]),  # 0.5 rad/s: 0.025 rad in a period
+        ([0.025, 0.05], [0.025]),
+        ([0.0, 0.0], [0.0]),
+        ([1.2, 0.0], [0.025 * number for number in range(1, 41)]),  # beyond its limit: held at that
+    ],
+)
+def test_an_arm_is_held_where_it_is_no_faster_than_its_joints(measured: Any, steps: list[float]) -> None:
+    car = Car()
+    robot: Any = car
+    car.arm.joints = lambda: np.array(measured)
+    assert car.play(hold_measured(robot)) == len(steps)
+    assert [joints[0] for _, joints in car.arms] == pytest.approx(steps)
