@@ -33,7 +33,7 @@ class Cause:
     """Whether it was the way back, or withdrawing, that ended so."""
 
 
-def cause_of(error: Exception, restoring: bool = False) -> Cause:
+def cause_of(error: Exception, restoring: bool) -> Cause:
     """The cause behind an exception that left a primitive.
 
     Args:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import selectors
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -10,6 +11,8 @@ import pytest
 
 from handcart.networks.coordination.coordinator import Coordinator
 from handcart.networks.coordination.events import Started
+from handcart.networks.graph.network import Action, ActionNetwork, Binding, Situation
+from handcart.networks.operator.asking import tell_to_stop
 from handcart.networks.operator.operation import Operation
 from handcart.networks.operator.permits import Permits
 from tests.networks.conftest import Stand
@@ -31,7 +34,7 @@ def run(stand: Stand, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterat
     with Operation(Path(), coordinator, permits, stand.robot) as operation:
         periods = coordinator.run()
         double: Any = operation
-        double.started = started
+        double.started, double.permits, double.robot = started, permits, stand.robot
 
         def go_on(count: int = 30) -> None:
             for _ in range(count):
@@ -55,6 +58,137 @@ def test_single_steps_begin_and_end_while_it_goes_on(run: Any) -> None:
     assert not run.answer({"do": "step", "on": False})["step"]
     run.go_on()
     assert run.started == ["a", "b", "c"]
+
+
+def test_how_things_stand_is_told_whole(run: Any) -> None:
+    nothing: dict[str, Any] = {
+        "acting": None,
+        "unapplied": [],
+        "sim_time_s": 0.0,
+        "asks": None,
+        "breaks": [],
+        "commands": [],
+    }
+    begun = {"state": "planning", "situation": "a", "actions": 0, "step": False, **nothing}
+    assert run.answer({"do": "status"}) == {"ok": True, **begun}
+    run.answer({"do": "step", "by": "Ada"})
+    run.go_on(3)
+    told = run.answer({"do": "status"})
+    question = {"index": 0, "do": "THINK", "from": "a", "to": "b", "with": {"name": "go"}}
+    assert (told["state"], told["step"]) == ("waiting for permission", True)
+    assert told["asks"] == {**question, "ask": 1}
+    assert told["commands"] == [{"number": 1, "do": "step", "by": "Ada", "sim_time_s": 0.0}]
+
+
+def test_an_answer_to_nothing_or_to_another_action_is_none(run: Any) -> None:
+    assert run.answer({"do": "permit"}) == {"ok": False, "error": "no action waits for permission"}
+    run.answer({"do": "step"})
+    run.go_on(3)
+    wrong = run.answer({"do": "refuse", "action": 1})["error"]
+    assert wrong == "action 1 doesn't wait for permission; what waits is 0: THINK (a to b)"
+    late = run.answer({"do": "refuse", "ask": 2})["error"]
+    assert late == "question 2 is over; what waits is question 1: THINK (a to b)"
+    run.go_on(3)
+    assert run.started == []
+    assert run.answer({"do": "permit", "action": 0, "ask": 1})["ok"]
+    run.answer({"do": "step", "on": False})
+    run.go_on(3)
+    assert run.started == ["a", "b", "c"]
+
+
+def test_a_refused_action_is_not_started_and_asked_for_again(run: Any) -> None:
+    run.answer({"do": "break", "at": "b"})
+    for ask in (1, 2, 3):
+        run.go_on(4)
+        assert run.answer({"do": "refuse", "ask": ask})["ok"]
+    run.go_on(4)
+    assert run.started == ["a"]
+    assert run.answer({"do": "status"})["state"] == "ended"
+
+
+def test_while_it_waits_a_period_lasts_on_the_wall_clock(run: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """And no longer than that where the robot moves; what is typed is asked for only while it waits."""
+    waited: list[float | None] = []
+    typed: list[bool | None] = [None, True]
+    select = selectors.DefaultSelector.select
+
+    def noted(self: selectors.DefaultSelector, timeout: float | None = None) -> Any:
+        waited.append(timeout)
+        return select(self, 0.0)
+
+    monkeypatch.setattr(selectors.DefaultSelector, "select", noted)
+    run.permits.typed = lambda: typed.pop(0)
+    run.look()
+    run.answer({"do": "break", "at": "a"})
+    run.go_on(2)
+    for _ in range(2):
+        run.period(run.robot)
+    assert waited == [0.0, 0.05, 0.05]
+    assert typed == []
+    run.go_on(3)
+    assert run.started == ["a", "b", "c"]
+    run.look()
+    assert waited[-1] == 0.0
+
+
+def test_a_line_that_stops_is_noted_as_the_terminals(run: Any, tmp_path: Path) -> None:
+    tell_to_stop(tmp_path)
+    run.look()
+    (said,) = run.answer({"do": "status"})["commands"]
+    assert said == {"number": 1, "do": "stop", "by": "the terminal", "sim_time_s": 0.0}
+    run.go_on()
+    assert run.started == []
+
+
+def test_a_parameter_that_is_known_late_is_told_by_its_name(stand: Stand) -> None:
+    late = Binding(stand.Think, {"name": "x" * 200}, {"text": "cup.size"})
+    network = ActionNetwork.build([Situation("a"), Situation("z")], [Action("a", "z", late)], "a", "z")
+    permits = Permits(step=True)
+    permits(network.actions[0])
+    with Operation(Path(), Coordinator(network, stand.robot, stand.model), permits, stand.robot) as operation:
+        told = operation.status()["asks"]["with"]
+    assert told["text"] == "cup.size"
+    assert len(told["name"]) < 200
+
+
+@pytest.mark.parametrize(
+    ("mode", "permit", "step", "breaks", "answer"),
+    [
+        ("ask", False, False, (), True),
+        ("ask", True, False, (), None),
+        ("always", True, False, (), True),
+        ("never", True, False, (), False),
+        ("never", False, False, (), True),
+        ("never", True, True, (), None),
+        ("always", False, False, ("a",), None),
+        ("always", False, False, ("z",), True),
+    ],
+)
+def test_who_is_asked_depends_on_mode_step_and_breaks(
+    mode: Any, permit: bool, step: bool, breaks: Any, answer: bool | None
+) -> None:
+    action = Action("a", "z", None, permit=permit)
+    permits = Permits(mode, step, breaks)
+    assert permits.asked == 0
+    assert permits(action) is answer
+    assert permits(action) is answer
+    waits = answer is None
+    assert (permits.asks, permits.asked) == (action if waits else None, int(waits))
+
+
+def test_an_answer_given_before_the_question_is_lost() -> None:
+    one, other = Action("a", "b", None), Action("b", "z", None)
+    permits = Permits(step=True)
+    permits.answer(True)
+    assert permits(one) is None
+    permits.answer(False)
+    assert permits(other) is None
+    permits.answer(True)
+    permits.step = False
+    assert permits(other) is True
+    permits.step = True
+    assert permits(other) is None
+    assert permits.asked == 3
 
 
 def test_a_restore_while_an_action_waits_is_not_its_own(run: Any) -> None:

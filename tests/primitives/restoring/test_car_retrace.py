@@ -1,9 +1,10 @@
-"""A car is brought back along its own track, its arm on the same time line; and no base leaves it otherwise."""
+"""A car is brought back along its own track, its arm on the same time line."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
 
@@ -14,7 +15,12 @@ from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.primitives.contract.discrepancy import Discrepancy
 from handcart.primitives.restoring.arm_command import GRIP_PAUSE, command_moment, hold_measured, moves_fingers
-from handcart.primitives.restoring.back_off import BACK_OFF_M, BACK_OFF_SPEED_M_S, BACK_OFF_TIMEOUT_S, back_off
+from handcart.primitives.restoring.back_off import (
+    BACK_OFF_M,
+    BACK_OFF_SPEED_M_S,
+    BACK_OFF_TIMEOUT_S,
+    back_off,
+)
 from handcart.primitives.restoring.car_retrace import SHORT, car_retrace, check_stands
 from handcart.primitives.restoring.snapshot import Snapshot, take_snapshot
 from handcart.primitives.restoring.trace import Moment, Trace
@@ -147,7 +153,7 @@ def test_there_and_back_is_driven_in_two_stretches() -> None:
     start, trace = car.record([*ramp(0.4, 50), *ramp(0.0, 5), *ramp(-0.4, 25, 0.2)])
     car.play(car_retrace(robot, start, trace))
     signs = [math.copysign(1.0, speed) for speed, _ in car.drives if speed]
-    changes = sum(1 for a, b in zip(signs, signs[1:], strict=False) if a != b)
+    changes = sum(1 for a, b in pairwise(signs) if a != b)
     assert (signs[0], changes) == (1.0, 1)
     assert car.true.distance(start.pose) < SHORT
     assert car.true.turn(start.pose) < 0.1

@@ -170,8 +170,8 @@ def test_by_wheels_alone_only_what_was_added_is_unsure() -> None:
 
 def test_each_residual_has_its_limit_and_the_base_no_more_than_its_room() -> None:
     robot: Any = Robot()
-    names = ("base_mm", "base_deg", "base_unsure_mm", "base_unsure_deg", "joints_deg", "slides_mm")
-    names = (*names, "gripper_mm", "held", "object cup mm")
+    base = ("base_mm", "base_deg", "base_unsure_mm", "base_unsure_deg")
+    names = (*base, "joints_deg", "slides_mm", "gripper_mm", "held", "object cup mm")
     assert limits(robot, dict.fromkeys(names, 0.0)) == dict(
         zip(names, (40.0, 2.0, 40.0, 2.0, 0.5, 3.0, 1.0, 0.0, 8.0), strict=True)
     )
