@@ -15,12 +15,6 @@ from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.primitives.contract.discrepancy import Discrepancy
 from handcart.primitives.restoring.arm_command import GRIP_PAUSE, command_moment, hold_measured, moves_fingers
-from handcart.primitives.restoring.back_off import (
-    BACK_OFF_M,
-    BACK_OFF_SPEED_M_S,
-    BACK_OFF_TIMEOUT_S,
-    back_off,
-)
 from handcart.primitives.restoring.car_retrace import SHORT, car_retrace, check_stands
 from handcart.primitives.restoring.snapshot import Snapshot, take_snapshot
 from handcart.primitives.restoring.trace import Moment, Trace
@@ -36,7 +30,6 @@ class Car:
 
     def __init__(self, arm: bool = True) -> None:
         self.true, self.time, self.period = Pose2(0.0, 0.0, 0.0), 0.0, PERIOD
-        self.slip = 1.0
         self.joints, self.grip = np.zeros(2), 0.0
         self.drives: list[tuple[float, float]] = []
         self.arms: list[tuple[float, list[float]]] = []
@@ -73,7 +66,7 @@ class Car:
 
     def drive(self, speed: float, turn_rate: float) -> None:
         self.drives.append((speed, turn_rate))
-        self._rolls = (speed * self.slip, turn_rate * self.slip)
+        self._rolls = (speed, turn_rate)
 
     _rolls = (0.0, 0.0)
 
@@ -210,28 +203,6 @@ def test_a_car_stands_where_its_file_allows_it_to(off: tuple[float, float, float
     with pytest.raises(Discrepancy, match="the car doesn't stand where it is to") as error:
         check_stands(robot, Pose2(0.0, 0.0, 0.0))
     assert error.value.measured == ("Base", "off where it is to stand", math.hypot(*off[:2]), 0.1, "m")
-
-
-@pytest.mark.parametrize("forwards", [True, False])
-def test_what_the_base_ran_into_is_left_straight_and_slowly(forwards: bool) -> None:
-    car = Car()
-    robot: Any = car
-    periods = car.play(back_off(robot, forwards))
-    sign = -1.0 if forwards else 1.0
-    speeds = [sign * speed for speed, _ in car.drives]
-    assert speeds == pytest.approx([0.03, 0.06, 0.09, *[BACK_OFF_SPEED_M_S] * (periods - 3)])
-    assert {turn for _, turn in car.drives} == {0.0}
-    assert BACK_OFF_M <= sign * car.true.x < BACK_OFF_M + BACK_OFF_SPEED_M_S * PERIOD
-
-
-def test_a_base_that_does_not_come_off_stops_trying() -> None:
-    car = Car()
-    robot: Any = car
-    car.slip = 0.0
-    car.drive_limits = DriveLimits(speed=0.05)
-    car.play(back_off(robot, forwards=True))
-    assert car.time == pytest.approx(BACK_OFF_TIMEOUT_S, abs=1.1 * PERIOD)
-    assert min(speed for speed, _ in car.drives) == -0.05
 
 
 def test_fingers_move_before_the_arm_and_get_their_time() -> None:
