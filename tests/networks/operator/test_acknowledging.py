@@ -67,13 +67,13 @@ def test_an_action_that_was_broken_off_waits_by_its_start(tmp_path: Path) -> Non
 
 
 def test_a_damaged_record_is_acknowledged_by_the_one_before_it(tmp_path: Path) -> None:
-    run = write(tmp_path / "run", PLAN)
+    run = write(tmp_path / "run", PLAN, START, ("RESULT", {"n": 1, "outcome": "Success"}))
     before = last(run)["h"]
     with (run / "journal.jsonl").open("ab") as journal:
-        journal.write(b'{"q":2,"p":')
-    assert cause_of(read_run_journal(run), 2) == {"kind": "TORN", "h": before}
-    assert acknowledge(run, 2, before) == "record 2 is damaged: an action may have begun"
-    assert (last(run)["of"], last(run)["cause"], last(run)["q"]) == ("TORN", before, 2)
+        journal.write(b'{"q":4,"p":')
+    assert cause_of(read_run_journal(run), 4) == {"kind": "TORN", "h": before}
+    assert acknowledge(run, 4, before) == "record 4 is damaged: an action may have begun"
+    assert (last(run)["of"], last(run)["cause"], last(run)["q"]) == ("TORN", before, 4)
 
 
 def test_a_run_that_goes_on_is_not_acknowledged(tmp_path: Path) -> None:

@@ -139,11 +139,12 @@ def test_a_way_backwards_is_driven_ahead() -> None:
     assert car.true.distance(start.pose) < SHORT
 
 
-def test_there_and_back_is_driven_in_two_stretches() -> None:
+@pytest.mark.parametrize("rest", [0, 5])
+def test_there_and_back_is_driven_in_two_stretches(rest: int) -> None:
     """Where the direction changes the tracker begins anew: both are driven, the last one first."""
     car = Car()
     robot: Any = car
-    start, trace = car.record([*ramp(0.4, 50), *ramp(0.0, 5), *ramp(-0.4, 25, 0.2)])
+    start, trace = car.record([*ramp(0.4, 50), *ramp(0.0, rest), *ramp(-0.4, 25, 0.2)])
     car.play(car_retrace(robot, start, trace))
     signs = [math.copysign(1.0, speed) for speed, _ in car.drives if speed]
     changes = sum(1 for a, b in pairwise(signs) if a != b)
