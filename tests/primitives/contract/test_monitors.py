@@ -157,7 +157,7 @@ def test_a_robot_without_an_arm_has_nothing_to_follow() -> None:
         TrackingErrorMonitor(robot).check()
 
 
-def test_a_fail_is_given_where_all_is_within_its_limit_and_nowhere_else() -> None:
+def test_a_fail_is_given_where_all_is_within_its_limit() -> None:
     at, over = {"base_mm": 40.0, "held": 0.0}, {"base_mm": 40.0, "held": 0.0}
     assert isinstance(fail_if_restored("why", True, at, over), Fail)
     outcome = fail_if_restored("why", False, {"base_mm": 40.01, "held": math.inf, "x": 1.0}, {**over, "x": 2})

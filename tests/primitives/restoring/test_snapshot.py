@@ -135,7 +135,7 @@ def test_sliding_joints_are_in_mm_and_continuous_ones_within_a_turn() -> None:
     assert residuals(START, back, (), (False, True, False))["joints_deg"] == pytest.approx(math.degrees(0.02))
 
 
-def test_a_pose_that_jumps_counts_as_far_as_it_was_felt_or_could_not_be_off() -> None:
+def test_a_pose_that_jumps_counts_as_far_as_it_was_felt() -> None:
     stood = replace(START, odometry_pose=Pose2(0.0, 0.0, 0.0), pose_sigma=(0.03, 0.02))
     jumped = replace(stood, pose=Pose2(1.5, 2.0, 1.0), odometry_pose=Pose2(0.006, 0.008, 0.01))
     sure = 3 * math.hypot(0.03, 0.03), 3 * math.hypot(0.02, 0.02)
@@ -168,7 +168,7 @@ def test_by_wheels_alone_only_what_was_added_is_unsure() -> None:
     assert residuals(stood, replace(stood, pose_sigma=(0.01, 0.01)))["base_unsure_mm"] == 0.0
 
 
-def test_each_residual_has_its_limit_and_the_base_no_more_than_its_room() -> None:
+def test_each_residual_has_its_limit_and_the_base_its_room() -> None:
     robot: Any = Robot()
     base = ("base_mm", "base_deg", "base_unsure_mm", "base_unsure_deg")
     names = (*base, "joints_deg", "slides_mm", "gripper_mm", "held", "object cup mm")
