@@ -3,8 +3,13 @@
 A lawn mower, a truck whose fixes jump and a skid-steer robot whose IMU is mounted sideways
 (`benchmarks.field.foreign_logs`), each log prepared as `handcart localize --imu-axes auto` does. Printed for
 each vehicle: when the heading is known, the squared errors in claimed variances (NEES, 2 where claims are
-true), in how many logs 95 % of the errors are within 1.4 times the radius that is claimed for 95 %, and which
-share of the jumps beyond 5 m and 3 m was refused at their first fix.
+true) as a mean over the logs and in how many single ones they are from 0.5 to 4, in how many logs 95 % of
+the errors are within 1.4 times the radius that is claimed for 95 %, and which share of the jumps beyond 5 m and
+3 m was refused at their first fix.
+
+The mean decides, not each log: a receiver's slow errors last 60 to 200 s, so a log of 300 s holds a few
+independent ones. A filter that is given their true sizes and durations is within 0.5 to 4 in 52 of 60 logs
+(seeds 0 to 19 of each vehicle) and in 43 of 60 (seeds 100 to 119).
 """
 
 from __future__ import annotations
@@ -126,6 +131,7 @@ def _report(name: str, logs: list[Played], jumps: JumpCount) -> bool:
         f"{name}, {len(logs)} logs: heading known after {np.median(known):.0f} s in the median, at most "
         f"{known.max():.0f} s; within {SOON:.0f} s {(known <= SOON).sum()}, within {LATE:.0f} s "
         f"{(known <= LATE).sum()}; before it at most {max(log.meanwhile for log in logs):.1f} m off; NEES "
+        f"{np.nanmean(nees):.2f} in the mean, "
         f"{np.nanmin(nees):.2f} to {np.nanmax(nees):.2f}, {inside.sum()} within {NEES[0]} to {NEES[1]}; r95 "
         f"{np.nanmedian([log.r95 for log in logs]):.1f} m, claimed "
         f"{np.nanmedian([log.claimed_r95 for log in logs]):.1f} m, met by {held.sum()}; refused of jumps "
@@ -133,7 +139,8 @@ def _report(name: str, logs: list[Played], jumps: JumpCount) -> bool:
         flush=True,
     )
     found = jumps.refused_5 == jumps.beyond_5 and jumps.refused_3 >= 0.9 * jumps.beyond_3
-    return bool((known <= LATE).all() and inside.all() and held.all() and found)
+    consistent = NEES[0] <= np.nanmean(nees) <= NEES[1]
+    return bool((known <= LATE).all() and consistent and held.all() and found)
 
 
 if __name__ == "__main__":
