@@ -4,8 +4,8 @@ A lawn mower, a truck whose fixes jump and a skid-steer robot whose IMU is mount
 (`benchmarks.field.foreign_logs`), each log prepared as `handcart localize --imu-axes auto` does. Printed for
 each vehicle: when the heading is known, the squared errors in claimed variances (NEES, 2 where claims are
 true) as a mean over the logs and in how many single ones they are from 0.5 to 4, in how many logs 95 % of
-the errors are within 1.4 times the radius that is claimed for 95 %, and which share of the jumps beyond 5 m and
-3 m was refused at their first fix.
+the errors are within 1.4 times the radius that is claimed for 95 %, and which share of the jumps beyond 5 m
+and 3 m was refused at their first fix.
 
 The mean decides, not each log: a receiver's slow errors last 60 to 200 s, so a log of 300 s holds a few
 independent ones. A filter that is given their true sizes and durations is within 0.5 to 4 in 52 of 60 logs
