@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
+from handcart.backends.capabilities.scan import Scan
 from handcart.backends.robot.lidar import MAX_BLIND_SHARE, Lidar
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.discrepancy import Measured, NeedsPerson
-from handcart.robotics.navigation.maps.expected_echoes import expected_echoes
+from handcart.robotics.navigation.maps.expected_echoes import ExpectedEchoes, expected_echoes
 from handcart.robotics.navigation.maps.grid_map import GridMap
 
 BLOCKED_S = 1.0  # for which most beams show nothing, until the lidar counts as blocked or dirty
@@ -17,6 +19,9 @@ NEAR_SHARE = 0.8  # of the reach, within which a wall of the map must return an 
 MIN_EXPECTED = 20  # beams that must meet a wall of the map, for a comparison
 MIN_ECHO_SHARE = 0.15  # of them that must return: walls may be black, glass, hidden, or above the scan plane
 FEW_SILENT = (1.0 - MIN_ECHO_SHARE) * MIN_EXPECTED  # beams: no more without an echo are never too many
+SECTOR_DEG = 30.0  # of the scan that must show walls which other beams saw before
+MAX_SILENT_SHARE = 0.95  # of the sector's beams at such walls that may show nothing
+SAME_WALL_M = 0.15  # of an echo from where the map has the wall
 
 
 class LidarWatch:
@@ -26,6 +31,8 @@ class LidarWatch:
         self._blind_since: float | None = None
         self._next_look = -1.0
         self._silent_looks = 0
+        self._covered_looks = np.zeros(round(360.0 / SECTOR_DEG), dtype=np.int64)
+        self._seen = np.empty(0, dtype=np.int64)
 
     def watch(self, robot: Robot, grid: GridMap | None) -> None:
         """Raise `NeedsPerson` where the lidar has shown next to nothing for a while.
@@ -60,18 +67,48 @@ class LidarWatch:
         returned = np.isfinite(scan.ranges)
         if np.count_nonzero(looking & ~returned) <= FEW_SILENT:
             self._silent_looks = 0
+            self._covered_looks[:] = 0
             return
         map_T_sensor = robot.pose.compose(scan.base_T_sensor)
-        expected = expected_echoes(grid, map_T_sensor, scan.angles, NEAR_SHARE * lidar.spec.reach_m)
-        expected &= looking
+        walls = expected_echoes(grid, map_T_sensor, scan.angles, NEAR_SHARE * lidar.spec.reach_m)
+        expected = walls.met & looking
+        self._compare_sectors(scan, walls, expected)
         count = int(expected.sum())
         if count < MIN_EXPECTED:
             return
         echoes = int((returned & expected).sum())
         self._silent_looks = 0 if echoes >= MIN_ECHO_SHARE * count else self._silent_looks + 1
         if self._silent_looks >= LOOKS:
-            walls = f"of {count} beams that meet a wall of the map within its reach {echoes} return"
+            words = f"of {count} beams that meet a wall of the map within its reach {echoes} return"
             raise NeedsPerson(
-                f"the lidar gets too few echoes, it is blocked, dirty or mounted wrongly: {walls}",
+                f"the lidar gets too few echoes, it is blocked, dirty or mounted wrongly: {words}",
                 Measured("RangeSensor", "share of expected echoes", echoes / count, MIN_ECHO_SHARE),
             )
+
+    def _compare_sectors(self, scan: Scan, walls: ExpectedEchoes, expected: NDArray[np.bool_]) -> None:
+        """Raise `NeedsPerson` where a part of the lidar shows nothing of walls that other beams saw.
+
+        Only walls that returned an echo to a beam of this drive count: what hangs above the scan plane, black
+        and glass never do. A covered part is the same in the sensor frame, wherever the robot is.
+        """
+        returned = np.isfinite(scan.ranges)
+        turned = np.degrees(scan.angles) % 360.0
+        sectors = (turned / SECTOR_DEG).astype(np.int64) % len(self._covered_looks)
+        known = expected & np.isin(walls.cells, self._seen)
+        for sector in np.unique(sectors):
+            beams = known & (sectors == sector)
+            count, silent = int(beams.sum()), int((beams & ~returned).sum())
+            if count < MIN_EXPECTED:
+                continue
+            covered = silent > MAX_SILENT_SHARE * count
+            self._covered_looks[sector] = self._covered_looks[sector] + 1 if covered else 0
+            if self._covered_looks[sector] >= LOOKS:
+                ends = f"{sector * SECTOR_DEG:.0f} to {(sector + 1) * SECTOR_DEG:.0f} degrees"
+                beams_words = f"of {count} beams at walls that it saw before {count - silent} return"
+                raise NeedsPerson(
+                    f"the lidar is covered at {ends}: {beams_words}",
+                    Measured("RangeSensor", "share of silent beams", silent / count, MAX_SILENT_SHARE),
+                )
+        right = np.flatnonzero(expected & returned)
+        right = right[np.abs(scan.ranges[right] - walls.ranges[right]) < SAME_WALL_M]
+        self._seen = np.union1d(self._seen, walls.cells[right])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,31 +15,46 @@ STEPS = 32
 """Cells by which beams are followed at a time."""
 
 
+class ExpectedEchoes(NamedTuple):
+    """What each beam of a scan should show."""
+
+    met: NDArray[np.bool_]
+    """(n,) whether it meets an occupied cell of the map within reach."""
+    cells: NDArray[np.int64]
+    """(n,) number of the first such cell in the map, by rows; -1 where there is none."""
+    ranges: NDArray[np.float64]
+    """(n,) how far it is, in [m]; infinity where there is none."""
+
+
 def expected_echoes(
     grid: GridMap, map_T_sensor: Pose2, angles: NDArray[np.float64], reach: float
-) -> NDArray[np.bool_]:
-    """Return which beams meet an occupied cell of the map within reach.
+) -> ExpectedEchoes:
+    """Return what beams should show by the map.
 
     Args:
         grid: the map. Unknown cells, and what lies beyond the map, hide nothing.
         map_T_sensor: of the lidar.
         angles: (n,) of the beams in the sensor frame, in [rad].
         reach: to which the beams are followed, in [m].
-
-    Returns:
-        (n,).
     """
     along = np.arange(grid.resolution, reach, grid.resolution) / grid.resolution
     turned = angles + map_T_sensor.theta
     column = (map_T_sensor.x - grid.origin_x) / grid.resolution
     row = (map_T_sensor.y - grid.origin_y) / grid.resolution
-    met = np.zeros(len(angles), np.bool_)
+    met, cells = np.zeros(len(angles), np.bool_), np.full(len(angles), -1, np.int64)
+    ranges = np.full(len(angles), np.inf)
     for near in range(0, len(along), STEPS):  # most beams meet a wall near by, and are followed no farther
         left = np.flatnonzero(~met)
         steps = along[near : near + STEPS, None]
         columns, rows = column + steps * np.cos(turned[left]), row + steps * np.sin(turned[left])
-        met[left] = _occupied(grid, rows, columns).any(axis=0)
-    return met
+        occupied = _occupied(grid, rows, columns)
+        ends = np.flatnonzero(occupied.any(axis=0))
+        first = occupied[:, ends].argmax(axis=0)
+        beams, width = left[ends], grid.occupied.shape[1]
+        met[beams] = True
+        cells[beams] = rows[first, ends].astype(np.int64) * width + columns[first, ends].astype(np.int64)
+        ranges[beams] = steps[first, 0] * grid.resolution
+    return ExpectedEchoes(met, cells, ranges)
 
 
 def _occupied(grid: GridMap, rows: NDArray[np.float64], columns: NDArray[np.float64]) -> NDArray[np.bool_]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -11,12 +12,15 @@ import cv2
 import numpy as np
 import pytest
 
+from handcart.backends.robot.localization.determination import PoseNeed
 from handcart.evaluation.trials.rig import Rig, RigFiles, build_rig
 from handcart.primitives.contract.discrepancy import Discrepancy
 from handcart.primitives.contract.outcome import Fail, GiveUp, Success
+from handcart.primitives.driving import move_to
 from handcart.primitives.driving.move_to import MoveTo
 from handcart.primitives.knowledge.place import Place
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.following.pose_regulator import PoseTolerance
 from handcart.robotics.navigation.localization.front_line import FrontLine
 
 CELL_M, LENGTH_M, WIDTH_M = 0.05, 40.0, 3.2
@@ -128,3 +132,41 @@ def test_a_front_determines_the_pose_before_it_or_not(std_mm: float, std_deg: fl
         return
     with pytest.raises(Discrepancy, match="not determined: the front before shelf is measured to"):
         MoveTo._check_front(move, front, place.need_of("differential"))
+
+
+@pytest.mark.parametrize(
+    ("off_mm", "std_mm", "drives"),
+    [(20.0, 7.0, True), (13.0, 7.0, True), (10.0, 7.0, False), (20.0, 2.0, False), (20.0, 14.0, False)],
+)
+def test_it_comes_closer_only_where_that_helps(
+    monkeypatch: pytest.MonkeyPatch, off_mm: float, std_mm: float, drives: bool
+) -> None:
+    """Of 40 mm that the place needs, 32 are for the difference and 3 sigma; beyond 40 nothing helps."""
+    asked: list[PoseTolerance] = []
+
+    def reach(robot: Any, pose: Pose2, within: PoseTolerance) -> Iterator[None]:
+        asked.append(within)
+        yield
+
+    monkeypatch.setattr(move_to, "reach_pose", reach)
+    monkeypatch.setattr(move_to, "settle", lambda robot: iter(()))
+    where = SimpleNamespace(repeatability=np.diag([std_mm / 1e3, std_mm / 1e3, 0.001]) ** 2)
+    robot: Any = SimpleNamespace(pose=Pose2(off_mm / 1e3, 0.0, 0.0), localization=where)
+    place = Place(x_m=0.0, y_m=0.0, heading_deg=0.0, tolerance_mm=40.0)
+    list(MoveTo(place="here")._come_closer(robot, place, place.need_of("differential")))
+    assert bool(asked) is drives
+    if drives:
+        assert asked[0].position == pytest.approx(0.5 * (0.040 - 3.0 * std_mm / 1e3))
+
+
+def test_every_arrival_may_have_to_come_closer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[float] = []
+
+    def come_closer(move: MoveTo, robot: Any, place: Place, need: PoseNeed) -> Iterator[None]:
+        asked.append(need.strictest)
+        yield
+
+    monkeypatch.setattr(MoveTo, "_come_closer", come_closer)
+    with in_a_corridor(tmp_path, ", tolerance_mm: 500") as rig:
+        rig.do(MoveTo(place="ahead"))
+    assert asked == [0.5]
