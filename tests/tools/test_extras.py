@@ -47,7 +47,7 @@ def test_the_extras_are_those_of_the_project() -> None:
     for extra, brought in EXTRAS.items():
         names = [re.split("[>;]", each)[0] for each in extras[extra]]
         assert {modules.get(each, each) for each in names} == set(brought)
-    assert f"handcart[{','.join(EXTRAS)}]" in extras["dev"]
+    assert f"handcart[{','.join((*EXTRAS, 'docs'))}]" in extras["dev"]
     assert MODULES["python-fcl"] == "fcl"
 
 
