@@ -343,7 +343,7 @@ def test_outdoors_only_readings_that_count_end_dead_reckoning(
 @pytest.mark.parametrize(("ranges", "sensor", "what"), [(True, "Beacons", "ranges"), (False, "Gps", "fixes")])
 def test_readings_that_contradict_the_claim_are_a_doubt(ranges: bool, sensor: str, what: str) -> None:
     filtering = Asked(not ranges, ranges)
-    found, _, _ = outdoors(None if ranges else Receiver(), Radio() if ranges else None, filtering=filtering)
+    found, _, _ = outdoors(Radio() if ranges else Receiver(), filtering=filtering)
     assert found.doubt is None
     filtering.found = Inconsistency("share", 0.7, 0.5)
     doubt = found.doubt
