@@ -1,4 +1,4 @@
-"""The actions of a run that goes on, as its journal will tell them."""
+"""The actions of a running run, in the form in which its journal records them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class ActionLog(RunObserver):
     def __init__(self) -> None:
         """Nothing has been started."""
         self.actions: list[PastAction] = []
-        """In the order in which they were started."""
+        """Actions so far, in the order in which they were started."""
 
     @override
     def event(self, event: Event) -> None:

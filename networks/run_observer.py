@@ -1,4 +1,4 @@
-"""Who hears how a run gets on."""
+"""Interface for observing a run."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ class RunObserver:
         """Something is known that a person should read before anything moves."""
 
     def begin(self, prepared: Prepared, run_dir: Path) -> None:
-        """A run is about to start, or to go on, in that folder."""
+        """Handle the begin, or the resume, of a run in a folder."""
 
     def period(self, robot: Robot) -> None:
         """A period has passed."""
 
     def event(self, event: Event) -> None:
-        """Something has happened; what it tells is in the journal."""
+        """Handle an event; its contents are in the journal."""
 
     def end(self) -> None:
-        """No more is to come: the run has ended, or could not go on. Called once."""
+        """Handle the last call: the run has ended, or could not continue. Called once."""
 
     def figures(self, end: RunEnd) -> Mapping[str, Any]:
-        """For the `metrics` of a run that has ended; they are plain data."""
+        """Return plain data for the `metrics` of a run that has ended."""
         return {}

@@ -1,4 +1,4 @@
-"""How a task is run: all that may be chosen beside the task itself."""
+"""Options of a run apart from the task itself."""
 
 from __future__ import annotations
 
@@ -15,38 +15,38 @@ from .run_observer import RunObserver
 
 @dataclass(frozen=True)
 class RunOptions:
-    """What is left out is as `handcart run` has it by default."""
+    """Options of a run; the defaults are those of `handcart run`."""
 
     backend: str | None = None
     """Another one than the task names."""
     settings: Mapping[str, str] = field(default_factory=dict)
     """Parameters of the task, values unparsed."""
     seed: int = 0
-    """Of the simulated errors."""
+    """Seed of the simulated errors."""
     situation: str | None = None
-    """Where the run begins, instead of the task's start."""
+    """Situation in which the run begins, instead of the task's start."""
     errors: bool = True
-    """Whether the simulated robot errs."""
+    """True if the simulated robot errs."""
     bench: str | None = None
     """Simulated drives are put before the simulated backend of that name."""
     window: bool = False
-    """Whether robot and world are shown."""
+    """True to show robot and world in a window."""
     video: Path | None = None
-    """Where the run is recorded, as MP4."""
+    """Path of the MP4 to which the run is recorded."""
     draw: bool = False
-    """Whether `overview.svg` is drawn."""
+    """True to draw `overview.svg`."""
     report: bool = False
-    """Whether `report.html` is written."""
+    """True to write `report.html`."""
     playback: bool = False
-    """Whether what `handcart view` and `handcart export` show is recorded."""
+    """True to record the data for `handcart view` and `handcart export`."""
     checkpoints: bool = False
-    """Whether `handcart resume` can go on with it in a simulated world: that is kept after each action."""
+    """True to keep the simulated world after each action, so that `handcart resume` can continue the run."""
     sync: bool | None = None
-    """Whether the journal is brought to the disk; None: as the backend needs it."""
+    """True to bring the journal to the disk; None: as the backend needs it."""
     permits: Permits | None = None
-    """Who permits actions that need it; None: nobody is asked, so only a simulated robot may start them."""
+    """Permissions for actions that need one; None: only a simulated robot may start them."""
     interrupts: Interrupts | None = None
-    """Who hears of Ctrl-C; None: somebody of its own, until the folder is whole."""
+    """Handler of Ctrl-C; None: the run uses a handler of its own until the folder is complete."""
     around: Callable[[Backend], Backend] | None = None
     """Puts another backend around a simulated one: faults, say."""
     observers: tuple[RunObserver, ...] = ()

@@ -1,1 +1,1 @@
-"""What can be known of a network before anything moves."""
+"""Analysis of a network before anything moves."""

@@ -25,7 +25,7 @@ class TableRow(FileModel):
     fail: int
     """Row that follows Fail."""
     facts: Annotated[dict[str, Fact], Field(default_factory=dict)]
-    """What physically holds where the row begins, as far as it is known."""
+    """Physical facts that hold where the row begins, as far as they are known."""
 
 
 class ActionTable(FileModel):
@@ -49,7 +49,7 @@ class ActionTable(FileModel):
 
 
 def table_errors(loaded: Loaded[ActionTable]) -> list[Finding]:
-    """What a network would be refused for: rows that aren't there, and a Fail that changes facts."""
+    """Return the errors of a table: references to missing rows, and a Fail that changes facts."""
     table = loaded.value
     findings = []
     for number, row in table.rows.items():
@@ -64,7 +64,7 @@ def table_errors(loaded: Loaded[ActionTable]) -> list[Finding]:
 
 
 def table_warnings(loaded: Loaded[ActionTable]) -> list[Finding]:
-    """What is doubtful: giving up told as Fail, primitives that are missing, loops without a bound."""
+    """Return the warnings of a table: giving up reported as Fail, missing primitives, unbounded loops."""
     table = loaded.value
     findings = []
     for number, row in table.rows.items():
@@ -110,7 +110,7 @@ def _loops(table: ActionTable) -> list[list[int]]:
 
 
 def table_absorption(table: ActionTable, p: float) -> Absorption:
-    """Where runs end if each primitive succeeds with probability `p`, and how many primitives they take."""
+    """Return the ends and the number of primitives, if each primitive succeeds with probability `p`."""
     rows: dict[str, Mapping[str, float]] = {}
     for number, row in table.rows.items():
         chances: dict[str, float] = {}

@@ -1,4 +1,4 @@
-"""What can still come up."""
+"""The situations that can still follow a situation."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def ways_of(network: ActionNetwork) -> nx.DiGraph[str]:
 
 
 class Ahead:
-    """Of each situation, which can still come up: a number whose bits they are, so that thousands fit."""
+    """Reachable situations of each situation, stored as the bits of an integer so that thousands fit."""
 
     def __init__(self, network: ActionNetwork) -> None:
         """Look through a network."""
@@ -38,5 +38,5 @@ class Ahead:
         return self._bit[situation]
 
     def bits(self, situation: str) -> int:
-        """Of all that a run in `situation` can still come to, itself included."""
+        """Return the bits of all situations that a run in `situation` can still reach, itself included."""
         return self._reached[situation]

@@ -1,4 +1,4 @@
-"""Whether the facts of a task's situations fit its actions: each finding with its place."""
+"""Checks that the facts of a task's situations fit its actions, each finding with its place in the file."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ _MOVED_BY = {"base": (Base,), "hand": (Arm, Gripper)}
 """Facts that only some capabilities can change, by the names that tasks use for them."""
 
 Changes = Mapping[str, tuple[object, object]]
-"""What an action changes: by the fact's name, before and after."""
+"""Changes that an action makes: the fact's name, mapped to its value before and after."""
 
 
 def fact_findings(task: Task) -> list[Finding]:
-    """Facts that an action's primitive can't change, or changes nowhere else.
+    """Return findings on facts that an action's primitive cannot change, or changes in no other action.
 
-    A Fail that would change some is refused when the file is read.
+    A Fail that would change facts is rejected already when the file is read.
     """
     actions = dict(reversed([(e, a) for a, e in zip(task.network.actions, task.entries, strict=True)]))
     found = []
@@ -49,7 +49,10 @@ def fact_findings(task: Task) -> list[Finding]:
 
 
 def _more_than_elsewhere(task: Task) -> list[Finding]:
-    """A primitive that changes the same facts as elsewhere, and one more: what does that one is missing."""
+    """Return findings on actions that change one fact more than the same primitive does elsewhere.
+
+    The primitive that would change the extra fact is probably missing.
+    """
     entries = list(enumerate(task.file.actions))
     changes = {number: each for number, _ in entries if (each := _changes(task, number))}
     first: dict[tuple[str, frozenset[str]], int] = {}
@@ -71,7 +74,7 @@ def _more_than_elsewhere(task: Task) -> list[Finding]:
 
 
 def _changes(task: Task, number: int) -> Changes:
-    """What an action of the file changes, of the facts that both of its situations tell."""
+    """Return the changes of an action of the file, among the facts that both of its situations state."""
     entry, situations = task.file.actions[number], task.file.situations
     before, after = situations.get(entry.source) or {}, situations.get(entry.target) or {}
     both = (name for name in before if name in after)

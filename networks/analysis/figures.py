@@ -1,4 +1,4 @@
-"""How runs of a task end, on which action most depends, and what more tries would buy."""
+"""Forecast of the ends of a task's runs, the most influential action, and the gain from more attempts."""
 
 from __future__ import annotations
 
@@ -20,28 +20,30 @@ ASSUMPTION = "attempts are independent of each other, and no Fail is for good"
 
 @dataclass(frozen=True)
 class Influence:
-    """What an action of the file means for the whole; in a repeat, that of all elements together."""
+    """Influence of an action of the file on the whole task; in a repeat, of all its elements together."""
 
     entry: int
     """Its number in the file."""
     words: str
     line: int
-    """Where it stands in the file."""
+    """Line of the action in the file."""
     chance: Chance
     starts: float
-    """How often a run starts it, on average."""
+    """Average number of times that a run starts the action."""
     slope: float
-    """By how much P(goal) grows with its probability of Success, where that of Fail shrinks: a derivative."""
+    """Derivative of P(goal) by the action's probability of Success, with that of Fail shrinking as much."""
     one_more: Forecast | None
-    """What one more attempt of it would give; nothing new where it has as many as an action may have.
-    None: a part of the network has too many states then."""
+    """Forecast with one more attempt of the action; unchanged if it has the maximum already.
+
+    None: a part of the network would have too many states.
+    """
     alternative: Forecast | None
-    """What a second action beside it would give, with the same cost, attempts and probabilities; or None."""
+    """Forecast with a second action next to it, of the same cost, attempts and probabilities; or None."""
 
 
 @dataclass(frozen=True)
 class Figures:
-    """How runs of a task end."""
+    """Exact figures on how runs of a task end."""
 
     forecast: Forecast
     influences: tuple[Influence, ...]
@@ -59,12 +61,12 @@ def missing_chances(task: Task) -> list[int]:
 
 
 def figures(task: Task, effort: Effort | None = None, more: Effort | None = None) -> Figures:
-    """The figures of a task whose actions all have a probability `p`.
+    """Return the figures of a task whose actions all have a probability `p`.
 
     Args:
         task: the task.
-        effort: what the forecast may take; None: `WORK`.
-        more: what may be spent on what more tries would buy; None: `WORK`.
+        effort: budget of the forecast; None: `WORK`.
+        more: budget of the forecasts with more attempts; None: `WORK`.
 
     Raises:
         TooLarge: a part of its network has too many states for exact figures.
@@ -97,7 +99,7 @@ def figures(task: Task, effort: Effort | None = None, more: Effort | None = None
 
 
 class _Changes:
-    """What changes would give, as long as that isn't too much."""
+    """Forecasts of changed tasks, within a budget."""
 
     def __init__(self, forecaster: Forecaster, effort: Effort) -> None:
         self._forecaster, self._effort = forecaster, effort

@@ -1,4 +1,4 @@
-"""How runs of a network end, exactly."""
+"""Exact forecast of how runs of a network end."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ Change = Callable[[Stage, Collection[int]], Stage]
 
 @dataclass(frozen=True)
 class Forecast:
-    """How a run ends and what it costs, if attempts are independent of each other."""
+    """Probabilities of a run's ends and its cost, if attempts are independent of each other."""
 
     goal: float
     """Probability that the goal is reached, with nothing left undone (status 0)."""
@@ -45,20 +45,20 @@ def forecast(network: ActionNetwork, chances: Chances) -> Forecast:
 
 
 class Forecaster:
-    """What the coordinator does in a network is cut into stages; equal ones are reckoned once.
+    """Forecaster that cuts a network into stages and computes equal stages once.
 
-    A stage's chain has the states (situation, Fails of each action that can still come up) and is acyclic,
-    for attempts are limited. Of plans with the same weight the coordinator's own is followed, as long as
-    rounding doesn't decide between them.
+    A stage's chain has the states (situation, Fails of each action that can still come up). It is acyclic
+    because attempts are limited. Of plans with the same weight the coordinator's own is followed, as long
+    as rounding does not decide between them.
     """
 
     def __init__(self, network: ActionNetwork, chances: Chances, effort: Effort | None = None) -> None:
-        """Nothing is reckoned before it is asked for.
+        """Create a forecaster; nothing is computed before a method asks for it.
 
         Args:
-            network: what can be done.
-            chances: of each action, by its number; None for a skip.
-            effort: what it may take in all; None: `WORK`.
+            network: the network.
+            chances: the outcome probabilities of each action, by its number; None for a skip.
+            effort: budget of all forecasts together; None: `WORK`.
         """
         self._chances = chances
         self._effort = effort or Effort(WORK)
@@ -72,9 +72,12 @@ class Forecaster:
     def forecast(
         self, change: Change | None = None, numbers: Collection[int] = (), effort: Effort | None = None
     ) -> Forecast:
-        """How runs end, also with something changed about the actions of these numbers.
+        """Return how runs end, optionally with a change to the actions with these numbers.
 
-        What has changed may take an effort of its own.
+        Args:
+            change: the change; None: the network as it is.
+            numbers: numbers of the changed actions.
+            effort: budget of the changed stages; None: that of the forecaster.
 
         Raises:
             TooLarge: a stage has too many states.
@@ -90,7 +93,7 @@ class Forecaster:
         return _forecast_of(ends.then(self._behind[changed[-1] + 1]))
 
     def _reckon_whole(self) -> None:
-        """How runs end before each stage, and from each on."""
+        """Compute how runs end before each stage, and from each stage on."""
         if self._behind:
             return
         ends = [self._chain(each).ends for each in self._stages]
@@ -99,7 +102,7 @@ class Forecaster:
         self._behind = list(behind)[::-1]
 
     def starts(self) -> list[float]:
-        """For each action, how often a run starts it, on average."""
+        """Return for each action the average number of times that a run starts it."""
         found, comes = [0.0] * len(self._chances), 1.0
         for each in self._stages:
             chain = self._chain(each)
@@ -109,7 +112,7 @@ class Forecaster:
         return found
 
     def slopes(self) -> list[float]:
-        """For each action, by how much P(goal) grows with its probability of Success: the derivative."""
+        """Return for each action the derivative of P(goal) by its probability of Success."""
         found = [0.0] * len(self._chances)
         chains = [self._chain(each) for each in self._stages]
         behind = [1.0]

@@ -1,4 +1,4 @@
-"""What the facts of a situation say of the robot's hand."""
+"""Facts of a situation about the robot's hand."""
 
 from __future__ import annotations
 

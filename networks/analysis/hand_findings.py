@@ -17,14 +17,14 @@ from .hand_facts import hand_by_facts
 
 
 class Held(NamedTuple):
-    """What the hand holds in a situation, and how that is known."""
+    """Content of the hand in a situation, with the reason why it is known."""
 
     hand: Hand
     """EMPTY, FULL or ANY: not known."""
     thing: str = ""
     """Its name; empty where nothing or any thing is held."""
     why: str = ""
-    """In words: the fact or the action that says so."""
+    """Reason in words: the fact or the action that implies it."""
 
     def __str__(self) -> str:
         what = "is empty" if self.hand is Hand.EMPTY else f"holds {self.thing or 'something'}"
@@ -32,20 +32,20 @@ class Held(NamedTuple):
 
 
 class _Use(NamedTuple):
-    """Of one action."""
+    """Use of the hand by one action."""
 
     use: HandUse
     thing: str
 
 
 def hand_findings(task: Task) -> list[Finding]:
-    """Return the actions whose precondition on the hand can't hold, whichever way a run comes to them.
+    """Return the actions whose precondition on the hand cannot hold, whichever route a run takes to them.
 
-    What the hand holds follows from the facts of the situations, and from what the primitives of the actions
-    before declare to leave in it.
+    The content of the hand follows from the facts of the situations, and from the declarations of the
+    primitives of earlier actions.
 
     Args:
-        task: read, with its repeats unrolled.
+        task: the task, with its repeats unrolled.
     """
     uses = _uses(task)
     reached = _reached(task, uses)

@@ -12,9 +12,9 @@ class Longest(NamedTuple):
     """The most actions that a run through a part can start, [-inf] where no run ends so."""
 
     through: float
-    """Of runs that come to the part's goal."""
+    """Most actions of runs that reach the part's goal."""
     ended: float
-    """Of runs that end in it."""
+    """Most actions of runs that end in the part."""
 
     def then(self, rest: Longest) -> Longest:
         """One part after the other."""
@@ -22,7 +22,10 @@ class Longest(NamedTuple):
 
 
 def longest_run(policy: Policy) -> Longest:
-    """By going back through the policy from its ends; it should know of Fails for good."""
+    """Return the longest run of a policy, computed backwards from its ends.
+
+    The policy should include Fails for good.
+    """
     goal = policy.network.goal
     known: dict[object, Longest] = {}
     for state, step in policy.steps.items():

@@ -1,4 +1,4 @@
-"""What a permission, or its refusal, means for the goal."""
+"""Effect of a permission, or of its refusal, on the probability of the goal."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .figures import missing_chances
 
 
 class NoOutlook(Exception):
-    """Nothing can be reckoned, and why."""
+    """Nothing can be computed; the message says why."""
 
 
 class Outlook(NamedTuple):
@@ -29,14 +29,14 @@ class Outlook(NamedTuple):
 
 
 def outlook(task: Task, situation: str, fails: Mapping[int, int], action: int) -> Outlook:
-    """By the probabilities in a task's file, exactly.
+    """Return the exact outlook of a waiting action, by the probabilities in the task's file.
 
     Args:
-        task: whose run it is.
-        situation: in which it is.
-        fails: by the numbers of actions in the network how often they failed; as often as they have
-            attempts where a Fail was for good.
-        action: the number of the one that waits.
+        task: the task of the run.
+        situation: the run's present situation.
+        fails: number of Fails of each action, by its number in the network; as many as it has attempts
+            if a Fail was for good.
+        action: number of the action that waits for permission.
 
     Raises:
         NoOutlook: an action has no probability.

@@ -1,4 +1,4 @@
-"""The coordinator's plans in one network, for many states of it."""
+"""Fast planner that finds the coordinator's plans in one network, from many of its states."""
 
 from __future__ import annotations
 
@@ -37,11 +37,11 @@ class PlanSearch:
         """Situations that the last search looked at."""
 
     def plan(self, situation: str, fails: Mapping[int, int]) -> tuple[Action, ...] | None:
-        """The cheapest way to the goal; None where there is none.
+        """Return the cheapest route to the goal; None if no route leads there.
 
         Args:
-            situation: where it begins.
-            fails: by their actions' numbers; as many as its attempts, and it is out.
+            situation: where the route begins.
+            fails: number of Fails by action number; an action with as many Fails as attempts is excluded.
         """
         self.steps = 0
         weights, start = self._weights(fails), self._place[situation]
@@ -52,7 +52,7 @@ class PlanSearch:
         return tuple(self._best(*pair, weights) for pair in itertools.pairwise(nodes))
 
     def _weights(self, fails: Mapping[int, int]) -> dict[int, float]:
-        """Of those that failed, what they weigh now."""
+        """Return the present weights of the actions that failed."""
         actions, base = self._actions, self._base
         return {
             index: math.inf if count >= actions[index].attempts else math.ldexp(base[index], count)
@@ -85,7 +85,7 @@ class PlanSearch:
         return math.inf
 
     def _way(self, start: int, weights: Mapping[int, float], most: float) -> list[int]:
-        """As networkx does it: of equal ones, what was found first comes first."""
+        """Return the cheapest route with the tie-break of networkx: of equal routes, the one found first."""
         left, goal = self._left, self._goal
         seen, before, done, count = {start: 0.0}, {start: start}, set(), 0
         heap = [(0.0, 0, start)]
@@ -113,7 +113,7 @@ class PlanSearch:
         return self._actions[min(edges, key=lambda index: (weights.get(index, self._base[index]), index))]
 
     def _to_goal(self) -> list[float]:
-        """What is left to the goal from each situation while nothing has failed."""
+        """Return the remaining cost from each situation to the goal while nothing has failed."""
         back: list[list[tuple[int, float]]] = [[] for _ in self._ways]
         for here, ways in enumerate(self._ways):
             for to, edges in ways:

@@ -1,4 +1,4 @@
-"""What is doubtful about a task's network: each finding with its place, a counter-example as a path."""
+"""Findings on a task's network, each with its place in the file and a path as a counter-example."""
 
 from __future__ import annotations
 
@@ -16,8 +16,11 @@ from .worst_cases import WorstCases
 
 
 def task_findings(task: Task) -> list[Finding]:
-    """Return what is doubtful: situations that no run comes to or that lead nowhere, facts that can't change
-    so, or that an action's effect on the hand contradicts."""
+    """Return the doubtful parts of a task's network.
+
+    These are situations that no run reaches or that lead nowhere, and facts that cannot change as stated,
+    or that an action's effect on the hand contradicts.
+    """
     return [*_unreached(task), *_dead_ends(task), *fact_findings(task), *denied_hand_facts(task)]
 
 
@@ -85,7 +88,9 @@ def unused_findings(task: Task, cases: WorstCases) -> list[Finding]:
 
 
 def short_findings(task: Task, cases: WorstCases) -> list[Finding]:
-    """Where runs can end short of the goal, with the fewest Fails that do it, where the last one fails."""
+    """Return findings where runs can end short of the goal, each placed at the last Fail of the shortest
+    path.
+    """
     found: dict[str, Finding] = {}
     for each in cases.short:
         situation = plain_name(task, each.situation)
@@ -99,5 +104,5 @@ def short_findings(task: Task, cases: WorstCases) -> list[Finding]:
 
 
 def plain_name(task: Task, name: str) -> str:
-    """A situation's name as it stands in the file, without the number of its copy."""
+    """Return a situation's name as written in the file, without the number of its copy."""
     return name if task.network.situations[name].element is None else re.sub(r"(\[\d+\])+$", "", name)

@@ -1,4 +1,4 @@
-"""What can happen at the worst: the longest run, where nothing is left to try, what no run ever starts."""
+"""Worst cases of a network: the longest run, situations with nothing left to try, actions never started."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class NoWayLeft:
     """A run that comes to where nothing is left to try, with as few Fails as any that ends there."""
 
     situation: str
-    """Where it ends."""
+    """Situation in which the run ends."""
     path: tuple[tuple[Action, str], ...]
     """Its actions, each with how it failed, from the last situation through which every run comes."""
 
@@ -44,20 +44,25 @@ class NoWayLeft:
 
 @dataclass(frozen=True)
 class WorstCases:
-    """What can happen at the worst, Fails for good and GiveUps included."""
+    """Worst cases of a network, Fails for good and GiveUps included."""
 
     longest: int
     """The most actions that a run can start."""
     short: tuple[NoWayLeft, ...]
     """One for each situation in which nothing may be left to try."""
     unused: tuple[Action, ...]
-    """Actions that no run plans, whatever fails; skips are none of them."""
+    """Actions that no run plans, whatever fails; skips are not counted."""
     too_large: tuple[TooLarge, ...] = ()
     """Parts of which nothing is known but the bound on their actions."""
 
 
 def worst_cases(network: ActionNetwork, effort: Effort | None = None) -> WorstCases:
-    """The worst cases, exactly but for parts that are too large; `effort`: what it may take, None: `WORK`."""
+    """Return the worst cases of a network, exact except in parts that are too large.
+
+    Args:
+        network: the network.
+        effort: budget of the computation; None: `WORK`.
+    """
     effort = effort or Effort(WORK)
     known: dict[object, _Piece | TooLarge] = {}
     longest, used = Longest(0.0, -math.inf), set[int]()
@@ -84,7 +89,7 @@ def worst_cases(network: ActionNetwork, effort: Effort | None = None) -> WorstCa
 
 
 class _Piece(NamedTuple):
-    """What is known of a stage."""
+    """Worst cases of one stage."""
 
     longest: Longest
     ended: Sequence[Path]
@@ -101,19 +106,19 @@ def _piece(stage: Stage, effort: Effort) -> _Piece | TooLarge:
 
 
 class _Come(NamedTuple):
-    """How a run may come to a state with as few Fails as any."""
+    """A run that reaches a state with the fewest Fails, as a link to the state before."""
 
     unlikely: int
     """Its Fails; one for good only counts where it takes one."""
     before: State | None
-    """Where the plan was made in which the last Fail happened."""
+    """State whose plan contained the last Fail."""
     failed: int
-    """Which of that plan's actions it was."""
+    """Position of the failed action in that plan."""
     word: str
 
 
 def _ended(policy: Policy) -> list[Path]:
-    """For each situation in which nothing may be left, a run with the fewest Fails."""
+    """Return, for each situation in which nothing may be left, a run with the fewest Fails."""
     came = {policy.start: _Come(0, None, 0, "")}
     found: dict[str, State] = {}
     for state in reversed(policy.steps):
@@ -129,7 +134,7 @@ def _ended(policy: Policy) -> list[Path]:
 
 
 def _path(policy: Policy, came: Mapping[State, _Come], end: State) -> Path:
-    """From the start to there."""
+    """Return the path from the policy's start to a state."""
     path: list[tuple[int, str]] = []
     last = came[end]
     while last.before is not None:

@@ -9,11 +9,11 @@ import numpy as np
 
 
 class NeverEnds(Exception):
-    """A chain goes on for ever."""
+    """A chain can run forever without absorption."""
 
 
 class Absorption(NamedTuple):
-    """Where a chain ends, and after how many steps."""
+    """Ends of an absorbing chain, and its number of steps."""
 
     ends: dict[str, float]
     """Probability of each absorbing state."""
@@ -24,18 +24,19 @@ class Absorption(NamedTuple):
 
 
 def absorption(rows: Mapping[str, Mapping[str, float]], start: str) -> Absorption:
-    """Where the chain ends that begins in `start`.
+    """Return the absorption of a chain that begins in `start`.
 
     Kemeny and Snell, Finite Markov Chains (1960), chapter 3: with Q the transitions among transient states
-    and R those into absorbing ones, N = (I - Q)^-1, the ends are N R, the steps t = N 1, their variance
-    (2 N - I) t - t².
+    and R those into absorbing ones, N = (I - Q)^-1, the ends are N R, the steps t = N 1, their variance (2
+    N - I) t - t².
 
     Args:
-        rows: of each transient state, the probability of each state that follows; what has no row absorbs.
+        rows: for each transient state, the probability of each state that follows; a state without a row
+            is absorbing.
         start: a transient state.
 
     Raises:
-        NeverEnds: from a state that can be reached no absorbing one can be.
+        NeverEnds: a reachable state cannot reach any absorbing state.
     """
     rows = {name: rows[name] for name in _reached(rows, start)}
     transient = list(rows)

@@ -1,4 +1,4 @@
-"""How an attempt ends."""
+"""Outcome probabilities of an attempt."""
 
 from __future__ import annotations
 

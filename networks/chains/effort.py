@@ -1,4 +1,4 @@
-"""How much reckoning a question is worth."""
+"""Budget for an exact computation."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ class Effort:
         watch: Callable[[float], None] = lambda share: None,
         whole: Effort | None = None,
     ) -> None:
-        """Nothing is spent yet.
+        """Create a budget of which nothing is spent.
 
         Args:
-            most: steps that may be spent; some 300,000 take a second.
-            watch: hears now and then which share of them is spent, 0 to 1.
-            whole: the effort of which this is a part: what is spent here is spent there, too.
+            most: steps that may be spent; about 300,000 take a second.
+            watch: called from time to time with the share that is spent, 0 to 1.
+            whole: the larger budget of which this one is a part: both are spent together.
         """
         self._most, self._watch, self._whole = most, watch, whole
         self._spent, self._next = 0.0, 0.0

@@ -1,4 +1,4 @@
-"""How a part of a run ends."""
+"""Probabilities and costs of the ends of a part of a run."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Ends(NamedTuple):
     """A person is needed."""
 
     def after(self, step: Moments) -> Ends:
-        """What comes of a step that is followed by this."""
+        """Return the ends of a step followed by this part."""
         return Ends(*(step.then(each) for each in self))
 
     def plus(self, other: Ends) -> Ends:
@@ -34,7 +34,7 @@ class Ends(NamedTuple):
         return short.plus(rest.after(self.goal)).plus(rest.with_a_skip().after(self.skipped))
 
     def with_a_skip(self) -> Ends:
-        """The same, after an element was left undone."""
+        """Return these ends after an element was left undone."""
         return Ends(NEVER, self.goal + self.skipped, self.no_way, self.give_up)
 
     def total(self) -> Moments:

@@ -1,4 +1,4 @@
-"""How likely an end is, and what it costs, so that parts of a run can be put one after the other."""
+"""Probability and cost of an end, composable over consecutive parts of a run."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 
 class Moments(NamedTuple):
-    """Of a cost C over the runs that take one way out of a part: probability, E[C; way], E[C²; way]."""
+    """Probability, E[C; exit] and E[C²; exit] of the cost C over the runs that leave a part by one exit."""
 
     p: float
     first: float = 0.0

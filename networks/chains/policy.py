@@ -1,4 +1,4 @@
-"""What the coordinator does in a network, whatever fails."""
+"""The coordinator's decisions in a network, for every combination of Fails."""
 
 from __future__ import annotations
 
@@ -34,14 +34,14 @@ class State(NamedTuple):
 
 
 class Step(NamedTuple):
-    """What it does then: the plan is followed until something fails."""
+    """Decision of the coordinator in a state: a plan that is followed until something fails."""
 
     plan: tuple[Action, ...]
     """Empty: no way is left."""
     after_fail: tuple[State | None, ...]
-    """Where a Fail of each of these actions leads; None for a skip, which can't fail."""
+    """State after a Fail of each of these actions; None for a skip, which cannot fail."""
     for_good: tuple[State | None, ...]
-    """Where a Fail for good leads; empty, where those aren't reckoned with."""
+    """State after a Fail for good of each action; empty if those are not considered."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class Policy:
     network: ActionNetwork
     start: State
     steps: dict[State, Step]
-    """What follows a state stands before it. A state in the goal's situation is none of them."""
+    """Decisions by state; successors come before their predecessors. States in the goal are not included."""
 
 
 def policy(
@@ -60,19 +60,19 @@ def policy(
     effort: Effort | None = None,
     start: State | None = None,
 ) -> Policy:
-    """All that can happen from the start.
+    """Return all that can happen from the start of a network.
 
-    Fails of actions that can't come up again are forgotten: the paper's task then has some hundred states,
+    Fails of actions that cannot come up again are forgotten: the paper's task then has some hundred states,
     not hundreds of thousands.
 
     Args:
         network: the network.
-        for_good: whether Fails are reckoned with that use up all attempts at once.
-        effort: what it may take; None: `WORK`.
-        start: another moment to begin at than the network's start.
+        for_good: whether to consider Fails that use up all attempts at once.
+        effort: budget of the computation; None: `WORK`.
+        start: another state to begin at than the network's start.
 
     Raises:
-        TooLarge: there are more states than that allows.
+        TooLarge: the budget does not suffice for the number of states.
     """
     steps: dict[State, Step] = {}
     try:

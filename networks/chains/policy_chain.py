@@ -16,7 +16,7 @@ from .moments import Moments
 from .policy import Policy, State
 
 Chances = Sequence[Chance | None]
-"""For each action by its number; None for a skip, which always succeeds."""
+"""Outcome probabilities of each action by its number; None for a skip, which always succeeds."""
 Floats = NDArray[np.float64]
 SMALL = 100
 """Rows up to which a full matrix is faster than a sparse one."""
@@ -24,13 +24,13 @@ SMALL = 100
 
 @dataclass(frozen=True)
 class Chain:
-    """What is known of the part, for runs that enter it."""
+    """Results of a part of a network, over the runs that enter it."""
 
     ends: Ends
     starts: tuple[float, ...]
-    """For each action how often it is started, on average."""
+    """Average number of starts of each action."""
     slopes: tuple[float, ...]
-    """For each action by how much P(goal) grows with its probability of Success, the Fails becoming fewer."""
+    """Derivative of P(goal) by each action's probability of Success, with the Fails becoming fewer."""
 
 
 def policy_chain(policy: Policy, chances: Chances) -> Chain:
@@ -61,7 +61,7 @@ class _Sparse:
 
 
 class _Dense:
-    """The same where it is small."""
+    """Solver for small chains, by a dense inverse."""
 
     def __init__(self, follows: Any) -> None:
         self._inverse = np.linalg.inv(np.eye(follows.shape[0]) - follows.toarray())
@@ -152,7 +152,7 @@ class _Table:
         return _Dense(follows) if size <= SMALL else _Sparse(follows)
 
     def _moments(self, solver: _Solver, into: Floats) -> Floats:
-        """Of the cost, by rows and ends: probability, E[C; end], E[C²; end]."""
+        """Return moments of the cost by rows and ends: probability, E[C; end], E[C²; end]."""
         cost = np.array(self._cost)[:, None]
         p = solver.solve(into)
         first = solver.solve(cost * p)
@@ -161,7 +161,7 @@ class _Table:
         return np.stack((p, first, second), axis=-1)
 
     def _gain(self, goal: Floats) -> Floats:
-        """By how much a Success is better than a Fail, where something is started."""
+        """Return for each row by how much P(goal) after a Success exceeds that after a Fail."""
         gain = np.zeros(len(goal))
         for row, to, _ in self._succeeds:
             gain[row] += goal[to]

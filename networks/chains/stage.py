@@ -1,4 +1,4 @@
-"""A piece of a network that can be reckoned alone."""
+"""A piece of a network that can be computed alone."""
 
 from __future__ import annotations
 
@@ -11,12 +11,15 @@ from handcart.networks.graph.network import MAX_ATTEMPTS, Action, ActionNetwork
 
 @dataclass(frozen=True)
 class Stage:
-    """A piece of a network: every run that comes to the whole's goal enters it at its start, leaves it at its
-    goal, and never comes back."""
+    """A piece of a network that each successful run passes exactly once.
+
+    Every run that reaches the goal of the whole network enters the piece at its start, leaves it at its
+    goal, and never returns.
+    """
 
     network: ActionNetwork
     numbers: tuple[int, ...]
-    """For each of its actions, that action's number in the whole."""
+    """Number of each of its actions in the whole network."""
 
     @cached_property
     def shape(self) -> tuple[object, ...]:

@@ -42,7 +42,7 @@ def _chain(above: Mapping[str, str], start: str, goal: str) -> list[str]:
 
 
 def _levels(above: Mapping[str, str], chain: Sequence[str]) -> dict[str, int]:
-    """For each situation that can be reached, which of the chain dominates it last."""
+    """Return for each reachable situation the index of its last dominator in the chain."""
     level = {name: number for number, name in enumerate(chain)}
     for name in above:
         climbed = [name]

@@ -26,15 +26,16 @@ from .supervision import Interrupted, Request, Supervision
 from .world_watch import WorldWatch
 
 Permission = Callable[[Action], bool | None]
-"""Asked once a period before an action starts: yes, no, or None while nobody has answered."""
+"""Called once a period before an action starts: returns yes, no, or None while no answer has come."""
 
 
 class Coordinator:
-    """One run through an action network, as a generator of periods; it knows no robot.
+    """One run through an action network, as a generator of periods, independent of the robot's kind.
 
-    Who iterates steps the robot after each `yield` (time standing still while `life.paused`). Everything is
-    in the journal before it is acted on. What failed, was refused or could not be started is counted, and
-    counts never go down, so that every run ends within `network.bound()` actions.
+    The caller iterates the generator and steps the robot after each `yield` (its time does not pass while
+    `life.paused`). Every decision is in the journal before it is acted on. Actions that failed, were
+    refused or could not be started are counted, and counts never decrease, so that every run ends within
+    `network.bound()` actions.
     """
 
     def __init__(
@@ -48,17 +49,18 @@ class Coordinator:
         standing: RunPosition | None = None,
         keep: Keep | None = None,
     ) -> None:
-        """Nothing is planned or moved before `run` is iterated.
+        """Create a coordinator; nothing is planned or moved before `run` is iterated.
 
         Args:
-            network: what can be done.
-            robot: at rest in the network's start.
-            model: what the robot knows.
-            journal: what is decided is written there; None: nowhere.
+            network: the network of the task.
+            robot: the robot, at rest in the network's start.
+            model: the robot's world model.
+            journal: journal of all decisions; None: no journal.
             observers: called with each event, in order.
-            permission: asked before each action; None: those that need the operator's permission don't start.
-            standing: where a run that goes on stands; None: it begins.
-            keep: keeps a checkpoint after each action; None: nobody does.
+            permission: asked before each action; None: actions that need the operator's permission do not
+                start.
+            standing: position of a run that is resumed; None: a new run.
+            keep: called after each action to keep a checkpoint; None: no checkpoints.
         """
         self.network = network
         self._left = "" if standing is None else standing.left
@@ -78,16 +80,17 @@ class Coordinator:
         return not self.ask(what, number)
 
     def ask(self, what: Request, number: int | None = None) -> str:
-        """Ask for a pause, a stop and so on; honoured at the next period. Safe in a signal handler.
+        """Request a pause, a stop and so on, honoured at the next period. Safe in a signal handler.
 
         Args:
-            what: is asked for. A stop is always taken, and goes before all else.
-            number: of the action that is meant, as `running` gives it; None: the run, or for a restore the
-                action that runs now.
+            what: the request. A stop is always accepted, and precedes all other requests.
+            number: number of the action that is meant, as `running` gives it; None: the run, or for a
+                restore
+                the action that runs now.
 
         Returns:
-            Why it is not taken, in words: that action is over or has not begun, or too much waits; empty if
-            it is taken.
+            The reason in words if the request is rejected: the action is over or has not begun, or too many
+            requests wait; empty if it is accepted.
         """
         return self._supervision.ask(what, number)
 
@@ -108,7 +111,7 @@ class Coordinator:
 
     @property
     def planner(self) -> Planner:
-        """What has failed how often, and what is out."""
+        """Planner with the Fails of each action and the excluded actions."""
         return self._route.planner
 
     @property
@@ -117,7 +120,7 @@ class Coordinator:
         return self._log.started
 
     def run(self) -> Generator[None, None, RunEnd]:
-        """From the start to the goal, or to where nothing leads on."""
+        """Run from the start to the goal, or to a situation from which nothing leads on."""
         try:
             end = yield from self._pursue()
         except Interrupted as interrupted:
@@ -166,7 +169,7 @@ class Coordinator:
         return plan
 
     def _forget(self, left: str) -> None:
-        """What was learned for an element of a repeat, once it is left; not where one within it begins."""
+        """Forget facts learned for an element of a repeat when it is left for good, not for a nested one."""
         situations = self.network.situations
         element, here = situations[left].element, situations[self.situation].element or ""
         if element is not None and here != element and not here.startswith(f"{element}, "):
@@ -225,14 +228,14 @@ class Coordinator:
         return outcome
 
     def _unmet_precondition(self, primitive: ActionPrimitive) -> str:
-        """Return what stands in the way of its start; empty if nothing does (row N7)."""
+        """Return the precondition that prevents the start; empty if all are met (row N7)."""
         try:
             return find_unmet(primitive, self._robot, self._model)
         except Exception as error:  # a fault of the primitive's own code
             return f"{type(error).__name__}: {error}"
 
     def _world_changed(self, action: Action, stood: Snapshot, now: Snapshot) -> GiveUp | Elsewhere:
-        """Nothing has started; go on from the situation that is found, or ask for a person (row N9)."""
+        """Continue from the situation found after a change of the world, or give up (row N9)."""
         reason = f"somebody changed the world: {in_words(moved(self._robot, stood, now))}"
         situation = self._watch.situation(self.situation, stood, now)
         self._log.world_changed(action, stood, now, situation, reason)

@@ -1,4 +1,4 @@
-"""What a coordinator says to those who look on."""
+"""Events that a coordinator publishes to its observers."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .run_end import RunEnd
 
 @dataclass(frozen=True)
 class Planned:
-    """A plan was made, or there is none."""
+    """A plan was made, or no plan was found."""
 
     time: float
     """The robot's, in [s]; so in all events."""
@@ -30,11 +30,11 @@ class Started:
 
     time: float
     number: int
-    """Which action of the run, from 1."""
+    """Number of the action in the run, from 1."""
     action: Action
     primitive: ActionPrimitive
     fails: int
-    """How often this action failed before."""
+    """Number of earlier Fails of this action."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class Ended:
     """With its evidence."""
     outcome: Outcome
     changes: Mapping[str, Any]
-    """What was learned or forgotten."""
+    """Facts that were learned or forgotten."""
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""What Ctrl-C and a signal to end do to a run."""
+"""Effect of Ctrl-C and of a signal to end on a run."""
 
 from __future__ import annotations
 
@@ -12,18 +12,19 @@ KINDS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 class Interrupts:
-    """Before a run has begun, an interrupt is a KeyboardInterrupt; from then on it stops the run, and a
-    second one doesn't cut the stop short (row K3). Once the run is over nothing is left to stop: what is
-    still to be written is written, and the run's own outcome stands.
+    """Context manager that turns signals to end into a stop of the run.
 
-    A context manager, of the main thread; in others it does nothing.
+    Before a run has begun, an interrupt is a KeyboardInterrupt; from then on it stops the run, and a second
+    one does not cut the stop short (row K3). Once the run is over nothing is left to stop: the remaining
+    records are written, and the run keeps its own outcome. In threads other than the main one it does
+    nothing.
     """
 
     def __init__(self) -> None:
         """Nothing is listened to before it is entered."""
         self._stop: Callable[[], object] | None = None
         self.came = False
-        """Whether there was one."""
+        """True after a signal came."""
         self._before: dict[signal.Signals, Any] = {}
 
     def stop_by(self, stop: Callable[[], object]) -> None:

@@ -1,4 +1,4 @@
-"""A whole action network as one behaviour in somebody's py_trees tree."""
+"""A complete action network as one behaviour of a py_trees tree."""
 
 from __future__ import annotations
 
@@ -15,12 +15,13 @@ from .supervision import Request
 
 
 class NetworkBehaviour(Behaviour):
-    """Runs a network, one period a tick; who owns the tree steps the robot after each tick.
+    """Behaviour that runs a network, one period for each tick.
 
-    SUCCESS when the goal is reached, FAILURE when no way is left (the robot then is restored). Interrupted
-    by the tree it only stops; its next tick first brings back what the interrupted action did, then goes on.
-    Interrupted between two actions, or while one waits for permission, there is nothing to bring back.
-    GiveUp is FAILURE too, and stays so whatever the tree tries: `end` tells it apart.
+    The tree's owner steps the robot after each tick. SUCCESS when the goal is reached, FAILURE when no
+    route is left (the robot then is restored). Interrupted by the tree it only stops; its next tick first
+    restores what the interrupted action changed, then continues. Interrupted between two actions, or while
+    one waits for permission, nothing needs to be restored. GiveUp is FAILURE too, and remains so whatever
+    the tree tries: `end` distinguishes the two.
     """
 
     def __init__(self, name: str, robot: Robot, make: Callable[[], Coordinator]) -> None:
@@ -33,7 +34,7 @@ class NetworkBehaviour(Behaviour):
         """
         super().__init__(name)
         self.end: RunEnd | None = None
-        """How the last run ended."""
+        """End of the last run."""
         self._robot = robot
         self._make = make
         self._coordinator: Coordinator | None = None
@@ -41,7 +42,7 @@ class NetworkBehaviour(Behaviour):
 
     @property
     def latched(self) -> bool:
-        """Whether a person has to help before anything moves again."""
+        """True if a person has to help before anything moves again."""
         return self.end is not None and self.end.outcome == "GiveUp"
 
     def acknowledge(self) -> None:
@@ -78,7 +79,7 @@ class NetworkBehaviour(Behaviour):
             self._robot.stop()
 
     def shutdown(self) -> None:
-        """Called when the tree is taken down."""
+        """Stop the run and the robot when the tree is shut down."""
         if self._run is not None:
             self._run.close()
             self._robot.stop()

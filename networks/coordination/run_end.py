@@ -1,4 +1,4 @@
-"""How a run ends."""
+"""The end of a run."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ _STATUS: dict[RunOutcome, int] = {"Success": 0, "Fail": 3, "GiveUp": 4, "Error":
 
 @dataclass(frozen=True)
 class RunEnd:
-    """The end of a run, for people and for programs."""
+    """The end of a run, in words for people and in fields for programs."""
 
     outcome: RunOutcome
     situation: str
     """The situation in which the run ended: the last that is known to hold."""
     reason: str
-    """In words that a person understands; empty for Success."""
+    """Reason in words that a person understands; empty for Success."""
     actions: int
-    """How many were started."""
+    """Number of actions that were started."""
     fails: int
-    """How many of them did not succeed."""
+    """Number of started actions that did not succeed."""
     replans: int
-    """How often a plan was made anew after the first."""
+    """Number of plans after the first."""
     skipped: tuple[str, ...] = ()
     """Elements of a `repeat` that were left undone."""
 

@@ -9,7 +9,7 @@ from transitions import Machine
 
 
 class RunState(Enum):
-    """What a run is doing."""
+    """Present activity of a run."""
 
     PLANNING = "planning"
     WAITING_FOR_PERMISSION = "waiting for permission"
@@ -54,20 +54,20 @@ class RunLife:
 
     @property
     def state(self) -> RunState:
-        """What the run is doing."""
+        """Present state of the run."""
         return self._state
 
     @property
     def paused(self) -> bool:
-        """Whether the robot is to hold and its time to stand still."""
+        """True while the robot holds and its time does not pass."""
         return self._state in (RunState.PAUSED_WHILE_ACTING, RunState.PAUSED_WHILE_RESTORING)
 
     def plan(self) -> None:
-        """What comes next is being decided."""
+        """Enter planning: the next action is being decided."""
         self._go("_plan", RunState.PLANNING)
 
     def ask(self) -> None:
-        """Somebody has to permit the action."""
+        """Enter waiting: a person has to permit the action."""
         self._go("_ask", RunState.WAITING_FOR_PERMISSION)
 
     def act(self) -> None:

@@ -28,7 +28,7 @@ class Script(FileModel):
 
 @dataclass(frozen=True)
 class Imagined:
-    """How an imagined run went."""
+    """Result of an imagined run."""
 
     outcome: Literal["Success", "Fail", "GiveUp"]
     situation: str
@@ -36,10 +36,10 @@ class Imagined:
     cost_s: float
     """Sum of the costs of its actions, in [s]."""
     lines: tuple[str, ...]
-    """What was done, an action each."""
+    """Description of each action, one line each."""
 
     def summary(self) -> dict[str, Any]:
-        """For programs."""
+        """Return the result as plain fields for programs."""
         return {
             "outcome": self.outcome,
             "situation": self.situation,

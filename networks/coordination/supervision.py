@@ -1,4 +1,4 @@
-"""Running an attempt to its end, while somebody may ask for a pause or a stop."""
+"""Running an attempt to its end, while others may request a pause or a stop."""
 
 from __future__ import annotations
 
@@ -26,18 +26,18 @@ Periods = Generator[None, None, Outcome | NotStarted | None]
 
 
 class Request(Enum):
-    """What can be asked of a run from outside."""
+    """Requests that a run accepts from outside."""
 
     PAUSE = "pause"
     RESUME = "resume"
     STOP = "stop"
     """Stop where it is and hold: the run ends."""
     INTERRUPT = "interrupt"
-    """The same, asked for by a signal: what the run is part of ends too."""
+    """Stop as for STOP, requested by a signal: the program around the run ends too."""
     CANCEL = "cancel"
     """Bring back what the running action did, then end."""
     RESTORE = "restore"
-    """Bring back what the running action did, count that as its Fail, and go on."""
+    """Restore what the running action changed, count that as its Fail, and continue."""
 
 
 INTERRUPTED = "interrupted"
@@ -55,11 +55,11 @@ MOST = 64
 MAX_UNAPPLIED = 20
 """Requests that came too late, of which the words are kept."""
 CHECK = "supervision"
-"""Who finds what is asked from outside, in the journal."""
+"""Name of the check in the journal that finds requests from outside."""
 
 
 class Interrupted(Exception):
-    """The run is to end, because somebody asked for it."""
+    """The run has to end because its end was requested."""
 
     def __init__(self, reason: str) -> None:
         super().__init__(reason)
@@ -73,7 +73,7 @@ class Asked(NamedTuple):
     time: float
     """The robot's, in [s]."""
     number: int | None
-    """Of the action that it is meant for, from 1; None: it is meant for the run."""
+    """Number of the action that is meant, from 1; None: the run is meant."""
 
 
 class Supervision:
@@ -101,14 +101,16 @@ class Supervision:
         """Requests that were taken and not applied, because their action was over, in words."""
 
     def ask(self, request: Request, number: int | None = None) -> str:
-        """Take a request, to be honoured at the next period. Safe in a signal handler.
+        """Accept a request, to be honoured at the next period. Safe in a signal handler.
 
         Args:
-            request: what is asked for. A stop is always taken, and goes before all else.
-            number: of the action that is meant, from 1; None: the run, or for a restore what runs now.
+            request: the request. A stop is always accepted, and precedes all other requests.
+            number: number of the action that is meant, from 1; None: the run, or for a restore the action
+                that
+                runs now.
 
         Returns:
-            Why it is not taken, in words; empty if it is.
+            The reason in words if the request is rejected; empty if it is accepted.
         """
         if request in _STOPS:
             self._stop = self._stop or (request, self._robot.time)
@@ -248,7 +250,7 @@ class Supervision:
         return None
 
     def _called(self) -> bool:
-        """Whether something is asked for but one more pause."""
+        """Return whether any request other than a further pause waits."""
         while self._requests and self._requests[0].what is Request.PAUSE:
             self._requests.popleft()
         return self._stop is not None or bool(self._requests)

@@ -1,4 +1,4 @@
-"""Noticing that somebody changed the world between two actions."""
+"""Detection of changes of the world between two actions."""
 
 from __future__ import annotations
 
@@ -9,18 +9,24 @@ from handcart.networks.graph.network import ActionNetwork
 from handcart.primitives.restoring.snapshot import Snapshot, limits, moved, residuals
 
 _BASE = frozenset({"base_mm", "base_deg"})
-"""Residuals of a base that was pushed, and of nothing else."""
+"""Residuals of a base that was pushed, with nothing else changed."""
 
 
 class WorldWatch:
-    """Compares how the robot stands before an action with how it stood after the last one (row N9).
+    """Comparison of the robot's state before an action with that after the last one (row N9).
 
-    A situation that the run was in before may hold again: one with the same facts but for `base`, where the
-    base stands as it was measured then. Whatever else is found changed, no sensor tells what else was.
+    An earlier situation of the run may hold again: one with the same facts except for `base`, whose base
+    pose was measured as it is now. After any other change no sensor can show how much more was changed.
     """
 
     def __init__(self, robot: Robot, network: ActionNetwork, seen: Mapping[str, Snapshot]) -> None:
-        """`seen`: how the robot stood in situations that the run was in; the last one is where it is."""
+        """Create a watch over a run.
+
+        Args:
+            robot: the robot.
+            network: the network of the run.
+            seen: snapshots of the robot in earlier situations of the run, the present one last.
+        """
         self._robot, self._network = robot, network
         self._seen = dict(seen)
         self._stood = next(reversed(self._seen.values()), None)
@@ -32,23 +38,27 @@ class WorldWatch:
             self.arrived(situation)
 
     def stands(self, at: Snapshot | None) -> None:
-        """The robot stands like this now; None: it can't be read, so nothing can be compared."""
+        """Keep the robot's present snapshot; None: it cannot be read, so nothing can be compared."""
         self._stood = at
 
     def arrived(self, situation: str) -> None:
-        """That situation holds where the robot stands."""
+        """Record that a situation holds at the last snapshot."""
         self._seen.pop(situation, None)
         if self._stood is not None:
             self._seen[situation] = self._stood
 
     def changed(self, now: Snapshot) -> Snapshot | None:
-        """How the robot stood, where it stands otherwise now; None where nothing has changed."""
+        """Return the last snapshot if the robot has moved since; None if nothing has changed."""
         if self._stood is None:
             return None
         return self._stood if moved(self._robot, self._stood, now) else None
 
     def situation(self, here: str, stood: Snapshot, now: Snapshot) -> str | None:
-        """The situation that holds now, where that can be told; `here` is the one that did."""
+        """Return the situation that holds now; None if that cannot be decided.
+
+        It is an earlier situation with the facts of `here`, the last one, if only the base has moved
+        between the two snapshots, and has moved to its pose of that time.
+        """
         if not moved(self._robot, stood, now).keys() <= _BASE or not self._sure(now):
             return None
         facts = self._facts(here)

@@ -85,7 +85,7 @@ FORMATS: dict[str, Callable[[ActionNetwork, str], str | bytes]] = {
     ".mmd": to_mermaid,
     ".dot": to_dot,
 }
-"""How a network is written, by a file's suffix, with the task's title."""
+"""Writers of a network by file suffix; each takes the network and the task's title."""
 
 
 def _numbers(folded: FoldedNetwork) -> dict[Spot | Part | None, str]:

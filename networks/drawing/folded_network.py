@@ -20,9 +20,9 @@ class Spot:
     """A situation, or its copies in all elements."""
 
     name: str
-    """As the file has it."""
+    """Name as written in the file."""
     depth: int
-    """How many repeated parts it is in."""
+    """Number of repeated parts around it."""
     members: tuple[str, ...]
     facts: tuple[str, ...]
     """`key: value`; of copies that differ the first and the last value."""
@@ -39,7 +39,7 @@ class Way:
     members: tuple[int, ...]
     """Numbers in the network."""
     costs: str
-    """What it costs, and whether a person has to permit it."""
+    """Its cost in words, and whether a person has to permit it."""
     parameters: tuple[str, ...]
     """`name: value`; of copies that differ the first and the last value."""
 
@@ -49,14 +49,14 @@ class Part:
     """A repeated part of the network."""
 
     title: str
-    """For what it is repeated."""
+    """Title that names the repeated elements."""
     around: Part | None
     """The part that it is within."""
 
 
 @dataclass(frozen=True)
 class FoldedNetwork:
-    """What is drawn of a network."""
+    """A network prepared for drawing, with the copies of repeated parts folded into one."""
 
     spots: tuple[Spot, ...]
     ways: tuple[Way, ...]
@@ -67,7 +67,7 @@ class FoldedNetwork:
     goal: Spot
 
     def spot(self, situation: str) -> Spot:
-        """Which one a situation of the network is in."""
+        """Return the spot that contains a situation of the network."""
         return next(each for each in self.spots if situation in each.members)
 
 
@@ -153,7 +153,7 @@ def shortened(words: str) -> str:
 
 
 def _parts(network: ActionNetwork, of: Mapping[str, Spot]) -> dict[str, Part]:
-    """By the words of each element the part that it is of."""
+    """Return the part of each element, by the element's words."""
     joined: nx.Graph[Any] = nx.Graph()
     for each in network.situations.values():
         if each.element is not None:

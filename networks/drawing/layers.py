@@ -18,12 +18,12 @@ Key = Hashable
 
 
 class Size(NamedTuple):
-    """Of a box, in [px]."""
+    """Size of a box, in [px]."""
 
     width: float
     height: float
     enter: float
-    """How far below its upper edge links arrive, at its left edge."""
+    """Distance below the box's upper edge at which links arrive at its left edge, in [px]."""
 
 
 class Edge(NamedTuple):
@@ -32,7 +32,7 @@ class Edge(NamedTuple):
     source: Key
     target: Key
     leave: float
-    """How far below the source's upper edge, in [px]."""
+    """Distance below the source's upper edge at which the edge leaves, in [px]."""
 
 
 class Point(NamedTuple):
@@ -43,7 +43,7 @@ class Point(NamedTuple):
 
 
 class Layers(NamedTuple):
-    """Where everything stands."""
+    """Positions of all boxes and edges."""
 
     width: float
     """[px]; there is half a gap on the left and on the right."""
@@ -51,7 +51,7 @@ class Layers(NamedTuple):
     corners: Mapping[Key, Point]
     """The upper left corner of each box."""
     routes: Sequence[Sequence[Point]]
-    """Of each edge; straight from each even point to the next, curved from each odd one."""
+    """Points of each edge; straight from each even point to the next, curved from each odd one."""
 
 
 class _Lane(NamedTuple):
@@ -149,7 +149,7 @@ class _Placing:
     ) -> None:
         self._columns, self._sizes = columns, sizes
         self._near: dict[Key, list[tuple[Key, float, float, float]]] = {cell: [] for cell in sizes}
-        """Of each cell its neighbours: key, how far below its upper edge, below that one's, weight."""
+        """Neighbours of each cell: key, distance below its upper edge, below the neighbour's, weight."""
         for edge, chain in zip(edges, chains, strict=True):
             for a, b in pairwise(chain):
                 out = edge.leave if a == edge.source else LANE / 2
@@ -184,7 +184,7 @@ class _Placing:
         return sum(weight * (tops[key] + theirs - own) for key, own, theirs, weight in near) / weights
 
     def _placed(self, column: Sequence[Key], wanted: Mapping[Key, float]) -> dict[Key, float]:
-        """As near as can be to what is wanted, one below the other."""
+        """Return positions as near as possible to the wanted ones, one cell below the other."""
         down, steps = 0.0, []
         for cell in column:
             steps.append(down)

@@ -74,11 +74,11 @@ class Link(NamedTuple):
     points: tuple[Point, ...]
     travelled: bool
     failed: bool
-    """Whether a Fail leads along it."""
+    """True if a Fail leads along the link."""
     arrow: bool
 
     def curves(self) -> Iterator[tuple[Point, Point, Point]]:
-        """Of each stretch the two points that bend it, and its end (cubic Bézier)."""
+        """Yield for each stretch its two control points and its end (cubic Bézier)."""
         for number, (p, q) in enumerate(pairwise(self.points)):
             if number % 2 == 0:
                 yield p, q, q
@@ -107,7 +107,7 @@ class NetworkPicture:
         return [*self.words, *(frame.title for frame in self.frames), *inside]
 
     def box(self, situation: str | None = None, action: int | None = None) -> Box:
-        """That of a situation by its name in the network, or of an action by its number."""
+        """Return the box of a situation by its name in the network, or of an action by its number."""
         member: str | int | None = situation if action is None else action
         return next(each for each in self.boxes if member in each.is_of.members)
 
@@ -115,13 +115,13 @@ class NetworkPicture:
 def draw_network(
     network: ActionNetwork, ended: Iterable[tuple[int, str]] | None = None, title: str | None = None
 ) -> NetworkPicture:
-    """Lay a network out from left to right, copies of repeated parts as one, framed.
+    """Lay a network out from left to right, with copies of repeated parts drawn as one framed part.
 
     Args:
-        network: of a task, or as a journal kept it.
-        ended: of each action of a run its number in the network and its outcome, empty where it has no end;
-            None: nothing was run.
-        title: stands above, and a legend below; None: neither.
+        network: a task's network, or one kept in a journal.
+        ended: number in the network and outcome of each action of a run, the outcome empty if the action
+            has no end; None: no run is drawn.
+        title: title above the drawing, which then also has a legend below; None: neither.
     """
     folded = fold(network)
     drawn = _Drawing(folded, None if ended is None else Counter(ended)).part(None)
@@ -145,7 +145,7 @@ def shortened_to(words: str, most: int = 120) -> str:
 
 
 class _Exit(NamedTuple):
-    """Where links leave a repeated part."""
+    """Exit of links from a repeated part."""
 
     target: Spot
     failed: bool
@@ -159,7 +159,7 @@ class _Drawn:
     height: float
     enter: float
     exits: Mapping[_Exit, tuple[float, bool]]
-    """How far below the upper edge, and whether it was travelled."""
+    """Distance below the upper edge of each exit, in [px], and whether a run took it."""
     frames: Sequence[Frame]
     boxes: Sequence[Box]
     links: Sequence[Link]
@@ -269,7 +269,7 @@ class _Drawing:
         return _Exit(spot, failed) if inside is None else inside
 
     def _inside(self, spot: Spot, part: Part | None) -> Key:
-        """What stands for a situation in the drawing of a part; None: it is outside."""
+        """Return the box that represents a situation in the drawing of a part; None: it is outside."""
         around = self._folded.part_of[spot]
         if around is part:
             return spot

@@ -1,4 +1,4 @@
-"""Colours and lines of networks; blue and orange are told apart by everybody (Okabe and Ito, 2008)."""
+"""Colours and lines of networks; blue and orange differ for the colour-blind, too (Okabe and Ito, 2008)."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ LIT = "#ffd84d"
 
 
 class BoxStyle(NamedTuple):
-    """How a box looks."""
+    """Style of a box."""
 
     fill: str
     colour: str
-    """Of its edge."""
+    """Colour of its edge."""
     dash: tuple[float, float] | None
     round: float
     """Radius of its corners, in [px]."""
     width: float
-    """Of its edge, in [px]."""
+    """Width of its edge, in [px]."""
 
 
 class LinkStyle(NamedTuple):
-    """How a link looks."""
+    """Style of a link."""
 
     colour: str
     width: float
@@ -43,7 +43,7 @@ _BOXES = {
 
 
 def style_of_box(box: Box) -> BoxStyle:
-    """By its kind."""
+    """Return the style of a box, by its kind."""
     return _BOXES[box.kind]
 
 

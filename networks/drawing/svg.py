@@ -12,12 +12,12 @@ FAMILY = "'DejaVu Sans', Helvetica, Arial, sans-serif"
 
 
 def to_svg(picture: NetworkPicture, lit: Collection[Box] = (), window: str | None = None) -> str:
-    """The picture as an SVG document that refers to nothing.
+    """Return the picture as a self-contained SVG document.
 
     Args:
-        picture: of the network.
-        lit: boxes of it that stand out.
-        window: the part that is shown, as `viewBox` has it; None: all.
+        picture: the drawing of a network.
+        lit: boxes to highlight.
+        window: the visible part, in the form of `viewBox`; None: all.
     """
     size = 'width="100%"' if window else f'width="{picture.width:.0f}" height="{picture.height:.0f}"'
     seen = window or f"0 0 {picture.width:.0f} {picture.height:.0f}"

@@ -1,4 +1,4 @@
-"""How wide words are on the paper."""
+"""Width of text in drawings."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from PIL.ImageFont import FreeTypeFont
 
 FAMILY = "DejaVu Sans"
-"""What is measured and asked for: wider than Helvetica and Arial, which may stand in for it."""
+"""Font that is measured and requested: wider than Helvetica and Arial, its usual substitutes."""
 _UNITS = 100  # of a letter's height in which is measured
 
 

@@ -1,1 +1,1 @@
-"""The action network, planning over it, and where a run stands in it."""
+"""The action network, planning over it, and a run's route through it."""

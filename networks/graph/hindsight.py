@@ -1,4 +1,4 @@
-"""Why an action was chosen: what else could have been done then, and what it would have cost."""
+"""Reasons for the choice of an action: the alternatives at that time, with their costs."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ class Option:
 
     action: Action
     weight: float
-    """What it counted in planning then, in [s]: its cost, doubled by each Fail."""
+    """Weight in planning at that time, in [s]: its cost, doubled by each Fail."""
     fails: int
-    """How often it had failed or couldn't start before."""
+    """Number of earlier Fails, including starts that were not possible."""
     way: Way | None
     """The cheapest way to the goal that begins with it; None where it was used up, or nothing leads on."""
     out: str
@@ -43,18 +43,17 @@ class Choice:
     way: Way
     """The plan that it begins."""
     options: tuple[Option, ...]
-    """All actions out of the situation, what was chosen first, then by cost."""
+    """All actions out of the situation: the chosen one first, then by cost."""
     next_best: Way | None
     """The cheapest other way, which may part from the plan later on; None where there was none."""
     after_fail: Way | None
-    """Where a Fail leads to another situation, the cheapest way from there; planning doesn't
-    reckon with it."""
+    """Cheapest route after a Fail, if the Fail leads to another situation; planning does not consider it."""
 
 
 def choice_of(run: PastRun, action: PastAction) -> Choice | None:
-    """The choice of an action; None where the journal doesn't keep the network.
+    """Return the choice of an action; None if the journal does not keep the network.
 
-    Computed anew by the planner from the Fails that the journal counts up to then.
+    The planner computes it again from the Fails that the journal counts up to that time.
     """
     if run.network is None:
         return None
@@ -77,7 +76,7 @@ def choice_of(run: PastRun, action: PastAction) -> Choice | None:
 
 
 class _Then:
-    """The planner as it stood before an action."""
+    """The planner in its state before an action."""
 
     def __init__(self, run: PastRun, action: PastAction) -> None:
         assert run.network is not None

@@ -1,4 +1,4 @@
-"""An action network as a journal keeps it: what planning needs, readable without the task's other files."""
+"""An action network as kept in a journal, sufficient for planning without the task's other files."""
 
 from __future__ import annotations
 
@@ -38,14 +38,14 @@ class JournaledNetwork:
 
     network: ActionNetwork
     uses: tuple[tuple[str, ...], ...]
-    """For each action the entries of the world model that its primitive may read."""
+    """Entries of the world model that each action's primitive may read."""
 
 
 def network_of(fields: Mapping[str, Any]) -> JournaledNetwork:
-    """The network that a journal's header told.
+    """Return the network described by a journal's header.
 
     Raises:
-        LookupError, TypeError, ValueError: the fields tell no sound network.
+        LookupError, TypeError, ValueError: the fields do not describe a valid network.
     """
     rows = [dict(zip(fields["keys"], row, strict=True)) for row in fields["actions"]]
     actions = [

@@ -59,10 +59,10 @@ class Binding:
         return self.kind.label()
 
     def make(self, model: WorldModel) -> ActionPrimitive:
-        """A fresh instance, for one attempt, with all its parameters.
+        """Return a new instance for one attempt, with all its parameters.
 
         Raises:
-            NotBound: the world model doesn't know a value yet, or it is none that the parameter takes.
+            NotBound: the world model does not know a value yet, or the parameter does not accept it.
         """
         if not self.late:
             return self.kind.model_validate(self.fixed)
@@ -76,7 +76,7 @@ class Binding:
             raise NotBound(f"{'.'.join(map(str, wrong['loc']))}: {wrong['msg']}") from None
 
     def said(self) -> dict[str, Any]:
-        """The parameters as they would stand in a file."""
+        """Return the parameters as a file would contain them."""
         late = {name: {"model": key} for name, key in self.late.items()}
         if not self.fixed:
             return late
@@ -84,7 +84,7 @@ class Binding:
         return {**dumped, **late}
 
     def given(self) -> dict[str, Any]:
-        """The same, without those that are as the primitive has them by itself."""
+        """Return the parameters as a file would contain them, without those at the primitive's defaults."""
         usual = {name: field.default for name, field in self.kind.model_fields.items()}
         said = self.said()
         return {name: said[name] for name in said if name in self.late or self.fixed[name] != usual.get(name)}
@@ -96,9 +96,9 @@ class Situation:
 
     name: str
     facts: Mapping[str, Fact] = field(default_factory=dict)
-    """What physically holds in it; facts that only say what is known belong in the name."""
+    """Physical facts that hold in it; facts that only describe knowledge belong in the name."""
     element: str | None = None
-    """Which element of a `repeat` it belongs to; what was learned for that is forgotten on leaving it."""
+    """Element of a `repeat` that it belongs to; facts learned for it are forgotten when it is left."""
 
 
 @dataclass(frozen=True)
@@ -112,11 +112,11 @@ class Action:
     cost_s: float = 1.0
     attempts: int = 3
     on_fail: str | None = None
-    """Where a Fail leads when only knowledge differs there; None: it leaves the situation as it is."""
+    """Situation after a Fail, which may differ in knowledge only; None: the situation remains as it is."""
     index: int = -1
     """Its number in the network."""
     permit: bool = False
-    """Whether the operator has to permit it each time."""
+    """True if the operator has to permit it each time."""
     time_out_s: float | None = None
     """The robot's time after which an attempt is called back, in [s]; None: never."""
 
@@ -193,7 +193,15 @@ class ActionNetwork:
 
 
 def faults_of(action: Action, known: Mapping[str, Situation]) -> list[tuple[str, str]]:
-    """What is wrong with an action among these situations: key in files, "what is wrong; what is allowed"."""
+    """Return the faults of an action among these situations.
+
+    Args:
+        action: the action.
+        known: all situations of the network, by name.
+
+    Returns:
+        Pairs of the key in files, and the fault with the allowed values.
+    """
     named = {"from": action.source, "to": action.target, "on_fail": action.on_fail}
     wrong = [
         (key, f"unknown situation {name!r}{suggest(name, known)}")

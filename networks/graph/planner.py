@@ -1,4 +1,4 @@
-"""The cheapest way to the goal, with what failed made dearer; and where a run stands on it."""
+"""The cheapest route to the goal, with failed actions made dearer; and a run's position on it."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Plan:
     cost: float
     """The sum of planning weights, in [s]."""
     excluded: tuple[Action, ...]
-    """What is out: as often failed as it may be."""
+    """Excluded actions: those that failed as often as they may."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class NotStarted:
 
 @dataclass(frozen=True)
 class Elsewhere(NotStarted):
-    """An action that was not started, because somebody changed the world: another situation holds."""
+    """An action that was not started because the world was changed: another situation holds."""
 
     situation: str
 
@@ -69,7 +69,7 @@ class Planner:
         self._reasons: dict[int, str] = {}
 
     def fails(self, action: Action) -> int:
-        """How often it failed."""
+        """Return the number of Fails of an action."""
         return self._fails[action.index]
 
     def failed(self, action: Action, reason: str, *, permanent: bool = False) -> None:
@@ -141,12 +141,12 @@ class Route:
 
     @property
     def arrived(self) -> bool:
-        """Whether the goal is reached."""
+        """True if the goal is reached."""
         return self.situation == self.network.goal
 
     @property
     def planned(self) -> bool:
-        """Whether the last plan still holds: the rest of it stays the cheapest way while nothing fails."""
+        """True if the last plan still holds: its rest remains the cheapest route while nothing fails."""
         return bool(self._ahead)
 
     def plan(self) -> Plan | NoWay:

@@ -1,1 +1,1 @@
-"""What is decided, written first; and reading it back."""
+"""The journal: every decision is written before it is acted on, and can be read back."""

@@ -22,23 +22,23 @@ FOLDER = "evidence"
 
 
 def stem(number: int, do: str, outcome: Outcome) -> str:
-    """How the names of the files begin that an action leaves: `003_SEARCH_Fail`."""
+    """Return the stem of the names of an action's evidence files, such as `003_SEARCH_Fail`."""
     ended = "" if isinstance(outcome, Success) else f"_{type(outcome).__name__}"
     return f"{number:03d}_{do}{ended}"
 
 
 class EvidenceFiles(RunObserver):
-    """An observer that keeps the pictures and points which decided how each action ended.
+    """Observer that keeps the pictures and points which decided how each action ended.
 
-    `evidence/003_SEARCH_Fail_front.png` is the picture `front` of the third action. What a successful one
-    found of the robot is kept as well.
+    `evidence/003_SEARCH_Fail_front.png` is the picture `front` of the third action. Calibration values that a
+    successful action found for the robot are kept as well.
     """
 
     def __init__(self, run_dir: Path, keep_calibrated: Callable[[Mapping[str, Calibrated]], None]) -> None:
-        """Keeps them in a run's folder; `keep_calibrated` what was found of the robot."""
+        """Create an observer for a run's folder; `keep_calibrated` receives values found for the robot."""
         self._folder, self._keep_calibrated = run_dir / FOLDER, keep_calibrated
         self.lost: str | None = None
-        """Why nothing more is kept, where the disk took no more; the run goes on without."""
+        """Reason why nothing more is kept after the disk refused a write; the run continues."""
 
     def event(self, event: Event) -> None:
         """Write what an action that has ended leaves."""

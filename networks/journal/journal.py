@@ -28,7 +28,7 @@ _NOTHING: Mapping[str, Any] = {}
 
 
 class RunAlive(InputError):
-    """A run can't be gone on with, because it still goes on."""
+    """A run cannot be resumed because it is still running."""
 
     def __init__(self, folder: Path) -> None:
         how = f"wait for its end, or handcart stop {folder}"
@@ -40,16 +40,16 @@ class RunAlive(InputError):
 class Journal:
     """A new file that records are appended to, each with one write, chained by checksums.
 
-    A record that could not be written whole poisons the journal: every further one raises. What the wall
-    clock says stands under `wall`, outside the chain, so that two runs of one seed are equal without it.
-    A context manager: leaving it closes the file.
+    A record that could not be written completely poisons the journal: every further one raises. Times of
+    the wall clock are kept under `wall`, outside the chain, so that two runs of one seed are equal without
+    it. A context manager: leaving it closes the file.
     """
 
     def __init__(self, path: Path, sync: Sync = "never", clock: Callable[[], float] = time.time) -> None:
         """Create `path`, which must not exist, readable by its owner alone.
 
         Raises:
-            JournalError: it can't be created, or is locked by somebody else.
+            JournalError: it cannot be created, or is locked by another process.
         """
         self.path = path
         self._clock = clock
@@ -77,7 +77,8 @@ class Journal:
         """Open a journal that was read, to append to it; a torn tail is moved into `PATH.torn-OFFSET`.
 
         Raises:
-            JournalError: it can't be opened, is written by somebody else, or has changed since it was read.
+            JournalError: it cannot be opened, is written by another process, or has changed since it was
+                read.
         """
         self = cls.__new__(cls)
         self.path, self._clock, self._poisoned = path, clock, None
@@ -121,14 +122,14 @@ class Journal:
         Args:
             kind: RUN, PLAN, START, RESULT and so on.
             time_s: the robot's time, in [s].
-            fields: the rest; whatever JSON holds, numpy arrays, paths and models.
-            wall: more that differs from run to run of one seed; stands outside the chain.
+            fields: the other fields: JSON values, numpy arrays, paths and models.
+            wall: further fields that differ between runs of one seed, kept outside the chain.
 
         Returns:
             The record's number, from 0.
 
         Raises:
-            JournalError: disk full, file gone, or a record that couldn't be written before.
+            JournalError: disk full, file gone, or an earlier record could not be written.
         """
         number = self._next
         try:
@@ -151,10 +152,10 @@ class Journal:
 
     @property
     def durable(self) -> bool:
-        """Whether all records are as safe as `sync` promises: with `beside` that takes a moment.
+        """True if all records are as safe as `sync` promises: with `beside` that takes a moment.
 
         Raises:
-            JournalError: they can't be brought to the disk; the journal is poisoned.
+            JournalError: they cannot be brought to the disk; the journal is poisoned.
         """
         try:
             return self._disk is None or self._disk.done
@@ -221,7 +222,7 @@ def _lock(file: int, folder: Path, kind: int = fcntl.LOCK_EX) -> None:
 
 
 def plain_json(value: Any) -> Any:
-    """What a record's fields are when they are read back: words, numbers, lists and mappings."""
+    """Return a record's fields as they are when read back: strings, numbers, lists and mappings."""
     return orjson.loads(orjson.dumps(value, default=_plain, option=_OPTIONS))
 
 

@@ -20,7 +20,7 @@ _BEGINS, _ENDS = re.compile(rb'\{"q":'), re.compile(rb'"crc":"[0-9a-f]{8}"\}\}')
 MAX_JOURNAL = 128 * 2**20
 """[bytes]; no run writes as many."""
 FIRST = ""
-"""What the first record names as the checksum before it."""
+"""Checksum that the first record names as that of the record before it."""
 
 
 class JournalError(HandcartError):
@@ -34,22 +34,22 @@ class JournalError(HandcartError):
 
 @dataclass(frozen=True)
 class JournalContents:
-    """What a journal holds."""
+    """Records of a journal."""
 
     records: tuple[dict[str, Any], ...]
     torn_at: int | None
-    """Offset in [bytes] from which on the tail is no whole record (a crash while writing); None: no such."""
+    """Offset of an incomplete last record (a crash while writing), in [bytes]; None: all are complete."""
     size: int
-    """Of the file, in [bytes]."""
+    """Size of the file, in [bytes]."""
 
 
 def seal(body: bytes, wall: Mapping[str, Any]) -> tuple[bytes, str]:
-    """The line for a record, and its checksum.
+    """Return the line for a record, and its checksum.
 
     Args:
-        body: a JSON object as orjson writes it, checksum of the record before it included.
-        wall: what differs between two runs of one seed: `unix_s`, in [s] since 1970, and maybe more; sealed
-            by a checksum of its own, outside the chain.
+        body: a JSON object as orjson writes it, including the checksum of the record before it.
+        wall: fields that differ between two runs of one seed: `unix_s`, in [s] since 1970, and maybe more;
+            sealed by a checksum of its own, outside the chain.
     """
     checksum = blake2b(body, digest_size=12).hexdigest()
     head = b'%b,"h":"%b","wall":%b' % (body[:-1], checksum.encode(), orjson.dumps(wall)[:-1])
@@ -62,11 +62,11 @@ def without_wall(record: dict[str, Any]) -> dict[str, Any]:
 
 
 def read_journal(path: Path) -> JournalContents:
-    """All records, each checked byte for byte, and the chain.
+    """Read all records, and check each of them byte for byte as well as the chain.
 
     Raises:
-        JournalError: it can't be read, is larger than any run's, or a record that others follow isn't what
-            was written; a damaged last record can't be told from what a crash leaves, and is only reported.
+        JournalError: the file cannot be read, is larger than any run's, or a record that others follow was
+            changed; a damaged last record looks like a crash while writing, and is only reported.
     """
     try:
         with path.open("rb") as file:
@@ -79,7 +79,7 @@ def read_journal(path: Path) -> JournalContents:
 
 
 def parse_journal(path: Path, content: bytes) -> JournalContents:
-    """As `read_journal`, from the bytes of the file at `path`."""
+    """Parse and check the bytes of the journal at `path`; see `read_journal`."""
     records: list[dict[str, Any]] = []
     offset, last = 0, FIRST
     while offset < len(content):
@@ -107,11 +107,11 @@ def _wrong_words(record: dict[str, Any] | None, number: int, offset: int) -> str
 
 
 def _more_than_torn(tail: bytes, number: int) -> bool:
-    """Whether what should begin with a record holds more than a crash leaves of one.
+    """Return whether a damaged tail holds more than a crash leaves of one record.
 
-    That is a later record, or a whole one that does not begin the tail: the newline before it may be what is
-    damaged, or a record before it may be there twice. Or the record itself, whole, and more than one byte
-    after it that somebody wrote. A record that is there twice at the end hides nothing.
+    That is a later record, or a complete one that does not begin the tail: the newline before it may be
+    damaged, or a record before it may be there twice. Or the record itself, complete, and more than one
+    further byte after it. A record that is there twice at the end hides nothing.
     """
     ends = [found.end() for found in _ENDS.finditer(tail)]
     for start in (found.start() for found in _BEGINS.finditer(tail)):

@@ -16,7 +16,7 @@ from .run_records import At
 
 
 def measure(robot: Robot) -> Snapshot | None:
-    """The robot as it stands; None where it can't be read. What objects it sees is not asked for."""
+    """Return a snapshot of the robot without seen objects; None if it cannot be read."""
     try:
         return take_snapshot(robot, {})
     except Exception:
@@ -24,7 +24,7 @@ def measure(robot: Robot) -> Snapshot | None:
 
 
 def measured_fields(at: Snapshot) -> At:
-    """A snapshot, ready for JSON: lengths in [m], angles in [rad]; what isn't known is null."""
+    """Return a snapshot ready for JSON: lengths in [m], angles in [rad]; unknown values are null."""
     fields = At(base=list(at.pose), base_sigma=list(at.pose_sigma))
     if at.joints.size:
         fields["joints"] = at.joints.tolist()
@@ -37,10 +37,10 @@ def measured_fields(at: Snapshot) -> At:
 
 
 def snapshot_of(fields: Mapping[str, Any]) -> Snapshot:
-    """The snapshot that `measured_fields` told.
+    """Return the snapshot described by the fields of `measured_fields`.
 
     Raises:
-        KeyError, TypeError: they tell none.
+        KeyError, TypeError: the fields do not describe a snapshot.
     """
     far, turned = (math.inf if each is None else float(each) for each in fields["base_sigma"])
     return Snapshot(

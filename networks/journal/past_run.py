@@ -28,9 +28,9 @@ class PastAction:
     """An action that was started."""
 
     number: int
-    """Which one of the run, from 1."""
+    """Number of the action in the run, from 1."""
     index: int
-    """In the network."""
+    """Index of the action in the network."""
     do: str
     source: str
     target: str
@@ -38,11 +38,11 @@ class PastAction:
     start: float
     """[s] of the robot's time, as are the others."""
     end: float
-    """Where it has none in the journal, when the run broke off."""
+    """Time of its end, in [s]; if the journal has no end, the time when the run broke off."""
     broken_off: float | None
     """When the motion was broken off and restoring began."""
     outcome: str
-    """Success, Fail or GiveUp; empty where the journal doesn't tell."""
+    """Success, Fail or GiveUp; empty if the journal does not contain it."""
     result: Record = field(default_factory=dict)
     """The journal's record of how it ended."""
 
@@ -53,13 +53,13 @@ class PastAction:
 
     @property
     def fails(self) -> bool:
-        """Whether it ended in Fail or GiveUp."""
+        """True if it ended in Fail or GiveUp."""
         return self.outcome in ("Fail", "GiveUp")
 
 
 @dataclass(frozen=True)
 class PastRun:
-    """What a run's journal tells."""
+    """A run as recorded in its journal."""
 
     folder: Path
     header: Record
@@ -68,20 +68,20 @@ class PastRun:
     network: JournaledNetwork | None
     """None in the journals of older versions."""
     torn_at: int | None
-    """Offset in [bytes] from which on the journal's tail is no whole record."""
+    """Offset of an incomplete last record, in [bytes]."""
 
     @property
     def end(self) -> Record | None:
-        """The record of the run's end; None where it was killed, or still goes on."""
+        """Record of the run's end; None if it was killed, or is still running."""
         last = next(record for record in reversed(self.records) if record["kind"] in ("END", "EPOCH", "RUN"))
         return last if last["kind"] == "END" else None
 
     @cached_property
     def track(self) -> Track | None:
-        """Where the robot was, period by period; None where that wasn't kept.
+        """Return the robot's poses, period by period; None if they were not kept.
 
         Raises:
-            NoRun: the file holds something else.
+            NoRun: the file does not hold a track.
         """
         content = read_file(self.folder, TELEMETRY, MAX_TELEMETRY, missing=True)
         if content is None:
@@ -111,8 +111,8 @@ def read_run(folder: Path | str) -> PastRun:
         folder: the run's folder.
 
     Raises:
-        NoRun: there is no journal that says what was run, or something in the folder is no plain file.
-        JournalError: it is damaged inside, or what it says makes no sense.
+        NoRun: the journal is missing or of another format, or an entry of the folder is not a plain file.
+        JournalError: it is damaged inside, or its records make no sense.
     """
     folder = Path(folder)
     contents = read_run_journal(folder)

@@ -1,4 +1,4 @@
-"""From a journal's records to where its run stands in the network."""
+"""Retracing of a run's position in the network from its journal's records."""
 
 from __future__ import annotations
 
@@ -16,20 +16,20 @@ from handcart.primitives.restoring.snapshot import Snapshot
 from .measured import snapshot_of
 
 TORN = "TORN"
-"""What an ACK calls a damaged last record."""
+"""Name of a damaged last record in an ACK."""
 _OF_ONE = ("INTENT", "PNR", "RESTORE", "RESULT")
 Record = Mapping[str, Any]
 
 
 class NeedsOperator(HandcartError):
-    """A run can't go on before a person has decided something. Exit status 6."""
+    """A run cannot be resumed before a person has decided something. Exit status 6."""
 
     exit_status = 6
 
 
 @dataclass
 class RunPosition:
-    """Where a run stands, by its journal alone."""
+    """Position of a run, from its journal alone."""
 
     route: Route
     started: int = 0
@@ -37,9 +37,9 @@ class RunPosition:
     plans: int = 0
     skipped: list[str] = field(default_factory=list)
     in_doubt: Record | None = None
-    """The START of an action of which nobody knows how far it came."""
+    """START record of an action of unknown progress."""
     gave_up: Record | None = None
-    """The record of a GiveUp that nobody has acknowledged: a RESULT, or an END between actions."""
+    """Record of a GiveUp that was not acknowledged: a RESULT, or an END between actions."""
     over: Record | None = None
     """The END of a run that came to its end."""
     done: int = 0
@@ -47,9 +47,9 @@ class RunPosition:
     left: str = ""
     """The situation in which that action began."""
     at: Snapshot | None = None
-    """How the robot stood when the run last knew where it is."""
+    """Snapshot of the robot when the run last knew its situation."""
     seen: dict[str, Snapshot] = field(default_factory=dict)
-    """How it stood in situations that the run was in, the last one at the end."""
+    """Snapshots of the robot in earlier situations of the run, the last one at the end."""
 
     def followed(self, records: Sequence[Record]) -> RunPosition:
         """Itself, after these records too; raises `NeedsOperator` for one that doesn't fit."""

@@ -1,4 +1,4 @@
-"""What a run's journal begins with."""
+"""Header of a run's journal."""
 
 from __future__ import annotations
 
@@ -46,8 +46,11 @@ def header(prepared: Prepared) -> dict[str, Any]:
 
 
 def network_fields(network: ActionNetwork) -> dict[str, Any]:
-    """A network, ready for JSON: `keys` names the columns of `actions`, `uses` among them: the entries of
-    the world model that a primitive may read. A skip has no `do`. `elements` names those of a `repeat`."""
+    """Return a network, ready for JSON.
+
+    `keys` names the columns of `actions`; among them `uses` are the entries of the world model that a
+    primitive may read. A skip has no `do`. `elements` names those of a `repeat`.
+    """
     rows = [
         (
             a.binding and a.do,
@@ -80,7 +83,7 @@ def robot_fingerprint(spec: RobotFile) -> str:
 
 
 def process_facts() -> dict[str, Any]:
-    """What RUN and EPOCH say of the process, outside the chain."""
+    """Return the facts on the process that RUN and EPOCH keep outside the chain."""
     return {
         "monotonic_s": round(time.monotonic(), 6),
         "pid": os.getpid(),
@@ -90,5 +93,5 @@ def process_facts() -> dict[str, Any]:
 
 
 def boot_id() -> str | None:
-    """Another one each time that the machine starts; None where the system tells none."""
+    """Return an identifier that changes with each start of the machine; None if the system has none."""
     return _BOOT.read_text().strip() if _BOOT.exists() else None

@@ -43,7 +43,7 @@ _NOTHING: Mapping[str, Any] = {}
 
 
 class RunLog(Intents):
-    """Counts what happens in a run, journals it and tells the observers."""
+    """Log that counts the events of a run, journals them and notifies the observers."""
 
     def __init__(
         self,
@@ -59,7 +59,7 @@ class RunLog(Intents):
         self.plans = standing.plans if standing else 0
         self.skipped: list[str] = list(standing.skipped) if standing else []
         self.open = False
-        """Whether an action has started whose outcome isn't in the journal for good."""
+        """True while an action has started whose outcome is not yet safely in the journal."""
         self._keep = keep
         self._robot = robot
         self._model = model
@@ -69,7 +69,7 @@ class RunLog(Intents):
         self._changes: Mapping[str, Any] = {}
 
     def planned(self, situation: str, plan: Plan | NoWay) -> None:
-        """A plan was made, or there is none."""
+        """Log that a plan was made, or that no plan was found."""
         self.plans += 1
         record = records.Planned(situation=situation)
         if isinstance(plan, Plan):
@@ -89,7 +89,7 @@ class RunLog(Intents):
     def start(
         self, action: Action, primitive: ActionPrimitive, fails: int, at: Snapshot | None = None
     ) -> None:
-        """An action is about to start; `at` is how the robot stands, where that was measured."""
+        """Log that an action is about to start; `at` is a snapshot of the robot, if one was measured."""
         self.started += 1
         self.open = True
         if self._journal is not None:
@@ -109,7 +109,7 @@ class RunLog(Intents):
 
     @property
     def kept(self) -> bool:
-        """Whether all that was written is as safe as the journal promises; raises `JournalError`."""
+        """True if all records are as safe as the journal promises; raises `JournalError`."""
         return self._journal is None or self._journal.durable
 
     def restoring(self, action: Action, reason: str) -> None:
@@ -118,7 +118,7 @@ class RunLog(Intents):
         self._tell(lambda: Restoring(self._robot.time, action, reason))
 
     def result(self, primitive: ActionPrimitive, outcome: Outcome, at: Snapshot | None = None) -> None:
-        """An action has ended; nobody is told yet. `at` is how the robot stands then."""
+        """Log that an action has ended, before observers are notified; `at` is a snapshot of the robot."""
         self._changes = changes = self._model.taken_changes()
         record = outcome_record(self.started, outcome)
         if changes:
@@ -138,14 +138,14 @@ class RunLog(Intents):
         self._tell(lambda: Ended(self._robot.time, self.started, action, primitive, outcome, changes))
 
     def stopped(self, cause: str, asked: float) -> None:
-        """The robot was told to stop just now, as was asked for at that time, in [s]."""
+        """Log that the robot was commanded to stop just now, as was requested at the time `asked`, in [s]."""
         sent = round(self._robot.time, 6)
         self._write("STOP", records.Stop(cause=cause, asked_s=round(asked, 6), sent_s=sent))
 
     def world_changed(
         self, action: Action, stood: Snapshot, now: Snapshot, situation: str | None, reason: str
     ) -> None:
-        """Somebody changed the world between two actions: the one that was next is not started."""
+        """Log that the world was changed between two actions, so that the next one is not started."""
         record = records.Recon(
             action=action.index,
             reason=reason,
@@ -170,7 +170,7 @@ class RunLog(Intents):
         self._tell(lambda: LeftOut(self._robot.time, action, f"{element} is left undone"))
 
     def ended(self, end: RunEnd, at: Snapshot | None = None) -> None:
-        """The run has ended; `at` is how the robot stands."""
+        """Log the end of the run; `at` is a snapshot of the robot."""
         record = records.End(outcome=end.outcome, situation=end.situation, reason=end.reason)
         if at is not None:
             record["at"] = measured_fields(at)
@@ -178,7 +178,7 @@ class RunLog(Intents):
         self._tell(lambda: RunEnded(self._robot.time, end))
 
     def _words(self, action: Action, primitive: ActionPrimitive) -> records.ActionWords:
-        """What the journal says of an action; written out once where nothing in it changes."""
+        """Return the journal's fields of an action; encoded only once if nothing in them changes."""
         if action.index in self._said:
             return self._said[action.index]
         words: records.ActionWords = {

@@ -1,4 +1,4 @@
-"""What stands in the records of a run's journal, by their kind: the types that are written, and relied on."""
+"""Types of the records of a run's journal, by their kind: used for writing, and relied on when reading."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing_extensions import TypedDict
 _OPEN = ConfigDict(strict=True, extra="allow", allow_inf_nan=False)
 
 Number = Annotated[int, Field(ge=1, lt=2**31)]
-"""Which action of the run."""
+"""Number of an action of the run, from 1."""
 Index = Annotated[int, Field(ge=0, lt=2**31)]
 Pose = Annotated[list[float], Field(min_length=3, max_length=3)]
 Joints = Annotated[list[float], Field(max_length=64)]
@@ -19,7 +19,7 @@ Sizes = dict[str, float | None]
 
 @with_config(_OPEN)
 class At(TypedDict):
-    """How the robot stands."""
+    """Snapshot of the robot."""
 
     base: Pose
     base_sigma: Annotated[list[float | None], Field(min_length=2, max_length=2)]
@@ -32,7 +32,7 @@ class At(TypedDict):
 
 @with_config(_OPEN)
 class Run(TypedDict):
-    """The header; journals of other programs than `handcart run` may tell less."""
+    """The header; journals of programs other than `handcart run` may contain less."""
 
     schema: NotRequired[str]
     handcart: NotRequired[str]
@@ -54,7 +54,7 @@ class Run(TypedDict):
 
 @with_config(_OPEN)
 class Planned(TypedDict):
-    """A plan, or that there is none."""
+    """A plan, or the reason why no plan was found."""
 
     situation: str
     way: NotRequired[list[Index]]
@@ -128,7 +128,7 @@ Result = Succeeded | Failed | GivenUp
 
 @with_config(_OPEN)
 class Recon(TypedDict):
-    """Somebody looked at the robot, or found the world changed."""
+    """A look at the robot by a person, or a detected change of the world."""
 
     situation: str | None
     reason: NotRequired[str]
@@ -166,7 +166,7 @@ class PointOfNoReturn(TypedDict):
 
 @with_config(_OPEN)
 class Stop(TypedDict):
-    """The robot was told to stop, as was asked for; times in [s]."""
+    """The robot was commanded to stop, as was requested; times in [s]."""
 
     cause: str
     asked_s: float
@@ -199,7 +199,7 @@ class Skip(TypedDict):
 
 @with_config(_OPEN)
 class Acknowledgement(TypedDict):
-    """A person has seen to what a record tells."""
+    """A person has taken care of the cause that a record describes."""
 
     record: Index
     of: str
@@ -209,7 +209,7 @@ class Acknowledgement(TypedDict):
 
 @with_config(_OPEN)
 class Epoch(TypedDict):
-    """Another process goes on with the run."""
+    """Another process resumes the run."""
 
     after: Annotated[int, Field(ge=-1)]
     in_doubt: Number | None
@@ -244,7 +244,7 @@ RECORDS: dict[str, TypeAdapter[Any]] = {
     "ACK": TypeAdapter(Acknowledgement),
     "EPOCH": TypeAdapter(Epoch),
 }
-"""By kind, what a record of it holds at least."""
+"""Validators of the minimum content of a record, by its kind."""
 
 _COMMON = TypeAdapter(_Common)
 

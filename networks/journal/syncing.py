@@ -7,10 +7,11 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Literal
 
 Sync = Literal["never", "always", "beside"]
-"""How records come to the disk. A killed process loses none of them, a power cut does.
+"""Policy for bringing records to the disk. A killed process loses none of them, a power cut does.
 
-`never`: when the system likes, for simulated runs. `always`: each waits until it is there. `beside`: a thread
-brings them there, and who must not go on before asks whether they are: the control loop never waits.
+`never`: when the system likes, used in simulated runs. `always`: each append waits until the record is on the
+disk. `beside`: a thread brings records to the disk, and the caller asks whether they are there before it
+continues: the control loop never waits.
 """
 
 
@@ -34,7 +35,7 @@ class DiskSync:
 
     @property
     def done(self) -> bool:
-        """Whether all that was asked for is there; raises `OSError` if it can't be."""
+        """True if all requested writes are on the disk; raises `OSError` if one failed."""
         if self._latest is None:
             return True
         if not self._latest.done():
@@ -43,7 +44,7 @@ class DiskSync:
         return True
 
     def close(self) -> None:
-        """Wait for what is under way; tells no more of what goes wrong. A second call does nothing."""
+        """Wait for pending writes, without reporting errors. A second call does nothing."""
         if self._pool is not None:
             self._pool.shutdown()
 

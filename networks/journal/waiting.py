@@ -1,4 +1,4 @@
-"""What of a run waits for a person, by its journal alone."""
+"""Records of a run that wait for a person, from its journal alone."""
 
 from __future__ import annotations
 
@@ -11,10 +11,14 @@ Record = Mapping[str, Any]
 
 
 def waiting(contents: JournalContents) -> dict[int, str]:
-    """Record to reason: a GiveUp, or the START of an action that was broken off, that nobody acknowledged.
+    """Return the unacknowledged records that wait for a person, with their reasons.
 
-    A damaged last record may be such a START, or have told what it did: it waits, too (row D3). Of a
-    simulated run only a GiveUp waits: its world is put back to where the action began.
+    These are a GiveUp, or the START of an action that was broken off. A damaged last record may be such a
+    START, or the result of the action: it waits, too (row D3). Of a simulated run only a GiveUp waits: its
+    world is put back to where the action began.
+
+    Returns:
+        Record number to reason.
     """
     records = contents.records
     found: dict[int, str] = {}
@@ -44,7 +48,7 @@ def waiting(contents: JournalContents) -> dict[int, str]:
 
 
 def may_have_begun(records: Sequence[Record]) -> bool:
-    """Whether the record after these can be the START of an action."""
+    """Return whether the record after these can be the START of an action."""
     return records[-1]["kind"] != "END" and any(each["kind"] == "PLAN" for each in records)
 
 

@@ -1,4 +1,4 @@
-"""How a server of this machine comes to its end without leaving sockets open."""
+"""Orderly end of a local server, without sockets left open."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from collections.abc import Iterable
 from socket import socket
 
 SETUP_ROUNDS = 5
-"""Of the event loop, until a connection that was accepted is set up and can be closed."""
+"""Rounds of the event loop until an accepted connection is set up and can be closed."""
 
 
 async def accept_no_more(listening: Iterable[socket]) -> None:
-    """Accept no more connections, and wait until those that were accepted are set up; then close the server.
+    """Accept no more connections, wait until the accepted ones are set up, and close the server.
 
-    A server that is closed before loses them: asyncio asserts that it still has its sockets, and never closes
-    what it accepted (CPython issue 79033).
+    A server that is closed earlier loses them: asyncio asserts that it still has its sockets, and never
+    closes the connections that it accepted (CPython issue 79033).
     """
     loop = asyncio.get_running_loop()
     for each in listening:

@@ -17,18 +17,18 @@ class NothingToAcknowledge(InputError):
 
 
 def acknowledge(folder: Path, record: int, cause: str | None = None) -> str:
-    """Note in a run's journal that a person has seen to what waits for one; gives why it waits (N13, U12).
+    """Acknowledge a waiting record in a run's journal, and return why it waited (N13, U12).
 
     Args:
-        folder: the run's.
+        folder: the run's folder.
         record: number of the journal's record that waits.
-        cause: that record's checksum, as `cause_of` tells it, to show that it is the one that was read.
+        cause: that record's checksum, as given by `cause_of`, to prove that it is the one that was read.
 
     Raises:
-        NoRun: it is no run's folder.
-        JournalError: the journal can't be read or written.
-        RunAlive: the run goes on.
-        NothingToAcknowledge: that record doesn't wait, or was acknowledged before.
+        NoRun: it is not a run's folder.
+        JournalError: the journal cannot be read or written.
+        RunAlive: the run is still running.
+        NothingToAcknowledge: that record does not wait, or was acknowledged before.
     """
     contents = read_run_journal(folder)
     waits = waiting(contents)

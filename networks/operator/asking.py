@@ -27,24 +27,24 @@ _JOURNAL = "journal.jsonl"
 
 
 class NotAlive(InputError):
-    """No run goes on in that folder."""
+    """No run is alive in the folder."""
 
 
 class ClosedToYou(InputError):
-    """The folder, or the run in it, belongs to somebody else."""
+    """The folder, or the run in it, belongs to another user."""
 
 
 class NotAnswering(HandcartError):
-    """A run goes on in that folder, but doesn't answer: what it does can't be said."""
+    """A run is alive in the folder, but does not answer: its state is unknown."""
 
 
 def ask(folder: Path, message: Mapping[str, Any], patience: float = PATIENCE) -> dict[str, Any]:
-    """Send a message to the run that is alive in a folder; its answer.
+    """Send a message to the run that is alive in a folder, and return its answer.
 
     Raises:
-        NotAlive: no run goes on there.
+        NotAlive: no run is alive there.
         ClosedToYou: the folder may not be used.
-        NotAnswering: it goes on, but nobody answered within `patience` [s].
+        NotAnswering: the run is alive, but did not answer within `patience` [s].
     """
     end = time.monotonic() + patience
     try:
@@ -63,12 +63,12 @@ def ask(folder: Path, message: Mapping[str, Any], patience: float = PATIENCE) ->
 
 
 def tell_to_stop(folder: Path) -> None:
-    """Stop the run that is alive in a folder, whatever else it is asked; returns before it is over.
+    """Stop the run that is alive in a folder, whatever else waits; returns before the run is over.
 
     Raises:
-        NotAlive: no run goes on there.
+        NotAlive: no run is alive there.
         ClosedToYou: the folder may not be used.
-        NotAnswering: it goes on, but can't be reached.
+        NotAnswering: the run is alive, but cannot be reached.
     """
     try:
         with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as line, socket_path(folder / STOP) as name:
@@ -81,10 +81,10 @@ def tell_to_stop(folder: Path) -> None:
 
 
 def goes_on(folder: Path) -> bool:
-    """Whether somebody writes the journal in a folder.
+    """Return whether a process writes the journal in a folder.
 
     Raises:
-        OSError: it can't be opened.
+        OSError: the journal cannot be opened.
     """
     journal = os.open(folder / _JOURNAL, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC | os.O_NOFOLLOW)
     try:
@@ -137,7 +137,7 @@ def _unanswered(folder: Path, when: str) -> HandcartError:
 
 
 def _unreached(folder: Path, error: OSError) -> HandcartError:
-    """Why nobody could be reached in a folder, as far as it can be known."""
+    """Return the most specific error for a run that could not be reached."""
     if isinstance(error, PermissionError):
         return _closed(folder, error)
     if not folder.is_dir():

@@ -29,12 +29,13 @@ Answer = Callable[[Message], Message]
 
 
 class Control:
-    """Listens in a run's folder on two Unix sockets that only its owner may use; asked once a period.
+    """Server of commands in a run's folder: two Unix sockets for their owner alone, polled once a period.
 
-    `control`: a message is a JSON object in a line, such as `{"do": "status"}`; each gets one back, in a
-    line, also what is no message. A line gets one answer a period, and who hangs up, sends half or floods
-    changes nothing for the others; when there are too many, the one that was silent longest is closed.
-    `control.stop`: whatever arrives there stops the run: nothing to read, to answer or to wait for.
+    `control`: a message is a JSON object in a line, such as `{"do": "status"}`; each gets one answer, in a
+    line, invalid messages included. A connection gets one answer a period. One that hangs up, sends half a
+    line or floods does not affect the others; when there are too many, the one that was silent longest is
+    closed.
+    `control.stop`: any datagram stops the run: nothing to read, to answer or to wait for.
 
     A context manager: leaving it removes the sockets.
     """

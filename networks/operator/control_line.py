@@ -1,4 +1,4 @@
-"""One line that somebody has opened to a run: what came in on it, and what is still to go out."""
+"""One client connection to a run: bytes received, and bytes still to be sent."""
 
 from __future__ import annotations
 
@@ -9,8 +9,10 @@ LONGEST = 4096  # of a message [bytes]
 
 
 class ControlLine:
-    """Takes in at most one message's worth of bytes at a time, and nothing while an answer waits to go out:
-    who floods it, or doesn't read, makes only itself wait."""
+    """Connection that buffers at most one message, and reads nothing while an answer waits to be sent.
+
+    A client that floods it, or does not read, delays only itself.
+    """
 
     def __init__(self, other: socket.socket, now: float) -> None:
         """Use a connected socket; `now` is the wall clock's time, in [s]."""
@@ -23,19 +25,19 @@ class ControlLine:
 
     @property
     def waits(self) -> bool:
-        """Whether a message is here that can be answered now."""
+        """True if a message was received that can be answered now."""
         return not self._goes and (
             b"\n" in self._came or self._too_long or (self._ended and self._came != b"")
         )
 
     @property
     def over(self) -> bool:
-        """Whether nothing comes any more, and nothing goes."""
+        """True if nothing is left to receive or to send."""
         return not self._goes and ((self._ended and not self._came) or self._refused)
 
     @property
     def interest(self) -> int:
-        """What to wait for: that bytes can go out, or that some come in."""
+        """Selector events to wait for: writable while an answer waits, otherwise readable."""
         return selectors.EVENT_WRITE if self._goes else selectors.EVENT_READ
 
     def exchange(self, now: float) -> None:

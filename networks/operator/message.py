@@ -1,4 +1,4 @@
-"""What may be asked of a run, as messages."""
+"""Messages that a run accepts, and their checks."""
 
 from __future__ import annotations
 
@@ -28,17 +28,20 @@ KEYS: Mapping[str, Collection[str]] = {
     "step": ("on",),
     "break": ("at", "on"),
 }
-"""What a word may bring with it, beside `COMMON`. `number`: of the action that is meant, as `status` gives it
-under `acting`; without it the run is meant, or by `restore` the action that runs."""
+"""Keys that a command accepts in addition to `COMMON`.
+
+`number`: of the action that is meant, as `status` gives it under `acting`; without it the run is meant, or
+for `restore` the action that runs.
+"""
 COMMON = ("do", "by", "nonce")
-"""`by`: who says it; `nonce`: text that no other message has, so that one that comes twice is done once."""
+"""Keys of all messages. `by`: the sender; `nonce`: unique text, so that a repeated message acts once."""
 LONGEST_WORD = 80
 
 
 def fault_of(message: Message, situations: Collection[str]) -> str:
-    """What makes a message none, "what is wrong; what is allowed"; nothing where it is one.
+    """Return the fault of an invalid message, with the allowed values; empty if it is valid.
 
-    A stop is one whatever else it says.
+    A stop is valid whatever else it contains.
     """
     word = message.get("do")
     if word == "stop":
@@ -68,5 +71,5 @@ _NAMED = {"action": "the action", "ask": "the question", "number": "the running 
 
 
 def shown(value: object) -> str:
-    """A value of somebody else's, ready to print."""
+    """Return a value from outside, clipped and ready to print."""
     return printable(clipped(repr(value)))

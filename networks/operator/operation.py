@@ -1,4 +1,4 @@
-"""The operator in command of a run: what may be asked of it, and how it answers."""
+"""Commands of the operator to a run, and the run's answers."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ from .permits import Permits
 
 _IDLE = (RunState.WAITING_FOR_PERMISSION, RunState.PAUSED_WHILE_ACTING, RunState.PAUSED_WHILE_RESTORING)
 SHOWN = 20
-"""Of the last commands, how many are told."""
+"""Number of the latest commands that the status lists."""
 _KEPT = 1000  # nonces
 NOBODY = "the terminal"
 
 
 class Operation(RunObserver):
-    """Listens in the run's folder while the run lives; asked once a period.
+    """Server of the operator's commands while the run is alive, polled once a period.
 
-    While the run waits for a permission or is paused, a period lasts as long on the wall clock: there is
-    nothing to compute, and nobody should have to hurry. A context manager.
+    While the run waits for a permission or is paused, a period lasts as long on the wall clock: nothing has
+    to be computed, and the operator need not hurry. A context manager.
     """
 
     def __init__(self, folder: Path, coordinator: Coordinator, permits: Permits, robot: Robot) -> None:
@@ -53,7 +53,7 @@ class Operation(RunObserver):
         self.look()
 
     def answer(self, message: Message) -> dict[str, Any]:
-        """Do what a message asks for, unless it was heard before, and tell how things stand."""
+        """Execute a message's command, unless it was received before, and return the run's status."""
         wrong = fault_of(message, self._coordinator.network.situations)
         if wrong or self._heard.again(message):
             return _refused(wrong) if wrong else {"ok": True, "again": True, **self.status()}
@@ -74,7 +74,7 @@ class Operation(RunObserver):
         return {"ok": True, **self.status()}
 
     def status(self) -> dict[str, Any]:
-        """How things stand."""
+        """Return the state of the run."""
         asks = self._permits.asks
         question = None if asks is None else {**_words(asks), "ask": self._permits.asked}
         return {
@@ -124,7 +124,7 @@ class _Heard:
         self._count = 0
 
     def again(self, message: Message) -> bool:
-        """Whether the same message was heard before, by its nonce (row U7)."""
+        """Return whether the same message was received before, by its nonce (row U7)."""
         return message.get("nonce") in self._nonces
 
     def note(self, message: Message, time: float) -> None:

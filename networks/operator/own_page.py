@@ -14,7 +14,7 @@ HEADERS = {
     "Cross-Origin-Resource-Policy": "same-origin",
     "Cache-Control": "no-store",
 }
-"""Of every answer."""
+"""Headers of every answer."""
 _OWN_SITE = ("same-origin", "none")
 
 
@@ -26,7 +26,7 @@ class Refusal(NamedTuple):
 
 
 class OwnPage:
-    """Tells strangers, before anything is done for them."""
+    """Guard that detects foreign requests before anything is done for them."""
 
     def __init__(self, hosts: Collection[str]) -> None:
         """Let those names of this machine pass, with their ports, as browsers send them."""
@@ -44,6 +44,6 @@ class OwnPage:
         return None
 
     def knows(self, token: str) -> bool:
-        """Whether it is the token, in a time that doesn't depend on where it differs (row U5)."""
+        """Compare with the token, in a time that does not depend on where they differ (row U5)."""
         # Bytes that are no text come as they are.
         return hmac.compare_digest(token.encode(errors="surrogateescape"), self.token.encode())

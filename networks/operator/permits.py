@@ -1,4 +1,4 @@
-"""Who permits an action: the operator, at a terminal or over a socket; or nobody is asked."""
+"""Permissions for actions: by the operator at a terminal or over a socket, or by a fixed rule."""
 
 from __future__ import annotations
 
@@ -11,33 +11,34 @@ Mode = Literal["ask", "always", "never"]
 
 
 class Permits:
-    """Answers the coordinator's question before each action, and keeps it waiting while nobody has answered.
+    """Permissions for actions: answers the coordinator before each one, or lets it wait for the operator.
 
-    Asked are actions with `permit: operator`, those that start from a break point, and all of them in single
-    steps. An answer holds for the one action that was asked for.
+    The operator is asked before actions with `permit: operator`, before those that start from a break
+    point, and before all of them in single steps. An answer holds for the one action that was asked for.
     """
 
     def __init__(self, mode: Mode = "ask", step: bool = False, breaks: Collection[str] = ()) -> None:
-        """Nothing has been asked yet.
+        """Create permits; nothing has been asked yet.
 
         Args:
-            mode: what becomes of actions with `permit: operator`: the operator is asked, or the answer is
-                always yes, or always no.
-            step: whether the operator is asked before every action.
+            mode: rule for actions with `permit: operator`: the operator is asked, or the answer is always
+                yes,
+                or always no.
+            step: True to ask the operator before every action.
             breaks: situations before whose actions the operator is asked.
         """
         self._mode = mode
         self.step = step
-        """Whether the operator is asked before every action; may change while the run goes on."""
+        """True if the operator is asked before every action; may change during the run."""
         self._breaks = set(breaks)
         self.asked = 0
-        """How many questions there were, the one that waits included: it is that one's number."""
+        """Number of questions so far, the waiting one included; it is the number of that one."""
         self._asks: Action | None = None
         self._answer: bool | None = None
         self.asking: Callable[[Action], None] = lambda _: None
         """Called once for each question."""
         self.typed: Callable[[], bool | None] = lambda: None
-        """Asked once a period while an action waits: what somebody typed, None for nothing yet."""
+        """Called once a period while an action waits: returns the typed answer, None if nothing was typed."""
 
     @property
     def asks(self) -> Action | None:
@@ -59,7 +60,7 @@ class Permits:
             self._answer = permitted
 
     def __call__(self, action: Action) -> bool | None:
-        """Yes, no, or None while nobody has answered."""
+        """Return yes, no, or None while no answer has come."""
         if not self._is_asked(action):
             self._asks, self._answer = None, None
             return not (action.permit and self._mode == "never")

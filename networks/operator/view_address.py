@@ -1,4 +1,4 @@
-"""Where the page of a run that goes on is served, noted in the run's folder for the operator's page."""
+"""Address of the page of a running run, noted in the run's folder for the operator's page."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def forget_address(folder: Path) -> None:
 
 
 def view_address(folder: Path) -> str | None:
-    """The address; None: there is none, or it is no page of this machine."""
+    """Return the noted address; None if it is missing, or is not a page of this machine."""
     try:
         content = read_file(folder, NAME, MOST, missing=True)
     except HandcartError:

@@ -1,1 +1,1 @@
-"""One run on disk: its loop, its folder, and how it goes on after a crash."""
+"""One run on disk: its loop, its folder, and its resume after a crash."""

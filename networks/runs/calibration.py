@@ -1,4 +1,7 @@
-"""What a run found of the robot itself, as a file to review: `calibration.yaml` in the run's folder."""
+"""Calibration values that a run found for the robot, as a file to review.
+
+The file is `calibration.yaml` in the run's folder.
+"""
 
 from __future__ import annotations
 
@@ -39,18 +42,18 @@ class Value(FileModel):
 
 
 class Calibration(FileModel):
-    """What a run found of the robot."""
+    """Calibration values that a run found for the robot."""
 
     format: Literal["handcart-calibration/1"]
     robot: str
     """A shipped robot's name, or the path of a robot's file."""
     backend: str
-    """By which it was found: what a simulation finds is true of a simulation."""
+    """Backend of the run: values found in a simulation hold for the simulation only."""
     found: Annotated[dict[str, Value], Field(min_length=1)]
-    """By key in the robot's file: `camera.calibrated.focal_px`."""
+    """Values by key in the robot's file: `camera.calibrated.focal_px`."""
 
     def text(self) -> str:
-        """As a file."""
+        """Return the content of the file."""
         from ruamel.yaml import YAML
 
         yaml = YAML()
@@ -90,7 +93,7 @@ def _length(value: float | tuple[float, ...]) -> int:
 
 
 def calibration_path(run: Path) -> Path:
-    """Of a run's folder, or that very file."""
+    """Return the path of the file in a run's folder, or the given file itself."""
     return run / NAME if run.is_dir() else run
 
 

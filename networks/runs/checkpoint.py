@@ -1,4 +1,4 @@
-"""Where a run stands between two actions, on disk."""
+"""State of a run between two actions, on disk."""
 
 from __future__ import annotations
 
@@ -34,22 +34,24 @@ class Checkpoint:
     """
 
     digest: str
-    """What names it: the SHA-256 of its file."""
+    """Identifier of the checkpoint: the SHA-256 of its file."""
     after: str
     """Checksum of the journal's record before the action's RESULT."""
     result: Mapping[str, Any]
     time_s: float
     """The robot's, in [s]."""
     backend: object
-    """None of a real robot, whose world stands by itself."""
+    """State of the simulated world; None for a real robot, whose world persists by itself."""
     robot: object
     model: object
 
     def put_back(self, prepared: Prepared) -> None:
-        """Put a run, prepared anew from the same files and seed, where it stood; a real robot only learns.
+        """Restore the state of a run that was prepared again from the same files and seed.
+
+        If the robot is a real one, only its world model is restored.
 
         Raises:
-            NotAState: it is of something else.
+            NotAState: the checkpoint belongs to another robot or world.
         """
         if self.backend is None and prepared.backend.simulated:
             raise NotAState("the checkpoint is of a real robot: it holds no world")
@@ -62,22 +64,23 @@ class Checkpoint:
 def keep_checkpoint(
     folder: Path, prepared: Prepared, durable: bool, result: Mapping[str, Any], after: str
 ) -> str | None:
-    """Put the latest checkpoint of a run into its folder in one step, before the journal has the RESULT.
+    """Write the latest checkpoint of a run into its folder in one step, before the journal has the RESULT.
 
-    A GiveUp is not kept: who acknowledges it has put everything back as it was before that action.
+    A GiveUp is not kept: the person who acknowledges it has put everything back as it was before that
+    action.
 
     Args:
-        folder: the run's.
+        folder: the run's folder.
         prepared: the run.
-        durable: whether it is on the disk before its action's result is.
-        result: of the action that has ended, as the journal is to hold it.
+        durable: True if the checkpoint must be on the disk before its action's result is.
+        result: RESULT of the action that has ended, as the journal will contain it.
         after: checksum of the journal's last record.
 
     Returns:
-        The checkpoint's digest, by which the journal names it; None where a simulated world can't be kept.
+        The checkpoint's digest, by which the journal names it; None if a simulated world cannot be kept.
 
     Raises:
-        NotKeptError: it can't be written.
+        NotKeptError: it cannot be written.
     """
     backend = prepared.backend.state()
     if (backend is None and prepared.backend.simulated) or result["outcome"] == "GiveUp":
@@ -113,11 +116,11 @@ def _replace(path: Path, content: bytes, durable: bool) -> None:
 
 
 def load_checkpoint(folder: Path) -> Checkpoint | None:
-    """The checkpoint in a run's folder; None where there is none.
+    """Load the checkpoint from a run's folder; None if the folder has none.
 
     Raises:
-        NotAState: it isn't one.
-        NoRun: it is no file that can be read.
+        NotAState: the file is not a valid checkpoint.
+        NoRun: it is not a readable file.
     """
     bytes_ = read_file(folder, NAME, MAX_BYTES, missing=True)
     if bytes_ is None:

@@ -32,18 +32,21 @@ SUFFIX = "_readings.npz"
 
 Row = dict[str, Any]
 Readings = Mapping[str, NDArray[Any]]
-"""Columns by name, `time_s` and so on: (n,) or (n, m). Beside them what stays the same: `footprint_m` (), and
-for the range sensor `angles_rad` (m,) of its beams and `base_T_sensor` (3,) in [m, m, rad]. In
-`ranges_m` infinity is no return, -infinity too close and NaN invalid (REP 117)."""
+"""Columns by name, `time_s` and so on: (n,) or (n, m).
+
+There are constants, too: `footprint_m` (), and of the lidar `angles_rad` (m,) of its beams and
+`base_T_sensor` (3,) in [m, m, rad]. In `ranges_m` infinity is no return, -infinity too close and NaN
+invalid (REP 117).
+"""
 
 
 class FlightRecorder(RunObserver):
-    """Reads everything but the camera once a period.
+    """Recorder that reads all sensors but the camera once a period.
 
-    For each Fail and GiveUp it writes `evidence/003_MOVE_TO_Fail_readings.npz`: the seconds before the motion
-    was broken off, and the last ones of the way back. At the end of the run
-    it writes `evidence/end_readings.npz`, unless nothing has happened since. A reading is the same however
-    often it is taken, so the run isn't changed. Names end in the unit.
+    At each Fail and GiveUp it writes `evidence/003_MOVE_TO_Fail_readings.npz`: the seconds before the
+    motion was broken off, and the last ones of the restoring motion. At the end of the run it writes
+    `evidence/end_readings.npz`, unless nothing has happened since. A reading is the same however
+    often it is taken, so the run is not changed. Names end in the unit.
     """
 
     def __init__(self, run_dir: Path, robot: Robot, seconds: float = SECONDS) -> None:
@@ -60,10 +63,10 @@ class FlightRecorder(RunObserver):
         self._arm, self._gripper = backend.get(Arm), backend.get(Gripper)  # type: ignore[type-abstract]
         self._base, self._range = backend.get(Base), robot.lidar  # type: ignore[type-abstract]
         self.lost: str | None = None
-        """Why nothing more is kept, where the disk took no more; the run goes on without."""
+        """Reason why nothing more is kept after the disk refused a write; the run continues."""
 
     def period(self, robot: Robot) -> None:
-        """Take a period down; while the robot's time stands still there is nothing new."""
+        """Record a period; while the robot's time does not pass there is nothing new."""
         if robot.time <= self._time:
             return
         self._time = robot.time
@@ -146,10 +149,10 @@ def _columns(rows: Sequence[Row]) -> dict[str, Any]:
 
 
 def load_arrays(path: Path) -> dict[str, NDArray[Any]]:
-    """The arrays in an .npz file: numbers, no objects, and no more than a run ever keeps.
+    """Load the arrays of an .npz file: numbers, no objects, and no more than a run ever keeps.
 
     Raises:
-        OSError, ValueError, zipfile.BadZipFile: it is no such file, damaged, or larger.
+        OSError, ValueError, zipfile.BadZipFile: the file is of another format, damaged, or larger.
     """
     # NumPy leaves a file open that it opened itself and finds damaged.
     with path.open("rb") as file:
@@ -162,10 +165,10 @@ def load_arrays(path: Path) -> dict[str, NDArray[Any]]:
 
 
 def load_readings(path: Path) -> Readings:
-    """What the recorder wrote.
+    """Load the readings that the recorder wrote.
 
     Raises:
-        OSError, ValueError, zipfile.BadZipFile: it is no such file, or damaged.
+        OSError, ValueError, zipfile.BadZipFile: the file is of another format, or damaged.
     """
     columns = load_arrays(path)
     if "time_s" not in columns:

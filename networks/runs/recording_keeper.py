@@ -21,10 +21,11 @@ if TYPE_CHECKING:
 
 
 class RecordingKeeper(RunObserver):
-    """Steers a recording.
+    """Observer that controls a backend's recording.
 
-    For each Fail and GiveUp `evidence/003_MOVE_TO_Fail_frames.log` holds the seconds before the motion was
-    broken off, and the last ones of the way back; `evidence/end_frames.log` those at the run's end.
+    After each Fail and GiveUp `evidence/003_MOVE_TO_Fail_frames.log` holds the seconds before the motion
+    was broken off, and the last ones of the restoring motion; `evidence/end_frames.log` those at the run's
+    end.
     """
 
     def __init__(self, recording: Recording) -> None:
@@ -32,7 +33,7 @@ class RecordingKeeper(RunObserver):
         self._folder, self._recording = Path(), recording
 
     def begin(self, prepared: Prepared, run_dir: Path) -> None:
-        """See `RunObserver`; what has passed up to now is written."""
+        """Open the recording in the run's folder, and write what has passed up to now."""
         self._folder = run_dir / FOLDER
         self._recording.open(run_dir)
 

@@ -1,4 +1,4 @@
-"""A run that broke off: what is known of it, and how it goes on."""
+"""A run that broke off: its known state, and its resume."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ _NEEDED = {
     *("schema", "handcart", "task_path", "settings", "network", "backend", "bench", "seed", "errors"),
     *("robot", "robot_sha256", "start", "simulated"),
 }
-"""What a header has that a run can be gone on with."""
+"""Header fields that are needed to resume a run."""
 _DOUBTFUL = {"INTENT": "effect", "PNR": "what"}
-"""Records that leave unknown what has happened, and where they tell it."""
+"""Kinds of records after which it is unknown what happened, with the field that describes the effect."""
 
 
 class NothingToResume(InputError):
@@ -39,7 +39,7 @@ class NothingToResume(InputError):
 
 @dataclass(frozen=True)
 class Past:
-    """What a run's folder holds, read once."""
+    """Content of a run's folder, read once."""
 
     folder: Path
     contents: JournalContents
@@ -48,7 +48,7 @@ class Past:
     recovered: Mapping[str, Any] | None
     """The RESULT that the checkpoint holds and the journal lacks: a crash came in between."""
     closing: tuple[tuple[str, Mapping[str, Any]], ...] = ()
-    """What a look at a real robot adds to the journal."""
+    """Records that a look at a real robot adds to the journal."""
 
     @property
     def last(self) -> int:
@@ -62,7 +62,7 @@ class Past:
 
     @property
     def to_tell(self) -> list[tuple[str, Mapping[str, Any], Mapping[str, Any]]]:
-        """Records that the journal gets before the run goes on: kind, fields, what stands under `wall`."""
+        """Return the records for the journal before the run continues: kind, fields, fields under `wall`."""
         records: list[tuple[str, Mapping[str, Any], Mapping[str, Any]]] = []
         if self.recovered is not None and self.checkpoint is not None:
             wall = {"checkpoint": self.checkpoint.digest}
@@ -73,7 +73,7 @@ class Past:
         return [*records, ("EPOCH", epoch, {})]
 
     def doubts(self) -> Iterator[str]:
-        """What may have happened since the last that is known."""
+        """Yield what may have happened since the last known state."""
         doubt = self.standing.in_doubt
         if doubt is None:
             return
@@ -86,7 +86,7 @@ class Past:
             yield f"what record {self.last + 1}, which is damaged, told of it"
 
     def words(self, now_s: float, boot: str | None) -> list[str]:
-        """What is known and recovered, and what would come next, a line each.
+        """Return one line each on the known state, recovered results and the next action.
 
         Args:
             now_s: the wall clock, in [s] since 1970.
@@ -111,7 +111,7 @@ class Past:
         return lines
 
     def check_robot(self, robot: Robot) -> None:
-        """Raise `NeedsOperator` where the journal tells of a robot with other joints."""
+        """Raise `NeedsOperator` if the journal describes a robot with other joints."""
         arm = robot.backend.get(Arm)  # type: ignore[type-abstract]
         joints = 0 if arm is None else arm.command().size
         for at in (self.standing.at, *self.standing.seen.values()):
@@ -122,7 +122,7 @@ class Past:
                 raise NeedsOperator(printable(wrong))
 
     def next_words(self) -> str:
-        """What would be done next."""
+        """Return a line on the next action."""
         route = self.standing.route
         if route.arrived:
             return "next: nothing, the goal is reached"
@@ -131,14 +131,15 @@ class Past:
 
 
 def read_past(folder: Path, network: ActionNetwork) -> Past:
-    """What is known of the run in a folder.
+    """Read the state of the run in a folder.
 
     Raises:
-        NoRun: it is no run's folder.
-        JournalError: the journal can't be read, or is damaged inside.
-        NotAState: the checkpoint is none.
-        NeedsOperator: the journal doesn't fit the task, the checkpoint isn't the journal's, or the run gave
-            up and nobody has acknowledged that.
+        NoRun: it is not a run's folder.
+        JournalError: the journal cannot be read, or is damaged inside.
+        NotAState: the checkpoint is not valid.
+        NeedsOperator: the journal does not fit the task, the checkpoint is not the journal's, or the run
+            gave
+            up and that was not acknowledged.
     """
     contents = read_run_journal(folder)
     here = standing(network, contents.records)
@@ -196,16 +197,16 @@ def _maybe_begun(here: RunPosition, contents: JournalContents) -> Mapping[str, A
 
 
 def task_of(folder: Path) -> Mapping[str, Any]:
-    """The header of the journal of a run that isn't over: task, settings, backend, seed.
+    """Return the header of the journal of a run that is not over: task, settings, backend, seed.
 
-    Nothing but the journal is read.
+    Only the journal is read.
 
     Raises:
-        NoRun: it is no run's folder.
-        JournalError: the journal can't be read, or is damaged inside.
-        RunAlive: it still goes on.
-        NothingToResume: it came to its end.
-        NeedsOperator: no task stands in it, or another handcart has written it (row D12).
+        NoRun: it is not a run's folder.
+        JournalError: the journal cannot be read, or is damaged inside.
+        RunAlive: the run is still running.
+        NothingToResume: the run came to its end.
+        NeedsOperator: the journal names no task, or another version of handcart has written it (row D12).
     """
     records = read_run_journal(folder).records
     check_not_alive(folder)

@@ -25,30 +25,30 @@ class RobotBusy(InputError):
 
 
 class NoClaim(InputError):
-    """The folder that tells which runs robots are in can't be used."""
+    """The folder with the robots' claims cannot be used."""
 
 
 class RobotClaim:
-    """Holds a real robot for this process; names the run that it is in, in a small file.
+    """Exclusive claim of a real robot by this process, with the path of its run in a small file.
 
-    The run's journal alone tells whether it waits for a person: it gave up, or was broken off in the middle
-    of an action, and nobody has acknowledged that. Then the next claim is refused (row N13), whoever asks:
-    a service that starts a run again and again moves nothing. A context manager: leaving it lets go of the
-    robot, and of the name where nothing waits.
+    The run's journal alone decides whether it waits for a person: it gave up, or was broken off in the
+    middle of an action, and that was not acknowledged. Then the next claim is refused (row N13), whichever
+    program asks: a service that starts a run again and again moves nothing. A context manager: leaving it
+    releases the robot, and clears the path if nothing waits.
     """
 
     def __init__(self, backend: Backend, folder: Path, own: Path | None = None) -> None:
         """Claim the robot behind a backend.
 
         Args:
-            backend: it tells which robot it is.
-            folder: where each robot has its file; made if it isn't there.
-            own: the run that is to go on, where that is what is claimed for: it may wait.
+            backend: the backend, which identifies the robot.
+            folder: folder with one file for each robot; made if it is missing.
+            own: the run to resume, if the claim is for a resume: that run may wait.
 
         Raises:
             RobotBusy: another process has it.
             NeedsOperator: its last run waits for a person.
-            NoClaim: the folder can't be used.
+            NoClaim: the folder cannot be used.
         """
         name = re.sub(r"[^\w.-]", "_", f"{backend.name}-{backend.address}".strip("-"))
         self.path = folder / name
@@ -131,7 +131,10 @@ class RobotClaim:
 
 
 def state_folder() -> Path:
-    """Where robots' files are: `$XDG_STATE_HOME/handcart/robots`, by default in `~/.local/state`."""
+    """Return the folder of the robots' files, by default below `~/.local/state`.
+
+    It is `$XDG_STATE_HOME/handcart/robots`.
+    """
     home = os.environ.get("XDG_STATE_HOME")
     return (Path(home) if home else Path.home() / ".local" / "state") / "handcart" / "robots"
 

@@ -44,11 +44,11 @@ from .telemetry import Telemetry
 
 
 class Executed(NamedTuple):
-    """What came of a run that was executed."""
+    """Result of an executed run."""
 
     end: RunEnd
     summary: dict[str, Any]
-    """As it stands in the run's `summary.json`."""
+    """Content of the run's `summary.json`."""
 
 
 class NotKept(HandcartError):
@@ -68,19 +68,20 @@ def execute(
 ) -> Executed:
     """Step the robot until the run ends; an interrupt (Ctrl-C) stops it where it is, and it holds.
 
-    While it goes on, the operator is heard over the socket `control` in `run_dir`. Writes `journal.jsonl`,
-    `telemetry.npz`, `summary.json` and the evidence there; after a fault in our own code also `error.txt`.
+    While the run lasts, the operator's commands are received on the socket `control` in `run_dir`. Writes
+    `journal.jsonl`, `telemetry.npz`, `summary.json` and the evidence there; after a fault in our own code
+    also `error.txt`.
 
     Args:
-        prepared: a run that could start. How it was prepared counts, whatever the options say of that.
-        run_dir: the run's folder; it is made if it isn't there.
-        options: how it is executed.
-        past: a run to go on with.
-        clock: what gives the wall time that it takes, in [s].
+        prepared: a run that could start. Its preparation counts, whatever the options say of that.
+        run_dir: the run's folder; made if it is missing.
+        options: options of the execution.
+        past: a run to resume.
+        clock: clock for the wall time of the run, in [s].
 
     Raises:
         JournalError: no journal can be created there; nothing has moved.
-        NotKept: the run has ended, but its summary or telemetry can't be written.
+        NotKept: the run has ended, but its summary or telemetry cannot be written.
     """
     began, options = clock(), options or RunOptions()
     run_dir.mkdir(parents=True, exist_ok=True)
@@ -109,12 +110,12 @@ def execute(
 
 
 def _permits(prepared: Prepared, options: RunOptions) -> Permits:
-    """Where nobody can be asked a simulated robot may do all, a real one nothing that needs a permit."""
+    """Return the permissions; by default a simulated robot may do all, a real one nothing with a permit."""
     return options.permits or Permits("always" if prepared.backend.simulated else "never")
 
 
 def _sync(prepared: Prepared, options: RunOptions) -> Sync:
-    """How the journal comes to the disk: a real robot's does, unless that isn't wanted."""
+    """Return how the journal is brought to the disk: by default only that of a real robot is."""
     simulated = prepared.backend.simulated
     if not (options.sync or (options.sync is None and not simulated)):
         return "never"
@@ -144,7 +145,7 @@ def _coordinator(
 
 
 def _recorders(prepared: Prepared, run_dir: Path) -> Iterator[RunObserver]:
-    """Who looks on at every run, before those who were asked for."""
+    """Yield the observers of every run, which come before the requested ones."""
     robot = prepared.task.robot, prepared.backend_name
     yield EvidenceFiles(run_dir, partial(keep_calibrated, run_dir, *robot))
     yield FlightRecorder(run_dir, prepared.robot)
@@ -190,7 +191,7 @@ def step_until_end(
 def summary(
     prepared: Prepared, end: RunEnd, run_dir: Path, wall_time_s: float, metrics: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """What programs read about a run: the fields of `handcart run --json`."""
+    """Return the summary of a run for programs: the fields of `handcart run --json`."""
     return {
         "outcome": end.outcome,
         "situation": end.situation,

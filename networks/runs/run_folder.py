@@ -37,10 +37,10 @@ class NoRun(InputError):
 
 
 def check_folder(folder: Path) -> None:
-    """See that a folder holds plain files and folders alone: what is written there later stays in there.
+    """Check that a folder holds plain files and folders alone, so that later writes stay inside it.
 
     Raises:
-        NoRun: it is no folder, or something in it is a link, a pipe, a device or a file of two names.
+        NoRun: it is not a folder, or something in it is a link, a pipe, a device or a file of two names.
     """
     try:
         if not stat.S_ISDIR(os.stat(folder).st_mode):
@@ -108,11 +108,11 @@ def read_file(folder: Path, name: str, most: int, missing: bool = False) -> byte
 
 
 def read_run_journal(folder: Path) -> JournalContents:
-    """The journal in a run's folder, each record byte for byte, and what it says of the type it should be.
+    """Read and check the journal in a run's folder: each record byte by byte, and its fields' types.
 
     Raises:
-        NoRun: there is none, or something in the folder is no plain file.
-        JournalError: it is damaged inside, or what it says makes no sense.
+        NoRun: the journal is missing, or something in the folder is not a plain file.
+        JournalError: it is damaged inside, or its records make no sense.
     """
     check_folder(folder)
     content = read_file(folder, JOURNAL, MAX_JOURNAL)

@@ -1,4 +1,4 @@
-"""What the folders of runs are called, which one is the newest, and what they hold at a glance."""
+"""Names of the folders of runs, the newest of them, and a short description of each."""
 
 from __future__ import annotations
 
@@ -41,7 +41,10 @@ def name_of(task: Path, seed: int) -> str:
 
 
 def point_latest(folder: Path) -> None:
-    """Let `latest` beside a run's folder lead to it, at once; where links can't be made, there is none."""
+    """Point the link `latest` next to a run's folder to it, atomically.
+
+    Systems without links get no link.
+    """
     link = folder.with_name(LATEST)
     new = folder.with_name(f".{LATEST}.{os.getpid()}.new")
     with suppress(OSError):
@@ -68,7 +71,7 @@ def latest_run(runs: Path) -> Path:
 
 
 def list_runs(runs: Path) -> list[ListedRun]:
-    """The runs in a folder, the newest first; what else is in there is left out."""
+    """Return the runs in a folder, the newest first; other entries are skipped."""
     if not runs.is_dir():
         return []
     found = (_listed(each) for each in runs.iterdir() if each.is_dir() and not each.is_symlink())

@@ -1,4 +1,4 @@
-"""A real robot's run that broke off: what was expected, what is measured, what nobody can tell."""
+"""Check of a real robot after its run broke off: expected state, measured state, and unknowns."""
 
 from __future__ import annotations
 
@@ -23,23 +23,23 @@ _BY_SCANS = ("base_mm", "base_deg", "base_unsure_mm", "base_unsure_deg")
 
 @dataclass(frozen=True)
 class StateCheck:
-    """How a robot stands, read after the resume began, beside how its journal left it."""
+    """State of the robot, read after the resume began, compared with the state in its journal."""
 
     expected: Snapshot | None
-    """None where the journal doesn't tell."""
+    """Expected snapshot; None if the journal has none."""
     measured: Snapshot
     residuals: Mapping[str, float]
     limits: Mapping[str, float]
     unknown: tuple[str, ...]
-    """What no sensor tells, in words."""
+    """Facts in words that no sensor measures."""
     sure: bool
-    """Whether all that was expected could be compared."""
+    """True if all expected values could be compared."""
     units: JointUnits
-    """Of the arm's joints."""
+    """Units of the arm's joints."""
 
     @property
     def off(self) -> dict[str, float]:
-        """What is not as it was left, beyond the robot's tolerance."""
+        """Residuals beyond the robot's tolerance."""
         return {name: size for name, size in self.residuals.items() if not size <= self.limits[name]}
 
     def words(self) -> list[str]:
@@ -54,14 +54,14 @@ class StateCheck:
         return [*lines, *(f"unknown: {each}" for each in self.unknown)]
 
     def fields(self) -> dict[str, Any]:
-        """For the journal's RECON; `situation` is that of the run, so none is named."""
+        """Return the fields of the journal's RECON; its situation is that of the run, so it is None."""
         expected = None if self.expected is None else measured_fields(self.expected)
         states = {"expected": expected, "at": measured_fields(self.measured), "residuals": self.residuals}
         return {"situation": None, **states, "unknown": self.unknown}
 
 
 def standing_as_left(prepared: Prepared, past: Past) -> Prepared:
-    """The same run, its robot's estimate begun where the journal left it."""
+    """Return the same run with its robot's pose estimate set to the last one in the journal."""
     old, at = prepared.robot, past.standing.at
     grid = prepared.model.map if prepared.task.file.knowledge else None
     robot = Robot(prepared.backend, old.spec, old.pose if at is None else at.pose, grid)
@@ -70,7 +70,7 @@ def standing_as_left(prepared: Prepared, past: Past) -> Prepared:
 
 
 def check_state(robot: Robot, past: Past) -> StateCheck:
-    """Hold still, read everything anew and compare; nothing is commanded."""
+    """Hold still, read all sensors again and compare with the journal; nothing is commanded."""
     for _ in range(LOOK):
         robot.step()
     for _ in settle(robot):
@@ -93,15 +93,15 @@ def check_state(robot: Robot, past: Past) -> StateCheck:
 
 
 def gone_on(past: Past, check: StateCheck, confirm: int | None) -> Past:
-    """A run, to go on from what a look at a real robot found; an action in doubt counts as failed.
+    """Return a run that resumes from the state found at a real robot; an action in doubt counts as failed.
 
     Args:
         past: the run as its journal left it.
-        check: what was found.
-        confirm: the journal's last record, as a person has seen it.
+        check: the measured state.
+        confirm: number of the journal's last record, as a person has seen it.
 
     Raises:
-        NeedsOperator: the robot isn't as it was left, nobody can tell, or nobody has confirmed.
+        NeedsOperator: the robot is not as it was left, its state is uncertain, or it was not confirmed.
     """
     doubt = past.standing.in_doubt
     if check.off:

@@ -16,10 +16,10 @@ if TYPE_CHECKING:
 
 
 class SteadyMemory(RunObserver):
-    """While the run lasts nothing is collected but between actions.
+    """Observer that restricts garbage collection to the time between actions.
 
-    A collection among a million objects stops the control loop for 20 ms. What is there at the start stays
-    out of all of them.
+    A collection among a million objects stops the control loop for 20 ms. Objects that exist at the start
+    are excluded from all collections.
     """
 
     @override

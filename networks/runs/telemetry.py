@@ -1,4 +1,4 @@
-"""Where the robot was in each period, for drawing; nothing depends on it."""
+"""Poses of the robot in each period, kept only to draw them."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Telemetry:
         self._rows.append((robot.time, pose.x, pose.y, pose.theta, action, restoring))
 
     def track(self) -> Track:
-        """What was noted so far."""
+        """Return the poses recorded so far."""
         table = np.array(self._rows, dtype=np.float64).reshape(-1, 6)
         return Track(table[:, 0], table[:, 1:4], table[:, 4].astype(np.int32), table[:, 5] > 0.5)
 

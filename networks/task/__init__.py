@@ -1,1 +1,1 @@
-"""From a task file to a checked network, and a robot that could start."""
+"""Reading of a task file into a checked network, and into a robot that could start."""

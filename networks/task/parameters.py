@@ -17,16 +17,16 @@ from .repetition import Element, UnknownElement, found_in
 SECTION = "parameters"
 REPEAT = "repeat"
 LARGEST = 50_000
-"""Values in a file with its parameters put in: two lists of references stand for millions."""
+"""Maximum number of values in a file after substitution: two lists of references can expand to millions."""
 DEEPEST = 32
-"""Levels of lists and mappings, and parameters that stand for each other."""
+"""Maximum depth of lists and mappings, and of parameters that refer to each other."""
 
 
 def with_parameters(document: Document, findings: Findings) -> Document:
-    """The document with the value of each parameter wherever one is named.
+    """Return the document with the value of each parameter wherever one is named.
 
-    Unknown ones, and those that stand for themselves, are findings. Raises `FileError` where values put
-    in values make too much of it.
+    Unknown parameters, and those that refer to themselves, are findings. Raises `FileError` if the
+    substitution makes the document too large.
     """
     root = document.root
     if not isinstance(root.content, dict):
@@ -62,7 +62,7 @@ def with_all(document: Document, entry: str, names: Collection[object]) -> Docum
 
 
 def goes_over_unknown(document: Document) -> bool:
-    """Whether one of its repeats goes over `{all: ENTRY}` and nothing was put in for that."""
+    """Return whether one of its repeats iterates over `{all: ENTRY}` without a substituted list."""
     return any(reference(document.root.deepest(over)[0], "all") is not None for over in _overs(document))
 
 
@@ -78,13 +78,13 @@ def _overs(document: Document) -> list[KeyPath]:
 
 
 def with_element(node: Node, element: Element | None, root: Node, findings: Findings) -> Node:
-    """The node with the element of a repeat wherever `{each: NAME}` or `{each: NAME.KEY}` stands.
+    """Return the node with the element of a repeat in place of each `{each: NAME}` or `{each: NAME.KEY}`.
 
     Args:
-        node: of the document at `root`.
-        element: whose it is; None: it stands outside the repeated parts.
-        root: of the document in which the elements stand.
-        findings: what is wrong is added here.
+        node: a node of the document at `root`.
+        element: the element; None: the node is outside the repeated parts.
+        root: root of the document that contains the elements.
+        findings: findings are added here.
     """
     each = reference(node, "each")
     if each is not None:
@@ -111,10 +111,10 @@ class _Value:
 
 
 class ParameterValues:
-    """Puts values of parameters in; a parameter may stand for another one."""
+    """Substitution of parameter values; a parameter may refer to another one."""
 
     def __init__(self, declared: Mapping[str, Node], findings: Findings) -> None:
-        """With what stands in the section `parameters`; what is wrong is added to `findings`."""
+        """Read the section `parameters`; findings are added to `findings`."""
         self._declared = declared
         self._findings = findings
         self._under_way: list[str] = []
@@ -179,7 +179,7 @@ class ParameterValues:
 
 
 def reference(node: Node, kind: str) -> str | None:
-    """What `{kind: NAME}` names; None if the node is something else."""
+    """Return the NAME in `{kind: NAME}`; None if the node is something different."""
     content = node.content
     if not isinstance(content, dict) or list(content) != [kind]:
         return None

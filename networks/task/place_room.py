@@ -1,4 +1,4 @@
-"""What can be said of each place of a task before anything moves: is it free, is there room and a way."""
+"""Checks of each place of a task before anything moves: is it free, does the robot fit, can it be reached."""
 
 from __future__ import annotations
 
@@ -29,20 +29,20 @@ PLACES = "places"
 
 @dataclass(frozen=True)
 class PlaceRoom:
-    """A place of the map, for one robot that starts somewhere."""
+    """A place of the map with its clearance and its route from the robot's start."""
 
     name: str
     way: Way
-    """From where it starts."""
+    """Route from the robot's start."""
     line: int
-    """Where it stands in its file."""
+    """Line of the place in its file."""
     used: bool
-    """Whether an action names it, or may."""
+    """True if an action names it, or may name it."""
     driven_to: bool
-    """Whether an action that drives names it."""
+    """True if an action that drives names it."""
 
     def words(self) -> str:
-        """For people, a line."""
+        """Return a line for people."""
         way = self.way
         room = f"{way.clearance:.2f} m to {way.kind}, needed: {way.needed:.2f} m"
         part = "in no component" if way.component is None else f"component {way.component}"
@@ -50,7 +50,7 @@ class PlaceRoom:
         return f"place {self.name}: {room}; {part}; {reached}{'' if self.used else '; no action uses it'}"
 
     def for_programs(self) -> dict[str, Any]:
-        """The same, for JSON."""
+        """Return the same content for JSON."""
         way = self.way
         return {
             "name": self.name,
@@ -87,7 +87,7 @@ class _Named(NamedTuple):
 
     names: set[str]
     any: bool
-    """Whether it may be any: one is named only when its action starts."""
+    """True if it may be any place, because the place is chosen only when its action starts."""
 
 
 def place_findings(places: Loaded[Places], grid: GridMap, chart: Path) -> Iterator[Finding]:

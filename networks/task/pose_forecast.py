@@ -1,4 +1,4 @@
-"""How exactly a robot will know its pose at the places of a task, forecast on the map."""
+"""Forecast of the accuracy of the robot's pose at the places of a task, on the map."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ Array = NDArray[np.float64]
 
 
 class PoseForecast(NamedTuple):
-    """What is expected at a place, once the robot has driven there."""
+    """Expected accuracy of the pose at a place, after the robot has driven there."""
 
     found: Undetermined | None
     """The direction in which its pose will not be determined as exactly as the place needs it."""
@@ -51,10 +51,10 @@ def pose_findings(
     """Yield a warning for each place whose tolerance the robot's lidar will not meet on the map.
 
     Args:
-        task: names places and map.
-        robot: drives there.
-        model: what it knows.
-        rooms: its places, with the routes from where it starts.
+        task: the task, which names places and map.
+        robot: the robot.
+        model: its world model.
+        rooms: the places, with the routes from the robot's start.
     """
     loaded, lidar = task.knowledge.places, robot.range_sensor
     if loaded is None or lidar is None or robot.localizer != "scan" or not model.map.occupied.any():

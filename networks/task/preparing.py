@@ -1,4 +1,4 @@
-"""From a task file to a robot that could start: everything is checked, nothing has moved."""
+"""Preparation of a task: everything is checked, the robot could start, and nothing has moved."""
 
 from __future__ import annotations
 
@@ -46,9 +46,9 @@ class Prepared:
     seed: int
     settings: Mapping[str, str]
     warnings: tuple[str, ...]
-    """What the user should know before it starts."""
+    """Warnings for the user before the start."""
     errors: bool = True
-    """Whether the simulated robot errs."""
+    """True if the simulated robot errs."""
     bench: str | None = None
     """The simulated backend behind simulated drives, where there are such."""
 
@@ -64,7 +64,7 @@ class UnknownSituation(InputError):
 
 
 def beginning_at(network: ActionNetwork, situation: str) -> ActionNetwork:
-    """The same network, begun elsewhere; raises `UnknownSituation`."""
+    """Return the same network with another start; raises `UnknownSituation`."""
     if situation not in network.situations:
         raise UnknownSituation(f"unknown situation {situation!r}{suggest(situation, network.situations)}")
     return replace(network, start=situation)
@@ -87,19 +87,19 @@ def prepare(
     Args:
         task_path: the task's file.
         backend: another one than the task names.
-        settings: what `--set KEY=VALUE` gave, VALUE unparsed.
-        seed: of the simulated errors.
-        primitives: the class of a primitive by its name.
-        window: whether robot and world are shown.
-        situation: where the run begins, instead of the task's start.
-        errors: whether the simulated robot errs as its file says, or not at all.
-        bench: simulated drives are put before the simulated backend of that name.
-        resumed: a run goes on: the robot stands where that one left it, not where the task has it start.
+        settings: values of `--set KEY=VALUE`, VALUE unparsed.
+        seed: seed of the simulated errors.
+        primitives: lookup of a primitive's class by its name.
+        window: True to show robot and world.
+        situation: situation in which the run begins, instead of the task's start.
+        errors: True if the simulated robot errs as its file says, False for no errors.
+        bench: name of the simulated backend behind simulated drives.
+        resumed: True to resume a run: the robot is where that run left it, not at the task's start.
 
     Raises:
-        NoBench: the backend has no drives, or there can be no such bench.
+        NoBench: the backend has no drives, or cannot be behind a bench.
         UnknownSituation: the task has no such situation.
-        NoWindow: they can't be shown.
+        NoWindow: robot and world cannot be shown.
         FileError: with every finding in all of the files.
     """
     read = _read(task_path, backend, settings, primitives, situation, errors, resumed)
@@ -151,13 +151,13 @@ class _Read:
 
 
 class Checked(NamedTuple):
-    """What is known of a task without a robot."""
+    """Results of checking a task without a robot."""
 
     task: Task
     warnings: tuple[str, ...]
-    """What the user should know before it starts."""
+    """Warnings for the user before the start."""
     places: tuple[PlaceRoom, ...]
-    """What can be said of each place of its map."""
+    """Checks of each place of its map."""
     errors: tuple[Finding, ...]
     """Places that an action drives to, and that can't be reached: a run is refused."""
 
@@ -202,7 +202,7 @@ def _read(
 
 
 def _has_drives(name: str) -> bool:
-    """Whether a backend drives by CAN; one that can't be had might."""
+    """Return whether a backend has CAN drives; True for one that cannot be loaded."""
     try:
         return backend_class(name).has_drives
     except InputError:
@@ -268,7 +268,7 @@ def _stated_start(task: Task, model: WorldModel) -> Pose2 | None:
 
 
 def load_model(task: Task) -> tuple[WorldModel, tuple[str, ...]]:
-    """What the robot knows beforehand, and warnings about it; raises `FileError` with every finding."""
+    """Return the robot's prior knowledge, and warnings on it; raises `FileError` with every finding."""
     findings, named = Findings(), task.knowledge.places
     chart, keepout, mask = task.path("knowledge", "map"), task.path("knowledge", "keepout"), task.path(*MASK)
     loaded = _collected(findings, lambda: load_map(chart)) if chart else (nowhere(), None)
@@ -293,7 +293,7 @@ def load_model(task: Task) -> tuple[WorldModel, tuple[str, ...]]:
 
 
 def nowhere() -> GridMap:
-    """A map of one free cell, where there is none."""
+    """Return a map of one free cell, used by tasks without a map."""
     nothing = np.zeros((1, 1), dtype=np.bool_)
     return GridMap(nothing, ~nothing, 0.05, 0.0, 0.0)
 

@@ -33,22 +33,25 @@ class ParameterReader:
     def __init__(
         self, document: Document, findings: Findings, known: Mapping[str, Collection[object]]
     ) -> None:
-        """What all actions share.
+        """Create a reader for all actions of a task file.
 
         Args:
             document: the task file.
-            findings: what is wrong is added here.
-            known: what can be named of each entry that parameters are marked with (`Names`), such as
-                `places`; an entry that no file tells is left out.
+            findings: findings are added here.
+            known: known names of each entry that parameters are marked with (`Names`), such as `places`; an
+                entry without a file is missing.
         """
         self._document = document
         self._findings = findings
         self._known = known
 
     def binding(self, kind: type[ActionPrimitive], number: int, element: Element | None) -> Binding | None:
-        """The primitive of action `number` of the file, for an element of a repeat or none.
+        """Return the binding of action `number` of the file; None if its parameters are wrong.
 
-        None if something is wrong with its parameters.
+        Args:
+            kind: the class of the primitive.
+            number: number of the action in the file.
+            element: element of a repeat; None: the action is outside the repeated parts.
         """
         before = len(self._findings)
         given = self._given(number, element)
@@ -129,14 +132,14 @@ def _adapter(kind: type[ActionPrimitive], late: frozenset[str]) -> TypeAdapter[A
 
 
 def named_entry(field: FieldInfo) -> str:
-    """Of which entry a parameter is a name, as marked by the primitive; empty for others."""
+    """Return the entry whose names a parameter takes, as marked by the primitive; empty if it takes none."""
     marks = [mark for part in (field, *_options(field)) for mark in getattr(part, "metadata", ())]
     marks += [mark for part in _options(field) for mark in getattr(part, "__metadata__", ())]
     return next((mark.entry for mark in marks if isinstance(mark, Names)), "")
 
 
 def _options(field: FieldInfo) -> tuple[Any, ...]:
-    """What a parameter that may be left out can be, such as `PlaceName` of `PlaceName | None`."""
+    """Return the alternatives of an optional parameter, such as `PlaceName` of `PlaceName | None`."""
     return typing.get_args(field.annotation)
 
 

@@ -14,9 +14,9 @@ from .repetition import Element, Repetition, UnknownElement, found_in, shortened
 from .task_model import ActionEntry, Each, GivenFact
 
 Situations = Mapping[str, Mapping[str, GivenFact]]
-"""By name, with their facts."""
+"""Facts of the situations, by the situation's name."""
 Fault = tuple[KeyPath, str]
-"""Where in the task's document, and "what is wrong; what is allowed"."""
+"""Position in the task's document, and the fault with the allowed values."""
 
 
 def repeat_faults(
@@ -78,7 +78,7 @@ def _changed_by_fail(
 
 
 def _changed_by_skip(part: Repetition, situations: Situations) -> Iterator[Fault]:
-    """Elements that may be left out, though other facts hold where the next one begins."""
+    """Yield faults of elements that may be skipped, although other facts hold where the next one begins."""
     changing = [key for key, fact in situations.get(part.repeat.start, {}).items() if isinstance(fact, Each)]
     if part.repeat.unfinished == "skip" and changing:
         wrong = f"skip: in {part.repeat.start!r} {listed(changing)} is another for each element"

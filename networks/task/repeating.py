@@ -14,15 +14,15 @@ from .task_model import ActionEntry, GivenFact
 
 @dataclass(frozen=True)
 class Copied:
-    """An action as it will stand in the network: one of the file's, for one element or for none."""
+    """An action of the future network: a copy of one of the file's actions."""
 
     source: str
     target: str
     on_fail: str | None
     entry: int | None
-    """Which of the file's actions; None: a skip."""
+    """Number of the action in the file; None: a skip."""
     element: Element | None = None
-    """None: it stands outside the repeated parts."""
+    """Element that the copy belongs to; None: it is outside the repeated parts."""
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class Copies:
     """A network's situations and actions after copying."""
 
     situations: Mapping[str, tuple[str, Element | None]]
-    """By name: what the file calls it, and the element that it belongs to."""
+    """Name in the file, and element, of each situation by its name in the network."""
     actions: tuple[Copied, ...]
     start: str
 
@@ -41,20 +41,20 @@ def repeated(
     start: str,
     parts: Sequence[Repetition],
 ) -> Copies:
-    """A network with a copy of each part for each of its elements.
+    """Return a network with a copy of each part for each of its elements.
 
     They are chained: one element's goal is the next one's start, and a part's goal may be another's start.
     Parts within a part are copied in each of its copies.
 
     Args:
-        situations: the file's, by name, with their facts.
+        situations: the file's situations, by name, with their facts.
         entries: the file's actions, by number.
         start: where the task begins.
-        parts: no two have a situation in common, unless one is within the other; each is entered at its
-            start only.
+        parts: the parts; two of them have no situation in common, unless one is within the other; each is
+            entered at its start only.
 
     Raises:
-        NotRepeated: a part goes over a list of an element around it, and there is none; or there would be
+        NotRepeated: a part iterates over a list of the element around it, which has none; or there would be
             more actions than `MAX_ACTIONS`.
     """
     actions = (Copied(entry.source, entry.target, entry.on_fail, number) for number, entry in entries.items())
@@ -131,7 +131,7 @@ class _Copier:
             yield Copied(source, target, on_fail, action.entry, each)
 
     def _skips(self, part: Repetition) -> Iterator[Copied]:
-        """Ways to the next element from where the robot stands as at the part's start."""
+        """Yield skips to the next element, from each situation with the same facts as the part's start."""
         situations = self._network.situations
         facts = {name: self._facts[situations[name][0]] for name in part.inner}
         alike = [name for name in situations if name in part.inner and facts[name] == facts[part.start]]
@@ -140,12 +140,15 @@ class _Copier:
             yield from (Copied(part.of(name, each.number), target, None, None, each) for name in alike)
 
     def _entered(self, name: str) -> str:
-        """Where what leads to `name` from outside of its part leads to: the first element's copy."""
+        """Return the new target of an action from outside that leads to `name`: the first element's copy."""
         part = self._around.get(name)
         return part.of(name, 0) if part else name
 
     def _after(self, name: str, part: Repetition, element: Element) -> str:
-        """Where what leads to `name` from inside the part leads to: at its goal, to what comes next."""
+        """Return the new target of an action inside the part that leads to `name`.
+
+        If it leads to the part's goal, the new target is the start of the next element.
+        """
         if name != part.goal:
             return part.of(name, element.number) if name in part.inner else self._entered(name)
         if element is not self._elements[part][-1]:

@@ -18,17 +18,16 @@ class Element:
     """An element of a repeated part."""
 
     number: int
-    """Which of its part's, from 0."""
+    """Number of the element in its part, from 0."""
     path: KeyPath
-    """Where it stands in the task's document."""
+    """Position in the task's document."""
     name: str
     """What `{each: NAME}` calls it."""
     value: Any
     words: str
-    """What people read of it, `place[2] (kitchen)`; no other element of the task has the same. Of a part
-    within a part those of the element around it come first."""
+    """Unique name shown to people, `place[2] (kitchen)`; nested elements begin with the one around them."""
     around: Element | None = None
-    """Of the part that this one's is within."""
+    """Element of the surrounding part."""
 
     def chain(self) -> list[Element]:
         """It, and those around it, the outermost first."""
@@ -41,7 +40,7 @@ class NotRepeated(ValueError):
     def __init__(self, message: str, part: KeyPath) -> None:
         super().__init__(message)
         self.part = part
-        """Where it stands in the task's document."""
+        """Position of the part in the task's document."""
 
 
 class UnknownElement(LookupError):
@@ -49,10 +48,10 @@ class UnknownElement(LookupError):
 
 
 def found_in(each: str, element: Element | None) -> tuple[KeyPath, Any]:
-    """Where in the task's document `{each: NAME}` or `{each: NAME.KEY}` leads, and the value there.
+    """Return the position and value that `{each: NAME}` or `{each: NAME.KEY}` refers to.
 
     Raises:
-        UnknownElement: no element around has that name, or it has no such key.
+        UnknownElement: no surrounding element has that name, or it has no such key.
     """
     known = {} if element is None else {one.name: one for one in element.chain()}
     name, *keys = each.split(".")
@@ -75,23 +74,23 @@ class Repetition:
     """A part that is repeated: what `start` leads to, up to `goal`."""
 
     path: KeyPath
-    """Where it stands in the task's document."""
+    """Position in the task's document."""
     repeat: Repeat
-    """What stands there."""
+    """Content of the part in the file."""
     start: str
     goal: str
     inner: frozenset[str]
     """The situations that are copied."""
     suffix: str
-    """What people read behind the names of its elements."""
+    """Text for people behind the names of its elements."""
     around: Element | None = None
     """The element whose part it is within."""
 
     def elements(self) -> tuple[Element, ...]:
-        """In their order.
+        """Return the elements in their order.
 
         Raises:
-            NotRepeated: it goes over a list of an element around it, and there is none.
+            NotRepeated: it iterates over a list of the element around it, which has none.
         """
         path, values = self._over()
         before = f"{self.around.words}, " if self.around else ""
@@ -108,7 +107,7 @@ class Repetition:
         )
 
     def count(self) -> int:
-        """How many elements there are; raises as `elements`."""
+        """Return the number of elements; raises as `elements`."""
         return len(self._over()[1])
 
     def _over(self) -> tuple[KeyPath, Sequence[Any]]:

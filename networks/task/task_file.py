@@ -1,4 +1,4 @@
-"""From a task file to a checked network: everything wrong is told at once, before anything moves."""
+"""Reading of a task file into a checked network: all faults are reported at once, before anything moves."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ from .unwritten import unwritten
 
 MASK = ("knowledge", "speed_limits", "mask")
 MAPS: tuple[KeyPath, ...] = (("world",), ("knowledge", "map"), ("knowledge", "keepout"), MASK)
-"""What may be a map, which may lie anywhere."""
+"""Keys of files that may be maps, which may be in any folder."""
 M = TypeVar("M", bound=FileModel)
 Primitives = Callable[[str], type[ActionPrimitive]]
 
@@ -53,13 +53,15 @@ class Task:
     document: Document
     network: ActionNetwork
     entries: tuple[int | None, ...]
-    """For each action of the network its number in the file; None for a skip."""
+    """Number in the file of each action of the network; None for a skip."""
     knowledge: TaskKnowledge
-    """What its files tell."""
+    """Content of the files that the task names."""
 
     def path(self, *key: str) -> Path | None:
-        """Where a file that the task names is: beside the task's file, or from the current folder if it was
-        set on the command line. None where the task names none."""
+        """Return the path of a file that the task names; None if the task names none.
+
+        It is relative to the task's file, or to the current folder if it was set on the command line.
+        """
         return _resolved(self.document, key)
 
     @property
@@ -72,7 +74,7 @@ class Task:
         self.check_kinds([type(each) for each in backend.capabilities()])
 
     def check_kinds(self, kinds: Sequence[type[Capability]]) -> None:
-        """The same, by the classes of what the robot has."""
+        """Check the actions' needs by the classes of the robot's capabilities; raises `FileError`."""
         findings = Findings()
         for action, entry in zip(self.network.actions, self.entries, strict=True):
             if action.binding is None or entry is None:

@@ -1,4 +1,4 @@
-"""What a task's files tell the robot beforehand, each read once."""
+"""Prior knowledge from a task's files, each read once."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ class TaskKnowledge:
     """Places, and the domains' sections of which the task names a file; its map is read when it is needed."""
 
     places: Loaded[Places] | None
-    """Of the map; None where no file tells them."""
+    """Places of the map; None if no file names them."""
     sections: Mapping[str, Section]
-    """By the names of their domains."""
+    """Sections of the domains, by the domains' names."""
     start: Pose2 = ORIGIN
     """map_T_base at first: at the place that the task names, or at the map's origin."""
 
     def names(self) -> dict[str, Collection[object]]:
-        """What can be named, by its kind; a kind that no file tells is left out."""
+        """Return the names that parameters may use, by kind; a kind without a file is missing."""
         found: dict[str, Collection[object]] = {}
         for section in self.sections.values():
             found |= section.names()
@@ -77,13 +77,13 @@ def read_knowledge(
 def read_sections(
     paths: Mapping[str, Path], start: Pose2, document: Document, findings: Findings
 ) -> dict[str, Section]:
-    """The domains' sections of which there is a file, by the domains' names.
+    """Read the domains' sections that have a file, by the domains' names.
 
     Args:
-        paths: by their keys under `knowledge:`.
+        paths: paths of the files, by their keys under `knowledge:`.
         start: map_T_base at first.
-        document: what names them.
-        findings: what is wrong in the files is added here.
+        document: the document that names the files.
+        findings: findings in the files are added here.
     """
     found = {}
     for domain in domains():

@@ -1,4 +1,4 @@
-"""What stands in a task file."""
+"""Contents of a task file."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from handcart.tasks.domain import domains
 
 
 class GeneralFiles(FileModel):
-    """What the robot is told beforehand: files beside the task's."""
+    """Prior knowledge of the robot: files next to the task's."""
 
     map: str | None = None
     """A map in ROS format, or a `.map` of MovingAI."""
@@ -24,11 +24,11 @@ class GeneralFiles(FileModel):
     places: str | None = None
     """The map's named places, or goals as users of nav2 keep them."""
     start: str | None = None
-    """The place where the robot stands at first; left out: the map's origin."""
+    """The place of the robot at first (default: the map's origin)."""
 
 
 def _with_domains() -> type[GeneralFiles]:
-    """The same, with the keys that domains add."""
+    """Return the model with the keys that domains add."""
     keys: dict[str, Any] = {
         key: (str | None, Field(None, description=words))
         for domain in domains()
@@ -53,19 +53,19 @@ class ActionEntry(FileModel):
     target: Annotated[str, Field(alias="to")]
     """The situation that Success leads to."""
     on_fail: str | None = None
-    """The situation that Fail leads to: same facts, other knowledge. Left out: Fail changes nothing."""
+    """The situation that Fail leads to: same facts, other knowledge (default: Fail changes nothing)."""
     cost_s: Annotated[float, Field(gt=0.0, le=MAX_COST_S)]
-    """What it is expected to take; each Fail doubles its weight in planning."""
+    """Expected duration; each Fail doubles its weight in planning."""
     attempts: Annotated[int, Field(ge=1, le=MAX_ATTEMPTS)] = 3
     """After that many Fails it is out."""
     p: Annotated[float, Field(gt=0.0, le=1.0)] | None = None
-    """Probability that an attempt ends in Success; for `handcart check`, which then tells how runs end."""
+    """Probability that an attempt ends in Success; `handcart check` then reports how runs end."""
     p_give_up: Annotated[float, Field(ge=0.0, lt=1.0)] = 0.0
-    """Probability that it ends in GiveUp; what is left is that of Fail."""
+    """Probability that it ends in GiveUp; the rest is that of Fail."""
     permit: Literal["operator"] | None = None
     """`operator`: it starts only when the operator permits it, each time."""
     time_out_s: Annotated[float, Field(gt=0.0, le=MAX_COST_S)] | None = None
-    """What the motion may take; after that it is called back, restored, and counts as a Fail."""
+    """Time limit of the motion; after that it is stopped, restored, and counts as a Fail."""
     parameters: Annotated[dict[str, Any], Field(alias="with", default_factory=dict)]
     """The primitive's parameters; `{model: cup.size}` is looked up when the action starts, `{each: slot}`
     is the element of a repeat."""
@@ -85,9 +85,10 @@ class Repeat(FileModel):
     """A part of the network, copied for each element of a list, one copy after the other."""
 
     over: Annotated[list[Any], Field(min_length=1)] | Each
-    """The elements; `{all: places}` stands for the names of the map's places, in their file's order, and so
-    on for whatever the task's files name, such as `{all: cups}`. Of a part within a part `{each: NAME.KEY}`
-    is a list of the element around it."""
+    """The elements; `{all: places}` is the list of the names of the map's places, in their file's order, and
+    so on for other names in the task's files, such as `{all: cups}`. In a part within a part `{each:
+    NAME.KEY}` is a list of the element around it.
+    """
     name: Annotated[str, Field(alias="as")]
     """What `{each: NAME}` calls the element."""
     start: str
@@ -95,8 +96,9 @@ class Repeat(FileModel):
     goal: str
     """The situation in which an element is done: where the next one's part begins."""
     unfinished: Literal["stop", "skip"] = "stop"
-    """Whether an element that can't be done ends the run, or is left out where the robot stands as at the
-    part's start (the run then ends with status 3)."""
+    """Effect of an element that cannot be done: it ends the run, or it is skipped if the facts are those of
+    the part's start (the run then ends with status 3).
+    """
 
 
 class TaskFile(FileModel):
@@ -104,24 +106,30 @@ class TaskFile(FileModel):
 
     format: Literal["handcart-task/1"]
     title: str
-    """What is to be achieved, in words."""
+    """The task's purpose, in words."""
     robot: str
     """A shipped robot's name, or the path of a robot's YAML file."""
     world: str | None = None
-    """What simulated backends build, and the robot doesn't know: a world's file, or a map in ROS format. Then
-    what is occupied on the map stands there, and the robot starts where `knowledge` says."""
+    """The world that simulated backends build, unknown to the robot: a world's file, or a map in ROS format.
+    With a map, its occupied cells are walls, and the robot starts where `knowledge` says.
+    """
     backend: str = "kinematic"
-    """What the robot is, unless the command line says otherwise."""
+    """The backend of the robot, unless the command line names another."""
     knowledge: KnowledgeFiles | None = None
     parameters: Annotated[dict[str, Any], Field(default_factory=dict)]
-    """Values that `--set KEY=VALUE` may change; `{parameter: KEY}` stands for them anywhere in the file."""
+    """Values that `--set KEY=VALUE` may change; `{parameter: KEY}` refers to them anywhere in the file."""
     start: str
     """The situation at the start."""
     goal: str
     """The situation to be reached."""
     situations: dict[str, dict[str, GivenFact] | None]
-    """By name, each with the physical facts that hold in it; `{each: NAME.KEY}` is the element's own."""
+    """Situations by name, each with the physical facts that hold in it.
+
+    `{each: NAME.KEY}` is the element's own.
+    """
     actions: list[ActionEntry]
     repeat: Annotated[list[Repeat], Field(min_length=1)] | Repeat | None = None
-    """What is repeated: one part, or a list of parts; two have no common situation, or one is within the
-    other."""
+    """The repeated part, or a list of parts.
+
+    Two of them have no common situation, or one is within the other.
+    """

@@ -11,9 +11,9 @@ from handcart.primitives.knowledge.world_model import WorldModel
 
 
 def unwritten(network: ActionNetwork, given: Collection[str]) -> Iterator[tuple[Action, str, str]]:
-    """Actions with a parameter that nobody could know there: the action, the parameter, `cup.size`.
+    """Yield actions with a parameter that cannot be known there: the action, the parameter, `cup.size`.
 
-    What the world model doesn't know at first has to be found out by an action that comes before.
+    An entry that the world model does not know at first has to be found out by an earlier action.
 
     Args:
         network: the whole network.
@@ -36,7 +36,7 @@ def _writes(action: Action, entry: str) -> bool:
 
 
 def _ways(network: ActionNetwork) -> nx.DiGraph[str]:
-    """Where an action may lead, also one that fails."""
+    """Return the graph of situations with the targets of each action, also after a Fail."""
     ways: nx.DiGraph[str] = nx.DiGraph()
     ways.add_nodes_from(network.situations)
     ways.add_edges_from((a.source, to) for a in network.actions for to in (a.target, a.on_fail) if to)
@@ -44,7 +44,7 @@ def _ways(network: ActionNetwork) -> nx.DiGraph[str]:
 
 
 def _reached(ways: nx.DiGraph[str], writers: list[Action]) -> set[str]:
-    """Where one of these may have been done, or tried."""
+    """Return the situations in which one of these actions may have been done, or tried."""
     seen = {action.source for action in writers}
     waiting = [to for source in seen for to in ways.successors(source)]
     while waiting:
