@@ -25,14 +25,14 @@ Settings = Mapping[str, Any]
 
 @dataclass(frozen=True)
 class Result:
-    """How a run ended."""
+    """The end of a run, with its actions and metrics."""
 
     summary: Mapping[str, Any]
-    """What also stands in the run's `summary.json`."""
+    """Content of the run's `summary.json`."""
     status: int
     """What `handcart run` would exit with."""
     actions: tuple[PastAction, ...]
-    """What was started, in order, each with its outcome."""
+    """Actions that were started, in order, each with its outcome."""
 
     @property
     def outcome(self) -> str:
@@ -41,7 +41,7 @@ class Result:
 
     @property
     def situation(self) -> str:
-        """In which it ended."""
+        """Situation in which the run ended."""
         return str(self.summary["situation"])
 
     @property
@@ -51,7 +51,7 @@ class Result:
 
     @property
     def metrics(self) -> Mapping[str, Any]:
-        """What was measured; on simulated backends also what the ground truth says."""
+        """Measured values; on simulated backends also those from the ground truth."""
         metrics: Mapping[str, Any] = self.summary["metrics"]
         return metrics
 
@@ -61,7 +61,7 @@ class Result:
         return Path(self.summary["run_dir"])
 
     def _repr_html_(self) -> str:
-        """For notebooks."""
+        """Return the run as an HTML table for notebooks."""
         head = f"<b>{escape(self.outcome)}</b> in situation {escape(self.situation)}"
         if self.reason:
             head += f": {escape(self.reason)}"
@@ -77,7 +77,7 @@ class Result:
 
 @dataclass(frozen=True)
 class Check:
-    """What is known of a file before anything moves."""
+    """Results of checking a file before anything moves."""
 
     findings: tuple[Finding, ...]
     """What is wrong with it, each with its place."""
@@ -87,7 +87,7 @@ class Check:
 
     @property
     def ok(self) -> bool:
-        """Whether nothing is wrong."""
+        """True if the file has no faults."""
         return not self.findings
 
 
@@ -107,17 +107,17 @@ def run(
     Args:
         task: its file, or the name of a task.
         backend: another one than the task names.
-        seed: of the simulated errors.
+        seed: seed of the simulated errors.
         robot: another one than the task names: a shipped one's name, or the path of its file.
         set: parameters of the task.
-        runs: where the run's folder is made.
-        errors: whether the simulated robot errs.
-        permit: what becomes of actions with `permit: operator`. Asked, the run waits until somebody answers
-            with `handcart permit` or `refuse` and the run's folder.
+        runs: folder in which the run's folder is made.
+        errors: True if the simulated robot errs.
+        permit: rule for actions with `permit: operator`. With `ask` the run waits until the operator
+            answers with `handcart permit` or `refuse` and the run's folder.
 
     Raises:
-        FileError: something is wrong with the task or a file that it names; nothing has moved.
-        HandcartError: it can't be run for another reason, in words.
+        FileError: the task or a file that it names is wrong; nothing has moved.
+        HandcartError: the task cannot be run for another reason, in words.
     """
     from handcart.evaluation.trials.running import run_task
     from handcart.networks.action_log import ActionLog
@@ -163,10 +163,10 @@ def check(file: Path | str, *, set: Settings | None = None) -> Check:
 
 
 def load_task(file: Path | str, *, set: Settings | None = None) -> Task:
-    """Read a task: what stands in its file, and its action network.
+    """Read a task's file and its action network.
 
     Raises:
-        FileError: with all that is wrong with it.
+        FileError: with all faults of the task.
     """
     from handcart.networks.task import task_file
 
@@ -197,33 +197,35 @@ def campaign(
     report: bool = True,
     runs: Path | str | None = None,
 ) -> CampaignReport:
-    """Run seeded trials of a task side by side, and count how they end.
+    """Run seeded trials of a task in parallel, and count how they end.
 
     Args:
         task: its file, or the name of a task.
-        trials: how many.
+        trials: number of trials.
         first: the first one's seed.
-        jobs: processes side by side, from a script with more than one under `if __name__ == "__main__":`;
+        jobs: parallel processes, from a script with more than one under `if __name__ == "__main__":`;
             None: 2, on the network alone 1.
         backend, robot, set: as in `run`.
         generate: `NAME` or `NAME.KEY=VALUE` each: a generated world for each seed.
-        out: the campaign's folder: each trial is kept there, and the same call goes on.
+        out: the campaign's folder: each trial is kept there, and the same call continues.
         shard: `K/N`: the K-th of N parts, for `handcart campaign merge`.
         cluster: address of a Dask scheduler, or its file: its workers run the trials.
-        until: `p > 0.95`: end when it is sure whether that holds.
-        vary, faults: files of numbers that vary by trial, and of faults that come (docs/how_to/campaigns.md).
-        level: `network`: no robot moves, outcomes are drawn by each action's `p`; `fitted`: as they were seen
-            in other campaigns.
+        until: `p > 0.95`: end as soon as it is certain whether that holds.
+        vary, faults: files of numbers that vary by trial, and of injected faults
+            (docs/how_to/campaigns.md).
+        level: `network`: no robot moves, outcomes are drawn by each action's `p`; `fitted`: as they were
+            observed in other campaigns.
         learned_from: folders of those.
-        rare, importance, population: each trial is a population of runs, which `RareEstimate.of` in
-            `handcart.evaluation.rare.rare_estimate` makes a probability of.
-        report: whether `report.html` is written into the folder.
-        runs: where the runs' folders are made; None: in `runs`, in the campaign's folder where it has one.
+        rare, importance, population: each trial is a population of runs, from which `RareEstimate.of` in
+            `handcart.evaluation.rare.rare_estimate` estimates a probability.
+        report: True to write `report.html` into the folder.
+        runs: folder in which the runs' folders are made; None: `runs`, in the campaign's folder if it has
+            one.
 
     Raises:
-        KeyboardInterrupt: somebody ended it.
-        InputError: something isn't possible, in words; nothing has moved.
-        HandcartError: a trial can't be run, or kept; in words.
+        KeyboardInterrupt: the user ended it.
+        InputError: an argument is not possible, in words; nothing has moved.
+        HandcartError: a trial cannot be run, or kept; in words.
     """
     from handcart.evaluation.campaign_report.campaign_report import CampaignReport
     from handcart.evaluation.campaigns.trial_log import TrialFile
@@ -284,7 +286,7 @@ def conformance(
 
 
 def _words(settings: Settings | None, robot: str | None) -> dict[str, str]:
-    """As the command line has them; JSON is YAML."""
+    """Return the settings as on the command line; JSON is YAML."""
     words = {
         name: value if isinstance(value, str) else orjson.dumps(value).decode()
         for name, value in (settings or {}).items()

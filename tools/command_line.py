@@ -51,9 +51,10 @@ command of the first alone: a task's file of that name is `./merge`."""
 
 
 def all_commands() -> dict[str, tuple[str, str]]:
-    """By name: the import path of the function, and what help says of it; the framework's, then the domains'.
+    """Return the import path and the help of each command, by its name.
 
-    Where a domain of another package is broken, that is told, and nobody's commands but ours are there.
+    The framework's commands come first, then the domains'. If a domain of another package is broken, that
+    is reported, and only our own commands are available.
     """
     from handcart.tasks.domain import BrokenDomain, domains
 

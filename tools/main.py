@@ -1,4 +1,4 @@
-"""The command `handcart`: whatever goes wrong in it is told in words."""
+"""The command `handcart`: every error is reported in words."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ class NotText(InputError):
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Run the command line and exit with its status (see the README); bad input is told in words.
+    """Run the command line and exit with its status (see the README); bad input is reported in words.
 
-    What becomes of stdout never changes the status: a run that ended in Success ended so, whether its words
+    The state of stdout never changes the status: a run that ended in Success ended so, whether its output
     went to a pipe that closed, a full disk or nowhere. Lost output is reported on stderr.
     """
     if arguments is None:
@@ -63,7 +63,7 @@ def _check_text(words: list[str]) -> None:
 
 
 def _report_error(error: Exception) -> int:
-    """Tell of an error in words, of a fault of our own with its traceback too; gives the exit status."""
+    """Print an error in words, a fault of our own with its traceback too, and return the exit status."""
     from handcart.files.printable import printable
 
     if isinstance(error, HandcartError):

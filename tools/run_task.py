@@ -65,7 +65,7 @@ def run(
     ] = None,
     runs: Annotated[Path, typer.Option(help="where the run's folder is made")] = Path("runs"),
 ) -> None:
-    """Check a task with all its files, run it, and tell how it ended."""
+    """Check a task with all its files, run it, and report how it ended."""
     from handcart.files.printable import composed
     from handcart.tasks.task_names import task_path
 
@@ -124,7 +124,7 @@ def run(
 
 
 def _tell(summary: dict[str, Any], as_json: bool, progress: Progress) -> None:
-    """How it ended, and what may be done next."""
+    """Print how the run ended, and which commands may be next."""
     if as_json:
         import orjson
 
@@ -140,7 +140,7 @@ def _tell(summary: dict[str, Any], as_json: bool, progress: Progress) -> None:
 
 @contextmanager
 def _shown(port: int | None, progress: RunObserver) -> Iterator[RunObserver]:
-    """Who shows a run while it goes on."""
+    """Yield an observer that shows the run in the browser."""
     from handcart.evaluation.view.live_view import LiveView
     from handcart.evaluation.view.serving.server import open_server
 

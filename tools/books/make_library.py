@@ -1,4 +1,4 @@
-"""`handcart make-library`: a library's world, and what its robot is told."""
+"""`handcart make-library`: a library's world, and the robot's prior knowledge of it."""
 
 from __future__ import annotations
 

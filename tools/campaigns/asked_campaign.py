@@ -1,4 +1,4 @@
-"""A campaign that somebody asks for, from a shell or from Python: checked before anything moves."""
+"""A campaign requested from a shell or from Python: checked before anything moves."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class NotPossible(InputError):
 
 @dataclass(frozen=True)
 class AskedCampaign:
-    """What is asked for; see `handcart campaign --help`."""
+    """Arguments of a requested campaign; see `handcart campaign --help`."""
 
     task: Path
     trials: int = 20
@@ -84,7 +84,7 @@ class AskedCampaign:
             yield OpenCampaign(setting, seeds, arguments, log, settling, self.out, learned)
 
     def _learned(self, task: Task | None) -> Learned | None:
-        """What is learned, tried on trials that were held out."""
+        """Return the learned outcomes, validated on held-out trials."""
         if not self.learned_from or task is None:
             return None
         from handcart.evaluation.learned.learned import Learned
@@ -145,7 +145,7 @@ class AskedCampaign:
         RareEvent.of(self.rare, self.importance, self.population)
 
     def _seeds(self) -> range:
-        """Those that this process has to do."""
+        """Return the seeds that this process has to run."""
         seeds = range(self.first, self.first + self.trials)
         if self.shard is None:
             return seeds
@@ -155,7 +155,7 @@ class AskedCampaign:
         return seeds[int(number) - 1 :: int(count)]
 
     def _variation(self, task: Task | None) -> Variation | None:
-        """What varies, each of it a number in the task's files."""
+        """Return the variation, whose entries are numbers in the task's files."""
         return None if self.vary is None or task is None else load_variation(self.vary, task)
 
     def _setting(self, worlds: WorldGenerator | None, varied: Variation | None) -> CampaignSetting:
@@ -176,7 +176,7 @@ class AskedCampaign:
         )
 
     def _arguments(self, setting: CampaignSetting, claim: Claim | None) -> dict[str, Any]:
-        """As the campaign's folder keeps them."""
+        """Return the arguments as kept in the campaign's folder."""
         return {
             "task": str(self.task),
             "backend": self.backend,
@@ -197,26 +197,26 @@ class AskedCampaign:
 
 @dataclass
 class OpenCampaign:
-    """One that can run, or go on."""
+    """A checked campaign that can run, or continue."""
 
     setting: CampaignSetting
     seeds: range
     arguments: dict[str, Any]
     log: TrialLog
     settling: Settling | None
-    """What becomes of a claim; None: nothing is claimed."""
+    """State of a sequential test; None: no claim is tested."""
     out: Path | None
     learned: Learned | None = None
-    """What trials are drawn from that are learned."""
+    """Learned outcomes from which trials are drawn."""
     _counted: WalkTally | None = None
 
     def run(self, jobs: int | None, cluster: str | None = None) -> Generator[int, None, None]:
-        """Run what isn't there yet, until a claim is settled; gives again and again how many more there are.
+        """Run the missing trials until a claim is settled; yield repeatedly the number of new ones.
 
-        Walks that nobody keeps are counted thousands at once, but each can be had again.
+        Walks that are not kept are counted thousands at once, but each can be repeated.
 
         Args:
-            jobs: processes side by side; None: 2, on the network alone 1.
+            jobs: parallel processes; None: 2, on the network alone 1.
             cluster: address, or file, of a Dask scheduler whose workers run them instead.
 
         Raises:
@@ -243,11 +243,11 @@ class OpenCampaign:
 
     @property
     def done(self) -> int:
-        """How many trials there are by now."""
+        """Number of trials so far."""
         return len(self.log) if self._counted is None else self._counted.count
 
     def report(self) -> CampaignReport:
-        """Of the trials that count: of a claim, those that settled it."""
+        """Return the report on the trials that count: with a claim, those that settled it."""
         holds = None if self.settling is None else self.settling.verdict
         if self._counted is not None:
             walked = WalkedSequence(self._counted.trials, self.seeds[: self._counted.count])
@@ -256,14 +256,14 @@ class OpenCampaign:
         return CampaignReport(trials if self.settling is None else trials[: self.settling.count], holds)
 
     def write_page(self, report: CampaignReport, runs: bool = True) -> Path | None:
-        """Write the campaign's page into its folder, if it has one; of a rare event there is none.
+        """Write the campaign's page into its folder, if it has one; a campaign of a rare event has no page.
 
         Args:
-            report: of the trials that count.
-            runs: whether the runs to look at first get pages too.
+            report: report on the trials that count.
+            runs: True to write pages of the most interesting runs, too.
 
         Raises:
-            OSError: it can't be written.
+            OSError: it cannot be written.
         """
         if self.out is None or self.setting.rare is not None:
             return None
@@ -276,7 +276,7 @@ class OpenCampaign:
 
 
 def _made_of(setting: CampaignSetting, task: Task) -> dict[str, Any]:
-    """What else decides how a campaign's trials end."""
+    """Return the version and checksums of files that decide how a campaign's trials end."""
     from importlib.metadata import version
 
     from handcart.evaluation.campaigns.campaign_files import checksums
@@ -285,7 +285,7 @@ def _made_of(setting: CampaignSetting, task: Task) -> dict[str, Any]:
 
 
 def _worlds(words: Sequence[str]) -> WorldGenerator:
-    """What makes them, of the domain that has worlds of that name."""
+    """Return the generator of worlds with these options, from the domain that defines its name."""
     from handcart.files.suggest import suggest
     from handcart.tasks.domain import domains, imported
     from handcart.tools.terminal.typed_model import typed_model

@@ -16,7 +16,7 @@ def merge(
     out: Annotated[Path | None, typer.Option(help="keep the whole campaign in this folder")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="end with one JSON object on stdout")] = False,
 ) -> None:
-    """Put the parts of a campaign together, and tell what one machine would have told."""
+    """Merge the parts of a campaign, and report what one machine would have reported."""
     import orjson
 
     from handcart.evaluation.campaign_page.campaign_page import CampaignPage

@@ -1,1 +1,1 @@
-"""What `handcart check` and `--dry-run` tell."""
+"""Reports of `handcart check` and `--dry-run`."""

@@ -12,11 +12,11 @@ if TYPE_CHECKING:
 
 
 def allow_contacts(file: Path) -> None:
-    """Add the pairs that touch however the arm stands; what changes is shown on stderr.
+    """Add the pairs that touch in every posture of the arm; the changes are printed to stderr.
 
     Raises:
-        FileError: something in the robot's files is wrong.
-        NotWritable: the file can't be written.
+        FileError: the robot's files are wrong.
+        NotWritable: the file cannot be written.
     """
     from handcart.backends.description.robot_loading import load_robot
     from handcart.evaluation.robot_report.self_contact import self_contact

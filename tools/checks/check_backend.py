@@ -1,4 +1,4 @@
-"""Whether simulated backends can be built with a robot."""
+"""Checks that simulated backends can be built with a robot."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ EMPTY_WORLD = "format: handcart-world/1\nstart: {x_m: 0.0, y_m: 0.0}\n"
 
 
 def engine_remarks(robot: RobotFile) -> list[str]:
-    """Return what MuJoCo refuses about a robot, in words; nothing where it isn't installed."""
+    """Return MuJoCo's reasons for refusing a robot, in words; empty if it accepts it or is not installed."""
     if not is_there("mujoco"):
         return []
     from handcart.backends.mujoco.body.building import model_refusal

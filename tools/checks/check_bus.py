@@ -1,4 +1,4 @@
-"""What `handcart check` tells about a robot's CAN bus."""
+"""Report of `handcart check` on a robot's CAN bus."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 def bus_of(robot: RobotFile) -> BusLoad | None:
-    """What cyclic frames take of its bus; None where it has none."""
+    """Return the load of cyclic frames on the robot's bus; None if it has none."""
     if robot.can is None:
         return None
     from handcart.backends.can.bus.cyclic_frames import bus_load
@@ -20,7 +20,7 @@ def bus_of(robot: RobotFile) -> BusLoad | None:
 
 
 def bus_tables(load: BusLoad) -> Iterator[Any]:
-    """For people: a row a frame, and the sum."""
+    """Yield tables for people: a row for each frame, and the sum."""
     from handcart.backends.can.bus.bus_load import ALLOWED
     from handcart.tools.terminal.tables import table_of
 
@@ -44,7 +44,7 @@ def bus_tables(load: BusLoad) -> Iterator[Any]:
 
 
 def bus_figures(load: BusLoad) -> dict[str, Any]:
-    """The same for programs."""
+    """Return the bus load for programs."""
     return {
         "bitrate": load.bitrate,
         "share": round(load.share, 5),

@@ -1,4 +1,4 @@
-"""What `handcart check` tells about a robot."""
+"""Report of `handcart check` on a robot."""
 
 from __future__ import annotations
 
@@ -39,20 +39,20 @@ def robot_facts(
     every: bool = False,
     backend: str | None = None,
 ) -> dict[str, Any]:
-    """Look at a robot, and draw it where a picture is wanted.
+    """Check a robot and return the facts, and draw it if a picture is wanted.
 
     Args:
-        file: the robot's.
-        picture: what to draw into.
-        quick: whether its reach isn't tried.
-        every: whether every joint, link and mesh is told, not only the arm's joints.
-        backend: name of a simulated backend that is to be built with it.
+        file: the robot's file.
+        picture: file for the drawing; None: no drawing.
+        quick: True to skip the test of its reach.
+        every: True to list every joint, link and mesh, not only the arm's joints.
+        backend: name of a simulated backend to build with it.
 
     Raises:
-        FileError: something in its files is wrong.
+        FileError: its files are wrong.
         InputError: the backend refuses the robot.
-        NoSuchPicture: the picture's ending is unknown.
-        NotWritable: it can't be written there.
+        NoSuchPicture: the picture's suffix is unknown.
+        NotWritable: the picture cannot be written there.
     """
     from handcart.backends.description.robot_loading import load_robot
     from handcart.evaluation.robot_report.picture import draw_robot

@@ -1,4 +1,4 @@
-"""What `handcart check` tells of a task's network."""
+"""Report of `handcart check` on a task's network."""
 
 from __future__ import annotations
 
@@ -20,8 +20,15 @@ SHORT = (
 
 
 def task_facts(task: Task, watch: Watch = lambda share: None) -> dict[str, Any]:
-    """Its size, actions that can never start (`errors`), what is doubtful (`warnings`), where runs may end
-    short of the goal (`short`), and how runs end (`figures`, for people in `lines`)."""
+    """Return the facts of a task's network.
+
+    These are its size, actions that can never start (`errors`), doubtful parts (`warnings`), situations
+    where runs may end short of the goal (`short`), and how runs end (`figures`, and as text in `lines`).
+
+    Args:
+        task: the task.
+        watch: called from time to time with the finished share, 0 to 1.
+    """
     from handcart.networks.analysis.hand_findings import hand_findings
     from handcart.networks.analysis.task_findings import short_findings, task_findings, unused_findings
     from handcart.networks.analysis.worst_cases import worst_cases
@@ -53,13 +60,13 @@ def task_facts(task: Task, watch: Watch = lambda share: None) -> dict[str, Any]:
 
 
 def _first(lines: list[str]) -> list[str]:
-    """As many as a person reads."""
+    """Return as many lines as a person reads."""
     left = len(lines) - MOST
     return [*lines[:MOST], f"  and {left} more (`--json` has them all)"] if left > 0 else lines
 
 
 def _figures(task: Task, watch: Watch) -> tuple[dict[str, Any], list[str]]:
-    """How runs end, where the file gives all probabilities: for programs, and in lines for people."""
+    """Return how runs end, if the file gives all probabilities, as fields and as lines of text."""
     from handcart.networks.analysis.figures import figures, missing_chances
     from handcart.networks.chains.effort import Effort
     from handcart.networks.chains.policy import WORK, TooLarge

@@ -1,4 +1,4 @@
-"""What `handcart check` tells about a URDF alone, and the robot's file that it drafts from it."""
+"""Report of `handcart check` on a URDF alone, and the draft of a robot's file from it."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ JOINTS = 3  # that are named of many
 
 
 def urdf_facts(file: Path, every: bool = False, draft: Path | None = None) -> dict[str, Any]:
-    """Look at a URDF: what stands in it, and what a robot's file would need.
+    """Check a URDF: report its contents, and the values that a robot's file would need.
 
     Args:
         file: the URDF.
-        every: whether every joint, link and mesh is told, not only those of the longest chain.
-        draft: where to write a first robot's file; None: nowhere.
+        every: True to list every joint, link and mesh, not only those of the longest chain.
+        draft: path for a first robot's file; None: no draft.
 
     Raises:
-        FileError: something in it is wrong.
-        InputError: the draft can't be written there.
+        FileError: the URDF is wrong.
+        InputError: the draft cannot be written there.
 
-    A xacro file is expanded for a draft alone, into a URDF beside the draft.
+    A xacro file is expanded for a draft alone, into a URDF next to the draft.
     """
     from handcart.backends.urdf.robot_parts import UrdfError
     from handcart.evaluation.robot_report.remark import grouped

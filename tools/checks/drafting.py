@@ -86,7 +86,7 @@ def _check_new(draft: Path) -> None:
 
 
 def _named(urdf: Path, draft: Path) -> str:
-    """As the draft is to name the URDF: by its place, or by its package.
+    """Return the URDF's name in the draft: its relative path, or its package and path.
 
     Raises:
         InputError: neither is possible.

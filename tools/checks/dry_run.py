@@ -1,4 +1,4 @@
-"""`handcart run --dry-run` and `--script`: what a run would do, without a robot."""
+"""`handcart run --dry-run` and `--script`: the actions that a run would do, without a robot."""
 
 from __future__ import annotations
 

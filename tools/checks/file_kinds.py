@@ -20,7 +20,7 @@ _GENERAL = {
 
 
 def kinds() -> dict[str, str]:
-    """What may stand behind `handcart-` under the key `format`, and the model that reads it."""
+    """Return the names allowed after `handcart-` in the key `format`, each with the model that reads it."""
     found = dict(_GENERAL)
     for domain in domains():
         found |= domain.files
@@ -28,7 +28,7 @@ def kinds() -> dict[str, str]:
 
 
 def is_urdf(path: Path) -> bool:
-    """Whether a file is a URDF, by its ending."""
+    """Return whether a file is a URDF, by its suffix."""
     return path.suffix.lower() in (".urdf", ".xacro")
 
 

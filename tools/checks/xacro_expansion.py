@@ -13,7 +13,7 @@ SUFFIX = ".xacro"
 
 
 def is_xacro(file: Path) -> bool:
-    """Whether a file is for xacro, by its ending."""
+    """Return whether a file is a xacro file, by its suffix."""
     return file.suffix.lower() == SUFFIX
 
 
@@ -56,7 +56,10 @@ def _run_xacro(file: Path) -> str:
 
 
 def _package_folder(name: str, file: Path) -> Path:
-    """Where `$(find NAME)` leads: a folder that holds the file or is beside such a one, or a package."""
+    """Return the folder that `$(find NAME)` refers to.
+
+    That is a folder around the file or next to one of those, or a package.
+    """
     from handcart.backends.urdf.packages import package_folders
 
     for folder in file.resolve().parents:

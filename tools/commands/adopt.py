@@ -81,7 +81,7 @@ def _changed(text: str, found: Calibration) -> str:
 
 
 def _check(text: str, file: Path) -> None:
-    """Whether what would be written is a robot's file; raises `FileError`."""
+    """Check that the new text is a valid robot's file; raises `FileError`."""
     import tempfile
 
     from handcart.backends.description.robot_file import RobotFile
@@ -101,7 +101,7 @@ def _check(text: str, file: Path) -> None:
 
 
 def _deviations(found: Calibration) -> list[str]:
-    """What was found, with its standard deviations, in words."""
+    """Return the found values with their standard deviations, in words."""
     width = max(len(key) for key in found.found)
     words = [f"found by the backend {found.backend}; standard deviations:"]
     for key, each in found.found.items():

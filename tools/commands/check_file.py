@@ -1,4 +1,4 @@
-"""`handcart check`: everything that can be known about a file without moving."""
+"""`handcart check`: all checks of a file that need no motion."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ MOST = 12  # lines of faults beyond which those that are alike are told in one
 
 
 class Asked(NamedTuple):
-    """What is wanted to be told beside what is wrong."""
+    """Options of a check."""
 
     picture: Path | None = None
     every: bool = False
     """Each joint, link and mesh of a robot."""
     allow: bool = False
-    """Whether pairs that always touch are written into the robot's file."""
+    """True to write pairs that always touch into the robot's file."""
     draft: Path | None = None
     """A robot's file to be written for a URDF."""
     quick: bool = False
-    """Whether what takes seconds is left out."""
+    """True to skip checks that take seconds."""
     backend: str | None = None
     """A simulated backend to be built with a robot."""
 
@@ -58,7 +58,7 @@ def check(
         str | None, typer.Option(help="of a robot: build this simulated backend with it, such as mujoco")
     ] = None,
 ) -> None:
-    """Read a file with all that it names, and tell what is wrong with it: each finding with its place."""
+    """Check a file and all files that it names, and report each finding with its place."""
     import orjson
 
     from handcart.files.errors import FileError, InputError
@@ -102,7 +102,7 @@ def check(
 
 
 def check_quietly(file: Path) -> dict[str, Any]:
-    """What `check` would print about a file; raises what it would tell."""
+    """Return the facts that `check` would print; raises the errors that it would report."""
     return file_facts(file, {}, Asked(quick=True))
 
 
@@ -136,12 +136,14 @@ def _places(findings: Iterable[Finding]) -> list[dict[str, Any]]:
 
 
 def file_facts(file: Path, settings: dict[str, str], asked: Asked = Asked()) -> dict[str, Any]:
-    """What is known of a file: for programs, for people (`lines`, `warnings`), and what is wrong with its
-    places (`errors`).
+    """Return the facts of a file.
+
+    They are fields of `handcart check --json`, and in addition `lines` and `warnings` as text, and the
+    faults of the task's places (`errors`).
 
     Raises:
-        FileError: with all that is wrong with it.
-        InputError: it names something that there isn't.
+        FileError: with all faults of the file.
+        InputError: it names something that does not exist.
     """
     from handcart.files.errors import FileError
     from handcart.files.maps.map_file import is_map_file
@@ -228,7 +230,7 @@ def _task_facts(file: Path, settings: dict[str, str], quick: bool) -> dict[str, 
 
 
 def _domain_facts(task: Task) -> dict[str, Any]:
-    """What the domains tell of it whose files it names."""
+    """Return the facts from the domains whose files the task names."""
     from handcart.tasks.domain import domains, imported
 
     facts: dict[str, Any] = {}

@@ -65,7 +65,7 @@ def conformance(
 
 @contextmanager
 def _progress() -> Iterator[Callable[[int, int], None]]:
-    """Tells how many of how many jobs are done: in a bar, or off a terminal in a line now and then."""
+    """Yield a function that reports finished jobs: in a bar, or without a terminal in an occasional line."""
     from rich.console import Console
     from rich.progress import Progress, TimeElapsedColumn
 

@@ -1,4 +1,4 @@
-"""`handcart describe`: what a primitive takes, needs and does, step by step, or what a backend simulates."""
+"""`handcart describe`: a primitive's parameters, needs and steps, or the simulation of a backend."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 def describe(name: Annotated[str, typer.Argument(help="a primitive, such as MOVE_TO, or a backend")]) -> None:
-    """Tell what a primitive does, takes, needs, reads and writes, or how a backend differs from metal."""
+    """Describe a primitive's effect, parameters, needs and facts, or a backend's limits."""
     from handcart.backends.registry import backend_class, backend_names
     from handcart.primitives.registry import primitive_class
 

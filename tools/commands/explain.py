@@ -34,7 +34,7 @@ def explain(
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="one JSON object on stdout")] = False,
 ) -> None:
-    """Tell why an action was chosen, why it failed and how well it was restored, from the run's folder."""
+    """Explain why an action was chosen, why it failed and how well it was restored, from the run's folder."""
     import orjson
 
     from handcart.evaluation.explanation.explanation import as_json as json_of
@@ -65,7 +65,7 @@ def explain(
 
 
 def _drawn(explanation: Explanation, picture: Path | None) -> Path | None:
-    """Where the chart was drawn; None where there is nothing to draw, or no room beside the run's files."""
+    """Draw the chart and return its path; None if there is nothing to draw, or no space."""
     from handcart.evaluation.explanation.explanation_chart import draw_chart
     from handcart.tools.terminal.writing import NotWritable
 

@@ -1,4 +1,4 @@
-"""`handcart list`: what there is."""
+"""`handcart list`: names of primitives, backends, robots and tasks."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import typer
 
 
 class What(StrEnum):
-    """What can be listed."""
+    """Kinds of names that can be listed."""
 
     primitives = "primitives"
     backends = "backends"
@@ -49,7 +49,7 @@ def _primitives() -> list[tuple[str, str]]:
 
 
 def _first_line(name: str, find: Callable[[str], type]) -> str:
-    """The first line of a class's docstring; somebody else's that can't be imported hides no others."""
+    """Return the first line of a class's docstring, or why the class cannot be imported."""
     try:
         return (find(name).__doc__ or "").strip().split("\n")[0]
     except (ImportError, AttributeError) as error:

@@ -65,7 +65,7 @@ def localize(
     ] = False,
     as_json: Annotated[bool, typer.Option("--json", help="one JSON object on stdout")] = False,
 ) -> None:
-    """Tell where a robot was by a recorded log, how sure that is, and which fixes were refused and why."""
+    """Estimate a robot's poses from a recorded log, with their uncertainty and the rejected fixes."""
     import orjson
 
     from handcart.evaluation.replay.noise_fit import fit_noise, in_yaml
@@ -132,7 +132,7 @@ def _robot_of(log: Path) -> str | None:
 
 
 def _noise(robot: str | None) -> FieldNoise:
-    """What to believe of wheels, gyros and receiver."""
+    """Return the noise of wheels, gyros and receiver."""
     from handcart.backends.description.robot_loading import load_robot
     from handcart.backends.robot.localization.noise_model import field_noise
     from handcart.robotics.navigation.outdoors.field_noise import ANY_VEHICLE

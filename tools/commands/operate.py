@@ -19,7 +19,7 @@ SOON = 10.0  # [s] in which a run that is told to stop ends
 
 
 def pause(run: Run, as_json: Json = False, number: Number = None) -> None:
-    """Stop the robot where it is; it holds, and `handcart continue` goes on."""
+    """Stop the robot where it is; it holds until `handcart continue`."""
     _say("pause", run, as_json, **_meant(number))
 
 
@@ -43,7 +43,7 @@ def cancel(run: Run, as_json: Json = False, number: Number = None) -> None:
 
 
 def restore(run: Run, as_json: Json = False, number: Number = None) -> None:
-    """Bring back what the running action did, count that as its Fail, and go on: the robot moves."""
+    """Restore what the running action changed, count that as its Fail, and continue: the robot moves."""
     _say("restore", run, as_json, **_meant(number))
 
 
@@ -73,7 +73,7 @@ def break_at(
 
 
 def status(run: Run, as_json: Json = False) -> None:
-    """Tell what a run is doing."""
+    """Report the state of a run."""
     _say("status", run, as_json)
 
 
@@ -107,7 +107,7 @@ def _say(word: str, run: Path, as_json: bool, **more: object) -> None:
 
 
 def _echo(word: str, reply: Mapping[str, Any], more: Mapping[str, object]) -> str:
-    """What a command has done, in words."""
+    """Return the effect of a command, in words."""
     off = more.get("on") is False
     match word:
         case "permit" | "refuse":

@@ -1,4 +1,4 @@
-"""`handcart resume` and `handcart ack`: go on with a run that broke off."""
+"""`handcart resume` and `handcart ack`: resume a run that broke off."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def resume(
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="end with one JSON object on stdout")] = False,
 ) -> None:
-    """Tell what is known, expected and unknown of a run that broke off, then go on with it."""
+    """Report the known, expected and unknown state of a run that broke off, then resume it."""
     import orjson
 
     from handcart.evaluation.trials.running import resume_task
@@ -73,7 +73,7 @@ def ack(
 ) -> None:
     """Acknowledge a GiveUp, or a real robot's action that was broken off: all is as it was before it.
 
-    Then the run may go on, and the robot into another one.
+    Then the run may be resumed, and the robot may start another one.
     """
     from handcart.files.printable import printable
     from handcart.networks.operator.acknowledging import acknowledge

@@ -1,4 +1,4 @@
-"""How many connections there may be, and how long one may say nothing (row U11)."""
+"""Limits on the number of connections, and on their silence (row U11)."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ addresses): a request that comes with its connection is read a few rounds later,
 could be the oldest of them."""
 ACCEPTED_AT_ONCE = 16
 WAITING_TO_BE_ACCEPTED = 4096
-"""Length of the kernel's queue: who finds it full is heard only a second later."""
+"""Length of the kernel's queue: a client that finds it full is served only a second later."""
 SILENT_S = 10.0
 """[s] in which a new connection has to have sent a whole request's head."""
 
 
 class Connections:
-    """Makes each new connection, and keeps room for whoever has the token.
+    """Factory of connections that keeps room for clients with the token.
 
-    A connection is unknown until it sends a request with the token. Where there are too many unknown ones,
-    the oldest is closed, never a new one: any process of this machine can open hundreds, and a STOP has to
+    A connection is unknown until it sends a request with the token. If there are too many unknown ones, the
+    oldest is closed, never a new one: any process of this machine can open hundreds, and a STOP has to
     arrive all the same.
     """
 
@@ -39,7 +39,7 @@ class Connections:
         self._known: set[asyncio.BaseProtocol] = set()
 
     def __call__(self) -> asyncio.BaseProtocol:
-        """For `loop.create_server`."""
+        """Return a new connection, for `loop.create_server`."""
         assert self.of is not None
         protocol: asyncio.BaseProtocol = self.of()
         loop = asyncio.get_running_loop()

@@ -18,7 +18,7 @@ def console(
         typer.Option(help="another address to listen at than this machine alone: who has the token commands"),
     ] = None,
 ) -> None:
-    """See all runs in the browser and command them, until Ctrl-C; runs don't notice whether it goes on."""
+    """Show all runs in the browser and command them, until Ctrl-C; the runs do not depend on the console."""
     from handcart.files.extras import lack
     from handcart.files.printable import printable
     from handcart.tools.terminal.asked_to_end import AskedToEnd

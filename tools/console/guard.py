@@ -1,4 +1,4 @@
-"""Who may ask the console for anything: the page that it served itself, with the token that it was given."""
+"""Access control of the console: only the page that it served itself, with the token that it was given."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ POLICY = (
 )
 HEADERS = {"Content-Security-Policy": POLICY, **own_page.HEADERS}
 OPEN = ("/", "/console.js", "/console.css", "/favicon.ico")
-"""What holds no secret: the page itself, which asks for the token."""
+"""Paths without secrets: the page itself, which asks for the token."""
 TICKETS = "/ticket/"
 """Below it are files that a ticket opens once, instead of the token."""
 
@@ -62,7 +62,7 @@ class Guard(OwnPage):
         return None
 
     def has_token(self, request: web.Request) -> bool:
-        """Whether a request brings the token."""
+        """Return whether a request contains the token."""
         kind, _, token = request.headers.get(hdrs.AUTHORIZATION, "").partition(" ")
         return kind == "Bearer" and self.knows(token)
 

@@ -1,4 +1,4 @@
-"""What the page asks for, and how it is answered."""
+"""Requests of the page, and their answers."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ SANDBOX = (
     "sandbox allow-scripts; default-src 'none'; img-src data:; style-src 'unsafe-inline'; "
     "script-src 'unsafe-inline'"
 )
-"""Of a run's own page: it reaches nothing, and nothing of the console's."""
+"""Content policy of a run's own page: it reaches nothing, and nothing of the console's."""
 
 
 class Handlers:
@@ -47,7 +47,7 @@ class Handlers:
         self._details = KeptDetails()
 
     def routes(self) -> list[web.RouteDef]:
-        """For the application."""
+        """Return the routes of the application."""
         return [
             web.get("/api/events", self.events),
             web.get("/api/runs/{run}", self.run),
@@ -89,7 +89,7 @@ class Handlers:
         return web.Response(body=details, content_type="application/json")
 
     async def after(self, request: web.Request) -> web.Response:
-        """What a permission means for the goal."""
+        """Answer how a permission changes the probability of the goal."""
         folder, action = self._folder(request), request.match_info["action"]
         state = next(each for each in self._watcher.states() if each["name"] == request.match_info["run"])
         asks = state.get("asks")
@@ -127,7 +127,7 @@ class Handlers:
         return _json(reply, 200 if reply["ok"] else 409)
 
     async def stop(self, request: web.Request) -> web.Response:
-        """Stop a run: from everybody, at once, with nothing to wait for (rows U8, U9)."""
+        """Stop a run: allowed to every client, at once, with nothing to wait for (rows U8, U9)."""
         folder = self._folder(request)
         try:
             tell_to_stop(folder)
@@ -196,7 +196,7 @@ class Handlers:
 
 
 def _each(folder: Path, message: dict[str, Any], places: object) -> dict[str, Any]:
-    """The same for each situation that one box of the drawing stands for."""
+    """Send the message for each situation in one box of the drawing."""
     if not isinstance(places, list) or not places or not all(isinstance(each, str) for each in places):
         return {"ok": False, "error": "places is no list of situations"}
     reply: dict[str, Any] = {}

@@ -1,4 +1,4 @@
-"""What was read of runs, kept as long as nothing new is in their folders: many pages ask for the same."""
+"""Details of runs, cached until something new is in their folders: many pages request the same ones."""
 
 from __future__ import annotations
 
@@ -25,13 +25,14 @@ class KeptDetails:
         self._kept: dict[Path, tuple[object, asyncio.Future[Any]]] = {}
 
     async def of(self, folder: Path, alive: bool, situation: str | None, away: Away) -> Any:
-        """A run's details as JSON; read once, however many ask; or what `away` gives where they can't be.
+        """Return a run's details as JSON, read once for all clients.
 
         Args:
-            folder: the run's.
-            alive: whether it goes on.
-            situation: as it says itself.
-            away: does what takes its time beside the loop.
+            folder: the run's folder.
+            alive: True while the run is running.
+            situation: the situation that the run itself reports.
+            away: executes slow work outside the event loop; its error response is returned if reading
+                fails.
         """
         written = ("journal.jsonl", EVIDENCE, ADDRESS, *PAGES)
         mark = alive, situation, *(_mark(folder / name) for name in written)

@@ -1,4 +1,4 @@
-"""Which of several open pages commands; stopping is everybody's."""
+"""Lease that decides which of several open pages commands; stopping is allowed to all."""
 
 from __future__ import annotations
 
@@ -11,25 +11,28 @@ GONE_S = 10.0
 
 
 class Lease:
-    """At most one tab has it; another takes it over explicitly, and everybody sees who has it (row U8)."""
+    """The right to command, held by at most one tab (row U8).
+
+    Another tab takes it explicitly, and all see the holder.
+    """
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
-        """Nobody has it."""
+        """Create a lease without a holder."""
         self._clock = clock
         self._holder, self._name, self._since_gone = "", "", 0.0
         self._open: dict[str, int] = {}
 
     def holds(self, tab: str) -> bool:
-        """Whether that tab may command now."""
+        """Return whether that tab may command now."""
         return bool(tab) and self._current() == tab
 
     def take(self, tab: str, name: str) -> None:
-        """Have it from now on, whoever had it before."""
+        """Give the lease to a tab, whichever tab had it before."""
         self._holder, self._name = tab, name
         self._since_gone = self._clock()
 
     def release(self, tab: str) -> None:
-        """Give it back; nothing, where somebody else has it."""
+        """Release the lease; without effect if another tab has it."""
         if self._holder == tab:
             self._holder = self._name = ""
 
@@ -38,7 +41,7 @@ class Lease:
         self._open[tab] = self._open.get(tab, 0) + 1
 
     def gone(self, tab: str) -> None:
-        """It doesn't any more; for a while it may come back."""
+        """Note that a tab has closed a connection; it keeps the lease until a short time has passed."""
         left = self._open.pop(tab, 1) - 1
         if left > 0:
             self._open[tab] = left
@@ -46,7 +49,7 @@ class Lease:
             self._since_gone = self._clock()
 
     def holder(self) -> dict[str, Any]:
-        """Who has it, for all."""
+        """Return the holder, for all clients."""
         return {"tab": self._current(), "name": self._name}
 
     def _current(self) -> str:

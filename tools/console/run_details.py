@@ -29,7 +29,7 @@ MOST_ACTIONS = 500
 
 
 class RunDetails:
-    """Of a run that goes on, or is over."""
+    """Details of a run, running or over."""
 
     def __init__(self, folder: Path, alive: bool) -> None:
         """Read its journal.
@@ -40,7 +40,7 @@ class RunDetails:
         self._folder, self._alive, self._run = folder, alive, read_run(folder)
 
     def summary(self, situation: str | None) -> dict[str, Any]:
-        """For the page; `situation` as the run says itself, None where it doesn't go on."""
+        """Return the details shown on the page; `situation` is the one that a running run reports."""
         run = self._run
         end = run.end
         last = str(end["situation"]) if end else (run.actions[-1].source if run.actions else "")
@@ -60,7 +60,10 @@ class RunDetails:
         }
 
     def after(self, situation: str, action: int) -> dict[str, Any]:
-        """P(goal) once the waiting action is permitted, has succeeded, or is refused; or why nobody knows."""
+        """Return P(goal) if the waiting action is permitted, has succeeded, or is refused.
+
+        The reason is returned if that cannot be computed.
+        """
         run = self._run
         try:
             task = load_task(Path(str(run.header["task_path"])), run.header.get("settings") or {})
@@ -90,7 +93,7 @@ class RunDetails:
         return {"svg": to_svg(picture), "situations": boxes}
 
     def _waits(self) -> list[dict[str, Any]]:
-        """What a person has to see to, each with the checksum that shows which cause was read (row U12)."""
+        """Return the records that wait for a person, each with the checksum of its cause (row U12)."""
         contents = read_run_journal(self._folder)
         return [
             {
@@ -103,7 +106,7 @@ class RunDetails:
         ]
 
     def _moved(self) -> list[dict[str, Any]]:
-        """Where the robot stood when somebody went on with the run, beside how it was left (row U13)."""
+        """Return the robot's residuals against its last state, from each resume of the run (row U13)."""
         found: Sequence[Mapping[str, Any]] = self._run.records
         return [
             {
@@ -141,7 +144,7 @@ def _action(action: Any) -> dict[str, Any]:
 
 
 def _fails(run: PastRun) -> dict[int, int]:
-    """How often each action failed, as its number of attempts where a Fail was for good."""
+    """Return the number of Fails of each action; its number of attempts if a Fail was for good."""
     assert run.network is not None
     fails: Counter[int] = Counter()
     for each in run.actions:

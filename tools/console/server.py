@@ -38,15 +38,15 @@ class Server:
     """Serves until it is over; the runs don't notice whether it does."""
 
     def __init__(self, runs: Path, host: str | None, port: int | None) -> None:
-        """Take the port.
+        """Bind the port.
 
         Args:
             runs: the folder of the runs.
-            host: another address than this machine's own two; who reaches it needs the token, too.
-            port: which; None: 8090, or the next one that is free; 0: any.
+            host: another address than this machine's own two; clients there need the token, too.
+            port: the port; None: 8090, or the next free one; 0: any.
 
         Raises:
-            NoConsole: address or port can't be had, or the address is that of all.
+            NoConsole: address or port is not available, or the address is that of all interfaces.
         """
         if host in _EVERY:
             wrong = "pages of any name would reach it"
@@ -106,7 +106,7 @@ class Server:
 
 
 def _unheard() -> logging.Logger:
-    """Takes what aiohttp says of requests that are none: whoever sends them would fill the terminal."""
+    """Return a logger that drops aiohttp's messages on invalid requests, which would fill the terminal."""
     logger = logging.getLogger(__name__)
     logger.addHandler(logging.NullHandler())
     logger.propagate = False

@@ -20,7 +20,7 @@ class Ticket(NamedTuple):
 
 
 class Tickets:
-    """Those that were given out and not used."""
+    """Tickets that were issued and not used."""
 
     def __init__(self) -> None:
         """None yet."""
@@ -35,6 +35,6 @@ class Tickets:
         return word
 
     def take(self, word: str) -> Ticket | None:
-        """The ticket of that word, which is none from now on; None where it never was, or is too old."""
+        """Return the ticket of that word and invalidate it; None if it is unknown or too old."""
         ticket = self._given.pop(word, None)
         return ticket if ticket is not None and time.monotonic() < ticket.until else None

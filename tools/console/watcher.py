@@ -1,4 +1,4 @@
-"""What all runs of a folder are doing, looked at again and again."""
+"""Periodic observation of all runs in a folder."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from handcart.networks.runs.run_names import ListedRun, list_runs
 from .run_details import PAGES
 
 LOOKS_S = 0.2
-"""[s] between two looks at runs that go on."""
+"""Time between two looks at running runs, in [s]."""
 LISTS = 5
 """Looks between two at which runs there are."""
 MOST = 200
@@ -27,10 +27,10 @@ PATIENCE_S = 1.0
 
 
 class Watcher:
-    """Knows the runs and their states; whoever waits hears of each change."""
+    """Observer of the runs in a folder and their states, which notifies waiting clients of each change."""
 
     def __init__(self, runs: Path) -> None:
-        """Of a folder that may not be there yet."""
+        """Watch a folder, which may not exist yet."""
         self.folder = runs
         self._pool = ThreadPoolExecutor(4, thread_name_prefix="console")
         self._listed: dict[str, ListedRun] = {}
@@ -70,16 +70,16 @@ class Watcher:
             return self._version
 
     def folder_of(self, name: str) -> Path | None:
-        """A run's folder by its name; None: there is no such run, whatever the name leads to (row U14)."""
+        """Return a run's folder by its name; None if no listed run has exactly this name (row U14)."""
         listed = self._listed.get(name)
         return None if listed is None else listed.folder
 
     def alive(self, name: str) -> bool:
-        """Whether it goes on."""
+        """Return whether a run is running."""
         return name in self._live
 
     async def look_now(self, name: str) -> None:
-        """Ask a run anew, and tell everybody."""
+        """Read the state of a run again, and notify all clients."""
         await self._look(name)
         await self.tell_all()
 
@@ -95,7 +95,10 @@ class Watcher:
         return {each.folder.name: each for each in list_runs(self.folder)[:MOST]}
 
     async def _look(self, name: str) -> None:
-        """Ask a run that may go on; one whose socket was left behind isn't asked again."""
+        """Ask a run that may be running for its status.
+
+        A run whose socket was left behind is asked only once.
+        """
         folder = self._listed[name].folder
         try:
             status = (folder / CONTROL).stat()

@@ -35,7 +35,7 @@ def bringup(
     folder: Annotated[Path, typer.Option(help="the records' folder is made in there")] = Path("bringup"),
     as_json: Annotated[bool, typer.Option("--json", help="one JSON object on stdout")] = False,
 ) -> None:
-    """Climb the next rung of the ladder from first power to the task; each is recorded, none left out."""
+    """Do the next step of the procedure from first power to the task; each is recorded, none is skipped."""
     from handcart.backends.can.can_backend import CanBackend
     from handcart.backends.description.robot_loading import load_robot
     from handcart.backends.registry import bench_class

@@ -19,7 +19,7 @@ _FIRST = 30.0  # [s] in which the key is to be pressed
 
 
 class NoTerminal(InputError):
-    """Hold-to-run needs somebody at a terminal."""
+    """Hold-to-run needs a person at a terminal."""
 
     def __init__(self) -> None:
         super().__init__("standard input is no terminal; needed: somebody who holds a key there")
@@ -27,14 +27,15 @@ class NoTerminal(InputError):
 
 @contextmanager
 def held_key() -> Iterator[Lease]:
-    """Wait for the space bar, from now on; within the context the lease tells whether it is still held.
+    """Wait for the space bar; within the context the lease reports whether it is still held.
 
-    A terminal tells of a key that is held by repeating it; what it doesn't repeat within 300 ms is let go.
-    Where the first repeat comes later, press it several times: `xset r rate 200 30` makes it come earlier.
+    A terminal signals a held key by repeating it; a key that is not repeated within 300 ms counts as
+    released. If the first repeat comes later, press it several times: `xset r rate 200 30` makes it come
+    earlier.
 
     Raises:
-        NoTerminal: there is none.
-        NoAnswer: nobody presses it.
+        NoTerminal: standard input is not a terminal.
+        NoAnswer: the key was not pressed in time.
     """
     if not sys.stdin.isatty():
         raise NoTerminal()
@@ -53,7 +54,7 @@ def held_key() -> Iterator[Lease]:
 
 
 def _pressed(terminal: int, wait: float = 0.0) -> bool:
-    """Whether the space bar came since it was asked last, or within `wait` in [s]."""
+    """Return whether the space bar came since the last call, or within `wait` in [s]."""
     came = b""
     while select.select([terminal], [], [], 0.0 if came else wait)[0]:
         came += os.read(terminal, 1024)

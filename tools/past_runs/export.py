@@ -1,4 +1,4 @@
-"""`handcart export`: what was recorded, in a format of other programs."""
+"""`handcart export`: a recorded run in a format of other programs."""
 
 from __future__ import annotations
 
@@ -49,4 +49,4 @@ def _parquet(folder: Path, file: Path) -> str:
 
 
 FORMATS: Mapping[str, Callable[[Path, Path], str]] = {".mcap": _mcap, ".parquet": _parquet}
-"""By suffix."""
+"""Writers of recorded runs, by file suffix."""

@@ -1,4 +1,4 @@
-"""`handcart place`: from a robot and a path of its tool to a task, and a picture of where the base stands."""
+"""`handcart place`: a task from a robot and a path of its tool, and a picture of the base poses."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def place(
 
 
 def _document(robot: str) -> Document:
-    """The robot's file, for its lines."""
+    """Return the robot's file as a document, to look up line numbers."""
     from handcart.backends.description.robot_names import robot_path
     from handcart.files.yaml.yaml_document import read_document
 
@@ -64,7 +64,7 @@ def _document(robot: str) -> Document:
 
 
 def _named(robot: str, folder: Path) -> str:
-    """As a task in that folder names it."""
+    """Return the robot's name as a task in that folder has to write it."""
     import os
 
     if not robot.endswith((".yaml", ".yml")):

@@ -1,1 +1,1 @@
-"""What a person at a terminal sees."""
+"""Output for a person at a terminal."""

@@ -1,4 +1,4 @@
-"""Whether somebody has asked a command that serves until then to end."""
+"""Requests to end a command that serves until then."""
 
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class CampaignWords:
-    """Tells a report, with what was asked for."""
+    """Texts of a campaign's report, with its arguments."""
 
     def __init__(
         self,
@@ -29,13 +29,20 @@ class CampaignWords:
         settling: Settling | None = None,
         learned: Learned | None = None,
     ) -> None:
-        """Of a report, the arguments that its campaign's folder keeps, what became of a claim, and what the
-        trials were drawn from."""
+        """Create the texts.
+
+        Args:
+            report: the report.
+            arguments: arguments that the campaign's folder keeps.
+            interrupted: True if the campaign was interrupted.
+            settling: result of the test of a claim.
+            learned: outcomes that the trials were drawn from.
+        """
         self._report, self._arguments, self._interrupted = report, arguments, interrupted
         self._settling, self._learned = settling, learned
 
     def lines(self) -> Iterator[str]:
-        """For people."""
+        """Yield lines for people."""
         report = self._report
         low, high = report.wilson
         count = len(report.trials)
@@ -109,7 +116,7 @@ class CampaignWords:
         return exact_goal(Path(self._arguments["task"]), self._arguments["settings"])
 
     def facts(self) -> dict[str, Any]:
-        """For programs."""
+        """Return fields for programs."""
         from handcart.evaluation.campaign_report.divergence import first_difference
 
         report, median, goal = self._report, self._report.median_run, self._exact()
@@ -166,7 +173,7 @@ def _interval(spread: Spread, yes_no: bool) -> str:
 
 
 def report_of(found: CampaignFolder) -> tuple[CampaignReport, CampaignWords | RareWords]:
-    """What a campaign's folder holds by now, and the words for it."""
+    """Return the report on a campaign's folder, and the texts for it."""
     from handcart.evaluation.campaign_report.campaign_report import CampaignReport
     from handcart.tools.terminal.rare_words import RareWords
 

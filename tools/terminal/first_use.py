@@ -16,9 +16,9 @@ SILENT_TIME_S = 1.0
 
 @contextmanager
 def announced(what: str) -> Iterator[None]:
-    """Print `what` to stderr after a second, and that inner loops are compiled as soon as that begins.
+    """Print `what` to stderr after a second, and announce the compilation of inner loops when it begins.
 
-    Compiling goes on on all cores. Nothing is printed by a command that ends within the second.
+    Compilation uses all cores. Nothing is printed by a command that ends within the second.
     """
     timer = threading.Timer(SILENT_TIME_S, _say, [f"{what} ..."])
     timer.daemon = True

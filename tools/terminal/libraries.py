@@ -1,4 +1,4 @@
-"""Whether the libraries are there that handcart needs, and that they keep quiet."""
+"""Checks that the libraries needed by handcart are installed, and settings that keep them quiet."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ MODULES = {
     "pyyaml": "yaml",
     "ruamel-yaml": "ruamel.yaml",
 }
-"""Where a library is imported under another name than it is installed."""
+"""Import names of libraries whose package has another name."""
 _SILENT = {
     "OPENCV_LOG_LEVEL": "SILENT",  # its C++ code tells stderr of each picture that it can't read
     "OPENCV_FFMPEG_LOGLEVEL": "-8",  # as does the encoder of videos
@@ -48,7 +48,7 @@ class NoLibrary(InputError):
 
     @classmethod
     def of(cls, error: Exception) -> NoLibrary | None:
-        """What an import that failed comes to; None for anything else, and for a module of ours."""
+        """Return the error for a failed import; None for any other error, and for a module of ours."""
         if not isinstance(error, ImportError):
             return None
         root = (error.name or "").partition(".")[0]
@@ -69,7 +69,7 @@ class Requirement(NamedTuple):
     versions: str
     """Such as `>=2.0,<3`."""
     extra: str = ""
-    """Of handcart, that asks for it; empty: everybody needs it."""
+    """Extra of handcart that requires it; empty: it is always required."""
 
     def __str__(self) -> str:
         return self.name + self.versions
@@ -98,7 +98,7 @@ def check_libraries() -> None:
 
 
 def required() -> list[Requirement]:
-    """What handcart's installation says it needs; nothing where it isn't installed."""
+    """Return the requirements of handcart's installation; empty if it is not installed."""
     for folder in sys.path:
         for found in Path(folder or ".").glob("handcart-*.dist-info/METADATA"):
             head = found.read_text(encoding="utf-8").partition("\n\n")[0]
@@ -146,7 +146,7 @@ def _numbers(version: str) -> tuple[int, ...]:
 
 
 def quiet_libraries() -> None:
-    """Before any of them is imported; what was chosen by environment or `python -W` stays."""
+    """Silence the libraries, before any of them is imported; settings by environment or `python -W` win."""
     chosen = bool(sys.warnoptions)
     for name, value in _SILENT.items():
         if not (chosen and name == "PYTHONWARNINGS"):

@@ -1,4 +1,4 @@
-"""What a person may do after a run has ended, ready to be pasted."""
+"""Commands that a person may use after a run has ended, ready to be pasted."""
 
 from __future__ import annotations
 

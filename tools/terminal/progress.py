@@ -29,7 +29,7 @@ COLOURS = {"Success": "green", "Fail": "yellow", "GiveUp": "red"}
 
 
 class Progress(RunObserver):
-    """One line for each thing that ends, and on a terminal what goes on just now.
+    """Progress output: one line for each event, and on a terminal the present activity.
 
     Writes to stderr, so that stdout holds the result alone.
     """
@@ -41,7 +41,7 @@ class Progress(RunObserver):
         self._begun, self._cost, self._rest = 0.0, 0.0, 0.0
         """When the action began, how long it is thought to take, and all that comes after it [s]."""
         self._way: tuple[Action, ...] = ()
-        """As it was planned last."""
+        """Actions of the last plan."""
         self._run_dir = Path()
         self._compiled = False
         self._listening = ExitStack()
@@ -59,12 +59,12 @@ class Progress(RunObserver):
         self.end()
 
     def end(self) -> None:
-        """Nothing goes on any more; a second call does nothing."""
+        """Remove the status line; a second call does nothing."""
         with suppress(OSError):
             self._status.stop()
 
     def event(self, event: Event) -> None:
-        """Tell of an event."""
+        """Print an event."""
         match event:
             case Planned(time, situation, NoWay()):
                 self._line(time, f"no way leads on from {situation}")
@@ -88,17 +88,17 @@ class Progress(RunObserver):
                 self._tell("writing down what was seen")
 
     def period(self, robot: Robot) -> None:
-        """Tell how late it is, on a terminal."""
+        """Update the time on a terminal."""
         if robot.time >= self._next:
             self._next = robot.time + 0.5
             self._status.update(f"[dim]{robot.time:8.1f} s[/dim]  {self._now}{self._how_far(robot.time)}")
 
     def say(self, words: str) -> None:
-        """Tell something that should be known before anything moves."""
+        """Print something that should be known before anything moves."""
         self._print(escape(printable(words)))
 
     def begin(self, prepared: Prepared, run_dir: Path) -> None:
-        """Tell what the user should know before the run starts."""
+        """Print the warnings for the user before the run starts."""
         self._run_dir = run_dir
         self._tell("planning")
         for words in prepared.warnings:
@@ -116,23 +116,23 @@ class Progress(RunObserver):
         self._print(escape(f"  handcart permit {run}\n  handcart refuse {run}"))
 
     def offer(self, commands: Sequence[str]) -> None:
-        """Tell what may be done next, ready to be pasted."""
+        """Print the possible next commands, ready to be pasted."""
         for each in commands:
             self._print(f"[dim]  {escape(printable(each))}[/dim]")
 
     def typed(self) -> bool | None:
-        """What somebody typed: y or n and Enter; None for nothing yet, or anything else."""
+        """Return the typed answer: True for y, False for n, each with Enter; None for other input."""
         if not sys.stdin.isatty() or not select.select([sys.stdin], [], [], 0.0)[0]:
             return None
         return {"y": True, "yes": True, "n": False, "no": False}.get(sys.stdin.readline().strip().lower())
 
     def _tell(self, words: str) -> None:
-        """What goes on now."""
+        """Show the present activity."""
         self._now = escape(words)
         self._status.update(self._now)
 
     def _how_far(self, time: float) -> str:
-        """How long the action has taken of what its cost lets expect, and what comes after it."""
+        """Return the action's elapsed time against its expected time, and the expected time after it."""
         if not self._cost:
             return ""
         after = f", {self._rest:.0f} s more to the goal" if self._rest else ""

@@ -1,4 +1,4 @@
-"""What a campaign says of a rare event, for people and for programs."""
+"""Texts on a campaign's estimate of a rare event, as lines and as fields."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from handcart.evaluation.rare.rare_estimate import RareEstimate
 
 
 class RareWords:
-    """Tells what its populations show."""
+    """Texts on the results of a campaign's populations."""
 
     def __init__(self, trials: Sequence[Trial], arguments: Mapping[str, Any], interrupted: bool) -> None:
-        """Of a campaign's trials, and the arguments that its folder keeps."""
+        """Create the texts from a campaign's trials, and the arguments that its folder keeps."""
         self._trials, self._arguments, self._interrupted = trials, arguments, interrupted
         self._event: Mapping[str, Any] = arguments["rare"]
 
@@ -34,7 +34,7 @@ class RareWords:
         return [f"seed {trial.seed}: {each}" for trial in self._trials for each in trial.untrue]
 
     def lines(self) -> Iterator[str]:
-        """For people."""
+        """Yield lines for people."""
         found, count = self._found, len(self._trials)
         yield f"{self._event['outcome']}: {found.probability:.3g} of all runs, {_between(found)}"
         if found.unseen:
@@ -62,7 +62,7 @@ class RareWords:
             yield f"\nrun folders of some that ended so: {', '.join(kept[:10])}"
 
     def facts(self) -> dict[str, Any]:
-        """For programs."""
+        """Return fields for programs."""
         found = self._found
         return {
             "rare": dict(self._event),

@@ -1,4 +1,4 @@
-"""How much of something is done, on a terminal."""
+"""Progress bar on a terminal for the finished share of a computation."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from contextlib import contextmanager
 
 @contextmanager
 def share_shown(what: str) -> Iterator[Callable[[float], None]]:
-    """Gives what is to be called with the share that is done, 0 to 1.
+    """Yield a function to call with the finished share, 0 to 1.
 
-    Where stderr is a terminal it shows as a bar, gone in the end; elsewhere nothing is written.
+    On a terminal (stderr) it shows a bar, removed at the end; otherwise nothing is written.
     """
     if not sys.stderr.isatty():
         yield lambda share: None

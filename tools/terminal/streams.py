@@ -1,4 +1,4 @@
-"""What a command writes to, when nobody reads it, or it isn't there at all."""
+"""Output streams that tolerate a closed pipe, a full disk or a missing descriptor."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from typing import Any, TextIO
 
 
 class Streams:
-    """A context manager: while it lasts, what can't be written to stdout or stderr is dropped, and noted.
+    """Context manager that drops, and notes, output that cannot be written to stdout or stderr.
 
     A pipe that is closed at its other end, a full disk behind it, a descriptor that was closed before the
-    start: none of them ends a command (row K14). Descriptors that are missing are opened on nothing, so that
-    no file of ours, a journal say, becomes stdout for a library that writes to it.
+    start: none of them ends a command (row K14). Missing descriptors are opened on the null device, so that
+    no file of ours, such as a journal, becomes stdout for a library that writes to it.
     """
 
     def __enter__(self) -> Streams:

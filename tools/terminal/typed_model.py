@@ -18,15 +18,15 @@ Model = TypeVar("Model", bound=BaseModel)
 
 
 def typed_model(kind: type[Model], words: Sequence[str], command: str) -> Model:
-    """The model by its fields, each checked as in a file; a field of text needs no quotes.
+    """Return a model from typed fields, each checked as in a file; a text field needs no quotes.
 
     Args:
-        kind: of the model.
+        kind: class of the model.
         words: KEY=VALUE each.
-        command: what was typed before them, for messages.
+        command: the text typed before them, used in messages.
 
     Raises:
-        FileError: all that is wrong with them, each as it was typed.
+        FileError: with all faults, each in the form in which it was typed.
     """
     try:
         content = dict(_value(kind, word) for word in words)

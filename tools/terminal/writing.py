@@ -17,10 +17,10 @@ class NotWritable(InputError):
 
 
 def check_folder(folder: Path) -> None:
-    """Make sure, without making it, that a folder could be made, or written into where it exists.
+    """Check, without making it, that a folder could be made, or written into if it exists.
 
     Raises:
-        NotWritable: its nearest parent that exists is no folder, or may not be written into.
+        NotWritable: its nearest existing parent is not a folder, or may not be written into.
     """
     there = next(each for each in (folder, *folder.absolute().parents) if os.path.lexists(each))
     if not there.is_dir():
@@ -30,11 +30,11 @@ def check_folder(folder: Path) -> None:
 
 
 def write_text(path: Path, text: str | bytes) -> None:
-    """Write a whole file or nothing: what stood there before is replaced at once.
+    """Write a complete file or nothing: an existing file is replaced at once.
 
     Args:
         path: the file.
-        text: as words, or as they are encoded already.
+        text: its content, as text or already encoded.
 
     Raises:
         NotWritable: the folder is missing, or may not be written.

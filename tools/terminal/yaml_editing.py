@@ -1,4 +1,4 @@
-"""Changing values in a user's YAML file; comments, order and what else stands there are kept."""
+"""Editing of values in a user's YAML file, with comments, order and all other values kept."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def flow_list(values: Sequence[float] | Sequence[str]) -> CommentedSeq:
 
 
 def put(data: CommentedMap, key: str, value: Any) -> None:
-    """Set a value by its dotted key; what is missing on the way is added behind what is there."""
+    """Set a value by its dotted key; missing keys on the way are added after the existing ones."""
     *way, last = key.split(".")
     gap = ""
     for name in way:
