@@ -36,7 +36,7 @@ def _writes(action: Action, entry: str) -> bool:
 
 
 def _ways(network: ActionNetwork) -> nx.DiGraph[str]:
-    """Return the graph of situations with the targets of each action, also after a Fail."""
+    """Return the graph of situations, with an edge to each that an action may lead to, also after a Fail."""
     ways: nx.DiGraph[str] = nx.DiGraph()
     ways.add_nodes_from(network.situations)
     ways.add_edges_from((a.source, to) for a in network.actions for to in (a.target, a.on_fail) if to)
