@@ -1,4 +1,4 @@
-"""A robot with two wheels and nothing else, and primitives that end as the test says."""
+"""A robot with only two wheels, and primitives that end as the test says."""
 
 from collections import deque
 from collections.abc import Callable, Generator, Mapping
@@ -186,7 +186,7 @@ def stand() -> Stand:
 
 @pytest.fixture
 def new_stand() -> Callable[[], Stand]:
-    """For tests that need more than one."""
+    """Return a factory of stands, used by tests that need more than one."""
     return make_stand
 
 

@@ -28,7 +28,7 @@ actions:
 
 @dataclass(frozen=True)
 class Said:
-    """What a command printed, and its exit status."""
+    """Output of a command, and its exit status."""
 
     status: int
     out: str

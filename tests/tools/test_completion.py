@@ -17,7 +17,7 @@ PROGRAM = Path(sys.executable).with_name("handcart")
 
 
 def asked(**words: str) -> str:
-    """What the program answers a shell."""
+    """Return the program's answer to a shell."""
     environment = {**os.environ, **words}
     said = subprocess.run(
         [PROGRAM], env=environment, capture_output=True, text=True, timeout=120, check=False

@@ -1,4 +1,4 @@
-"""Without the libraries of arms and labels: what needs none of them runs, all else says what to install."""
+"""Commands without the libraries of arms and labels: those that need none run, the others name the extra."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A disk that takes no more: a limit on the size of files stands for it (rows D5, D6, D10)."""
+"""A full disk, simulated by a limit on the size of files (rows D5, D6, D10)."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def run_with(
 def test_full_before_the_start_nothing_moves(
     run_with: Callable[[str], subprocess.CompletedProcess[str]], tour: Path, tmp_path: Path
 ) -> None:
-    """D5: what was written is whole, status 5."""
+    """D5: the written records are complete, status 5."""
     said = run_with("START")
     assert said.returncode == 5
     assert "can't be written" in said.stderr

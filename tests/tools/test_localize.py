@@ -40,7 +40,7 @@ def drive() -> FieldLog:
 
 
 def write(path: Path, log: FieldLog, header: str = "", columns: dict[str, str] | None = None) -> Path:
-    """A log in CSV, its cells named as `COLUMNS`; `columns`: units of those that the header tells."""
+    """Write a log as CSV with the columns `COLUMNS`; `columns`: units of those that the header describes."""
     stated = COLUMNS if columns is None else columns
     fixes = dict(zip(log.fix_rows.tolist(), log.fixes, strict=True))
     lines = ["---", "format: handcart-log/1", *header.splitlines(), "columns:"]
@@ -58,7 +58,7 @@ def write(path: Path, log: FieldLog, header: str = "", columns: dict[str, str] |
 
 @pytest.fixture
 def localized(handcart: Callable[..., Any]) -> Callable[..., dict[str, Any]]:
-    """What it says, as data."""
+    """Return a function that runs the command and returns its JSON output."""
 
     def call(*arguments: object) -> dict[str, Any]:
         said = handcart("localize", *arguments, "--json")
@@ -71,7 +71,7 @@ def localized(handcart: Callable[..., Any]) -> Callable[..., dict[str, Any]]:
 
 @pytest.fixture
 def refused(handcart: Callable[..., Any]) -> Callable[..., str]:
-    """What it says that is wrong."""
+    """Return a function that runs the command with bad input and returns its error text."""
 
     def call(*arguments: object) -> str:
         said = handcart("localize", *arguments)
@@ -120,7 +120,7 @@ def test_wheels_alone_turn_by_their_tread(tmp_path: Path, localized: Callable[..
 def test_speed_and_steering_are_an_odometry(
     tmp_path: Path, drive: FieldLog, localized: Callable[..., dict[str, Any]]
 ) -> None:
-    """Of a car without a gyro: how it turns follows from the steering angle (Ackermann)."""
+    """The yaw rate of a car without a gyro follows from the steering angle (Ackermann)."""
     driven = drive.drive.driven
     lines = ["---", "format: handcart-log/1", "wheelbase_m: 0.9", "columns:"]
     units = {"time": "s", "speed": "km/h", "steering": "deg", "gps_east": "m", "gps_north": "m"}

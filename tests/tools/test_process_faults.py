@@ -1,4 +1,4 @@
-"""What the process, its machine and its installation do to a run on simulated drives."""
+"""Faults of the process, its machine and its installation during a run on simulated drives."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def python(*lines: str, **options: Any) -> subprocess.Popen[bytes]:
 def test_memory_that_runs_out_stops_the_robot(
     handcart: Callable[..., Said], tour: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """K5: what the operating system's killer does is K1; a MemoryError stops, and is told."""
+    """K5: a kill by the operating system is K1; a MemoryError stops the robot, and is reported."""
     stops, step, count = [], CanBackend.step, iter(range(10**6))
 
     def fails(self: CanBackend) -> None:
@@ -71,7 +71,7 @@ def test_files_that_run_out_start_nothing(tour: Path, tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_a_lock_goes_with_its_process(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """K12: no process IDs are kept, so none can be taken for another process's."""
+    """K12: no process IDs are kept, so none can be confused with another process's."""
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
     holder = python(
         "import time",

@@ -24,7 +24,7 @@ from tests.tools.conftest import Said
 pytest.importorskip("av")
 NO_BULLET = pytest.mark.skipif(find_spec("pybullet") is None, reason="PyBullet has no wheel for this Python")
 BACKENDS = {"kinematic": 960, "mujoco": 1280, "pybullet": 1280}
-"""How wide their videos are [px]."""
+"""Width of each backend's videos, in [px]."""
 FRAMES = 25
 
 
@@ -37,7 +37,7 @@ def frames_of(film: Path) -> list[NDArray[np.float64]]:
 
 
 def nearer(tour: Path) -> Path:
-    """The same with a shorter way."""
+    """Return the tour with a shorter route."""
     places = tour.with_name("places.yaml")
     places.write_text(places.read_text() + "  near: {x_m: 1.2, y_m: 2.0, heading_deg: 90.0}\n")
     tour.write_text(tour.read_text().replace("shelf_3", "near").replace("base: shelf", "base: near"))

@@ -46,7 +46,7 @@ def network(*rows: Row, start: str = "a", goal: str = "z") -> ActionNetwork:
 
 @dataclass
 class Every:
-    """What all runs of a network come to."""
+    """Totals over all runs of a network."""
 
     ends: Any = field(default_factory=Counter)
     cost: float = 0.0
@@ -61,7 +61,11 @@ class Every:
 
 
 def follow(net: ActionNetwork, words: Iterable[str]) -> tuple[list[tuple[Action, str]], str, Route]:
-    """The coordinator's decisions if its actions end like this, then all in Success: what it did, its end."""
+    """Follow the coordinator if its actions end with these outcomes, then all in Success.
+
+    Returns:
+        The actions with their outcomes, the end in words, and the route.
+    """
     did: list[tuple[Action, str]] = []
     route, skipped, words = Route(net), False, iter(words)
     while not route.arrived:
@@ -84,7 +88,7 @@ def follow(net: ActionNetwork, words: Iterable[str]) -> tuple[list[tuple[Action,
 
 
 def every(net: ActionNetwork, chances: Sequence[Any] | None = None, most: int = 4000) -> Every | None:
-    """By going through all runs, one by one; without chances also those with Fails for good."""
+    """Enumerate all runs of a network one by one; without chances also those with Fails for good."""
     found = Every()
     ahead: list[tuple[str, ...]] = [()]
     for _ in range(most):

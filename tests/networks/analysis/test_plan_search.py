@@ -41,7 +41,7 @@ def test_it_plans_what_the_planner_plans(seed: int) -> None:
 
 
 def test_what_is_too_much_is_told_and_is_the_same_each_time() -> None:
-    """By steps, not by a clock."""
+    """The limit counts steps, and does not depend on a clock."""
     net, messages = network("grid", 100), set()
     for _ in range(2):
         with pytest.raises(TooLarge) as large:

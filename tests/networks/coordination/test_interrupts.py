@@ -35,7 +35,7 @@ def test_in_a_run_it_is_a_stop_however_often_it_comes(kind: signal.Signals) -> N
 
 
 def test_one_that_a_library_takes_for_an_error_of_its_own_is_one() -> None:
-    """K3: C code told "expected sequence" of a generator in which the signal came."""
+    """K3: C code reported "expected sequence" for a generator in which the signal came."""
     with pytest.raises(KeyboardInterrupt), Interrupts():
         try:
             signal.raise_signal(signal.SIGTERM)

@@ -106,7 +106,7 @@ def test_a_request_that_names_another_action_is_not_applied(stand: Stand, what: 
 def test_a_request_that_comes_too_late_is_kept_in_words(
     stand: Stand, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Asked for in the very period in which the action succeeds: nobody can honour that any more."""
+    """A request in the very period in which the action succeeds is too late to be honoured."""
     events: list[Event] = []
     taken: list[bool] = []
     run = Coordinator(two_drives(stand), stand.robot, stand.model, observers=[events.append])
@@ -176,7 +176,7 @@ def test_continue_without_a_pause_is_answered(stand: Stand) -> None:
 
 
 def test_a_network_interrupted_between_actions_fails_no_action(stand: Stand) -> None:
-    """In each period: what was interrupted is brought back, what was not begun is not."""
+    """In each period an interrupted action is restored, and an action that was not begun is not."""
     from py_trees.common import Status
 
     answers = [None] * 6

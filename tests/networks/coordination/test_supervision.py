@@ -30,7 +30,7 @@ ENDS = {
 
 
 class SlowDisk(Journal):
-    """Brings a kind of record to the disk only when it is told to."""
+    """Journal that brings a kind of record to the disk only on command."""
 
     slow: ClassVar[str] = "RESULT"
     safe = True
@@ -45,7 +45,7 @@ class SlowDisk(Journal):
 
 
 class Closed(ActionPrimitive):
-    """Drives, and notes how often the robot was told to stop before it is closed."""
+    """Primitive that drives, and records the number of stop commands before it is closed."""
 
     needs: ClassVar = (Base,)
     stops: ClassVar[list[int]] = []
@@ -195,7 +195,7 @@ def test_requests_that_wait_are_limited_to_a_number(stand: Stand) -> None:
 
 
 def test_too_late_requests_are_kept_up_to_a_number(stand: Stand, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Asked for by the dozen in the last period of an action: the latest ones are told."""
+    """Of dozens of requests in the last period of an action, the latest ones are reported."""
     run = Coordinator(drive_network(stand, stand.Drive(periods=3)), stand.robot, stand.model)
     asked: list[str] = []
 

@@ -1,4 +1,4 @@
-"""What the world and others do to a run (rows N7 to N10, N12)."""
+"""Effects of the world and of other people on a run (rows N7 to N10, N12)."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ HOME, FAR = {"base": "home", "book": "in hand"}, {"base": "far", "book": "in han
 
 
 class Go(ActionPrimitive):
-    """Drives on for two seconds; what it says of its start and its end the test decides."""
+    """Primitive that drives for two seconds, with a precondition and an outcome that the test decides."""
 
     needs: ClassVar = (Base,)
     unmet: ClassVar[list[str]] = []
@@ -64,7 +64,7 @@ def go(monkeypatch: pytest.MonkeyPatch) -> type[Go]:
 def line(
     go: type[Go], facts: Sequence[Mapping[str, str]] = (HOME, FAR, FAR), permit: bool = False
 ) -> ActionNetwork:
-    """From a to b to c; both drive."""
+    """Return a network from a to b to c, with a drive for each step."""
     names = [Situation(name, each) for name, each in zip("abc", facts, strict=True)]
     bound = Binding.of(go())
     actions = [Action("a", "b", bound, 1.0), Action("b", "c", bound, 1.0, permit=permit)]
@@ -72,7 +72,7 @@ def line(
 
 
 def push(stand: Stand, metres: float) -> None:
-    """Somebody rolls the robot, and its wheels turn."""
+    """Push the robot by a distance, so that its wheels turn."""
     travel = stand.backend.wheels.travel
     stand.backend.wheels.travel = type(travel)(travel.left + metres, travel.right + metres)
 
@@ -132,7 +132,7 @@ def test_unseen_effect_past_no_return_is_a_give_up(
 def pushed_while_asked(
     stand: Stand, network: ActionNetwork, metres: float, tmp_path: Path
 ) -> tuple[RunEnd, list[Event], Sequence[Mapping[str, Any]]]:
-    """A run in which somebody pushes the robot while its second action waits for permission."""
+    """Run a network, and push the robot while its second action waits for permission."""
     asked = []
 
     def permission(action: Action) -> bool | None:
@@ -253,7 +253,7 @@ def test_an_unsure_pose_tells_no_situation(
 
 
 def test_a_pose_that_is_not_surely_known_has_not_moved(stand: Stand) -> None:
-    """N9: what is measured elsewhere has, however sure that is."""
+    """N9: a pose that is measured elsewhere has moved, whatever its uncertainty."""
     here = take_snapshot(stand.robot, {})
     unsure = replace(here, dead_reckoned=False, pose_sigma=(0.5, 0.3))
     assert moved(stand.robot, here, unsure) == {}
@@ -262,7 +262,9 @@ def test_a_pose_that_is_not_surely_known_has_not_moved(stand: Stand) -> None:
 
 
 def test_who_found_more_changed_than_the_base_tells_no_situation(stand: Stand, go: type[Go]) -> None:
-    """N9: base and fingers stand as they once did, but no sensor tells what else was changed meanwhile."""
+    """N9: base and fingers are where they once were, but no sensor shows whether more was changed
+    meanwhile.
+    """
     here = replace(take_snapshot(stand.robot, {}), gripper_width=0.05)
     far = replace(here, pose=type(here.pose)(1.0, 0.0, 0.0), gripper_width=0.0)
     watch = WorldWatch(stand.robot, line(go), {"a": here, "b": far})
@@ -273,7 +275,7 @@ def test_who_found_more_changed_than_the_base_tells_no_situation(stand: Stand, g
 def test_a_precondition_that_breaks_counts_as_unmet(
     stand: Stand, go: type[Go], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """N7: who can't tell whether it may start doesn't start it."""
+    """N7: an action whose precondition raises is not started."""
     asked = []
     events: list[Event] = []
 
@@ -290,7 +292,7 @@ def test_a_precondition_that_breaks_counts_as_unmet(
 
 
 class Short(ActionPrimitive):
-    """Drives on, then finds nobody."""
+    """Primitive that drives, then fails with a discrepancy."""
 
     drives_s: float
     needs: ClassVar = (Base,)

@@ -1,4 +1,4 @@
-"""What is drawn of a network, and that nothing of it overlaps or is clipped."""
+"""Contents of a drawn network, in which nothing overlaps or is clipped."""
 
 from __future__ import annotations
 

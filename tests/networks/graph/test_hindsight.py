@@ -1,4 +1,4 @@
-"""What else could have been done, told from the journal alone."""
+"""Alternatives to a past action, computed from the journal alone."""
 
 import shutil
 from collections import deque

@@ -89,7 +89,7 @@ def test_same_plans_whatever_the_hash_seed() -> None:
 
 @pytest.mark.slow
 def test_a_hundred_thousand_actions(stand: Stand) -> None:
-    """N14; how long that takes stands in benchmarks/coordinator.py."""
+    """N14; benchmarks/coordinator.py measures its duration."""
     names = [f"s{n}" for n in range(30_000)]
     bound = Binding.of(stand.Think(name="x"))
     actions = [

@@ -1,4 +1,4 @@
-"""What must be on the disk before anything moves, or anybody is told (rows D6, D8, D9)."""
+"""Records that must be on the disk before anything moves, or observers are notified (rows D6, D8, D9)."""
 
 from __future__ import annotations
 
@@ -108,7 +108,7 @@ def soon(
 
 
 def test_nothing_moves_before_the_start_is_on_the_disk(stand: Stand, disk: Disk, begin: Begin) -> None:
-    """D9: the loop goes on, the robot holds; a slow disk only delays."""
+    """D9: the loop continues, the robot holds; a slow disk only delays."""
     run, journal, events = begin()
     with journal:
         disk.free.clear()
@@ -122,7 +122,7 @@ def test_nothing_moves_before_the_start_is_on_the_disk(stand: Stand, disk: Disk,
 def test_an_effect_waits_for_its_intent_and_the_result_for_the_disk(
     stand: Stand, disk: Disk, begin: Begin
 ) -> None:
-    """D9: nobody hears of an outcome that isn't on the disk."""
+    """D9: no observer receives an outcome that is not on the disk."""
     run, journal, events = begin()
     with journal:
         periods = run.run()
@@ -197,7 +197,7 @@ def test_what_was_intended_stands_in_the_journal(
 
 
 def test_a_run_is_over_when_its_end_is_on_the_disk(stand: Stand, disk: Disk, begin: Begin) -> None:
-    """D9: who asks how it ended hears nothing that a crash could still take back."""
+    """D9: a reported end cannot be lost in a crash."""
     run, journal, events = begin()
     with journal:
         periods = run.run()

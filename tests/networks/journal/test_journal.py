@@ -29,7 +29,7 @@ def test_read_back(tmp_path: Path) -> None:
 
 
 def test_truncated_at_any_byte(tmp_path: Path) -> None:
-    """D1: what was written whole is there, the tail is told."""
+    """D1: complete records are there, the torn tail is reported."""
     whole = written(tmp_path / "j.jsonl", 3)
     ends = [number for number, byte in enumerate(whole) if byte == 10]
     torn = tmp_path / "torn.jsonl"
@@ -82,7 +82,7 @@ def test_a_newline_before_the_last_record_is_damage(tmp_path: Path, byte: int) -
 
 @pytest.mark.parametrize("tail", [b"\0" * 4096, b"garbage\nmore\n", b"{}\n", b"[]\n", b"1\n", None])
 def test_tails(tmp_path: Path, tail: bytes | None) -> None:
-    """D4: None stands for the last record once more."""
+    """D4: None means the last record once more."""
     path = tmp_path / "j.jsonl"
     whole = written(path)
     path.write_bytes(whole + (tail if tail is not None else whole.splitlines(keepends=True)[-1]))
@@ -92,7 +92,7 @@ def test_tails(tmp_path: Path, tail: bytes | None) -> None:
 
 @pytest.mark.parametrize("doubled", [0, 1, 2])
 def test_a_doubled_record_that_others_follow_is_refused(tmp_path: Path, doubled: int) -> None:
-    """D2: taken for torn, it would hide the records after it, the last one too."""
+    """D2: if it counted as torn, it would hide the records after it, the last one too."""
     lines = written(tmp_path / "j.jsonl").splitlines(keepends=True)
     lines.insert(doubled, lines[doubled])
     (tmp_path / "j.jsonl").write_bytes(b"".join(lines))

@@ -1,4 +1,4 @@
-"""The least and the most that each kind of record may hold before anybody relies on it."""
+"""Least and greatest values that each kind of record may hold."""
 
 from __future__ import annotations
 

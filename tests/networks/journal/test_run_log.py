@@ -1,4 +1,4 @@
-"""What a run's journal says of its actions, and who hears of it when."""
+"""Records of actions in a run's journal, and the order in which observers are notified."""
 
 from __future__ import annotations
 
@@ -140,7 +140,7 @@ def test_a_success_has_no_cause_whatever_was_noted_on_the_way(stand: Stand, tmp_
 
 
 def test_a_result_is_kept_before_it_is_journaled_and_told_after(stand: Stand, tmp_path: Path) -> None:
-    """The checkpoint's name stands outside the chain; the observers hear when the result is safe."""
+    """The checkpoint's name is outside the chain; observers are notified when the result is safe."""
     events: list[Event] = []
     kept: list[tuple[Mapping[str, Any], str, int]] = []
     action = stand.network("a z go 1").actions[0]

@@ -1,4 +1,4 @@
-"""What every record of a journal holds, whatever its kind."""
+"""Fields of every record of a journal, whatever its kind."""
 
 from __future__ import annotations
 

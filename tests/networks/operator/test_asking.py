@@ -1,4 +1,4 @@
-"""What somebody who asks a run hears where it is reached in none of the usual ways."""
+"""Answers to a client that cannot reach a run in the usual ways."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The operator's line to a run, whoever else is on it and whatever they send."""
+"""The operator's connection to a run, with other clients that send anything."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Line:
         self.socket.sendall(message)
 
     def answers(self) -> list[dict[str, Any]]:
-        """What has come whole by now."""
+        """Return the complete answers so far."""
         while self._more():
             pass
         *whole, self.came = self.came.split(b"\n")
@@ -133,7 +133,7 @@ def test_every_message_that_is_none_is_answered_in_words(run: Any, lines: Callab
 
 
 def is_taken(line: bytes) -> bool:
-    """Whether a run that was asked to pause does what a line says; by Python's JSON."""
+    """Return whether a run obeys a line, as decided by Python's JSON."""
     try:
         message = json.loads(line) if len(line) <= 4096 else None
     except (ValueError, RecursionError):
@@ -261,7 +261,7 @@ def test_a_line_on_which_nothing_comes_is_closed(
 def test_of_too_many_lines_the_one_that_was_silent_longest_is_closed(
     control: Any, lines: Callable[[], Line], clock: Clock
 ) -> None:
-    """U11: who talks keeps their line."""
+    """U11: active clients keep their connection."""
     many = []
     for _ in range(MOST):
         many.append(lines())
@@ -365,7 +365,7 @@ def test_a_run_that_is_over_broke_off_or_does_not_answer(folder: Path) -> None:
 
 
 def test_a_queue_that_is_full_is_no_run_that_is_over(folder: Path, lines: Callable[[], Line]) -> None:
-    """Nobody takes what waits: the run computes."""
+    """The run computes, and reads no waiting messages."""
     with Journal(folder / "journal.jsonl"), Control(folder, dict, lambda: None):
         for _ in range(2 * MOST):
             try:

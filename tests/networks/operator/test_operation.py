@@ -1,4 +1,4 @@
-"""What an operator asks for while a run goes on, and what everybody sees of it."""
+"""Requests of an operator during a run, and their visible effects."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from tests.networks.conftest import Stand
 
 @pytest.fixture
 def run(stand: Stand, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
-    """A run of three actions, a to d, that goes on by one period at a time."""
+    """Yield a run of three actions, a to d, that continues by one period at a time."""
     monkeypatch.chdir(tmp_path)
     started: list[str] = []
 
@@ -107,7 +107,7 @@ def test_a_refused_action_is_not_started_and_asked_for_again(run: Any) -> None:
 
 
 def test_while_it_waits_a_period_lasts_on_the_wall_clock(run: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    """And no longer than that where the robot moves; what is typed is asked for only while it waits."""
+    """A period does not wait while the robot moves; typed input is read only while the run waits."""
     waited: list[float | None] = []
     typed: list[bool | None] = [None, True]
     select = selectors.DefaultSelector.select
@@ -219,7 +219,7 @@ def test_break_points_come_and_go(run: Any) -> None:
 
 
 def test_u7_an_answer_holds_for_the_question_it_was_given_to(run: Any) -> None:
-    """A second click, or a message that was kept and sent again, permits nothing else."""
+    """A second click, or a message that was kept and sent again, permits nothing more."""
     run.answer({"do": "step"})
     run.go_on()
     first = {"do": "permit", "ask": 1, "nonce": "once"}

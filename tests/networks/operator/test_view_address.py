@@ -1,4 +1,4 @@
-"""The address of a run's page, noted for its owner; nothing else is ever taken for one."""
+"""The address of a run's page, noted for its owner; no other text counts as one."""
 
 from __future__ import annotations
 

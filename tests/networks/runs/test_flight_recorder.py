@@ -26,7 +26,9 @@ PERIOD = 0.05
 
 @pytest.fixture
 def drive(stand: Stand, tmp_path: Path) -> Callable[..., dict[str, Any]]:
-    """Drives until `fails` periods have passed, then ends as told; what the recorder wrote, by file name."""
+    """Return a function that drives until `fails` periods have passed, and returns the recorded files by
+    name.
+    """
 
     def driven(
         fails: int, error: Discrepancy | None = None, seconds: float = 10.0, pauses: int = 0

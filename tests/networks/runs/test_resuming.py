@@ -1,4 +1,4 @@
-"""What is known of a run that broke off, and what a person has to say before a real robot goes on."""
+"""Known state of a run that broke off, and the confirmations that a real robot needs to resume."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ from handcart.primitives.restoring.snapshot import STILL
 from tests.networks.conftest import Stand
 
 _OWN = ("kind", "q", "t", "wall", "p", "h")
-"""What the journal itself writes into each record."""
+"""Fields that the journal itself writes into each record."""
 TASK = """\
 format: handcart-task/1
 title: Drive three times
@@ -51,7 +51,7 @@ actions:
 
 
 class Run:
-    """A real robot's run, over: its folder and network, and what it would go on with."""
+    """A real robot's run, over: its folder and network, and the state from which it would resume."""
 
     def __init__(self, folder: Path, prepare: Callable[[], Prepared]) -> None:
         self.folder, self.prepare = folder, prepare
@@ -252,7 +252,7 @@ def test_a_look_at_a_robot_of_which_nothing_is_known_says_so(run: Run) -> None:
 
 
 def test_a_journal_of_a_robot_with_other_joints_is_refused(run: Run) -> None:
-    """By how the robot stands, and by how it stood in any situation before."""
+    """Both the last snapshot and those of earlier situations count."""
     run.cut("START", 2)
     run.forget()
     past, robot = run.past(), run.prepare().robot
@@ -320,7 +320,7 @@ def test_what_is_not_known_is_not_in_place(run: Run) -> None:
 
 
 def test_a_give_up_leaves_the_checkpoint_before_it(run: Run) -> None:
-    """Who acknowledges it has put everything back as it was before that action."""
+    """The person who acknowledges it has put everything back as it was before that action."""
     before = (run.folder / NAME).read_bytes()
     keep = partial(keep_checkpoint, run.folder, run.prepare(), False)
     assert keep({"n": 4, "outcome": "GiveUp", "reason": "stuck"}, "x") is None
@@ -374,7 +374,7 @@ def test_a_journal_of_another_version_is_not_gone_on_with(run: Run) -> None:
 
 
 def test_a_checkpoint_of_another_version_is_refused_in_words(tmp_path: Path) -> None:
-    """What its parts are called may have changed, so none of it is taken."""
+    """The names of its parts may have changed, so nothing of it is used."""
     kept: dict[str, Any] = dict.fromkeys(("after", "result", "time_s", "backend", "robot", "model"), None)
     (tmp_path / "checkpoint").write_bytes(pack({"format": "handcart-checkpoint/2", **kept}))
     with pytest.raises(NotAState, match=r"'handcart-checkpoint/2', which another version .* begun anew"):

@@ -1,4 +1,4 @@
-"""Who may have a real robot, and what a run that a person has to see to keeps from others (rows N13, K11)."""
+"""Claims of a real robot, and runs that wait for a person and block it (rows N13, K11)."""
 
 from __future__ import annotations
 

@@ -160,7 +160,7 @@ def test_interrupt_stops_and_holds(prepare: Callable[..., tuple[Stand, Prepared]
 def test_an_interrupt_after_the_last_action_changes_nothing(
     prepare: Callable[..., tuple[Stand, Prepared]], tmp_path: Path
 ) -> None:
-    """K3: the run is over when its END is there; what is still to be written is written."""
+    """K3: the run is over when its END is there; the remaining files are written."""
     _, prepared = prepare()
 
     def metrics() -> dict[str, Any]:
@@ -208,7 +208,7 @@ def test_fault_in_our_own_code(prepare: Callable[..., tuple[Stand, Prepared]], t
 def test_a_full_disk_takes_no_error_file_either_and_the_run_ends(
     prepare: Callable[..., tuple[Stand, Prepared]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """D6: whatever broke the run off, its end is told."""
+    """D6: whatever broke the run off, its end is reported."""
     stand, prepared = prepare()
 
     def full(path: Path, content: str | bytes) -> None:

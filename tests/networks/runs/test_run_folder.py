@@ -111,7 +111,7 @@ def test_more_than_a_run_ever_writes(folder: Path) -> None:
 def test_a_record_that_makes_no_sense_is_told_with_its_place(
     folder: Path, kind: str, fields: dict[str, Any], words: str
 ) -> None:
-    """D15: whoever chained it anew; D12: a kind that only a later version knows."""
+    """D15: a forged record with a valid checksum; D12: a kind that only a later version knows."""
     with Journal.go_on(folder / "journal.jsonl", read_run_journal(folder)) as journal:
         journal.append(kind, 1.0, fields)
     with pytest.raises(JournalError, match=rf"record 2 \({kind}\) makes no sense: .*{words}"):

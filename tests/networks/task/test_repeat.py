@@ -193,7 +193,9 @@ def test_a_repeat_of_another_kind(load: Callable[..., Task], value: str, column:
 
 
 def test_a_part_that_ends_where_it_begins(load: Callable[..., Task]) -> None:
-    """What leads there from outside begins it; a Fail inside leads back to the element's own start."""
+    """An action that leads there from outside begins it; a Fail inside leads back to the element's own
+    start.
+    """
     text = changed(
         "start: c, goal: z", "start: c, goal: c", changed("from: d, to: z", "from: d, to: c, on_fail: c")
     )

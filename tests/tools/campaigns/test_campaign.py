@@ -43,7 +43,7 @@ repeat: {over: [shelf_1, shelf_5], as: shelf, start: here, goal: done}
 
 
 class Trials:
-    """Stands for trials that end as it is told: by their summaries, a signal before the third's end."""
+    """Stub of trials: they end as given, by their summaries and a signal before the third one's end."""
 
     def __init__(self, reason: str, signals: Sequence[signal.Signals] = ()) -> None:
         self.reason, self.signals = reason, signals
@@ -110,7 +110,7 @@ def test_outcomes_that_are_not_so_are_a_fault(
     tmp_path: Path,
     as_json: bool,
 ) -> None:
-    """The campaign ends with status 5, and tells which trial to look at first."""
+    """The campaign ends with status 5, and names the trial to look at first."""
     ran = trials("stopped by request")
     words = ("campaign", tmp_path / "task.yaml", "--trials", "6", "--jobs", "1", *["--json"] * as_json)
     assert handcart(*words).status == 0
@@ -233,7 +233,7 @@ def test_shares_of_each_action(
 def test_a_repeated_action_is_one_row_named_as_in_the_file(
     handcart: Callable[..., Said], tour: Path, tmp_path: Path
 ) -> None:
-    """Of the last element it leads out of the repeat, of the others back to its start."""
+    """The last element's copy leads out of the repeat, those of the others back to its start."""
     tour.write_text(ROUNDS, encoding="utf-8")
     said = handcart("campaign", tour, "--trials", "1", "--jobs", "1", "--runs", tmp_path / "runs", "--json")
     assert said.status == 0

@@ -1,4 +1,4 @@
-"""A campaign as one page: what stands on it, and that nothing leaves it."""
+"""A campaign as one page: its contents, and that it loads nothing from outside."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What `handcart check` tells of a CAN bus, and that it touches none."""
+"""Report of `handcart check` on a CAN bus, without opening one."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ def test_what_the_robot_lacks_is_told_without_opening_it(
 def test_a_makers_file_is_read(
     handcart: Callable[..., Said], cart: Callable[..., Path], tmp_path: Path
 ) -> None:
-    """What is wrong in it is told at its place there, with what is wrong in the robot's file."""
+    """Its faults are reported at their places, together with those of the robot's file."""
     own = (CART.parents[1] / "can" / "drives" / "drive.eds").read_text(encoding="utf-8")
     wheel = "{node: 1, counts_per_rev: 16384, gear_ratio: 20, sign: 1, eds: maker.eds}"
     robot = cart(left=wheel)

@@ -1,4 +1,4 @@
-"""What is said of places before anything moves, by `check` and `run --dry-run`."""
+"""Reports of `check` and `run --dry-run` on places."""
 
 from __future__ import annotations
 

@@ -173,7 +173,7 @@ def test_a_robot_without_an_arm_cannot_follow_a_seam(handcart: Callable[..., Sai
 
 @pytest.mark.parametrize("seed", range(8))
 def test_a_broken_urdf_is_told_clearly(tmp_path: Path, seed: int) -> None:
-    """As `benchmarks.hostile.makers_urdfs`: statuses, places, lines, nothing on stderr."""
+    """The checks of `benchmarks.hostile.makers_urdfs`: statuses, places, lines, nothing on stderr."""
     text, what = mutated(CRANE, seed)
     path = tmp_path / "mutant.urdf"
     path.write_text(text, encoding="utf-8")

@@ -1,4 +1,4 @@
-"""Robot files that are drafted from URDFs: what they say and leave out, and where they can be written."""
+"""Robot files that are drafted from URDFs: their contents and gaps, and where they can be written."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One wrong entry is one finding: what only follows from it is not reported."""
+"""One wrong entry is one finding: errors that only follow from it are not reported."""
 
 from __future__ import annotations
 

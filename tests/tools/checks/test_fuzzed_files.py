@@ -20,5 +20,5 @@ def test_damaged_files_are_told_in_words(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("seed", [1, 2])
 def test_damaged_pictures_urdfs_and_tables_are_told_in_words(tmp_path: Path, seed: int) -> None:
-    """T1, T2, T9: pipes and folders in their place, sizes of gigabytes, numbers that are none."""
+    """T1, T2, T9: pipes and folders in their place, sizes of gigabytes, invalid numbers."""
     assert [each for each in fuzz_binaries(tmp_path, 60, seed) if each is not None] == []

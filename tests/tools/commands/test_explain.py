@@ -227,7 +227,7 @@ def forged(folder: Path, header: dict[str, Any], do: str = "MOVE_TO") -> Path:
 def test_a_journal_that_somebody_chained_anew_is_told_in_words(
     handcart: Callable[..., Said], tmp_path: Path
 ) -> None:
-    """D15: its header lacks what every run tells."""
+    """D15: its header lacks fields that every run has."""
     said = handcart("explain", forged(tmp_path / "run", {}))
     assert said.status == 5
     assert "makes no sense: KeyError" in said.err
@@ -238,7 +238,7 @@ def test_a_journal_that_somebody_chained_anew_is_told_in_words(
 def test_an_action_that_its_network_does_not_have_is_told_in_words(
     handcart: Callable[..., Said], tmp_path: Path, index: int, source: str
 ) -> None:
-    """D15: whoever chained it anew."""
+    """D15: a forged record with a valid checksum."""
     keys = ("do", "from", "to", "on_fail", "cost_s", "attempts", "uses", "permit", "time_out_s", "with")
     network: dict[str, Any] = {
         "start": "a",

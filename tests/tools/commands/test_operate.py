@@ -20,11 +20,11 @@ from tests.tools.conftest import Said
 
 ROOT = Path(__file__).resolve().parents[3]
 PATIENCE_S = 60.0
-"""Of tests: while a run loads what its first motion needs, on a busy machine, it answers late."""
+"""Patience of tests: on a busy machine a run that loads its first motion's libraries answers late."""
 
 
 class Alive:
-    """A run that goes on in a process of its own."""
+    """A running run in a process of its own."""
 
     def __init__(self, task: Path, runs: Path, *options: str) -> None:
         words = [sys.executable, "-m", "handcart", "run", str(task), "--runs", str(runs), "--json"]
@@ -39,7 +39,7 @@ class Alive:
         self.wait_for(self._answers)
 
     def _answers(self) -> bool:
-        """Whether the run listens: its socket is there a moment before that."""
+        """Return whether the run answers: its socket exists a moment before that."""
         try:
             return bool(self.say("status")["ok"])
         except (NotAlive, NotAnswering):

@@ -1,4 +1,4 @@
-"""A run that broke off goes on (rows K1, K2, D1, D2, D12, N13, U12)."""
+"""Resume of a run that broke off (rows K1, K2, D1, D2, D12, N13, U12)."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def killed(runs: Path, seconds: float) -> Path:
 
 
 def finished(folder: Path) -> Counter[int]:
-    """How often each action of the network ended in Success."""
+    """Return the number of Successes of each action of the network."""
     started, done = {}, Counter[int]()
     for record in read_journal(folder / "journal.jsonl").records:
         if record["kind"] == "START":
@@ -263,7 +263,7 @@ def test_ended_run_reports_so_without_task_and_checkpoint(
 def test_a_checkpoint_that_is_not_the_journals_is_refused(
     handcart: Callable[..., Said], whole: tuple[Path, dict[str, Any]]
 ) -> None:
-    """That of action 8 beside a journal that ends before action 4: nothing begins again."""
+    """A checkpoint of action 8 with a journal that ends before action 4: nothing begins again."""
     folder, _ = whole
     cut(folder, "START", 3)
     before = (folder / "journal.jsonl").read_bytes()
@@ -289,7 +289,7 @@ def test_a_checkpoint_one_ahead_of_another_journal_is_refused(
 def test_what_a_journal_says_does_nothing_to_a_terminal(
     handcart: Callable[..., Said], whole: tuple[Path, dict[str, Any]]
 ) -> None:
-    """T18, D15: told with what a terminal would act on written out."""
+    """T18, D15: control characters are printed in escaped form."""
     folder, _ = whole
     cut(folder, "END", 0)
     path = folder / "journal.jsonl"
@@ -341,7 +341,7 @@ def test_a_damaged_last_start_leaves_that_action_in_doubt(
 
 @pytest.mark.slow
 def test_a_real_robots_damaged_last_start_waits_for_a_person(whole: tuple[Path, dict[str, Any]]) -> None:
-    """D3, N13: until somebody has said that all is as it was before it."""
+    """D3, N13: until a person has acknowledged that all is as it was before it."""
     folder, _ = whole
     cut(folder, "START", 4)
     reseal(folder, lambda records: records[0].update(simulated=False))
@@ -385,7 +385,7 @@ def test_a_journal_of_another_version_is_told(
 
 
 def test_a_path_that_is_no_folder_of_a_run(handcart: Callable[..., Said], tour: Path, tmp_path: Path) -> None:
-    """A link to nothing where the run's folder would be, and a path that is no UTF-8."""
+    """A dangling link in place of the run's folder, and a path that is not UTF-8."""
     (tmp_path / "runs").mkdir()
     link = tmp_path / "runs" / f"{tour.stem}-0"
     link.symlink_to(tmp_path / "nothing")

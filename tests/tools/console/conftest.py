@@ -1,4 +1,4 @@
-"""A console that is served, over a folder with a run that is over and one that seems to go on."""
+"""A served console, over a folder with a run that is over and one that seems to be running."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ class LiveRun:
 
 @dataclass
 class Reply:
-    """What a console answered."""
+    """Answer of a console."""
 
     status: int
     headers: Mapping[str, str]
@@ -164,7 +164,7 @@ def runs(ran: Path, tmp_path: Path) -> Path:
 
 @pytest.fixture
 def live(ran: Path, runs: Path) -> Iterator[LiveRun]:
-    """A run that seems to go on: its journal has no end yet."""
+    """Yield a run that seems to be running: its journal has no end yet."""
     folder = runs / LIVE
     shutil.copytree(ran, folder, ignore=shutil.ignore_patterns("summary.json", "report.html"))
     lines = (folder / "journal.jsonl").read_bytes().splitlines(keepends=True)

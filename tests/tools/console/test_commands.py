@@ -1,4 +1,4 @@
-"""Commands from the page: who may give them, what comes of them; rows U7, U8, U9 and U12 of the faults."""
+"""Commands from the page: permissions and effects; rows U7, U8, U9 and U12 of the faults."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from tests.tools.console.conftest import LIVE, OVER, LiveRun, Served
 
 @pytest.fixture
 def console(served: Served, live: LiveRun) -> Served:
-    """With a run that goes on, and the command taken."""
+    """Return a console with a running run, after taking the right to command."""
     served.wait_for()
     served.take()
     return served
@@ -138,7 +138,7 @@ def test_what_is_no_command_is_refused(console: Served, live: LiveRun, message: 
 
 
 def test_what_a_permission_means_for_the_goal(console: Served, ran: Path) -> None:
-    """The task's probabilities: at first p 0.85, GiveUp 0.02, 3 attempts, else 0.7; then 0.9, 3 attempts."""
+    """The task's probabilities: at first p 0.85, GiveUp 0.02, 3 attempts, then 0.7; then 0.9, 3 attempts."""
     after = console.ask("GET", f"/api/runs/{LIVE}/after/0").json
     last = 1.0 - 0.1**3
     assert after["succeeded"] == pytest.approx(last)
@@ -160,7 +160,7 @@ def read_line(folder: Path) -> bytes:
 
 @pytest.fixture
 def gave_up(runs: Path, ran: Path) -> Path:
-    """A run whose first action ended in GiveUp, as its journal tells."""
+    """Return a run whose journal says that its first action ended in GiveUp."""
     from handcart.networks.journal.journal import Journal
 
     folder = runs / "walk-2"

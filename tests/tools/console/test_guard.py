@@ -1,4 +1,4 @@
-"""Who is let in to the console: rows U1 to U5, U11 and U14 of the faults."""
+"""Access control of the console: rows U1 to U5, U11 and U14 of the faults."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from tests.tools.console.conftest import LIVE, OVER, LiveRun, Served
 
 
 def test_u1_it_listens_on_this_machine_alone(served: Served) -> None:
-    """By both its addresses; another one needs `--host`, and the token as well."""
+    """It listens on both local addresses; another one needs `--host`, and the token as well."""
     assert served.ask("GET", "/").status == 200
     for elsewhere in ("127.0.0.2", socket.gethostbyname(socket.gethostname())):
         if elsewhere != "127.0.0.1":
@@ -180,7 +180,7 @@ def test_u11_a_huge_command_is_refused(served: Served, live: LiveRun) -> None:
 
 @pytest.mark.parametrize("given", ["Authorization", "X-Console-Tab", "Origin", "Host"])
 def test_u11_bytes_that_are_no_text_are_refused(served: Served, given: str) -> None:
-    """One of them, as a tab's word, would else be told to all pages, and none of them could read it."""
+    """As a tab's identifier such bytes would be sent to all pages, and no page could decode the message."""
     head = {
         "Host": served.host.encode(),
         "Authorization": f"Bearer {served.token}".encode(),
@@ -213,7 +213,7 @@ NONSENSE = {
 def test_u11_nonsense_is_refused_and_prints_nothing(
     served: Served, sent: bytes, capfd: pytest.CaptureFixture[str], caplog: pytest.LogCaptureFixture
 ) -> None:
-    """What strangers send would else fill the operator's terminal with tracebacks."""
+    """Without this, requests from outside could fill the operator's terminal with tracebacks."""
     named = sent.replace(b"{host}", served.host.encode()).replace(b"{token}", served.token.encode())
     assert said_by(served, named).split()[1] == b"400"
     assert served.ask("GET", "/").status == 200

@@ -99,7 +99,7 @@ def test_a_run_is_permitted_and_stopped(seen: Seen, served: Served, live: LiveRu
 
 
 def test_u7_a_double_click_permits_once(served: Served, live: LiveRun) -> None:
-    """By the question's number: the run itself refuses the second."""
+    """The question's number decides: the run itself refuses the second click."""
     with browsing(DESK) as seen:
         choose(seen.page, served, LIVE)
         command(seen.page)
@@ -146,7 +146,7 @@ def test_all_can_be_reached_with_the_keyboard(seen: Seen, served: Served, live: 
 
 
 def test_the_live_view_of_a_run_that_has_one_is_led_to(served: Served, live: LiveRun) -> None:
-    """And to no other page, whatever stands in the run's folder."""
+    """The page links to no other page, whatever is in the run's folder."""
     address = live.folder / "view_address"
     with browsing(DESK) as seen:
         choose(seen.page, served, OVER)
@@ -194,7 +194,7 @@ def test_a_lost_connection_is_told_and_comes_back(served: Served, live: LiveRun)
 
 
 def test_u10_what_a_run_is_called_is_never_run(served: Served, live: LiveRun) -> None:
-    """Names of tasks, situations and actions, reasons, who said what."""
+    """Names of tasks, situations, actions and operators, and reasons are only shown."""
     asks = live.status["asks"]
     with browsing(DESK) as seen:
         page = seen.page
@@ -231,7 +231,7 @@ def test_u10_what_a_journal_says_is_never_run(served: Served, live: LiveRun) -> 
 
 
 def test_a_real_run_is_stepped_through_and_nothing_is_left(tmp_path: Path) -> None:
-    """The command beside a run of another process; Ctrl-C ends it with 130, and the run goes on."""
+    """The command with a run of another process; Ctrl-C ends it with 130, and the run continues."""
     task = walk(tmp_path)
     python = [sys.executable, "-m", "handcart"]
     console = subprocess.Popen(

@@ -1,4 +1,4 @@
-"""Which ports the console's server takes, and what it lets go of."""
+"""Ports that the console's server binds and releases."""
 
 from __future__ import annotations
 

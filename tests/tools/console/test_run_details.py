@@ -1,4 +1,4 @@
-"""What the page shows of a run: exact values from a journal, and how often it is read."""
+"""Details of a run on the page: exact values from a journal, and the number of reads."""
 
 from __future__ import annotations
 

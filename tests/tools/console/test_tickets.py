@@ -1,4 +1,4 @@
-"""Tickets: good once, for half a minute, and no more than a hundred of them."""
+"""Tickets: valid once, within half a minute, and at most a hundred of them."""
 
 from __future__ import annotations
 

@@ -56,7 +56,7 @@ def climb(ladder: Ladder, upto: str) -> list[Any]:
 
 @pytest.mark.slow
 def test_the_lower_half(ladder: Ladder) -> None:
-    """From the interface to the stop test; each is recorded, in order."""
+    """The steps from the interface to the stop test are recorded in order."""
     tried = climb(ladder, "stop_test")
     assert [each.rung for each in tried] == NAMES[:7]
     assert all(each.passed for each in tried)
@@ -81,7 +81,7 @@ def test_none_is_left_out_and_it_goes_on_where_it_was(site: Site) -> None:
 
 
 def test_another_robots_file_has_to_be_tried_anew(site: Site) -> None:
-    """What a calibration changes doesn't count."""
+    """Changes by a calibration do not count."""
     climb(Ladder(site), "identify")
     drive = site.robot.drive
     site.robot = site.robot.model_copy(update={"drive": drive.model_copy(update={"wheel_radius_m": 0.101})})
@@ -156,7 +156,7 @@ def test_a_real_robot_is_refused_before_its_rehearsal(handcart: Callable[..., Sa
 
 @pytest.mark.slow
 def test_the_whole_ladder(handcart: Callable[..., Said], tmp_path: Path) -> None:
-    """Up to the task; what was calibrated is a change to review."""
+    """Up to the task; the calibration is a change to review."""
     robot = tmp_path / "cart"
     robot.mkdir()
     for each in CART.iterdir():

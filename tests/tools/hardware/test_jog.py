@@ -36,7 +36,7 @@ def always() -> bool:
 
 
 def test_u6_a_key_that_isnt_seen_for_300_ms_is_let_go(clock: Clock) -> None:
-    """U6: for good: a key that comes again later moves nothing."""
+    """U6: permanently: a key that comes again later moves nothing."""
     seen = [True]
     lease = Lease(lambda: seen[0], clock)
     for _ in range(20):
@@ -52,7 +52,7 @@ def test_u6_a_key_that_isnt_seen_for_300_ms_is_let_go(clock: Clock) -> None:
 
 
 def test_u6_letting_go_stops_the_axis(backend: CanBackend, librarian: RobotFile) -> None:
-    """U6: within a period the axis is told to stop; it stands after its ramp."""
+    """U6: within a period the axis is commanded to stop; it is at rest after its ramp."""
     jogger, left = Jogger(backend, librarian), [10]
 
     def held() -> bool:

@@ -36,7 +36,7 @@ def void(_: object) -> None:
 
 
 def typed_ahead(typing: Callable[[bytes], None], keys: bytes) -> None:
-    """Type what nobody reads yet, and wait until the kernel has carried it to the other end."""
+    """Type keys that are not read yet, and wait until the kernel has carried them to the other end."""
     terminal, waiting = sys.stdin.fileno(), array.array("i", [0])
     tty.setcbreak(terminal)  # else only whole lines count as waiting
     typing(keys)

@@ -1,4 +1,6 @@
-"""A robot whose world stands by itself: latched; resumed with a person's word (rows N13, K11, U12, U13)."""
+"""A robot whose world persists by itself: latched; resumed after acknowledgement (rows N13, K11, U12,
+U13).
+"""
 
 from __future__ import annotations
 
@@ -67,7 +69,7 @@ def cut(folder: Path, kind: str, number: int) -> None:
 
 
 def stands_at(task: Path, x: float, y: float, heading_deg: float) -> None:
-    """Where the robot is found."""
+    """Set the robot's pose in the world's file."""
     world = task.parent / "world.yaml"
     start = f"start: {{x_m: {x}, y_m: {y}, heading_deg: {heading_deg}}}"
     text, count = re.subn(r"^start: .*$", start, world.read_text(), flags=re.M)
@@ -76,7 +78,7 @@ def stands_at(task: Path, x: float, y: float, heading_deg: float) -> None:
 
 
 def broke_off(folder: Path, kind: str, number: int) -> None:
-    """The run broke off there: nobody has let go of the robot in order."""
+    """Break the run off at a record, with its claim of the robot left behind."""
     cut(folder, kind, number)
     (state_folder() / "can-virtual_cart").write_text(f"{folder.resolve()}\n")
 
@@ -156,7 +158,7 @@ def test_a_give_up_of_a_simulated_run_latches_nothing_but_itself(
 def test_an_action_that_was_broken_off_waits_too(
     run: Callable[..., Said], handcart: Callable[..., Said]
 ) -> None:
-    """N13: nobody knows where the robot is."""
+    """N13: the robot's position is unknown."""
     folder = folder_of(run())
     broke_off(folder, "START", 1)
     number = len(records(folder)) - 1

@@ -39,7 +39,7 @@ def run(handcart: Callable[..., Said], tour: Path, tmp_path: Path) -> Path:
 
 
 def messages(path: Path) -> dict[str, list[tuple[str, float, Any]]]:
-    """By topic: schema, time and content."""
+    """Return schema, time and content of the messages, by topic."""
     found: dict[str, list[tuple[str, float, Any]]] = {}
     with path.open("rb") as file:
         reader = make_reader(file, decoder_factories=[DecoderFactory()])
@@ -50,7 +50,7 @@ def messages(path: Path) -> dict[str, list[tuple[str, float, Any]]]:
 
 
 def counts(recorded: Playback) -> dict[str, int]:
-    """How many messages a run comes to."""
+    """Return the expected number of messages of a run, by topic."""
     rows, moves = recorded.rows, sum(len(each.time) for each in recorded.things.values())
     each_row = dict.fromkeys(("/pose", "/tf", "/truth", "/joint_states"), len(rows.time))
     rest = {"/scan": len(rows.scan_time), "/things": moves, "/scenery": len(recorded.scenery.solids)}

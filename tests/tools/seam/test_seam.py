@@ -1,4 +1,4 @@
-"""Seams on the command line: `handcart place`, and what `handcart check` tells of a task that tracks one."""
+"""Seams on the command line: `handcart place`, and `handcart check` of a task that tracks one."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a command says while it computes."""
+"""Output of a command while it computes."""
 
 from __future__ import annotations
 

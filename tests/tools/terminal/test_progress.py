@@ -1,4 +1,4 @@
-"""What a person reads while a run goes on, in a terminal and in a pipe."""
+"""Output of a running run, in a terminal and in a pipe."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from tests.tools.conftest import Said
 
 
 def typed_into(words: list[str], answer: bytes = b"", upon: bytes = b"?") -> tuple[str, int]:
-    """What a command shows on a terminal, without colours; `answer` is typed once `upon` is seen."""
+    """Return a command's output on a terminal, without colours; `answer` is typed once `upon` is seen."""
     ours, theirs = pty.openpty()
     environment = os.environ | {"TERM": "xterm", "COLUMNS": "200"}
     with subprocess.Popen(words, stdin=theirs, stdout=theirs, stderr=theirs, env=environment) as process:
