@@ -1,1 +1,1 @@
-"""Why a run went as it did."""
+"""Explanation of a past run: why its actions were chosen, and why they failed."""

@@ -1,4 +1,4 @@
-"""Logs of CAN frames, by whatever wrote them."""
+"""Reading of CAN logs in all formats of python-can."""
 
 from __future__ import annotations
 
@@ -12,23 +12,23 @@ import can
 from handcart.files.errors import InputError
 
 MOST = 2_000_000
-"""Frames that are read at most."""
+"""Maximum number of frames that are read from a log."""
 KINDS = (".asc", ".blf", ".csv", ".db", ".log", ".trc")
-"""What python-can reads, by the file's suffix."""
+"""File suffixes of the log formats that python-can reads."""
 
 
 class UnreadableLog(InputError):
-    """A file is no log of CAN frames."""
+    """Error: a file is not a readable log of CAN frames."""
 
     def __init__(self, file: Path, why: object) -> None:
         super().__init__(f"{file} is no log of CAN frames: {why}; allowed: {', '.join(KINDS)}")
 
 
 def read_log(file: Path) -> list[can.Message]:
-    """All frames of a log, in its order; of its kinds `KINDS`.
+    """Return all frames of a CAN log, in their order in the file.
 
     Raises:
-        UnreadableLog: it is missing, of another kind, damaged, or too long.
+        UnreadableLog: the file is missing, damaged, too long, or has another format than `KINDS`.
     """
     if file.suffix.lower() not in KINDS:
         raise UnreadableLog(file, f"its suffix is {file.suffix!r}")

@@ -1,4 +1,4 @@
-"""Why a run went as it did, from its folder alone: no simulator, no robot."""
+"""Explanation of a past run from its folder alone, without a simulator and without a robot."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ FRAMES = "_frames.log"
 
 
 class NoSuchAction(InputError):
-    """The run has no action of that number."""
+    """Error: the run has no action with this number."""
 
     def __init__(self, run: PastRun, number: int) -> None:
         last = len(run.actions)
@@ -31,61 +31,65 @@ class NoSuchAction(InputError):
 
 @dataclass(frozen=True)
 class Residual:
-    """How far something was from where it stood at the start, after restoring."""
+    """Difference between a quantity at the start of an action and after restoring."""
 
     name: str
-    """With its unit."""
+    """Name of the quantity, with its unit."""
     size: float
     limit: float | None
-    """The robot file's tolerance; None in the journals of older versions."""
+    """Tolerance of the robot's file; None in journals of older versions."""
 
     @property
     def within(self) -> bool:
-        """Whether it is within its tolerance."""
+        """Whether the difference is within its tolerance."""
         return self.limit is None or self.size <= self.limit
 
 
 @dataclass(frozen=True)
 class Explanation:
-    """What can be told about one action of a run, or about its end."""
+    """Explanation of one action of a run, or of the run's end."""
 
     run: PastRun
     action: PastAction | None
-    """None: the run as a whole."""
+    """The explained action; None: the explanation is of the run's end."""
     choice: Choice | None
-    """Why it was chosen; None where the journal doesn't keep the network."""
+    """Reasons for choosing the action; None if the journal does not contain the network."""
     relied_on: tuple[tuple[str, PastAction], ...]
-    """What the primitive may have known from earlier actions: name in the world model, and who learned it."""
+    """Knowledge from earlier actions that the primitive uses: entry of the world model, and its source
+    action.
+    """
     residuals: tuple[Residual, ...]
     picture: Path | None
-    """The picture that decided, with what was seen drawn into it."""
+    """The picture that decided, with the detections drawn into it."""
     points: Path | None
-    """Points on the map that decided, as .npz; or those that an earlier action left, which this one used."""
+    """Points on the map that decided, as .npz; possibly from an earlier action whose result this one used."""
     readings: Path | None
-    """The last seconds of readings and commands."""
+    """Sensor readings and commands of the last seconds, as .npz."""
     drawing: Path | None = None
-    """What stood in the way, drawn on the map at the end of the run, as SVG."""
+    """The obstacle, drawn on the map at the end of the run, as SVG."""
     frames: Path | None = None
-    """The CAN frames around it, as a candump log; or another recorder's log."""
+    """The CAN frames around the action, as a candump log; or the log of another recorder."""
     frames_at: float | None = None
-    """Where to look in another recorder's log, in [s] of its stamps; None: it is the run's own."""
+    """Instant in another recorder's log, in [s] of its stamps; None: `frames` is the run's own log."""
 
     @property
     def causes(self) -> Sequence[Mapping[str, Any]]:
-        """The links of the chain, as the journal holds them: why the motion ended, then why the way back."""
+        """Causes as the journal holds them: why the motion ended, then why restoring ended."""
         return tuple(self.action.result.get("cause", ())) if self.action else ()
 
 
 def explain(run: PastRun, number: int | None = None) -> Explanation:
-    """Explain an action.
+    """Explain one action of a past run.
 
     Args:
-        run: read back.
-        number: of the action, from 1; None: the last that ended in Fail or GiveUp, else the whole run.
+        run: the past run.
+        number: number of the action, from 1; None: the last action that ended in Fail or GiveUp, or the
+            run's end if
+            there is none.
 
     Raises:
-        NoSuchAction: there is none of that number.
-        JournalError: what the journal says makes no sense.
+        NoSuchAction: the run has no action with this number.
+        JournalError: the journal's content is inconsistent.
     """
     with relying_on_the_journal(run):
         return _explained(run, number)
@@ -93,7 +97,9 @@ def explain(run: PastRun, number: int | None = None) -> Explanation:
 
 @contextmanager
 def relying_on_the_journal(run: PastRun) -> Iterator[None]:
-    """Raise `JournalError` where what a journal says makes no sense: somebody may have chained it anew."""
+    """Raise `JournalError` for errors caused by inconsistent content, as in a forged but correctly chained
+    journal.
+    """
     try:
         yield
     except HandcartError:
@@ -132,7 +138,7 @@ def _numbered(run: PastRun, number: int) -> PastAction:
 
 
 def _relied_on(run: PastRun, action: PastAction) -> list[tuple[str, PastAction]]:
-    """By entry of the world model the last action before this one that learned it."""
+    """Return the used entries of the world model, each with the last earlier action that learned it."""
     uses = run.network.uses[action.index] if run.network else ()
     learned: dict[str, PastAction] = {}
     for each in run.actions[: run.actions.index(action)]:
@@ -160,7 +166,7 @@ def _stem(action: PastAction) -> str:
 
 
 def _picture(run: PastRun, action: PastAction) -> Path | None:
-    """The one that the primitive named, else the one that was written last."""
+    """Return the picture that the primitive named, otherwise the one written last."""
     named = action.result.get("picture")
     if named:
         return _kept(run, f"{_stem(action)}_{named}.png")
@@ -169,7 +175,7 @@ def _picture(run: PastRun, action: PastAction) -> Path | None:
 
 
 def _at_the_end(run: PastRun, action: PastAction, suffix: str) -> Path | None:
-    """What was kept at the run's end, where the action is the one that was broken off there."""
+    """Return a file of the run's end if the action was interrupted there, otherwise None."""
     return _kept(run, f"{END}{suffix}") if action is run.actions[-1] and not action.outcome else None
 
 
@@ -180,7 +186,7 @@ def _kept(run: PastRun, name: str) -> Path | None:
 
 
 def as_json(explanation: Explanation, chart: Path | None) -> dict[str, Any]:
-    """All of it for programs; raises `JournalError` where the journal makes no sense."""
+    """Return an explanation as JSON values; raise `JournalError` if the journal's content is inconsistent."""
     with relying_on_the_journal(explanation.run):
         return _json(explanation, chart)
 

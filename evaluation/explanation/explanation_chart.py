@@ -1,4 +1,4 @@
-"""The last seconds of readings and commands, beside what was seen, as one picture."""
+"""Chart of an explanation: readings and commands of the last seconds, next to what was seen."""
 
 from __future__ import annotations
 
@@ -33,30 +33,30 @@ MOST_PIXELS = 50_000_000
 
 
 class UnreadableEvidence(HandcartError):
-    """A file among a run's evidence isn't what was written."""
+    """Error: a file of a run's evidence is damaged."""
 
     def __init__(self, path: Path, error: Exception) -> None:
         super().__init__(f"{path} can't be read: {error}")
 
 
 class _Panel(NamedTuple):
-    """One of the charts above each other."""
+    """One of the charts over time."""
 
     title: str
     sensor: str
-    """The capability that it shows."""
+    """Name of the capability that the chart shows."""
     unit: str
     needs: str
-    """Name of a column without which there is nothing to draw."""
+    """Name of the column that is required to draw the chart."""
     draw: Callable[[Any, Readings], None]
 
 
 def draw_chart(explanation: Explanation, path: Path) -> None:
-    """Draw it into `path`, as SVG, or what its suffix says.
+    """Draw the chart of an explanation into `path`, in the format of its suffix, such as .svg.
 
     Raises:
         UnreadableEvidence: readings, points or the picture are damaged.
-        OSError: the file can't be written.
+        OSError: the file cannot be written.
     """
     try:
         _draw(explanation, path)
@@ -96,7 +96,7 @@ def _read(path: Path, read: Callable[[Path], Any]) -> Any:
 
 
 def _chain(explanation: Explanation) -> str:
-    """The cause chain, a line for each link."""
+    """Return the causes as text, one line for each link."""
     if explanation.action is None:
         return ""
     links = [line for cause in explanation.causes for line in cause_words(explanation.action, cause)]
@@ -140,7 +140,7 @@ def _pixels(path: Path) -> NDArray[np.uint8]:
 
 
 def _draw_plan(axis: Any, explanation: Explanation, readings: Readings) -> None:
-    """The robot from above when it decided, with its scan and what a primitive kept of the map."""
+    """Draw the robot from above at the instant of the decision, with its scan and the primitive's points."""
     points = _read(explanation.points, load_arrays) if explanation.points else {}
     middle = next(iter(points.values()))[0] if points else np.zeros(2)
     if len(readings.get("time_s", ())):
@@ -171,7 +171,7 @@ def _draw_plan(axis: Any, explanation: Explanation, readings: Readings) -> None:
 
 
 def _deciding(explanation: Explanation, readings: Readings) -> int:
-    """The row in which the motion was broken off, else the last one."""
+    """Return the row in which the motion was stopped, otherwise the last row."""
     end = np.inf if explanation.action is None else explanation.action.broken_off or np.inf
     return max(0, int(np.searchsorted(readings["time_s"], end + 1e-6)) - 1)
 
@@ -193,7 +193,7 @@ def _scan(readings: Readings, row: int, pose: Pose2) -> NDArray[np.float64]:
 
 
 def _draw_decided(axis: Any, decided: dict[str, Any]) -> None:
-    """What was measured, against the limit that decided."""
+    """Draw the measured value and the limit that decided."""
     value, limit = decided.get("value"), decided.get("limit")
     if value is None or limit is None or not math.isfinite(value):
         axis.set_axis_off()
@@ -230,7 +230,7 @@ def _draw_panel(
 
 
 def _with_gaps(readings: Readings) -> Readings:
-    """A row of NaN where seconds were left out, so that no line is drawn across."""
+    """Return readings with a row of NaN at each gap in time, so that no line is drawn across the gap."""
     times = readings["time_s"]
     period = float(np.median(np.diff(times))) if len(times) > 1 else 1.0
     gaps = np.flatnonzero(np.diff(times) > 1.5 * period) + 1
@@ -247,7 +247,7 @@ def _with_gaps(readings: Readings) -> Readings:
 
 
 def _key(axis: Any) -> None:
-    """In the title's line, where no curve is."""
+    """Add the legend in the line of the title, where it covers no curve."""
     above = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "borderaxespad": 0.0}
     add_legend(axis, fontsize=6, ncols=12, frameon=False, handlelength=1.2, **above)
 

@@ -1,4 +1,4 @@
-"""An explanation in words, for people."""
+"""Explanation as text for people."""
 
 from __future__ import annotations
 
@@ -27,15 +27,19 @@ CHECKS = {
     "supervision": "from outside",
     "framework": "by the framework",
 }
-"""Who found it, as the journal has it."""
+"""Text for each kind of check that may find a fault, by its name in the journal."""
 LONGEST = 6  # actions of a way that are named
 
 
 def in_words(explanation: Explanation, chart: Path | None) -> str:
-    """The run in one line per action, then the action that is explained.
+    """Return a text with one line for each action of the run, followed by the explained action.
+
+    Args:
+        explanation: of an action or of the run's end.
+        chart: path of its chart; None if none was drawn.
 
     Raises:
-        JournalError: what the journal says makes no sense.
+        JournalError: the journal's content is inconsistent.
     """
     with relying_on_the_journal(explanation.run):
         return _in_words(explanation, chart)
@@ -99,7 +103,7 @@ def _chosen(explanation: Explanation) -> str:
 
 
 def choice_words(choice: Choice) -> Iterator[str]:
-    """Why an action was chosen: its way to the goal, and what else there was."""
+    """Yield the reasons for choosing an action: its route to the goal, and the alternatives."""
     chosen, *others = choice.options
     fails = f", failed {_times(chosen.fails)} before" if chosen.fails else ""
     yield f"cheapest way to the goal, {_cost(choice.way)}: {_steps(choice.way)}"
@@ -135,7 +139,7 @@ def _cost(way: Way) -> str:
 
 
 def _seconds(cost: float) -> str:
-    """A cost, and beside it what is left undone."""
+    """Return a cost as text: seconds, and the number of skipped actions."""
     skipped, rest = divmod(cost, SKIP_WEIGHT)
     undone = f" and {skipped:.0f} left undone" if skipped else ""
     return f"{rest:g} s{undone}"
@@ -159,7 +163,7 @@ def _happened(explanation: Explanation) -> str:
 
 
 def cause_words(action: PastAction, cause: Mapping[str, Any]) -> Iterator[str]:
-    """A line for each link of the chain: primitive, check, functions, sensor."""
+    """Yield one line for each link of a cause: primitive, check, functions, sensor."""
     when = action.end if action.broken_off is None or cause.get("restoring") else action.broken_off
     yield f"{when:.1f} s: {cause['reason']}"
     chain = [action.do, f"found {CHECKS.get(cause['check'], cause['check'])}"]
@@ -174,7 +178,7 @@ def cause_words(action: PastAction, cause: Mapping[str, Any]) -> Iterator[str]:
 
 
 def measured_words(measured: Mapping[str, Any]) -> str:
-    """`Arm: force that resists 8.1 N, at most 7 N`."""
+    """Return a measurement as text, for example `Arm: force that resists 8.1 N, needed: at most 7 N`."""
     head = f"{measured['sensor']}: {measured['what']}"
     value, limit = measured["value"], measured["limit"]
     unit = f" {measured['unit']}" if measured["unit"] else ""
@@ -186,7 +190,7 @@ def measured_words(measured: Mapping[str, Any]) -> str:
 
 
 def _facts(action: PastAction) -> Iterator[str]:
-    """What the primitive noted."""
+    """Yield the evidence that the primitive recorded."""
     found: Mapping[str, float | str] = action.result.get("evidence", {})
     if found:
         yield "it noted:"
@@ -216,7 +220,7 @@ def _table(residuals: Sequence[Residual]) -> Iterator[str]:
 
 
 def _frames(explanation: Explanation) -> str:
-    """What passed on the CAN bus, where that was recorded."""
+    """Return the CAN frames around the action as text; empty if none were recorded."""
     if explanation.frames is None:
         return ""
     from .frames_around import frames_around, in_words  # CAN is read where there was any

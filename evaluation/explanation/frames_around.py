@@ -1,4 +1,4 @@
-"""The CAN frames around a Fail, in words."""
+"""CAN frames around a Fail, as text."""
 
 from __future__ import annotations
 
@@ -22,40 +22,41 @@ _SILENT = 2.5  # times its usual spacing that a frame is missing for
 
 
 class FrameLine(NamedTuple):
-    """A frame that tells something."""
+    """A CAN frame with its time and its description."""
 
     time: float
-    """[s] of the robot's time."""
+    """Time of the frame on the robot's clock, in [s]."""
     cob_id: int
     description: FrameDescription
 
 
 @dataclass(frozen=True)
 class FramesAround:
-    """What passed on the bus around an instant, without what said the same again and again."""
+    """CAN frames around an instant, without repetitions of the same state."""
 
     file: Path
-    """All of it."""
+    """The log with all frames."""
     frames: int
-    """In that file."""
+    """Number of frames in the log."""
     lines: tuple[FrameLine, ...]
-    """Orders, states, errors, settings: what changed."""
+    """Frames that show a change: commands, states, errors, settings."""
     left_out: int
-    """Lines further away than those."""
+    """Number of further changes that are farther from the instant."""
     silent: tuple[FrameLine, ...]
-    """The last of each cyclic answer that ends while others go on."""
+    """The last frame of each cyclic message that stops while others continue."""
 
 
 def frames_around(file: Path, run: Path, instant: float) -> FramesAround:
-    """Read a file of the evidence back.
+    """Read the frames around an instant from a log in a run's evidence.
 
     Args:
-        file: written when the action, or the run, had ended.
+        file: log, written when the action or the run had ended.
         run: the run's folder.
-        instant: at which something went wrong, in [s] of the file's stamps; beyond its end: its last frame.
+        instant: time of the fault, in [s] of the log's stamps; a time after the last frame means the
+            last frame.
 
     Raises:
-        OSError, ValueError: the file, or the names beside the journal, can't be read.
+        OSError, ValueError: the log, or the file of node names next to the journal, cannot be read.
     """
     try:
         names = FrameNames.model_validate_json((run / NAMES).read_bytes())
@@ -85,7 +86,7 @@ def _changes(lines: Sequence[FrameLine]) -> Iterator[FrameLine]:
 
 
 def _silent(lines: Sequence[FrameLine]) -> Iterator[FrameLine]:
-    """Of nodes' answers, and of heartbeats, those that end while others go on."""
+    """Yield the last frame of each node's TPDO or heartbeat that stops while others continue."""
     for kind in ("TPDO", "heartbeat"):
         came: dict[int, list[FrameLine]] = {}
         for line in lines:
@@ -99,7 +100,7 @@ def _silent(lines: Sequence[FrameLine]) -> Iterator[FrameLine]:
 
 
 def in_words(around: FramesAround) -> Iterator[str]:
-    """A line for each."""
+    """Yield a line of text for each frame."""
     if around.left_out:
         yield f"{around.left_out} lines further away are left out"
     width = max((len(each.description.who) for each in (*around.lines, *around.silent)), default=0)

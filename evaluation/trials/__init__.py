@@ -1,1 +1,1 @@
-"""A run with its metrics."""
+"""Execution of a run, with its metrics, pictures and video."""

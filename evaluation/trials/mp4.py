@@ -1,4 +1,4 @@
-"""Writing an MP4 that stays readable whatever becomes of the program."""
+"""Writer of MP4 files that stay readable if the program is killed."""
 
 from __future__ import annotations
 
@@ -13,17 +13,21 @@ _CODEC = {"preset": "ultrafast", "tune": "zerolatency", "crf": "23", "g": str(FR
 
 
 class Mp4:
-    """H.264 in fragments of a second, each whole by itself: at most the last second of a killed run is lost.
+    """H.264 video in fragments of one second: a killed run loses at most its last second.
 
-    A context manager: leaving it ends the file.
+    A context manager that finishes the file on exit.
     """
 
     def __init__(self, path: Path, size: tuple[int, int]) -> None:
-        """Begin a file of pictures of a width and a height, even numbers in [px]; an older one is replaced.
+        """Start a file, replacing an older one.
+
+        Args:
+            path: of the file.
+            size: width and height of the pictures, even numbers in [px].
 
         Raises:
-            OSError: it can't be written.
-            ModuleNotFoundError: PyAV isn't installed.
+            OSError: the file cannot be written.
+            ModuleNotFoundError: PyAV is not installed.
         """
         import av
 
@@ -35,10 +39,10 @@ class Mp4:
         self._stream.pix_fmt = "yuv420p"
         self._frame = av.VideoFrame
         self.frames = 0
-        """Written so far."""
+        """Number of frames written so far."""
 
     def write(self, picture: NDArray[np.uint8]) -> None:
-        """A further frame (height, width, 3) in RGB; raises OSError where there is no room for it."""
+        """Append a frame, (height, width, 3) in RGB; raise OSError if the disk is full."""
         import cv2  # its colours take a tenth of what FFmpeg's own take, which are half of all encoding
 
         planes = cv2.cvtColor(np.ascontiguousarray(picture), cv2.COLOR_RGB2YUV_I420)
@@ -48,7 +52,7 @@ class Mp4:
         self.frames += 1
 
     def close(self) -> None:
-        """End the file; a second call does nothing."""
+        """Finish the file; a second call does nothing."""
         if self._file.closed:
             return
         try:

@@ -1,4 +1,4 @@
-"""`overview.svg`: a run at a glance, drawn from its folder and what the robot knew."""
+"""Overview picture of a run, `overview.svg`, drawn from the run's folder and the robot's knowledge."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class Stretch:
     number: int
     do: str
     start: float
-    """[s]"""
+    """Start time of the action, in [s]."""
     end: float
     outcome: str
 
@@ -64,14 +64,14 @@ def draw_overview(
     radius: float,
     shown: Collection[str] = (),
 ) -> Path:
-    """Draw a run that has ended.
+    """Draw the overview of a run that has ended.
 
     Args:
         run_dir: the run's folder.
-        grid: the map that the robot had.
-        places: on it.
-        radius: of the robot's footprint, in [m].
-        shown: primitives whose pictures are shown before others'.
+        grid: the robot's map.
+        places: places on the map, by name.
+        radius: radius of the robot's footprint, in [m].
+        shown: primitives whose pictures are preferred.
 
     Returns:
         The path of the picture.
@@ -116,7 +116,7 @@ def draw_overview(
 
 
 def _course(run_dir: Path) -> tuple[str, list[Stretch]]:
-    """How a run ended, in words, and its actions; from its journal."""
+    """Return the title, with the end of the run, and the actions; both read from the journal."""
     title = f"{run_dir.name}: no end is known"
     started: dict[int, tuple[str, float]] = {}
     ended: dict[int, tuple[str, float]] = {}
@@ -153,7 +153,10 @@ def _draw_map(axis: Any, grid: GridMap, radius: float) -> None:
 
 
 def _window(grid: GridMap, track: Track, radius: float) -> NDArray[np.float64]:
-    """Least and most x, then y, of what is drawn, in [m]: what is known of the map, else where it drove."""
+    """Return the limits of the drawn area, [[x_min, x_max], [y_min, y_max]] in [m].
+
+    The area is the known part of the map; on a map without a known part, the driven path.
+    """
     known = np.argwhere(~grid.unknown)
     if len(known):
         size = grid.resolution * np.array(grid.occupied.shape[::-1])
@@ -168,14 +171,14 @@ def _window(grid: GridMap, track: Track, radius: float) -> NDArray[np.float64]:
 
 
 def _tall(window: NDArray[np.float64], beside: bool) -> float:
-    """Of the map in [in], as high as its shape needs; `beside`: a picture stands there."""
+    """Return the height of the map in [in], by its shape; `beside`: a picture is drawn next to it."""
     across, along = window[:, 1] - window[:, 0]
     needed = WIDE * (MAPS_SHARE if beside else 1.0) * along / across
     return float(np.clip(needed, TALL_BESIDE if beside else TALL[0], TALL[1]))
 
 
 def _draw_places(axis: Any, places: Mapping[str, Place]) -> None:
-    """Those that are in sight."""
+    """Draw the places inside the drawn area."""
     (left, right), (low, high) = axis.get_xlim(), axis.get_ylim()
     poses = {
         name: (place.x_m, place.y_m, place.pose.theta)
@@ -186,7 +189,7 @@ def _draw_places(axis: Any, places: Mapping[str, Place]) -> None:
 
 
 def _draw_robot(axis: Any, track: Track, radius: float) -> None:
-    """Its footprint and its nose, where it began and where it ended."""
+    """Draw the robot's footprint and heading at the start and at the end of the run."""
     if len(track.pose):
         _draw_footprint(axis, track.pose[0], radius, ":", "robot at the start")
         _draw_footprint(axis, track.pose[-1], radius, "-", "robot at the end")
@@ -206,7 +209,9 @@ def _draw_footprint(
 
 
 def _pose_at_the_end(track: Track, stretch: Stretch) -> NDArray[np.float64] | None:
-    """Where the robot was when an action's own motion ended, before it restored; None: it wasn't recorded."""
+    """Return the robot's pose at the end of an action's own motion, before restoring; None if not
+    recorded.
+    """
     rows = np.flatnonzero(track.action == stretch.number)
     restored = np.flatnonzero(track.restoring[rows])
     own = rows[: restored[0]] if len(restored) else rows
@@ -248,13 +253,13 @@ def _draw_time(axis: Any, stretches: list[Stretch]) -> None:
 
 
 def _fitting(each: Stretch, letters: float) -> str:
-    """What there is room for on the time line: number and name, the number, or nothing."""
+    """Return the longest label with at most `letters` characters: number and name, number, or empty."""
     labels = (f"{each.number} {each.do}", str(each.number))
     return next((label for label in labels if len(label) + 1 <= letters), "")
 
 
 def _draw_fail(run_dir: Path, stretch: Stretch, grid: GridMap, track: Track, radius: float) -> None:
-    """The scan that decided a Fail of driving, close to what stood in the way, and the robot then."""
+    """Draw the scan that decided a Fail of driving, around the obstacle, with the robot at that instant."""
     name = f"{stretch.number:03d}_{stretch.do}_{stretch.outcome}"
     points = _points(run_dir).get(name, {})
     if "in the way" not in points:
@@ -276,7 +281,7 @@ def _draw_fail(run_dir: Path, stretch: Stretch, grid: GridMap, track: Track, rad
 
 
 def _named(run_dir: Path, name: str) -> list[NDArray[np.float64]]:
-    """The points of this name that the actions left, in their order."""
+    """Return the points with this name from the evidence of all actions, in order of the actions."""
     return [points[name] for points in _points(run_dir).values() if name in points]
 
 
@@ -291,7 +296,9 @@ def _points(run_dir: Path) -> dict[str, dict[str, NDArray[np.float64]]]:
 
 
 def _last_picture(run_dir: Path, shown: Collection[str]) -> tuple[str, NDArray[np.uint8]] | None:
-    """The last picture of one of these primitives, or else of any, half its size; RGB."""
+    """Return name and pixels (RGB, reduced) of the last picture, preferably by one of the primitives
+    `shown`.
+    """
     every = sorted((run_dir / FOLDER).glob("*.png"))
     paths = [path for path in every if any(f"_{name}" in path.name for name in shown)] or every
     if not paths:

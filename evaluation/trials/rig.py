@@ -1,4 +1,4 @@
-"""A robot in a world, to try single primitives on."""
+"""Test rig: a robot in a world, for attempts of single primitives."""
 
 from __future__ import annotations
 
@@ -29,27 +29,27 @@ LIBRARY = Path(__file__).parent.parent.parent / "tasks" / "return_book"
 
 
 class NoSuchPlace(InputError):
-    """The robot can't start at a place that isn't there."""
+    """Error: the start place of the robot does not exist."""
 
 
 @dataclass(frozen=True)
 class RigFiles:
-    """What a rig is built from; by default the library of the task return_book."""
+    """Files that a rig is built from; by default the library of the task return_book."""
 
     world: Path = LIBRARY / "world.yaml"
     map: Path | None = LIBRARY / "map.yaml"
     places: Path | None = LIBRARY / "places.yaml"
     knowledge: Mapping[str, Path] = field(default_factory=lambda: {"catalogue": LIBRARY / "catalogue.yaml"})
-    """Other files, by their keys under `knowledge:` of a task file."""
+    """Further files, by their keys under `knowledge:` of a task file."""
     start: str = "home"
-    """The place where the robot stands at first."""
+    """Name of the robot's start place."""
 
     @classmethod
     def of(cls, task: Task) -> RigFiles:
-        """Those of a task.
+        """Return the files that a task names.
 
         Raises:
-            InputError: it has no world.
+            InputError: the task has no world.
         """
         world, named = task.path("world"), {key: task.path("knowledge", key) for key in domain_keys()}
         if world is None:
@@ -61,20 +61,20 @@ class RigFiles:
 
 @dataclass
 class Rig:
-    """A robot in a world, with what it is told beforehand; leaving it as a context closes the backend."""
+    """A robot in a world with its prior knowledge; a context manager that closes the backend on exit."""
 
     robot: Robot
     model: WorldModel
     backend: Backend
     knowledge: TaskKnowledge = field(default_factory=lambda: TaskKnowledge(None, {}))
     restored: list[str] = field(default_factory=list)
-    """Why restoring began, each time that it did."""
+    """Reasons of the restorations so far, one for each."""
 
     def do(self, primitive: ActionPrimitive) -> Outcome:
-        """One attempt of a primitive, to its outcome.
+        """Execute one attempt of a primitive and return its outcome.
 
         Raises:
-            MissingCapability: the robot lacks what the primitive needs; nothing has moved.
+            MissingCapability: the robot lacks a capability that the primitive needs; nothing has moved.
         """
         for kind in primitive.needs:
             if self.backend.get(kind) is None:
@@ -108,14 +108,15 @@ def build_rig(
 
     Args:
         files: world and knowledge.
-        robot: a shipped robot's name, or the path of a robot's YAML file.
-        backend: by name.
-        seed: of the simulated errors.
-        put_at_start: whether the simulated robot is put at the start place, wherever the world's file puts
-            it. Otherwise the file does.
+        robot: name of a shipped robot, or path of a robot's YAML file.
+        backend: name of the backend.
+        seed: seed of the simulated errors.
+        put_at_start: whether to put the simulated robot at the start place; otherwise it starts where
+            the
+            world's file puts it.
 
     Raises:
-        FileError: something in the files is wrong.
+        FileError: a file has a fault.
         NoSuchPlace: the start is not among the places.
         NotMovable: the backend cannot put the robot there.
     """

@@ -1,4 +1,4 @@
-"""Running a task once, with its metrics, into a folder of its own."""
+"""Execution of one run of a task, with its metrics, in a folder of its own."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ from handcart.networks.task.task_file import load_task
 
 
 class NoFolder(HandcartError):
-    """A run can't have a folder of its own; nothing has moved."""
+    """Error: the run's folder cannot be created; nothing has moved."""
 
 
 class NotSimulated(InputError):
-    """Faults are for simulated robots alone; nothing has moved."""
+    """Error: faults are requested for a robot that is not simulated; nothing has moved."""
 
     def __init__(self, backend: str) -> None:
         super().__init__(f"faults on purpose on the backend {backend!r}; allowed: a simulated one")
@@ -43,19 +43,20 @@ def run_task(task: Path, runs: Path, options: RunOptions | None = None) -> tuple
     """Run a task once.
 
     Args:
-        task: its file.
-        runs: the run's folder is made in there.
-        options: how it is run.
+        task: the task's file.
+        runs: folder in which the run's folder is created.
+        options: options of the run.
 
     Returns:
-        The summary that also stands in the run's folder, and the exit status.
+        The summary, which is also written to the run's folder, and the exit status.
 
     Raises:
-        FileError: something in the task or a file that it names is wrong; nothing has moved.
-        NoBench, NoWindow, NoVideo: there are no drives to simulate; it can't be shown, or recorded.
-        NeedsOperator: a real robot's last run waits for a person.
-        NotSimulated: something is put around a real robot.
-        RobotBusy: it is in another run.
+        FileError: the task or a file that it names has a fault; nothing has moved.
+        NoBench, NoWindow, NoVideo: there are no drives to simulate, or the run cannot be shown or
+            recorded.
+        NeedsOperator: the last run of a real robot waits for a person.
+        NotSimulated: faults are requested for a real robot.
+        RobotBusy: the robot is in another run.
     """
     options = options or RunOptions()
     with ExitStack() as stack:
@@ -111,7 +112,9 @@ def _prepared(task: Path, options: RunOptions) -> Prepared:
 
 
 def _write_up(prepared: Prepared, folder: Path, judge: Judge, options: RunOptions) -> None:
-    """Reports, pictures and the page of a run; one that can't be written doesn't change how it ended."""
+    """Write reports, pictures and page of a run; a failed write is reported and does not change the
+    outcome.
+    """
 
     def drawn() -> None:
         from .overview import draw_overview
@@ -147,26 +150,28 @@ def _say(observers: Sequence[RunObserver], words: str) -> None:
 def resume_task(
     folder: Path, confirm: int | None, options: RunOptions | None = None, seed: int | None = None
 ) -> tuple[dict[str, Any], int]:
-    """Go on with a run that broke off; a simulated world is put back to its last checkpoint.
+    """Continue a run that was interrupted; a simulated world is restored from its last checkpoint.
 
     Args:
-        folder: the run's.
-        confirm: the journal's last record, as a person has seen it; needed where a real robot moves.
-        options: how it goes on; how it was begun stands in its journal, so nothing else of them counts than
-            `permits`, `interrupts`, `sync`, `draw`, `report`, `playback` and `observers`.
-        seed: of what is drawn from now on; None: that which it was begun with.
+        folder: the run's folder.
+        confirm: number of the journal's last record, as a person has seen it; required where a real
+            robot moves.
+        options: options of the continuation. Only `permits`, `interrupts`, `sync`, `draw`, `report`,
+            `playback`
+            and `observers` are used; the journal holds the others.
+        seed: seed of random numbers from now on; None: the run's original seed.
 
     Returns:
-        The summary that also stands in the run's folder, and the exit status.
+        The summary, which is also written to the run's folder, and the exit status.
 
     Raises:
-        NoRun: it is no run's folder.
-        JournalError: the journal can't be read, or is damaged inside.
-        NotAState: the checkpoint, or what was noted to judge the run by, is damaged or of something else.
-        RunAlive: the run still goes on.
-        NothingToResume: the run came to its end.
+        NoRun: the folder is not a run's folder.
+        JournalError: the journal cannot be read, or is damaged inside.
+        NotAState: the checkpoint or the judge's notes are damaged, or belong to another run.
+        RunAlive: the run is still going.
+        NothingToResume: the run has ended.
         NeedsOperator: a person has to decide something first.
-        FileError: the task or a file that it names is wrong by now.
+        FileError: the task or a file that it names has a fault by now.
     """
     options = options or RunOptions()
     observers = options.observers
@@ -194,9 +199,10 @@ def resume_task(
 
 
 def prepare_again(folder: Path, seed: int | None = None) -> tuple[Mapping[str, Any], Prepared]:
-    """The header of a run that broke off, and its task prepared as then, but for another `seed`.
+    """Return the journal header of an interrupted run, and its task prepared as at its start.
 
-    Its journal is read first: no robot is woken for one that can't be gone on with. Raises as `resume_task`.
+    The journal is read first, so that no robot is switched on for a run that cannot be continued.
+    `seed` replaces the run's original seed. Raises the same errors as `resume_task`.
     """
     header = task_of(folder)
     task_path = Path(header["task_path"])
@@ -219,16 +225,16 @@ def prepare_again(folder: Path, seed: int | None = None) -> tuple[Mapping[str, A
 def put_back(
     folder: Path, header: Mapping[str, Any], prepared: Prepared, observers: Sequence[RunObserver] = ()
 ) -> Past:
-    """Put a run, prepared anew, where it stood when it broke off; of a real robot only what it knew.
+    """Restore a prepared run to its state at the interruption; of a real robot only its knowledge.
 
     Args:
-        folder: the run's.
-        header: of its journal.
-        prepared: from the files that it names.
-        observers: hear what is known.
+        folder: the run's folder.
+        header: header of the run's journal.
+        prepared: the run, prepared from the files that the header names.
+        observers: receive messages about the known state.
 
     Raises:
-        NoRun, JournalError, NotAState, NeedsOperator: see `resume_task`.
+        NoRun, JournalError, NotAState, NeedsOperator: as `resume_task`.
     """
     past = read_past(folder, prepared.task.network)
     if header["robot_sha256"] != robot_fingerprint(prepared.robot.spec):
@@ -245,7 +251,7 @@ def put_back(
 
 
 def _check_world(past: Past, observers: Sequence[RunObserver]) -> None:
-    """Whether a simulated world could be put back to where the run may go on from (R10)."""
+    """Raise NeedsOperator if a simulated world could not be restored to the point of continuation (R10)."""
     for words in past.doubts():
         _say(observers, f"unknown: {words}")
     _say(observers, past.next_words())
@@ -254,10 +260,10 @@ def _check_world(past: Past, observers: Sequence[RunObserver]) -> None:
 
 
 def new_folder(runs: Path, name: str) -> Path:
-    """Make a folder that didn't exist yet: NAME, NAME.2, NAME.3 ...
+    """Create a folder with the first free name of NAME, NAME.2, NAME.3 ...
 
     Raises:
-        NoFolder: it can't be made, or its name is no text.
+        NoFolder: it cannot be created, or its name is not valid text.
     """
     number, folder = 1, runs / name
     try:

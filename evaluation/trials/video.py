@@ -1,4 +1,4 @@
-"""A run as a video."""
+"""Video of a run."""
 
 from __future__ import annotations
 
@@ -28,20 +28,22 @@ Colours = NDArray[np.uint8]
 
 
 class NoVideo(InputError):
-    """The run can't be recorded."""
+    """Error: the run cannot be recorded as a video."""
 
 
 class Video(RunObserver):
-    """Records what the backend shows with what is being done, and what the camera sees while it is used.
+    """Recorder of the backend's view, with the action as text and the camera picture while it is used.
 
-    Where a backend shows nothing, what its camera sees alone. A context manager: leaving it ends the file.
+    If the backend has no view, the pictures of its camera are recorded alone. A context manager that
+    finishes the file on exit.
     """
 
     def __init__(self, path: Path, robot: Robot) -> None:
-        """Begin the file.
+        """Start the file.
 
         Raises:
-            NoVideo: it can't be written, its name doesn't end in .mp4, or there is nothing to be seen.
+            NoVideo: the file cannot be written, its name does not end in .mp4, or there is nothing to
+                record.
         """
         self._next, self._words = 0.0, ""
         self._seen: NDArray[np.uint8] | None = None
@@ -61,7 +63,7 @@ class Video(RunObserver):
             raise NoVideo(f"--video {path}: can't be written: {error.strerror}; {needed}") from None
 
     def _what_is_seen(self, robot: Robot) -> bool:
-        """Whether the backend shows something, else only its camera sees."""
+        """Return whether the backend has a view; raise NoVideo if it has neither a view nor a camera."""
         wrong = f"the backend {robot.backend.name!r} renders nothing"
         try:
             if robot.backend.view() is not None:
@@ -73,7 +75,7 @@ class Video(RunObserver):
         return False
 
     def remarks(self) -> Iterator[str]:
-        """What a person should know before anything moves: what is recorded, and what can't be shown."""
+        """Yield messages for the start of the run: what is recorded, and what cannot be shown."""
         if self._lacks:
             yield f"--video shows what the hand's camera sees alone: {self._lacks}"
         width, height = self._size
@@ -86,7 +88,7 @@ class Video(RunObserver):
         self._mp4.close()
 
     def event(self, event: Event) -> None:
-        """Keep what is being done, for the line at the foot."""
+        """Keep the text of the current action for the line at the bottom of the picture."""
         match event:
             case Started(_, number, action, _, _):
                 self._words = f"{number}. {action.do}: {action.source} to {action.target}"
@@ -96,7 +98,7 @@ class Video(RunObserver):
                 self._words = f"{number}. {action.do}: {type(outcome).__name__}"
 
     def period(self, robot: Robot) -> None:
-        """Take a frame, if it is time for one; one that lasts longer than a frame is written again."""
+        """Write the frames that are due; a period that lasts longer than a frame repeats its frame."""
         if robot.seen is not self._seen:
             self._seen, self._seen_at = robot.seen, robot.time
         if robot.time < self._next - 1e-9:
@@ -107,7 +109,7 @@ class Video(RunObserver):
             self._mp4.write(frame)
 
     def _frame(self, robot: Robot) -> Colours:
-        """In RGB, HEIGHT high."""
+        """Return the current frame, in RGB, with the height `HEIGHT`."""
         picture = robot.backend.view() if self._view else None
         if picture is None:
             camera = robot.backend.get(Camera)  # type: ignore[type-abstract]
@@ -130,7 +132,7 @@ def _in_colour(grey: NDArray[np.uint8]) -> Colours:
 
 
 def _as_high(picture: Colours, height: int) -> Colours:
-    """A copy of that height, its width even."""
+    """Return a copy of a picture scaled to this height, with an even width."""
     width = 2 * round(picture.shape[1] * height / picture.shape[0] / 2)
     if picture.shape[:2] == (height, width):
         return picture.copy()
@@ -138,7 +140,7 @@ def _as_high(picture: Colours, height: int) -> Colours:
 
 
 def _put_in(frame: Colours, picture: Colours) -> None:
-    """A picture in a frame of its own, at the upper right."""
+    """Draw a picture with a border into the upper right corner of a frame."""
     small = _as_high(picture, round(INSET * frame.shape[0]))
     small = cv2.copyMakeBorder(small, *(_FRAME,) * 4, cv2.BORDER_CONSTANT, value=_PAPER).astype(np.uint8)
     height, width = small.shape[:2]

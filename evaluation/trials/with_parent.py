@@ -1,4 +1,4 @@
-"""A process that ends when the one that started it is gone."""
+"""Termination of a child process together with its parent."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from multiprocessing import parent_process
 
 
 def end_with_parent() -> None:
-    """Have this process, which `multiprocessing` started, end as soon as its parent has, however that did."""
+    """Terminate this process, started by `multiprocessing`, as soon as its parent has ended in any way."""
     threading.Thread(target=_wait, daemon=True).start()
 
 

@@ -1,1 +1,1 @@
-"""Whether outcomes are true, by the ground truth of a simulated world."""
+"""Judge the outcomes of a run by the ground truth of a simulated world."""

@@ -1,4 +1,4 @@
-"""Whether the base is where driving and standing claim, and how far from its places it came to stand."""
+"""Check by ground truth that the base is where driving and standing primitives claim it is."""
 
 from __future__ import annotations
 
@@ -29,13 +29,15 @@ LOOKS_ROUND = (
     "positioning",
 )  # localizers that feel a slide
 CAR_ARRIVED = PoseTolerance(position=0.25, heading=0.15)
-"""What a car's MOVE_TO means by arrived: nothing is regulated at the end, it can't move sideways."""
+"""Arrival tolerance of a car's MOVE_TO: a car cannot move sideways, so its final pose is not regulated."""
 ORIENTED_DEG = 10.0  # fixed limit of the heading that ORIENT claims to know
 DRIVES = "MOVE_TO"
 
 
 def _moved_to(survey: Survey, claim: Claim) -> list[str]:
-    """Compare the arrival with what was measured, and with the fixed limit of the place."""
+    """Compare the true arrival with the claimed tolerance, the claimed uncertainty and the place's fixed
+    limit.
+    """
     robot, place, model = survey.run.robot, claim.primitive.place, survey.run.model
     _, turned = arrival(survey.run, place)
     sigma, heading_sigma = robot.localization.sigma
@@ -50,7 +52,9 @@ def _moved_to(survey: Survey, claim: Claim) -> list[str]:
 
 
 def _far(run: SurveyedRun, place: str, claimed: float, needed: PoseNeed) -> list[str]:
-    """Return in which direction the base is farther from its place than measured or needed, in words."""
+    """Describe the directions in which the base is farther from its place than its claim or the place
+    allows.
+    """
     off, _ = arrival(run, place)
     if needed.across is None:
         far = 1e3 * (claimed + SIGMAS * run.robot.localization.sigma[0])
@@ -72,7 +76,9 @@ def _far(run: SurveyedRun, place: str, claimed: float, needed: PoseNeed) -> list
 
 
 def _stood(survey: Survey, claim: Claim) -> list[str]:
-    """As far as a sensor can tell: a receiver good to a metre feels no slide of centimetres."""
+    """Describe how the base moved while it should stand; the limit grows for sensors that cannot feel a
+    slide.
+    """
     before, after = claim.before.base, claim.after.base
     most = STOOD_MM + (0.0 if survey.run.spec.localizer in LOOKS_ROUND else UNFELT_MM)
     return [
@@ -82,7 +88,7 @@ def _stood(survey: Survey, claim: Claim) -> list[str]:
 
 
 def _oriented(survey: Survey, claim: Claim) -> list[str]:
-    """The heading is what it is claimed to be, within what is claimed of that."""
+    """Compare the true heading with the claimed heading, its uncertainty and a fixed limit."""
     robot = survey.run.robot
     if not robot.localization.heading_known:
         return ["it isn't known which way the base heads"]
@@ -98,7 +104,7 @@ def _modified(survey: Survey, claim: Claim) -> list[str]:
 
 
 class ArrivalSurvey(FiguresSurvey):
-    """Notes the worst arrival of the run."""
+    """Survey of arrivals, which reports the largest distance and turn from a place in a run."""
 
     name = "arrival"
     effects: ClassVar = {DRIVES: _moved_to, "ORIENT": _oriented, "STAND": _stood, "MODIFY": _modified}
@@ -113,7 +119,7 @@ class ArrivalSurvey(FiguresSurvey):
 
 
 def arrival(run: SurveyedRun, place: str) -> tuple[float, float]:
-    """How far the base truly is from a place, in [mm] and in [deg]."""
+    """Return the true distance in [mm] and turn in [deg] between the base and a place."""
     goal, base = run.model.places[place].pose, run.world.base
     return 1e3 * goal.distance(base), math.degrees(goal.turn(base))
 

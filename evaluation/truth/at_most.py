@@ -1,4 +1,4 @@
-"""A size compared with what is allowed."""
+"""Comparison of a size with its limits."""
 
 from __future__ import annotations
 
@@ -6,13 +6,16 @@ import math
 
 
 def at_most(words: str, size: float, measured: float, fixed: float = math.inf) -> list[str]:
-    """Return what is wrong with a size, in words; nothing where it is within both limits.
+    """Return a message if a size exceeds one of its two limits, otherwise an empty list.
 
     Args:
-        words: with a place for the size.
-        size: by ground truth.
-        measured: what the claimed uncertainty allows; NaN allows nothing.
-        fixed: what is allowed however uncertain the claim is; needed wherever `measured` grows with a claim.
+        words: message with a format field for the size.
+        size: true size, by ground truth.
+        measured: limit derived from the claimed uncertainty; NaN allows nothing.
+        fixed: limit that does not depend on the claim; required wherever `measured` grows with a claim.
+
+    Returns:
+        The message with the smaller limit, as the only element; empty if `size` is within both limits.
     """
     if size <= measured and size <= fixed:
         return []

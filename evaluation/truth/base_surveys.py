@@ -1,4 +1,4 @@
-"""How far the base went, and how far from where it is it believed to be, by ground truth."""
+"""Surveys of the base: its localization error by ground truth, and the length of its path."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .survey import Survey, SurveyedRun
 
 
 class LocalisationSurvey(Survey):
-    """Looks at a scene once a period."""
+    """Survey that accumulates the localization error of the base once per period."""
 
     name = "localisation"
     noted = tuple[int, float, float, float]
@@ -23,11 +23,11 @@ class LocalisationSurvey(Survey):
         super().__init__(run)
         self.periods = 0
         self.squares = 0.0
-        """Sum of squared distances, in [m²]."""
+        """Sum of the squared position errors, in [m²]."""
         self.farthest = 0.0
-        """In [m]."""
+        """Largest position error, in [m]."""
         self.turned = 0.0
-        """The largest error of the heading, in [rad]."""
+        """Largest heading error, in [rad]."""
 
     @classmethod
     @override
@@ -35,7 +35,7 @@ class LocalisationSurvey(Survey):
         return run.scene is not None
 
     def look(self, robot: Robot) -> None:
-        """A period has passed."""
+        """Add the error of this period."""
         pose, truth = robot.pose, self.run.world.base
         off = pose.distance(truth)
         self.periods += 1
@@ -52,7 +52,7 @@ class LocalisationSurvey(Survey):
         self.periods, self.squares, self.farthest, self.turned = noted
 
     def figures(self) -> dict[str, float]:
-        """For a run's metrics."""
+        """Return the RMS and the maximum of the error in [mm] and [deg]; empty before the first period."""
         if not self.periods:
             return {}
         return {
@@ -63,7 +63,7 @@ class LocalisationSurvey(Survey):
 
 
 class PathSurvey(Survey):
-    """Adds up the way; needs no ground truth."""
+    """Survey of the driven path length by odometry; it needs no ground truth."""
 
     name = "path"
     noted = float

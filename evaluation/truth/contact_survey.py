@@ -1,4 +1,4 @@
-"""What the robot touched in a run: with what of it, what, and when."""
+"""Survey of the contacts of the robot in a run: part of the robot, touched body, time and force."""
 
 from __future__ import annotations
 
@@ -24,24 +24,24 @@ Pair = tuple[str, str]
 
 @dataclass
 class Touched:
-    """One contact, from where it began, or the action did, to where one of them ended."""
+    """One contact, from its begin (or the begin of its action) to its end (or the end of its action)."""
 
     part: RobotPart
     body: str
-    """The link, or what is held, by its name."""
+    """Name of the robot's link, or of the held body."""
     other: str
-    """What it touched, by its name in the world."""
+    """Name of the touched body in the world."""
     action: int
-    """Number of the action; 0: none was running."""
+    """Number of the running action; 0 if no action was running."""
     do: str
-    """Its primitive."""
+    """Name of the primitive of the running action; empty if no action was running."""
     from_s: float
-    """The robot's time, in [s]."""
+    """Begin of the contact on the robot's clock, in [s]."""
     to_s: float
     force_n: float | None
-    """Largest force on the hand meanwhile, in [N]; None where no force is known."""
+    """Largest force on the hand during the contact, in [N]; None where no force is known."""
     meant: bool
-    """Whether the primitive means to touch that."""
+    """Whether the primitive declares this contact as meant."""
 
     def __str__(self) -> str:
         how_long = f"from {self.from_s:.2f} s to {self.to_s:.2f} s"
@@ -49,7 +49,7 @@ class Touched:
 
 
 class ContactSurvey(Survey):
-    """Looks at a scene once a period."""
+    """Survey that records all contacts of the robot, once per period of a simulated scene."""
 
     name = "contacts"
     noted = list[Touched]
@@ -58,10 +58,12 @@ class ContactSurvey(Survey):
     def __init__(self, run: SurveyedRun) -> None:
         super().__init__(run)
         self.contacts: list[Touched] = []
-        """All of them that are over, and those that last."""
+        """All contacts of the run, both finished and lasting."""
         self._running: tuple[int, ActionPrimitive] | None = None
         self._lasting: dict[Pair, Touched | None] = {}
-        """What touches now; None: since before this action ended."""
+        """Contacts that last now, by pair of bodies; None for those that began before the last action
+        ended.
+        """
         self._links, self._held = RobotLinks(run.world.arm), ""
 
     @classmethod
@@ -70,23 +72,23 @@ class ContactSurvey(Survey):
         return run.scene is not None
 
     def started(self, number: int, primitive: ActionPrimitive) -> None:
-        """An action with that number starts; what touches already counts as touched by it."""
+        """Note the start of an action; bodies that touch already count as touched by this action."""
         self._running, self._lasting = (number, primitive), {}
 
     def ended(self, number: int, primitive: ActionPrimitive, outcome: Outcome) -> list[str]:
-        """See `Survey`; a Success touched nothing that its primitive doesn't mean to."""
+        """Return a message for each unmeant contact of an action that ended in Success."""
         unmeant = self.unmeant()
         self._running = None
         self._lasting = dict.fromkeys(self.run.world.touching)
         return [str(each) for each in unmeant] if isinstance(outcome, Success) else []
 
     def unmeant(self) -> list[Touched]:
-        """What the running action touched without meaning to."""
+        """Return the contacts of the running action that its primitive does not declare as meant."""
         number = 0 if self._running is None else self._running[0]
         return [each for each in self.contacts if each.action == number and number and not each.meant]
 
     def look(self, robot: Robot) -> None:
-        """A period has passed."""
+        """Update the contacts after a period."""
         if self.run.world.held is not None:
             self._held = self.run.world.held.name
         touching = self.run.world.touching
@@ -128,7 +130,7 @@ class ContactSurvey(Survey):
         self._lasting = dict.fromkeys(self.run.world.touching)
 
     def figures(self) -> dict[str, Any]:
-        """For a run's metrics: how many contacts, and the first of those that weren't meant."""
+        """Return the number of contacts of each part of the robot, and the first of the unmeant contacts."""
         unmeant = [each for each in self.contacts if not each.meant]
         seconds = sum(each.to_s - each.from_s for each in unmeant)
         counts = {f"contacts_of_{part}": _of(self.contacts, part) for part in ("base", "arm", "hand", "held")}
@@ -145,15 +147,17 @@ def _of(contacts: list[Touched], part: str) -> int:
 
 
 class RobotLinks:
-    """Sorts the names that contacts give to bodies of the robot."""
+    """Classifier of the robot's bodies in contacts: base, arm, hand or held."""
 
     def __init__(self, arm: ArmModel | None) -> None:
-        """Of a robot with this arm, or none."""
+        """Sort the links of an arm; None for a robot without an arm."""
         self._arm = set() if arm is None else _moved(arm, 0)
         self._hand = {FINGERS} if arm is None else {FINGERS, "hand", *_moved(arm, arm.dof - 1)}
 
     def part(self, body: str) -> RobotPart:
-        """Of a body by its name in a contact; what stands on the robot counts as its base."""
+        """Return the part that a body belongs to, by its name in a contact; a structure on the base counts as
+        base.
+        """
         if body == HELD:
             return "held"
         if body in self._hand:
@@ -162,7 +166,7 @@ class RobotLinks:
 
 
 def _moved(arm: Any, first: int) -> set[str]:
-    """Links that some joint from number `first` on moves."""
+    """Return the names of the links that are moved by a joint with index `first` or higher."""
     here = 0.5 * (arm.lower + arm.upper)
     there = here + np.where(np.arange(arm.dof) >= first, 0.1, 0.0)
     names = [shape.name for shape in arm.link_shapes(here)]

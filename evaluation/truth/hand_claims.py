@@ -1,4 +1,4 @@
-"""Whether the hand holds what a primitive's Success claims, by ground truth."""
+"""Check by ground truth that the hand holds the thing that a primitive's Success claims."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def things_held(truth: GroundTruth) -> set[str]:
 
 
 def false_hold(claim: Claim, model: WorldModel) -> list[str]:
-    """Return what a Success claims of the hand and is not so, in words: which thing it holds, and which not.
+    """Return a message if the hand holds other things than a Success claims, otherwise an empty list.
 
     Args:
         claim: a Success, with the ground truth before and after it.

@@ -1,4 +1,4 @@
-"""Whether outcomes tell the truth, by the ground truth of a simulated world."""
+"""Judge of a run's outcomes, by the ground truth of a simulated world."""
 
 from __future__ import annotations
 
@@ -23,20 +23,21 @@ NOTES = "judged.jsonl"
 
 
 class Judge(RunObserver):
-    """Holds the outcomes of a run against the ground truth, by all surveys that apply."""
+    """Observer that compares the outcomes of a run with the ground truth, by all surveys that apply."""
 
     def __init__(self, prepared: Prepared, folder: Path | None = None) -> None:
-        """Judge a run that hasn't started, or goes on; where the backend isn't simulated, nothing is claimed.
+        """Prepare to judge a run that is about to start or continue.
 
-        In the run's `folder` is noted what a run that breaks off couldn't tell again.
+        Without a simulated world nothing is judged by ground truth. The run's `folder` receives the notes
+        that a continued run needs and that cannot be computed again.
 
         Raises:
-            NoSurvey: a domain names a survey that is none.
+            NoSurvey: a domain names a class that is not a survey.
         """
         run = SurveyedRun.of(prepared, folder)
         self.surveys = Surveys(run)
         self.untrue: list[str] = []
-        """Outcomes that the ground truth contradicts, in words."""
+        """Messages about the outcomes that the ground truth contradicts."""
         self._run = run
         self._path = None if folder is None or run.scene is None else folder / NOTES
 
@@ -49,7 +50,7 @@ class Judge(RunObserver):
         self.surveys.look(robot)
 
     def event(self, event: Event) -> None:
-        """Take the truth down when an action starts, compare when it has ended."""
+        """Record the ground truth when an action starts, and compare it when the action has ended."""
         if isinstance(event, Started):
             self.surveys.started(event.number, event.primitive)
         elif isinstance(event, Ended):
@@ -61,10 +62,10 @@ class Judge(RunObserver):
                 self._notes.add(self._run.world.time, note)
 
     def go_on(self) -> None:
-        """Take up what was noted of the run that this one goes on with.
+        """Restore the notes of the interrupted run that this run continues.
 
         Raises:
-            NotAState: what was noted there makes no sense.
+            NotAState: the notes are damaged or have another format.
         """
         if self._notes is None or self._path is None:
             return

@@ -1,7 +1,8 @@
-"""How exactly a robot's sensors measure what is compared with the ground truth.
+"""Standard deviations of the sensors whose measurements are compared with the ground truth.
 
-Every claim has two limits, and both hold: a tolerance and `SIGMAS` of the claimed uncertainty; a fixed limit
-that doesn't grow with that. These sigmas are of the sensors, not of a claim: limits made of them are fixed.
+Every claim has two limits, and both must hold: a tolerance plus `SIGMAS` times the claimed uncertainty, and
+a fixed limit that does not grow with the claim. The values here describe sensors, not claims: limits made
+of them are fixed.
 """
 
 from __future__ import annotations

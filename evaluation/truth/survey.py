@@ -1,4 +1,4 @@
-"""What ground truth says of the outcomes of a domain's primitives, and what it may look at for that."""
+"""Interface of a survey: it compares the outcomes of a domain's primitives with the ground truth."""
 
 from __future__ import annotations
 
@@ -26,35 +26,35 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class SurveyedRun:
-    """A run that is surveyed, or a single attempt."""
+    """The parts of a run, or of a single attempt, that a survey may read."""
 
     robot: Robot
     spec: RobotFile
-    """The robot's file as it is at first: a calibration changes the robot's own."""
+    """The robot's file as loaded at first: a calibration changes the robot's own specification."""
     model: WorldModel
     scene: Scene | None
-    """The simulated world as it truly is; None where there is none."""
+    """The true simulated world; None for a backend without a simulated scene."""
     seed: int = 0
-    """Of the simulated errors."""
+    """Seed of the simulated errors."""
     does: frozenset[str] = frozenset()
-    """Names of the primitives that it may come to."""
+    """Names of the primitives that the run may execute."""
     folder: Path | None = None
-    """Where a survey may keep notes; None: nowhere."""
+    """Folder for a survey's notes; None: no notes are kept."""
 
     def concerns(self, domain: Domain) -> bool:
-        """Whether it has to do with a domain: does, knows or has in its world anything of it."""
+        """Return whether the run uses a domain: its primitives, its section of the model or its props."""
         there = self.scene is not None and domain.name in self.scene.props
         return there or domain.name in self.model.sections or bool(self.does & domain.primitives.keys())
 
     @property
     def world(self) -> Scene:
-        """The same, for who has asked before whether there is one."""
+        """The simulated scene; callers have checked that there is one."""
         assert self.scene is not None, "nothing is simulated"
         return self.scene
 
     @classmethod
     def of(cls, prepared: Prepared, folder: Path | None = None) -> SurveyedRun:
-        """A run of a task that hasn't started."""
+        """Return the view of a prepared run that has not started."""
         robot = prepared.robot
         does = frozenset(action.do for action in prepared.task.network.actions)
         scene = simulated_world(prepared.backend)
@@ -62,7 +62,9 @@ class SurveyedRun:
 
 
 def simulated_world(backend: Backend) -> Scene | None:
-    """What is behind a backend, through all that is put around it; None where no scene is simulated."""
+    """Return the scene that a backend simulates, found through all its wrappers; None if it simulates no
+    scene.
+    """
     while backend.inner is not None:
         backend = backend.inner
     if not backend.simulated:
@@ -73,90 +75,103 @@ def simulated_world(backend: Backend) -> Scene | None:
 
 
 class Claim(NamedTuple):
-    """A Success that is held against the ground truth."""
+    """A Success together with the ground truth before and after it."""
 
     primitive: Any
-    """The `ActionPrimitive` that claims it."""
+    """The `ActionPrimitive` that reported the Success."""
     before: GroundTruth
     after: GroundTruth
 
 
 Effect = Callable[[Any, Claim], list[str]]
-"""What a Success of a primitive promises and isn't so, in words; gets the survey, and the claim."""
+"""Check of a Success: given the survey and the claim, it returns a message for each promise that is false."""
 
 
 class Survey(ABC):
-    """Looks at a run from outside: it changes nothing, and sees what no primitive may see.
+    """Observer of a run that sees the ground truth, which no primitive may see, and changes nothing.
 
-    One that raises is left out from then on, and `untrue` says so: the run itself goes on.
+    A survey that raises an exception is removed for the rest of the run and reported in `untrue`; the run
+    continues.
     """
 
     name: ClassVar[str]
-    """Under which its notes are kept; the domain's, say."""
+    """Key of its notes, for example the name of the domain."""
     effects: ClassVar[Mapping[str, Effect]] = {}
-    """By name of the primitive: what its Success promises and isn't so. What a primitive disturbs beside what
-    it holds, and beside what its `meant_contacts` name for the hand, is found without that."""
+    """Checks of a primitive's Success, by name of the primitive.
+
+    Disturbed bodies, other than those that the primitive holds or that its `meant_contacts` name for the
+    hand, are found without such a check.
+    """
     noted: ClassVar[Any] = None
-    """Type of what `notes` gives: numbers, words, lists, mappings, dataclasses of them. None: no notes."""
+    """Type that `notes` returns: numbers, strings, lists, mappings, dataclasses of them; None for no
+    notes.
+    """
     limits: ClassVar[Mapping[str, float]] = {}
-    """By name of a figure: the most that it may be where a whole run's Success is true."""
+    """Largest allowed value of a metric where the Success of a complete run is true, by name of the
+    metric.
+    """
     shown: ClassVar[frozenset[str]] = frozenset()
-    """Primitives whose pictures a run's overview shows before others'."""
+    """Primitives whose pictures are shown first in a run's overview."""
 
     def __init__(self, run: SurveyedRun) -> None:
-        """Of a run that hasn't started, or goes on."""
+        """Prepare to observe a run that is about to start or continue."""
         self.run = run
 
     @classmethod
     def applies(cls, run: SurveyedRun) -> bool:
-        """Whether it has anything to look at: a simulated world, and one of its primitives."""
+        """Return whether the survey can check anything: the run has a simulated world and one of its
+        primitives.
+        """
         return run.scene is not None and bool(run.does & cls.effects.keys())
 
     def started(self, number: int, primitive: ActionPrimitive) -> None:
-        """An action with that number starts."""
+        """Note that the action with this number starts."""
 
     def look(self, robot: Robot) -> None:
-        """A period has passed."""
+        """Observe the robot after a period."""
 
     def ended(self, number: int, primitive: ActionPrimitive, outcome: Outcome) -> list[str]:
-        """An action has ended; gives what more of its outcome isn't so, in words."""
+        """Return a message for each further claim of the ended action's outcome that is false."""
         return []
 
     def notes(self) -> Any:
-        """What a run that breaks off now couldn't tell again, of the type `noted`."""
+        """Return the values, of type `noted`, that a continued run needs and cannot compute again."""
 
     def go_on(self, noted: Any) -> None:
-        """Take up the last notes of the run that this one goes on with: of the type `noted`, else anything.
+        """Restore the last notes of the interrupted run that this run continues.
+
+        Args:
+            noted: of the type `noted`; any value if that is None.
 
         Raises:
-            ValueError: they can't be of such a run.
+            ValueError: the notes cannot belong to such a run.
         """
 
     @abstractmethod
     def figures(self) -> Mapping[str, Any]:
-        """For the metrics of a run that has ended."""
+        """Return the metrics of a run that has ended."""
 
     def faults(self) -> list[str]:
-        """What the Success of a whole run claims and isn't so, in words."""
+        """Return a message for each claim of the complete run's Success that is false."""
         return []
 
     def report(self, prepared: Prepared, folder: Path) -> None:
-        """Write what others read on, into the folder of a run that has ended.
+        """Write files for other programs into the folder of a run that has ended.
 
         Raises:
-            OSError: the disk takes no more.
+            OSError: writing failed, for example because the disk is full.
         """
 
     def draw(self, folder: Path) -> None:
         """Draw pictures into the folder of a run that has ended; its page shows each `*.svg`.
 
         Raises:
-            OSError: the disk takes no more.
+            OSError: writing failed, for example because the disk is full.
         """
 
 
 class FiguresSurvey(Survey):
-    """Fills `_figures` in a run, by the names that they have in its metrics."""
+    """Survey whose notes and metrics are one mapping, `_figures`, by name of the metric."""
 
     noted = dict[str, float]
 

@@ -1,4 +1,4 @@
-"""What a survey noted of a run, in the run's folder."""
+"""Notes of a survey, kept in the run's folder."""
 
 from __future__ import annotations
 
@@ -19,20 +19,21 @@ T = TypeVar("T")
 
 
 class SurveyNotes:
-    """Lines of notes with their time; a run that broke off and goes on finds them again.
+    """File of notes with their time, one line each, from which an interrupted run continues.
 
-    A disk that takes no more doesn't change how the run ends: there are fewer notes then.
+    A failed write, for example on a full disk, does not change how the run ends: the note is missing.
     """
 
     def __init__(self, folder: Path, name: str) -> None:
-        """In a file of the folder of a run, which may not be there yet."""
+        """Use a file in a run's folder; the file need not exist."""
         self._path = folder / name
 
     def until(self, time_s: float) -> list[dict[str, Any]]:
-        """The notes up to a time in [s], oldest first; later ones are thrown away: that part is run again.
+        """Return the notes up to a time in [s], oldest first, and delete later ones: that part is executed
+        again.
 
         Raises:
-            NoRun: they are no file, or larger than a run makes them.
+            NoRun: the file is not readable, or is larger than a run makes it.
         """
         content = read_file(self._path.parent, self._path.name, MAX_JOURNAL, missing=True)
         if content is None:
@@ -47,10 +48,10 @@ class SurveyNotes:
         return kept
 
     def checked(self, note: object, kind: type[T]) -> T:
-        """A note as a value of the type that was noted.
+        """Return a note as a value of type `kind`.
 
         Raises:
-            NotAState: it is none.
+            NotAState: the note is not of this type.
         """
         try:
             return as_noted(note, kind)
@@ -58,7 +59,7 @@ class SurveyNotes:
             raise NotAState(f"{self._path}: {error}") from None
 
     def add(self, time_s: float, note: Mapping[str, Any]) -> None:
-        """Note something at a time in [s]."""
+        """Append a note with its time in [s]."""
         with suppress(OSError), self._path.open("ab") as file:
             file.write(_line({"time_s": time_s, **note}))
 
@@ -68,10 +69,10 @@ def _line(note: Mapping[str, Any]) -> bytes:
 
 
 def as_noted(read: object, kind: type[T]) -> T:
-    """What was read from a JSON file, as a value of the type that was written.
+    """Return a value read from a JSON file as a value of type `kind`.
 
     Raises:
-        ValueError: it is none, with the place in it and what is wrong there.
+        ValueError: the value does not have this type; names the element and its fault.
     """
     try:
         return TypeAdapter(kind).validate_json(orjson.dumps(read), strict=True)

@@ -1,4 +1,4 @@
-"""All surveys of a run, asked one after the other."""
+"""All surveys of a run, called in turn."""
 
 from __future__ import annotations
 
@@ -35,14 +35,14 @@ T = TypeVar("T")
 
 
 class NoSurvey(InputError):
-    """A domain names a survey that is none; nothing has moved."""
+    """Error: a domain names a class that is not a survey; raised before anything moves."""
 
 
 def survey_kinds(run: SurveyedRun | None = None) -> tuple[type[Survey], ...]:
-    """The general surveys, then those of all domains; if a run is given, of those that it has to do with.
+    """Return the general surveys and those of all domains, or only of the domains that `run` uses.
 
     Raises:
-        NoSurvey: one of them can't be imported, or is no survey.
+        NoSurvey: one of them cannot be imported, or is not a survey.
     """
     named = [
         (domain.name, domain.survey)
@@ -65,13 +65,13 @@ def _kind(domain: str, path: str) -> type[Survey]:
 
 
 class Surveys:
-    """Those that have something to look at; one that raises is left out from then on."""
+    """The surveys that apply to a run; a survey that raises an exception is removed."""
 
     def __init__(self, run: SurveyedRun) -> None:
-        """Of a run that hasn't started, or goes on."""
+        """Create the surveys for a run that is about to start or continue."""
         self.run = run
         self.broken: list[str] = []
-        """Those that raised, in words."""
+        """Messages about the surveys that raised an exception."""
         self._every: list[Survey] = []
         self._before: GroundTruth | None = None
         for kind in survey_kinds(run):
@@ -87,16 +87,16 @@ class Surveys:
             self.broken.append(_broke(kind, error))
 
     def of(self, kind: type[S]) -> S | None:
-        """The survey of that class; None where it has nothing to look at."""
+        """Return the survey of a class; None if it does not apply to this run."""
         return next((each for each in self._every if isinstance(each, kind)), None)
 
     @property
     def shown(self) -> frozenset[str]:
-        """Primitives whose pictures an overview shows before others'."""
+        """Primitives whose pictures are shown first in a run's overview."""
         return frozenset().union(*(each.shown for each in self._every))
 
     def look(self, robot: Robot) -> None:
-        """A period has passed."""
+        """Let every survey observe the robot after a period."""
         for survey in self._every:
             try:
                 survey.look(robot)
@@ -104,13 +104,13 @@ class Surveys:
                 self._leave_out(survey, error)
 
     def started(self, number: int, primitive: ActionPrimitive) -> None:
-        """An action with that number starts."""
+        """Record the ground truth at the start of an action, and notify every survey."""
         self._before = self.run.robot.backend.ground_truth()
         for _ in self._asked(lambda survey: survey.started(number, primitive)):
             pass
 
     def ended(self, number: int, primitive: ActionPrimitive, outcome: Outcome) -> list[str]:
-        """An action has ended; gives what its outcome claims and isn't so, in words."""
+        """Return a message for each false claim of the ended action's outcome."""
         after = self.run.robot.backend.ground_truth()
         wrong: list[str] = []
         if self._before is not None and after is not None:
@@ -122,14 +122,18 @@ class Surveys:
         return wrong + [each for untrue in more for each in untrue]
 
     def _base_sigma(self, fail: Fail) -> tuple[float, float]:
-        """Of how far the base came, in [mm] and [deg]; where satellites tell, as it was claimed."""
+        """Return the standard deviation of the measured base motion, in [mm] and [deg]; with a GNSS as
+        claimed.
+        """
         sigma, found = (BASE_SIGMA_MM, BASE_SIGMA_DEG), fail.residuals
         if not self.run.robot.localization.POSE_JUMPS or "base_unsure_mm" not in found:
             return sigma
         return max(sigma[0], found["base_unsure_mm"] / SURE), max(sigma[1], found["base_unsure_deg"] / SURE)
 
     def _false_effect(self, claim: Claim) -> list[str]:
-        """What of a Success isn't so; of primitives that no survey knows, only what they disturbed."""
+        """Return a message for each false claim of a Success; without a survey of the primitive, its
+        disturbances only.
+        """
         own = _own(claim, self.run)
         wrong = [
             f"it moved {each} mm (at most {MOST_DISTURBED_MM:.0f})"
@@ -144,19 +148,19 @@ class Surveys:
         return wrong + [each for _, untrue in checks for each in untrue]
 
     def notes(self) -> dict[str, Any]:
-        """What a run that breaks off now couldn't tell again, by survey."""
+        """Return the notes of each survey that a continued run needs, by name of the survey."""
         noting = [each for each in self._every if each.noted is not None]
         return {survey.name: notes for survey, notes in self._asked(lambda each: each.notes(), among=noting)}
 
     def go_on(self, notes: Mapping[str, Any], path: Path) -> None:
-        """Take up what was noted of the run that this one goes on with.
+        """Restore the notes of the interrupted run that this run continues.
 
         Args:
-            notes: what `notes` gave, as it was read from a file.
-            path: of that file, for messages.
+            notes: the return value of `notes`, as read from a file.
+            path: path of this file, for messages.
 
         Raises:
-            NotAState: they are no such notes.
+            NotAState: the notes are damaged or have another format.
         """
         for survey in [each for each in self._every if each.noted is not None]:
             try:
@@ -167,21 +171,21 @@ class Surveys:
                 raise NotAState(f"{path}: of {survey.name}: {error}") from None
 
     def figures(self) -> dict[str, Any]:
-        """For the metrics of a run that has ended."""
+        """Return the metrics of a run that has ended."""
         by_survey = [figures for _, figures in self._asked(lambda survey: survey.figures())]
         return {name: value for each in by_survey for name, value in each.items()}
 
     def faults(self) -> list[str]:
-        """What the Success of a whole run claims and isn't so: in words, a line each survey."""
+        """Return one line for each survey with the false claims of the complete run's Success."""
         by_survey = [faults for _, faults in self._asked(lambda survey: survey.faults())]
         return ["; ".join(faults) for faults in by_survey if faults]
 
     def report(self, prepared: Prepared, folder: Path) -> None:
-        """Write reports into the folder of a run that has ended; raises as `Survey.report`."""
+        """Write all reports into the folder of a run that has ended; raises as `Survey.report`."""
         self._write(lambda survey: survey.report(prepared, folder))
 
     def draw(self, folder: Path) -> None:
-        """Draw pictures into it; raises as `Survey.draw`."""
+        """Draw all pictures into the folder of a run that has ended; raises as `Survey.draw`."""
         self._write(lambda survey: survey.draw(folder))
 
     def _write(self, write: Callable[[Survey], None]) -> None:
@@ -196,7 +200,9 @@ class Surveys:
     def _asked(
         self, ask: Callable[[Survey], T], label: str | None = None, among: list[Survey] | None = None
     ) -> Iterator[tuple[Survey, T]]:
-        """The answers of all, or of those that check the primitive of that name."""
+        """Yield each survey with its answer, only of those that check the primitive `label` if it is
+        given.
+        """
         for survey in list(self._every if among is None else among):
             if label is not None and label not in survey.effects:
                 continue
@@ -213,9 +219,10 @@ class Surveys:
 
 
 def _own(claim: Claim, run: SurveyedRun) -> set[str]:
-    """Return what a primitive may move: what the hand holds before or after, or is to touch.
+    """Return the names of the bodies that a primitive may move: held before or after, or meant to be touched.
 
-    What it should not hold before is not its own: it drops that.
+    A body held before the start of a primitive that requires an empty hand is not included: it would be
+    dropped.
     """
     held = things_held(claim.after)
     if claim.primitive.hand_use().before is not Hand.EMPTY:
@@ -225,7 +232,7 @@ def _own(claim: Claim, run: SurveyedRun) -> set[str]:
 
 
 def _broke(kind: type[Survey], error: Exception) -> str:
-    """Which survey raised what, and where."""
+    """Return a message with the survey, the exception and its source line."""
     at = traceback.extract_tb(error.__traceback__)[-1]
     where = f"{Path(at.filename).name}, line {at.lineno}"
     which = f"{kind.__module__}:{kind.__name__}"

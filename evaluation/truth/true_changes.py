@@ -1,4 +1,4 @@
-"""What moved between two instants, by the ground truth, and whether that is allowed."""
+"""Changes between two instants by ground truth, and their limits."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ STILL = {
     "gripper mm": 0.2,
     "body mm": 1.0,
 }
-"""Within which what stands may be seen to move, in two seconds."""
+"""Largest change in two seconds of a scene at rest, by name with unit."""
 
 
 def moved(before: GroundTruth, after: GroundTruth) -> dict[str, float]:
-    """How far everything moved: name with unit to size; infinitely far what another thing carries now."""
+    """Return how far everything moved, by name with unit; infinity for a body whose support changed."""
     joints = np.abs(before.joints - after.joints)
     result = {
         "base mm": 1e3 * before.base.distance(after.base),
@@ -56,10 +56,17 @@ def not_restored(
     spec: RobotFile,
     base_sigma: tuple[float, float] = (BASE_SIGMA_MM, BASE_SIGMA_DEG),
 ) -> list[str]:
-    """Return what is not where it was: beyond the tolerance of the robot's file and 5 sigma of the sensor.
+    """Return a message for each quantity that is not restored within its limit.
 
-    `base_sigma` in [mm] and [deg] is that of what measures how far the base came. Whatever it is, the base
-    is within a fixed limit: twice its tolerance, or 5 sigma of a scan match beyond it where that is more.
+    The limit is the tolerance of the robot's file plus 5 standard deviations of the sensor. The base has a
+    fixed limit as well: twice its tolerance, or 5 standard deviations of a scan match beyond the tolerance
+    if that is more.
+
+    Args:
+        before: ground truth at the start of the action.
+        after: ground truth after the failed action.
+        spec: the robot's file, with the tolerances.
+        base_sigma: standard deviation of the measured base motion, in [mm] and [deg].
     """
     tolerance = spec.tolerance
     allowed = {
@@ -81,12 +88,14 @@ def _base_limit(tolerance: float, sigma: float, of_scans: float) -> float:
 
 
 def not_still(before: GroundTruth, after: GroundTruth) -> list[str]:
-    """What moved although all should stand."""
+    """Return a message for each quantity that changed although the scene should be at rest."""
     return _beyond(moved(before, after), STILL, STILL["body mm"])
 
 
 def disturbed(before: GroundTruth, after: GroundTruth, most_mm: float, without: Collection[str]) -> list[str]:
-    """Bodies but those named in `without` that were moved further than `most_mm`."""
+    """Return the bodies that moved more than `most_mm`, each with its motion in [mm], except those in
+    `without`.
+    """
     others = {f"{name} mm" for name in before.bodies if name not in without}
     found = moved(before, after)
     return [f"{name} {found[name]:.1f}" for name in sorted(others) if not found[name] <= most_mm]

@@ -1,4 +1,6 @@
-"""Odds learned from trials: what depends on an action's own past is found, what doesn't is refused."""
+"""Outcome probabilities learned from trials: dependence on an action's own past is found, other is
+rejected.
+"""
 
 from __future__ import annotations
 
@@ -114,7 +116,7 @@ class FirstBlock(SecondTimeWorse):
 
 
 def test_what_no_action_s_own_past_tells_is_refused() -> None:
-    """The first block is often dropped, others never: elements of a repeat aren't told apart."""
+    """The first block is often dropped, others never: the elements of a repeat cannot be distinguished."""
     task = load_task(STACK_BLOCKS)
     first = next(each.index for each in task.network.actions if each.do == "PICK_UP_BLOCK")
     for give_up, refused in ((0.6, True), (0.0, False)):

@@ -11,7 +11,7 @@ from handcart.evaluation.rare.population import Level, Numbers, Population, shar
 
 
 class Scripted:
-    """Runs that reach levels as it is told; notes where they began."""
+    """Fake runs that reach the given levels and record where they were started."""
 
     def __init__(self, *levels: tuple[int, int]) -> None:
         self._levels = list(levels)

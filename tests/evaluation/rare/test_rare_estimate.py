@@ -1,4 +1,4 @@
-"""What populations say together."""
+"""Estimate of a rare probability from several populations."""
 
 from __future__ import annotations
 

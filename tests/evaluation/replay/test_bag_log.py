@@ -1,4 +1,4 @@
-"""ROS bags with faults: damaged files, types that are none, stamps that are no times."""
+"""ROS bags with faults: damaged files, unknown types, invalid stamps."""
 
 from __future__ import annotations
 

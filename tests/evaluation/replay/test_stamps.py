@@ -1,4 +1,4 @@
-"""Header stamps that are no times: zero, falling back, repeating, of another clock."""
+"""Invalid header stamps: zero, falling back, repeating, of another clock."""
 
 from __future__ import annotations
 

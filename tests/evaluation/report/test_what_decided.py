@@ -1,4 +1,4 @@
-"""What a run's page shows of an action that failed."""
+"""A run's page shows the measurement that decided a failed action."""
 
 from __future__ import annotations
 

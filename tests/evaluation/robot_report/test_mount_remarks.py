@@ -1,4 +1,4 @@
-"""What `check` says of where the lidar is mounted, and of what the base stands on."""
+"""Remarks of `check` about the lidar's mounting and about the ground contact of the base."""
 
 from __future__ import annotations
 

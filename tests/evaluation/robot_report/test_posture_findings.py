@@ -1,4 +1,4 @@
-"""A robot's postures are looked at without moving: what of it touches, and what stands out."""
+"""The robot's postures are checked without motion: self-collisions, and parts beyond the footprint."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is told of a robot by its files."""
+"""Report about a robot, made from its files alone."""
 
 from __future__ import annotations
 

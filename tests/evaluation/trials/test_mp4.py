@@ -1,4 +1,4 @@
-"""What is written into a film is what is seen in it."""
+"""Frames written into a video are the frames read from it."""
 
 from __future__ import annotations
 

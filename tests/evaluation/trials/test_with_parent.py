@@ -1,4 +1,4 @@
-"""A process of ours and whoever started it."""
+"""A child process ends together with the process that started it."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ if __name__ == "__main__":
 
 
 def running(process: int) -> bool:
-    """Whether it exists, and hasn't ended without anybody having asked how."""
+    """Return whether a process exists and is not a zombie."""
     try:
         os.kill(process, 0)
         stat = Path(f"/proc/{process}/stat").read_text(encoding="utf-8")

@@ -1,4 +1,4 @@
-"""What the robot touches without meaning to is told: with what of it, what, when, how hard."""
+"""Unmeant contacts of the robot are reported with its part, the touched body, the time and the force."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ class Hands:
         self.survey.started(1, primitive)
 
     def ends(self) -> list[str]:
-        """What contradicts a Success."""
+        """Return the messages that contradict a Success."""
         return self.survey.ended(1, self.primitive, Success())
 
     def step(self, periods: int = 1) -> None:

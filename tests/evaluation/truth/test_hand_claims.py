@@ -76,7 +76,7 @@ def test_what_a_taking_primitive_drops_is_not_its_own() -> None:
 def test_a_dropped_block_makes_the_success_of_another_untrue(
     backend: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A primitive whose precondition nobody checks opens the fingers over the second block."""
+    """A primitive whose precondition is not checked opens the fingers over the second block."""
     files = RigFiles(
         STACKING / "unload_world.yaml",
         STACKING / "map.yaml",

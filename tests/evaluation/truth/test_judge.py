@@ -103,7 +103,7 @@ def claims() -> Iterator[Claims]:
 
 
 def test_a_success_that_rammed_a_mapped_wall_is_untrue(claims: Claims) -> None:
-    """Contacts stand in the metrics, and make MOVE_TO's Success untrue."""
+    """Contacts are listed in the metrics and contradict MOVE_TO's Success."""
     scene, reach = claims.scene, claims.scene.robot.footprint_radius_m
     x, y = scene.base.x, scene.base.y
     gap = scene.body_plan.clearance(x, y, 0.0)[0]

@@ -1,4 +1,4 @@
-"""What a survey notes is there for who goes on with its run."""
+"""Notes of a survey can be read by a run that continues."""
 
 import os
 from pathlib import Path

@@ -1,4 +1,6 @@
-"""Surveys from outside: what they say counts, what they break is named, their notes are held to a type."""
+"""Surveys of outside packages: their messages count, their exceptions are reported, their notes are
+type-checked.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +27,7 @@ DRIVE_MAP = Path(__file__).resolve().parents[3] / "tasks" / "drive_map" / "task.
 
 
 class Puddles(Survey):
-    """Counts what nobody cares for."""
+    """Survey of an outside package that contradicts every MOVE_TO with the number of periods it saw."""
 
     name = "puddles"
     effects = {"MOVE_TO": lambda survey, claim: [f"{survey.seen} puddles were gone through"]}  # noqa: RUF012
@@ -150,7 +152,7 @@ def test_a_run_that_goes_on_takes_up_what_was_noted(
 
 
 def wrong_notes() -> list[tuple[Callable[[dict[str, Any]], object], str]]:
-    """What may have become of a note, and what is said of it."""
+    """Return functions that damage a note, each with the expected message."""
     return [
         (lambda note: note.pop("surveys"), "no such notes: Input should be an object"),
         (lambda note: note.update(surveys=[]), "no such notes: Input should be an object"),
@@ -168,7 +170,7 @@ def wrong_notes() -> list[tuple[Callable[[dict[str, Any]], object], str]]:
 def test_notes_of_another_shape_are_refused_in_a_sentence(
     prepared: Prepared, also: Callable[[type[Survey]], None], tmp_path: Path, number: int
 ) -> None:
-    """D6: never a KeyError, nor figures of what nobody measured."""
+    """D6: damaged notes raise NotAState, never a KeyError, and never yield metrics."""
     also(Puddles)
     drive(prepared, tmp_path)
     note = orjson.loads((tmp_path / NOTES).read_bytes())

@@ -48,7 +48,9 @@ def test_it_is_the_same_through_all_that_is_put_around_a_backend() -> None:
 def test_a_restored_base_is_within_both_limits(
     name: str, sigma_mm: float, off_mm: float, right: bool
 ) -> None:
-    """That of the claimed sigma, and twice the tolerance of the robot's file however large the sigma is."""
+    """The limits are that of the claimed sigma, and twice the tolerance of the robot's file whatever the
+    sigma.
+    """
 
     def standing(x: float) -> GroundTruth:
         return GroundTruth(Pose2(x, 0.0, 0.0), np.zeros(2), np.zeros(2, dtype=np.bool_), 0.0, {}, 0)

@@ -1,4 +1,4 @@
-"""Where the page's camera is at first."""
+"""The initial camera of the page shows the robot and its surroundings."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ FOV = math.radians(75.0)
 
 
 def seen_at(point: NDArray[np.float64], eye: Eye, aspect: float) -> tuple[float, float]:
-    """Where a point is in the picture: -1 to 1 from left to right and from below to above."""
+    """Return the position of a point in the picture, -1 to 1 from left to right and from bottom to top."""
     ahead = eye.look_at - eye.position
     ahead /= np.linalg.norm(ahead)
     right = np.cross(ahead, [0.0, 0.0, 1.0])

@@ -1,4 +1,4 @@
-"""What is made of a run before a browser sees it."""
+"""Conversion of a run's data into what a browser shows."""
 
 from __future__ import annotations
 

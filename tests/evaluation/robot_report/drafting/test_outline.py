@@ -1,4 +1,4 @@
-"""What a URDF alone lets one guess, and the robot's file that is drafted from it."""
+"""Properties guessed from a URDF alone, and the robot's file drafted from them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Who is let in to a run's page in three dimensions, as strangers try it: rows U1 to U3, U5, U10 and U11."""
+"""Access to the three-dimensional page of a run, tried by foreign clients: rows U1 to U3, U5, U10 and U11."""
 
 from __future__ import annotations
 
@@ -85,14 +85,16 @@ def test_who_has_the_token_sees_the_run(opened: Opened) -> None:
 
 
 def test_u1_it_listens_on_this_machine_s_one_address(opened: Opened) -> None:
-    """Whoever listened at all of them would be reached by another one of loopback, too."""
+    """A server that listens on all addresses would be reached through another loopback address as well."""
     socket.create_connection((HOST, port_of(opened)), timeout=20).close()
     with pytest.raises(ConnectionRefusedError):
         socket.create_connection(("127.0.0.2", port_of(opened)), timeout=20)
 
 
 def test_u2_a_foreign_origin_gets_no_socket(opened: Opened) -> None:
-    """With the token as well; browsers tell the origin always, so that one without is no page."""
+    """The token does not help; browsers always send the origin, so a request without one is not from a
+    page.
+    """
     for origin in (
         "http://evil.example",
         "null",
