@@ -1,1 +1,1 @@
-"""What a campaign proves."""
+"""Statistics of a campaign."""

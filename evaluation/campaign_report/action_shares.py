@@ -1,4 +1,4 @@
-"""How often each action succeeded, failed and gave up: what a task's `p` and `p_give_up` can come from."""
+"""Shares of Success, Fail and GiveUp of each action, from which a task's `p` and `p_give_up` can be set."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ from .intervals import wilson
 
 @dataclass(frozen=True)
 class ActionShare:
-    """How attempts of one action of a task ended; in a repeat, those of all elements together."""
+    """Counts of the outcomes of one action's attempts, over all elements of a repeat."""
 
     action: str
-    """As in the file: `MOVE_TO (loaded to there)`."""
+    """Name from the task file: `MOVE_TO (loaded to there)`."""
     success: int
     fail: int
     give_up: int
 
     @property
     def attempts(self) -> int:
-        """How many there were; those that were broken off are left out."""
+        """Number of attempts that ended in Success, Fail or GiveUp."""
         return self.success + self.fail + self.give_up
 
     @property

@@ -1,4 +1,4 @@
-"""What came out of a campaign."""
+"""Results of a campaign."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from .tally import OUTCOMES, WORST, Blame, Tally
 
 @dataclass(frozen=True)
 class Spread:
-    """How a metric is distributed over the trials that have it."""
+    """Distribution of a metric over the trials that have it."""
 
     count: int
     least: float
@@ -27,7 +27,7 @@ class Spread:
     """95 % of the trials are at or below this."""
     most: float
     mean: float
-    """Of yes and no, the share of yes."""
+    """Mean; the share of yes for yes-or-no metrics."""
     low: float | None
     """Lower end of the 95 % interval of the median; of yes and no, of the share of yes. None: too few trials
     bound none."""
@@ -40,12 +40,12 @@ class CampaignReport:
     """The figures of its trials, which are read one by one."""
 
     trials: Sequence[Trial]
-    """In the order of their seeds."""
+    """Trials in the order of their seeds."""
     holds: bool | None = None
-    """Whether what is claimed of the success rate holds; None: nothing is claimed, or nobody can be sure."""
+    """Verdict on the claimed success rate; None: no claim, or undecided."""
 
     counted: Tally | None = None
-    """What is counted of them already; None: nothing is."""
+    """Tally of the trials, if it has been counted already; None otherwise."""
 
     @cached_property
     def tally(self) -> Tally:
@@ -64,7 +64,7 @@ class CampaignReport:
 
     @property
     def outcomes(self) -> Counter[str]:
-        """How often each outcome, with the reason where it isn't Success, # for each number in it."""
+        """Counts of outcomes, with the reason unless Success; `#` replaces numbers in it."""
         return self.tally.outcomes
 
     @property
@@ -74,7 +74,7 @@ class CampaignReport:
 
     @property
     def shares(self) -> list[ActionShare]:
-        """How attempts of each action ended, in the order in which they were first seen."""
+        """Return the outcome counts of each action, in the order of first occurrence."""
         return [
             ActionShare(name, *(found[each] for each in OUTCOMES))
             for name, found in self.tally.actions.items()

@@ -43,10 +43,11 @@ class Claim:
         return f"p {'>' if self.above else '<'} {self.limit:g}"
 
     def verdict(self, successes: int, count: int) -> bool | None:
-        """Whether it holds, or None while nobody can be sure.
+        """Return whether the claim holds, or None while undecided.
 
-        The limit is outside a confidence sequence: the rates that a bet on a uniform mixture of all others
-        hasn't multiplied by 1 / ERROR (Robbins 1970). So it may be asked after each trial.
+        The claim holds if its limit is outside a confidence sequence: the rates whose bet against a uniform
+        mixture of all other rates has not gained a factor of 1 / ERROR (Robbins 1970). So the verdict may
+        be asked after each trial.
         """
         failures = count - successes
         bet = float(betaln(1 + successes, 1 + failures))
@@ -65,7 +66,7 @@ class Settling:
         """Nothing is heard of yet."""
         self.claim, self._seeds = claim, seeds
         self.count = self.successes = 0
-        """Of the trials that count."""
+        """Number of counted trials."""
         self.verdict: bool | None = None
         self._waiting: dict[int, bool] = {}
 
@@ -83,7 +84,7 @@ class Settling:
 
     @classmethod
     def heard(cls, words: str | None, seeds: Sequence[int], trials: Iterable[Trial]) -> Settling | None:
-        """What became of a claim by these trials; None: nothing is claimed."""
+        """Return the state of a claim after these trials; None without a claim."""
         if words is None:
             return None
         settling = cls(Claim.of(words), seeds)

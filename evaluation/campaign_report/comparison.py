@@ -28,20 +28,20 @@ class NoPairs(InputError):
 
 @dataclass(frozen=True)
 class MetricChange:
-    """What became of a metric from the one campaign to the other."""
+    """Change of a metric from one campaign to the other."""
 
     name: str
     pairs: int
     """That both have it."""
     mean: float
-    """Of the differences, the other's value less the one's; of success, in shares of 1."""
+    """Mean difference, the other campaign's value minus the first one's; shares of 1 for success."""
     p_value: float
     adjusted: float
-    """By Holm over all metrics."""
+    """p-value adjusted over all metrics by Holm's method."""
 
     @property
     def proven(self) -> bool:
-        """Whether chance is no explanation."""
+        """True if the change is significant."""
         return self.adjusted <= ALPHA
 
 
@@ -56,11 +56,11 @@ class Parting:
 
 @dataclass(frozen=True)
 class Comparison:
-    """What two campaigns say of each other."""
+    """Paired comparison of two campaigns."""
 
     pairs: int
     unpaired: int
-    """Trials whose seed the other one doesn't have; they are left out."""
+    """Number of trials whose seed the other campaign lacks; they are excluded."""
     only_one: int
     """Pairs in which the one alone succeeded."""
     only_other: int
@@ -73,16 +73,16 @@ class Comparison:
     smallest: float | None
     """The smallest difference of success rates that would have been seen; None: none."""
     partings: dict[str, Parting]
-    """Where pairs part of which one alone succeeded."""
+    """First differences of the pairs in which only one trial succeeded."""
 
     @property
     def success(self) -> MetricChange:
-        """What became of the success rate."""
+        """Change of the success rate."""
         return self.changes[0]
 
     @property
     def worse(self) -> bool:
-        """Whether the other's success rate is lower, and chance is no explanation."""
+        """True if the other campaign's success rate is significantly lower."""
         return self.success.proven and self.success.mean < 0.0
 
 
@@ -145,7 +145,7 @@ def _part(partings: dict[str, Parting], mine: Trial, theirs: Trial) -> None:
 def _changes(
     only_one: int, only_other: int, pairs: int, columns: dict[str, list[float]]
 ) -> tuple[MetricChange, ...]:
-    """Metrics that are equal in all pairs can't be told apart by chance either: they aren't looked at."""
+    """Return the changes of all metrics that differ in some pair; equal metrics are not tested."""
     differences = {name: np.asarray(columns[name]) for name in sorted(columns)}
     looked = {name: each for name, each in differences.items() if each.any()}
     p_values = {SUCCESS: mcnemar(only_one, only_other)}

@@ -10,26 +10,26 @@ from handcart.evaluation.campaigns.trial import ActionEnd, Trial
 
 @dataclass(frozen=True)
 class Divergence:
-    """Where two runs part."""
+    """First action in which two runs differ."""
 
     number: int
-    """Of the action, from 1."""
+    """Number of the action, from 1."""
     one: ActionEnd | None
     """None: this run has ended before."""
     other: ActionEnd | None
 
     def words(self, one: str, other: str) -> str:
-        """For people, by what the two runs are called."""
+        """Describe the difference, with the names of the two runs."""
         return f"differs first in action {self.number}: {one} {_said(self.one)}; {other} {_said(self.other)}"
 
     @property
     def kind(self) -> str:
-        """The same for all pairs of runs that part in the same way."""
+        """Return a text that is equal for all pairs with this kind of difference."""
         return f"{_kind(self.one)} against {_kind(self.other)}"
 
 
 def first_difference(one: Trial, other: Trial) -> Divergence | None:
-    """The first action, or its outcome, that isn't the same; None: there is none."""
+    """Return the first action that differs in name or outcome; None if all are equal."""
     pairs = zip_longest(one.actions, other.actions)
     for number, (mine, theirs) in enumerate(pairs, start=1):
         if mine is None or theirs is None or _identity(mine) != _identity(theirs):

@@ -1,4 +1,4 @@
-"""What `handcart check` reckons exactly, beside what was measured."""
+"""Exact values computed by `handcart check`, compared with measured shares."""
 
 from __future__ import annotations
 
@@ -24,21 +24,23 @@ class ExactValue:
 
     goal: float
     p_value: float
-    """Of the exact binomial test that it is the measured share's true value."""
+    """p-value of the exact binomial test that this is the true value of the measured share."""
 
     @property
     def agrees(self) -> bool:
-        """Whether the measured share gives no reason to doubt it."""
+        """True if the measured share does not contradict the exact value."""
         return self.p_value >= UNLIKELY
 
 
 def exact_goal(task: Path, settings: Mapping[str, str]) -> float | str:
-    """P(goal) of a task by its file's probabilities, or why there is none."""
+    """Return P(goal) of a task by its file's probabilities, or a text that says why it is unknown."""
     return exact_end(task, settings, "Success")
 
 
 def exact_end(task: Path, settings: Mapping[str, str], outcome: str) -> float | str:
-    """How likely a run ends with Success, Fail or GiveUp by its file's probabilities, or why nobody knows."""
+    """Return the probability that a run ends with Success, Fail or GiveUp by its file's probabilities, or a
+    text that says why it is unknown.
+    """
     try:
         read = load_task(task, settings)
     except InputError:
@@ -55,8 +57,8 @@ def exact_end(task: Path, settings: Mapping[str, str], outcome: str) -> float | 
 
 
 def file_chances(task: Path, settings: Mapping[str, str]) -> dict[str, float]:
-    """The probabilities of Success that stand in a task's file, by the action's name; none where it can't be
-    read any more.
+    """Return the probabilities of Success in a task's file by the action's name; empty if the file is
+    unreadable.
     """
     try:
         read = load_task(task, settings)

@@ -1,6 +1,7 @@
-"""Intervals that hold the true value in 95 % of cases, whatever the distribution.
+"""Distribution-free intervals that hold the true value in 95 % of cases.
 
-By their formulas: scipy.stats, which has them, takes as long to import as a campaign on the network to run.
+They are computed by their formulas, because importing scipy.stats takes as long as a campaign on the
+network.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ LEVEL = 0.95
 
 
 def wilson(successes: int, count: int) -> tuple[float, float]:
-    """Of a probability, by Wilson (1927); of no trials at all it is everything."""
+    """Return the interval of a probability by Wilson (1927); (0, 1) without trials."""
     if not count:
         return 0.0, 1.0
     share, z = successes / count, float(ndtri(0.5 + LEVEL / 2.0))
@@ -24,7 +25,9 @@ def wilson(successes: int, count: int) -> tuple[float, float]:
 
 
 def median_interval(values: NDArray[np.float64]) -> tuple[float, float] | None:
-    """Of a median, by order statistics: exact, at least 95 %. None: fewer than 6 values bound none."""
+    """Return the interval of a median by order statistics, exact, at least 95 %; None with fewer than 6
+    values.
+    """
     below = bdtr(np.arange(len(values) + 1.0), len(values), 0.5)
     rank = int(np.searchsorted(below, (1.0 - LEVEL) / 2.0))
     if rank < 1:

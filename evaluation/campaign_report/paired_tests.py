@@ -14,7 +14,7 @@ from scipy.stats import binom, binomtest, wilcoxon
 ALPHA = 0.05
 POWER = 0.8
 FIRST_SHARE = 0.9
-"""Of `ALPHA`, that the success rate has to itself; the other metrics share the rest."""
+"""Share of `ALPHA` reserved for the success rate; the other metrics share the rest."""
 
 
 def mcnemar(only_one: int, only_other: int) -> float:
@@ -61,10 +61,11 @@ def weights_of(first: str, others: list[str]) -> dict[str, float]:
 
 
 def e_value(only_one: int, only_other: int) -> float:
-    """How much one would have won by betting against equal success rates, starting with 1.
+    """Return the capital gained by betting against equal success rates, starting with 1.
 
-    It may be looked at after each pair: that it ever reaches 1 / ALPHA has a probability of at most ALPHA if
-    they are equal (Ville 1939). The bet is the mixture over all rates by a uniform prior (Robbins 1970).
+    The bet may be evaluated after each pair: if the rates are equal, the probability that it ever reaches 1
+    / ALPHA is at most ALPHA (Ville 1939). The bet is the mixture over all rates by a uniform prior (Robbins
+    1970).
     """
     count = only_one + only_other
     log = float(betaln(1 + only_one, 1 + only_other)) + count * math.log(2.0)

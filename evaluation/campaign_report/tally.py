@@ -1,4 +1,4 @@
-"""What is counted of a campaign's trials, in one pass over them."""
+"""Counts over a campaign's trials, in one pass."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from handcart.evaluation.campaigns.trial import Trial
 OUTCOMES = ("Success", "Fail", "GiveUp")
 WORST = 10
 OF_ALL = ("sim_time_s", "actions", "fails")
-"""Figures that each trial has, beside its task's metrics. How long the machine took is none."""
+"""Figures of each trial in addition to its task's metrics; the machine's time is not one of them."""
 _NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?!\w)")
 
 
@@ -27,7 +27,7 @@ class Blame(NamedTuple):
     primitive: str
     outcome: str
     check: str
-    """What found it out: see `Cause.check`; empty where that isn't known."""
+    """Check that found the cause, as in `Cause.check`; empty if unknown."""
     reason: str
     """With # for each number."""
 
@@ -38,7 +38,7 @@ def in_general(reason: str) -> str:
 
 
 def outcome_in_general(summary: Mapping[str, Any]) -> str:
-    """How a trial ended, and why, in general."""
+    """Return the outcome of a trial and its reason, with numbers replaced by `#`."""
     reason = in_general(summary["reason"])
     return str(summary["outcome"]) + (f": {reason}" if reason else "")
 
@@ -59,15 +59,15 @@ class Tally:
     def __init__(self, trials: Iterable[Trial]) -> None:
         self.count = self.successes = 0
         self.outcomes: Counter[str] = Counter()
-        """Of the trials, with the reason in general where it isn't Success."""
+        """Counts of outcomes, with the general reason unless Success."""
         self.untrue: list[int] = []
-        """Which trials have an outcome that the ground truth contradicts."""
+        """Seeds of trials with an outcome that the ground truth contradicts."""
         self.columns: dict[str, array[float]] = {}
         """Each metric's values."""
         self.yes_no: set[str] = set()
-        """Those of the metrics that are yes or no."""
+        """Names of the yes-or-no metrics."""
         self.actions: dict[str, Counter[str]] = {}
-        """Of each action of the file how often it ended how."""
+        """Counts of outcomes of each action in the file."""
         self.blames: Counter[Blame] = Counter()
         self.worst: list[tuple[bool, bool, float, int]] = []
         """The trials to look at first, by rank, the last element saying which."""
@@ -79,7 +79,7 @@ class Tally:
 
     @property
     def median_run(self) -> int | None:
-        """Which trial took the median time of those that succeeded; None: none did."""
+        """Return the seed of the successful trial with the median time; None without success."""
         if not self.timed:
             return None
         order = np.lexsort((np.asarray(self.timed), np.asarray(self.times)))

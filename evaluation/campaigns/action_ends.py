@@ -1,4 +1,4 @@
-"""How each action of a trial ended, heard while it runs."""
+"""Observer that records how each action of a trial ended."""
 
 from __future__ import annotations
 
@@ -57,6 +57,6 @@ def action_names(task: Task) -> list[str]:
 
 
 def names_in_network(task: Task) -> dict[int, str]:
-    """The same by the numbers of the network's actions; a skip has none."""
+    """Return the names of actions by their numbers in the network; skips have no name."""
     names = action_names(task)
     return {number: names[entry] for number, entry in enumerate(task.entries) if entry is not None}

@@ -23,23 +23,23 @@ def run_campaign(
     log: TrialLog | None = None,
     cluster: str | None = None,
 ) -> Generator[Trial, None, None]:
-    """Run the trials, each handed out when it has ended, and is in the log.
+    """Run trials and yield each one once it has ended and is in the log.
 
-    A trial that was cancelled by itself is left out. An interrupt (Ctrl-C, SIGTERM, SIGHUP) stops the trials
-    that run, and ends the campaign; a second one kills them.
+    A trial that was cancelled on its own does not count. An interrupt (Ctrl-C, SIGTERM, SIGHUP) stops the
+    running trials and ends the campaign; a second interrupt kills them.
 
     Args:
-        setting: what they have in common.
-        seeds: of each one; those that are in the log are left out.
-        jobs: how many processes; 1: this one.
-        log: where they are kept.
-        cluster: address, or file, of a Dask scheduler whose workers run them; None: processes do.
+        setting: common setting of all trials.
+        seeds: one seed for each trial; seeds that are already in the log are skipped.
+        jobs: number of processes; 1 runs the trials in this process.
+        log: file of ended trials.
+        cluster: address or file of a Dask scheduler whose workers run the trials; None: local processes.
 
     Raises:
-        KeyboardInterrupt: there was an interrupt.
-        NoCluster, ClusterLost: the scheduler doesn't answer, or no more.
-        TrialLogError: the log can't be written.
-        HandcartError: a trial can't be run.
+        KeyboardInterrupt: an interrupt arrived.
+        NoCluster, ClusterLost: the scheduler does not answer, or stopped answering.
+        TrialLogError: the log cannot be written.
+        HandcartError: a trial cannot be run.
     """
     left = (seed for seed in seeds if log is None or seed not in log)
     with Interrupts(), closing(_every(setting, left, jobs, cluster)) as every:

@@ -46,7 +46,7 @@ def checksums(setting: CampaignSetting, task: Task) -> dict[str, str]:
 
 
 class _Word(NamedTuple):
-    """What may be a file's name."""
+    """Text that may be the name of a file."""
 
     text: str
     given: bool

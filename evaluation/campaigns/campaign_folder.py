@@ -1,4 +1,4 @@
-"""A campaign's folder: `campaign.json`, what was asked for; `trials.jsonl`, what has ended; `runs`."""
+"""Folder of a campaign: `campaign.json` (arguments), `trials.jsonl` (ended trials) and `runs`."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ FORMAT = "handcart-campaign/1"
 TRIALS, ARGUMENTS, RUNS = "trials.jsonl", "campaign.json", "runs"
 _MOST = 16 * 2**20
 Arguments = Mapping[str, Any]
-"""What decides how a campaign's trials end, ready for JSON: equal in all its parts but for `shard`."""
+"""Arguments that decide how trials end, ready for JSON; shards of a campaign differ only in `shard`."""
 _NAMES_ALONE = (
     "format",
     "task",
@@ -31,7 +31,7 @@ _NAMES_ALONE = (
 
 
 class NoCampaign(InputError):
-    """A folder holds no campaign that can be read, or gone on with."""
+    """Error: a folder holds no campaign that can be read or continued."""
 
     def __init__(self, folder: Path, wrong: str) -> None:
         words = f"{folder}: {wrong}; allowed: the folder of a campaign, made by handcart campaign --out"
@@ -79,10 +79,10 @@ class CampaignFolder:
 
     @classmethod
     def read(cls, folder: Path) -> CampaignFolder:
-        """One that is there.
+        """Open an existing campaign folder.
 
         Raises:
-            NoCampaign: there is none.
+            NoCampaign: the folder holds no campaign.
         """
         path = folder / ARGUMENTS
         try:
@@ -98,10 +98,10 @@ class CampaignFolder:
 
     @classmethod
     def read_runs(cls, folder: Path) -> CampaignFolder:
-        """One that is there, each trial of which is a run, or a walk.
+        """Open an existing campaign folder whose trials are runs or walks, not populations.
 
         Raises:
-            NoCampaign: there is none.
+            NoCampaign: the folder holds no such campaign.
         """
         found = cls.read(folder)
         if found.arguments.get("rare"):
@@ -110,7 +110,7 @@ class CampaignFolder:
 
     @property
     def runs(self) -> Path:
-        """Where its runs' folders are."""
+        """Folder that holds the runs' folders."""
         return self.folder / RUNS
 
     def log(self) -> TrialLog:
@@ -118,17 +118,17 @@ class CampaignFolder:
         return TrialLog(self.folder / TRIALS)
 
     def trials(self) -> TrialFile:
-        """What has ended by now, to look at only.
+        """Return the trials that have ended so far, read-only.
 
         Raises:
-            TrialLogError: a line isn't what was written.
+            TrialLogError: a line is damaged.
         """
         path = self.folder / TRIALS
         return TrialFile(path, read_offsets(path)[0].items() if path.exists() else ())
 
 
 def differences(there: Arguments, asked: Arguments, but: tuple[str, ...] = ()) -> list[str]:
-    """In words, what differs between two campaigns' arguments, but for some."""
+    """Describe the differences between the arguments of two campaigns, except for the keys in `but`."""
     words = []
     for key in dict.fromkeys([*there, *asked]):
         mine, given = there.get(key), asked.get(key)

@@ -1,4 +1,4 @@
-"""What all trials of a campaign have in common."""
+"""Common setting of all trials of a campaign."""
 
 from __future__ import annotations
 
@@ -15,35 +15,36 @@ WorldGenerator = Callable[[int, Path], Mapping[str, str]]
 """Writes the files of a world, by a seed, into a folder, and gives the settings of a task that name them."""
 
 Level = Literal["run", "fitted", "network"]
-"""What a trial is: a run on a backend; or a walk through the network, outcomes drawn as recorded campaigns
-show them, or by the file's `p`."""
+"""Kind of a trial: a run on a backend, or a walk through the network with outcomes drawn by the odds of
+recorded campaigns (`fitted`) or by the file's `p` (`network`).
+"""
 
 
 @dataclass(frozen=True)
 class CampaignSetting:
-    """What each trial is told, beside its seed."""
+    """Setting of a trial except for its seed."""
 
     task: Path
     backend: str | None = None
     settings: Mapping[str, str] | None = None
     world: WorldGenerator | None = None
-    """What makes each trial a world of its own, by its seed; None: the task's own."""
+    """Generator of a separate world for each trial, by its seed; None: the task's own world."""
     runs: Path = Path("runs")
-    """Where the runs' folders are made."""
+    """Folder in which the runs' folders are created."""
     level: Level = "run"
     varied: Variation | None = None
-    """What varies from trial to trial."""
+    """Variation of values from trial to trial."""
     seeds: range = range(0)
-    """Of all trials, in whatever parts they are run: what varies is spread over them."""
+    """Seeds of all trials, over all shards; variations are spread over them."""
     faults: Path | None = None
     """A file of faults that come in each trial."""
     learned_from: tuple[Path, ...] = ()
     """Folders of the campaigns that show how actions end."""
 
     rare: RareEvent | None = None
-    """What makes each trial a population of runs that shows how often runs end so; None: each is one run."""
+    """Rare event that each trial estimates with a population of runs; None: each trial is one run."""
 
     @property
     def walks(self) -> bool:
-        """Whether no robot moves."""
+        """True if trials are walks through the network, without a robot."""
         return self.level != "run"

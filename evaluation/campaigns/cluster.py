@@ -30,7 +30,7 @@ Work = Callable[[int], bytes]
 ANSWERS_S = 10.0
 """[s] within which a scheduler answers, and knows a worker."""
 PATIENCE_S = 5.0
-"""[s] for which nobody else is given a trial that is on its way, at least."""
+"""Minimum time before a trial under way is given to a second worker, in [s]."""
 LATE = 3.0
 """Times the mean time of a trial, the same."""
 COPIES = 4
@@ -44,11 +44,11 @@ NAPS_S = 0.005
 _ALONE = threading.Lock()  # a process runs one trial at a time: libraries are set up for all its threads
 
 _CHECKED: list[TrialThere] = []
-"""What a worker has found to be as it is here."""
+"""Trials whose files this worker has compared with the sender's."""
 
 
 class ClusterLost(HandcartError):
-    """The scheduler is gone; what has ended is on disk."""
+    """Error: the scheduler is gone; ended trials are on disk."""
 
     def __init__(self, address: str) -> None:
         super().__init__(f"the scheduler {address} is gone; the same command goes on with what is left")
@@ -60,14 +60,18 @@ class OtherFiles(InputError):
 
 @dataclass(frozen=True)
 class TrialThere:
-    """What a worker does; it has the same files, by their content, at the same paths."""
+    """Work of a worker, which needs the same files, by content, at the same paths."""
 
     setting: CampaignSetting
     files: Mapping[str, str]
 
     @classmethod
     def of(cls, setting: CampaignSetting) -> TrialThere:
-        """By files that are here; raises `FileError` where they are wrong."""
+        """Return the work for a setting with files on this machine.
+
+        Raises:
+            FileError: a file is invalid.
+        """
         faults = None if setting.faults is None else setting.faults.absolute()
         there = replace(setting, task=setting.task.absolute(), runs=setting.runs.absolute(), faults=faults)
         return cls(there, _files(there))
@@ -97,7 +101,7 @@ def _files(setting: CampaignSetting) -> Mapping[str, str]:
 
 @contextmanager
 def _quiet() -> Iterator[None]:
-    """Without what the library tells programmers of connections that are lost."""
+    """Silence the library's messages to programmers about lost connections."""
     handlers = list(logging.getLogger("distributed").handlers)
     before = [each.level for each in handlers]
     for each in handlers:
@@ -118,7 +122,7 @@ class Asked:
 
 
 class Cluster:
-    """Runs trials on the workers of a scheduler. Who leaves the iteration early gives the rest up."""
+    """Runs trials on the workers of a scheduler; leaving the iteration early cancels the remaining trials."""
 
     def __init__(self, work: Work, address: str) -> None:
         """Nothing is asked for before it is iterated.
@@ -130,20 +134,20 @@ class Cluster:
         self._work, self._address = work, address
         self._left: Iterator[int] = iter(())
         self._over = False
-        """Whether each seed has been given to somebody."""
+        """True once each seed has been given to a worker."""
         self._asked: dict[int, Asked] = {}
         self._seeds: dict[Any, int] = {}
-        """By the key of a future."""
+        """Seeds by the key of their future."""
         self._took, self._ended = 0.0, 0
         self._looked, self._room = 0.0, 0
 
     def trials(self, seeds: Iterable[int]) -> Generator[list[Trial], None, None]:
-        """Run a trial for each seed; those that have ended by the same time come together.
+        """Run a trial for each seed; yield trials that ended at the same time together.
 
         Raises:
-            NoCluster: nobody answers.
-            ClusterLost: nobody answers any more.
-            TrialFault: a trial can't be run.
+            NoCluster: the scheduler does not answer.
+            ClusterLost: the scheduler stopped answering.
+            TrialFault: a trial cannot be run.
         """
         from distributed import as_completed
 
@@ -199,7 +203,7 @@ class Cluster:
         return bool(self._asked) or not self._over
 
     def _give_again(self, client: Client, waiting: Any) -> None:
-        """What is late is given to those that have nothing to do: who has it is dead, frozen or slow."""
+        """Give late trials to idle workers as well, because their worker is dead, frozen or slow."""
         idle = [worker for worker, keys in client.processing().items() if not keys]
         most = max(PATIENCE_S, LATE * self._took / max(1, self._ended))
         for seed, asked in self._asked.items():
@@ -214,7 +218,7 @@ class Cluster:
         waiting.add(future)
 
     def _taken(self, client: Client, batch: Iterable[tuple[Future[bytes], Any]]) -> list[Trial]:
-        """Of each trial what came first."""
+        """Return the first result of each trial."""
         done = []
         for future, result in batch:
             seed = self._seeds.pop(future.key)

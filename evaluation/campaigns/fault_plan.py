@@ -31,9 +31,9 @@ class PlannedFault(FileModel):
         "exception", "refused command", "stuck actuator", "slip", "stale sensor", "NaN", "lidar faults"
     ]
     sensor: str = ""
-    """Which one is concerned; of an exception, empty: the next command."""
+    """Affected sensor; for an exception, empty means the next command."""
     periods: Annotated[int, Field(ge=1, le=1_000_000)] = 1
-    """For how long."""
+    """Duration in periods."""
     speed_m_s: float = 0.0
     """At which a standing base slides ahead."""
     turn_deg_s: float = 0.0
@@ -54,7 +54,7 @@ class PlannedFault(FileModel):
         return self
 
     def fault(self) -> Fault:
-        """What is injected."""
+        """Return the fault to inject."""
         turn = math.radians(self.turn_deg_s)
         return Fault(FaultKind(self.kind), self.sensor, self.periods, self.speed_m_s, turn)
 
@@ -72,7 +72,7 @@ class PlannedFault(FileModel):
 
 
 class FaultPlan(FileModel):
-    """What stands in a file of faults."""
+    """Content of a file of faults."""
 
     format: Literal["handcart-faults/1"]
     faults: Annotated[list[PlannedFault], Field(min_length=1)]
@@ -84,10 +84,10 @@ def load_faults(path: Path) -> FaultPlan:
 
 
 class InjectedFaults(RunObserver):
-    """Puts itself around a trial's backend, and injects the plan's faults while the run goes on.
+    """Wraps a trial's backend and injects the plan's faults during the run.
 
-    There is one fault at a time: one that comes ends the one before it. Exceptions hit whoever asks the
-    backend next but the localizer, which runs above all backends alike.
+    Only one fault is active: a new fault ends the one before it. Exceptions reach the next caller of the
+    backend other than the localizer, which runs above all backends alike.
     """
 
     def __init__(self, plan: FaultPlan, seed: int) -> None:

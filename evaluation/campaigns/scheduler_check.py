@@ -1,4 +1,4 @@
-"""Whether a Dask scheduler answers at an address, before anything is given to the library."""
+"""Test whether a Dask scheduler answers at an address, before the library is used."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ MAX_FILE = 2**20  # of a scheduler's file [bytes]
 
 
 class NoCluster(InputError):
-    """There is no scheduler, or no worker; nothing has moved."""
+    """Error: no scheduler or no worker is available; nothing has moved."""
 
 
 class NoScheduler(NoCluster):
-    """What answers at the address is no scheduler, or nothing answers."""
+    """Error: the program at the address is not a scheduler, or nothing answers."""
 
     def __init__(self, address: str, wrong: str) -> None:
         allowed = "allowed: the address of a Dask scheduler, such as tcp://10.0.0.1:8786"
@@ -28,16 +28,16 @@ class NoScheduler(NoCluster):
 
 
 def check_scheduler(address: str, timeout: float) -> None:
-    """Ask whoever listens at an address who they are.
+    """Ask the program at an address to identify itself as a scheduler.
 
-    The library itself retries for as long as something accepts its connections, whatever that is.
+    The library itself retries as long as any program accepts its connections.
 
     Args:
         address: such as `tcp://10.0.0.1:8786`, or the path of a scheduler's file.
-        timeout: for the answer, in [s].
+        timeout: time-out of the answer, in [s].
 
     Raises:
-        NoScheduler: nothing answers within that time, or something else.
+        NoScheduler: nothing, or another kind of program, answers within that time.
     """
     try:
         said = asyncio.run(asyncio.wait_for(_identity(_address_in(address), timeout), timeout))

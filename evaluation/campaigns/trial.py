@@ -9,10 +9,10 @@ from typing import Any, NamedTuple
 
 
 class ActionEnd(NamedTuple):
-    """How an action that was started ended."""
+    """Outcome of a started action."""
 
     action: str
-    """As in the file, the same for all elements of a repeat: `MOVE_TO (loaded to there)`."""
+    """Name from the task file, the same for all elements of a repeat: `MOVE_TO (loaded to there)`."""
     source: str
     """The situation, in a repeat with its copy's number: `loaded[2]`."""
     target: str
@@ -23,9 +23,9 @@ class ActionEnd(NamedTuple):
     reason: str = ""
     """Why it didn't succeed."""
     check: str = ""
-    """What found that out: see `Cause.check`."""
+    """Check that found the cause, as in `Cause.check`."""
     for_good: bool = False
-    """Whether a Fail used up all attempts."""
+    """True if a Fail used up all attempts."""
 
     @property
     def primitive(self) -> str:
@@ -41,32 +41,32 @@ class Trial:
     status: int
     summary: Mapping[str, Any]
     actions: Sequence[ActionEnd] = ()
-    """In the order in which they ended."""
+    """Outcomes of the actions, in the order in which they ended."""
     signalled: bool = False
-    """Whether an interrupt came, be it after its last action."""
+    """True if an interrupt arrived, even after the last action."""
     varied: Mapping[str, float] = field(default_factory=dict)
     """The numbers that vary from trial to trial, by name."""
     faults: Sequence[Mapping[str, Any]] = ()
-    """What was injected, in order: each with `fault`, `at_s` and `bitten`."""
+    """Injected faults in order, each with `fault`, `at_s` and `bitten`."""
 
     @property
     def success(self) -> bool:
-        """Whether the goal was reached."""
+        """True if the goal was reached."""
         return self.status == 0
 
     @property
     def run_name(self) -> str:
-        """What the folder of its run is called; empty: it has none."""
+        """Name of the run's folder; empty without one."""
         return PurePath(str(self.summary.get("run_dir") or "")).name
 
     @property
     def cancelled(self) -> bool:
-        """Whether somebody stopped it: then it says nothing of the task."""
+        """True if a person stopped the trial; then it says nothing about the task."""
         return bool(self.summary["outcome"] == "Cancelled")
 
     @property
     def interrupted(self) -> bool:
-        """Whether a signal stopped it, or came as it was over; it stops all that the trial is part of."""
+        """True if a signal stopped the trial or arrived at its end; the whole campaign then stops."""
         if self.signalled or not self.cancelled:
             return self.signalled
         from handcart.networks.coordination.supervision import INTERRUPTED

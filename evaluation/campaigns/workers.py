@@ -129,7 +129,7 @@ class Workers:
         self._took = (now - self._first) * len(self._workers) / self._ended
 
     def _busy(self) -> bool:
-        """Whether there is anything to wait for; as many processes as are useful have work."""
+        """Give work to as many processes as are useful; return True while any trial is pending."""
         self._workers = [each for each in self._workers if each.seeds or self._feed(each)]
         while len(self._workers) < self._jobs:
             first = next(self._left, None)
@@ -151,7 +151,7 @@ class Workers:
         return bool(worker.seeds)
 
     def _buried(self, worker: Worker) -> list[Trial]:
-        """What it had to do is done by others; a trial that kills each of them has ended."""
+        """Hand the dead worker's trials to others; a trial that kills each of its workers has ended."""
         self._workers.remove(worker)
         worker.process.join()
         first = worker.seeds[0]
@@ -175,8 +175,10 @@ class Workers:
 
 
 def end(processes: Iterable[BaseProcess]) -> None:
-    """Tell them to end until they have: a trial stops its robot, and one that was just over is followed by
-    another that waits. Who is interrupted here once more kills them.
+    """Ask processes to end until all have ended.
+
+    A trial stops its robot first, and a trial that has just ended may be followed by another. An interrupt
+    here kills the processes.
     """
     alive = list(processes)
     try:
@@ -202,7 +204,7 @@ def _how(process: BaseProcess) -> str:
 
 
 def _serve(connection: Connection, work: Work) -> None:
-    """In each process: run what is sent, send what has ended, until nobody is at the other end."""
+    """Loop of a worker process: run received seeds and send ended trials, until the other end is closed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # it comes to all of a terminal's processes; one is enough
     end_with_parent()
     try:
