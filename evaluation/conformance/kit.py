@@ -1,4 +1,4 @@
-"""The conformance kit as a whole: what is tried, and in how many processes."""
+"""The conformance kit as a whole: its parts, and their processes."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ PARTS = ("checks", "faults", "mutants", "tasks")
 QUICK_PARTS = PARTS[:3]
 INSTANTS = {"kinematic": (40, 3)}
 OTHER_INSTANTS = (10, 1)
-"""Of each primitive's run in which faults are injected: in full, and quick."""
+"""Numbers of fault instants in each primitive's run: full mode, quick mode."""
 SHARE = 10  # instants of an action that one process sees to at a time, at most
 SEEDS, SEEDS_QUICK = 50, 2
 """Of each shipped task with errors: in full, and quick."""
@@ -40,30 +40,30 @@ LONGEST = 600.0  # [s] of CPU time that a check or a liar gets
 
 @dataclass(frozen=True)
 class KitSetting:
-    """What is tried."""
+    """Setting of the conformance kit."""
 
     backend: str
     robot: str = "librarian"
     quick: bool = False
     parts: Sequence[str] = ()
-    """Of `PARTS`; none: all, but quick without whole tasks."""
+    """Selection from `PARTS`; empty: all parts, in quick mode without whole tasks."""
     primitives: Sequence[str] = ()
     """Faults go into these alone; none: into all."""
     instants: int | None = None
-    """Of each primitive's run in which faults are injected; None: as many as the mode says."""
+    """Number of fault instants in each primitive's run; None: the mode's default."""
     seeds: int | None = None
-    """Of each shipped task; None: as many as the mode says."""
+    """Number of seeds of each shipped task; None: the mode's default."""
     only_tasks: Sequence[str] = ()
-    """Of whole tasks these alone, by their folders' names; none: all that the robot can do."""
+    """Folder names of the whole tasks to run; empty: all tasks that the robot can do."""
 
     @property
     def bench(self) -> Bench:
-        """Where checks are made."""
+        """Return the bench on which checks run."""
         return Bench(self.backend, self.robot, self._files, quick=self.quick)
 
     @cached_property
     def _files(self) -> RigFiles:
-        """Of the first task that is made for the robot; one without a map gives no rig."""
+        """Return the files of the first task made for the robot; without a map there is no rig."""
         task = load_task(self.tasks[0], self._chosen) if self.tasks else None
         return RigFiles() if task is None or task.path("knowledge", "map") is None else RigFiles.of(task)
 
@@ -113,7 +113,7 @@ class KitSetting:
 
     @property
     def chosen_parts(self) -> Sequence[str]:
-        """What is tried."""
+        """Return the parts to run."""
         return self.parts or (QUICK_PARTS if self.quick else PARTS)
 
     @property
@@ -176,12 +176,12 @@ def jobs_of(setting: KitSetting) -> list[Job]:
 def run_kit(
     setting: KitSetting, processes: int = 2, tell: Callable[[int, int], None] = lambda done, count: None
 ) -> KitReport:
-    """Try everything, in a pool of processes.
+    """Run the kit in a pool of processes.
 
     Args:
-        setting: what is tried.
-        processes: side by side.
-        tell: told after each job, and now and then, how many are done, of how many.
+        setting: selection of parts.
+        processes: number of parallel processes.
+        tell: called after each job, and from time to time, with the numbers of finished and of all jobs.
     """
     jobs = jobs_of(setting)
     results: dict[int, Result] = {}
@@ -216,7 +216,7 @@ def _result(job: Job, ended: Future[Result]) -> Result:
 
 
 def _begins() -> None:
-    """In each process."""
+    """Set up each process of the pool."""
     import cv2
 
     end_with_parent()

@@ -1,1 +1,1 @@
-"""What must hold of a backend."""
+"""Checks of a backend's contract."""

@@ -21,7 +21,7 @@ SIGMAS = 5.0
 
 
 def beacons(bench: Bench, finding: CheckResult) -> None:
-    """Ranges come at their rate, and tell how far the beacons truly are."""
+    """Check that ranges come at their rate and match the true distances of the beacons."""
     with bench.rig() as rig:
         backend, radio, spec = rig.backend, needed(rig.backend, Beacons), bench.spec().beacons
         scene = simulated_world(backend)

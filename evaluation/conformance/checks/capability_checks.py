@@ -84,7 +84,7 @@ def readings(bench: Bench, finding: CheckResult) -> None:
 
 
 def _scan_readings(scan: Scan, lidar: Lidar, spec: RangeSpec, finding: CheckResult) -> None:
-    """Angles and ranges of a raw scan; what a driver delivers in place of a range is no fault."""
+    """Check angles and ranges of a raw scan; a driver's substitutes for missing ranges are allowed."""
     finding.expect(scan.ranges.shape == scan.angles.shape == (spec.beams,), f"{scan.ranges.shape} beams")
     met = scan.ranges[np.isfinite(scan.ranges)]
     finding.expect(bool((met <= spec.reach_m).all()), "a range beyond the reach")
@@ -136,7 +136,7 @@ def signs_of_the_scan(bench: Bench, finding: CheckResult) -> None:
 
 
 def signs_of_the_joints(bench: Bench, finding: CheckResult) -> None:
-    """Each joint goes where it is told, in [rad], the others stay."""
+    """Check that each joint moves to its commanded angle, in [rad], while the others stay."""
     with bench.rig() as rig:
         arm = needed(rig.backend, Arm)
         start, gives = arm.command(), _gives(bench.spec().errors)
@@ -155,13 +155,13 @@ def signs_of_the_joints(bench: Bench, finding: CheckResult) -> None:
 
 
 def _gives(errors: Errors) -> float:
-    """By how much joints may truly be off what their encoders read, in [rad]."""
+    """Return the largest allowed difference between a joint's true angle and its encoder, in [rad]."""
     off = errors.hand_systematic_mm + 3.0 * errors.hand_repeat_mm + errors.hand_uniform_mm
     return off / 1e3 / SHORT
 
 
 def fingers(bench: Bench, finding: CheckResult) -> None:
-    """The fingers go to the opening that they are told, in [m], and press on each other when closed."""
+    """Check that the fingers open to the commanded width, in [m], and press on each other when closed."""
     spec = bench.spec().gripper
     with bench.rig() as rig:
         gripper = needed(rig.backend, Gripper)
@@ -226,9 +226,9 @@ def rates(bench: Bench, finding: CheckResult) -> None:
 
 
 def best_turn(before: NDArray[np.float64], after: NDArray[np.float64], angles: NDArray[np.float64]) -> float:
-    """By how much a scan of evenly spread beams is turned to the left against an earlier one, in [rad].
+    """Return the left turn of a scan of evenly spaced beams against an earlier scan, in [rad].
 
-    Less than a full turn of beams is compared where both scans overlap.
+    Scans of less than a full turn are compared where they overlap.
     """
     spacing, count = float(angles[1] - angles[0]), len(angles)
     whole = angles[-1] - angles[0] + 1.5 * spacing > 2.0 * math.pi

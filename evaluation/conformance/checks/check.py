@@ -12,21 +12,21 @@ from handcart.evaluation.conformance.rig.skipped import Skipped
 
 @dataclass
 class CheckResult:
-    """What a check found: `wrong` says in words what doesn't hold, `measured` what was seen.
+    """Result of a check: `wrong` lists violations, `measured` the observed values.
 
-    A check that couldn't be made, because the robot lacks what it looks at, is `skipped` with the reason.
+    A check of something that the robot lacks is `skipped` with the reason.
     """
 
     name: str
     holds: str
-    """What must hold."""
+    """Property that must hold."""
     wrong: list[str] = field(default_factory=list)
     measured: list[str] = field(default_factory=list)
     skipped: str = ""
 
     @property
     def ok(self) -> bool:
-        """Whether nothing is wrong."""
+        """True without violations."""
         return not self.wrong
 
     def expect(self, holds: bool, words: str) -> None:
@@ -47,7 +47,7 @@ class Check:
 
     name: str
     holds: str
-    """In words, for the table."""
+    """Property that must hold, as text for the table."""
     look: Callable[[Bench, CheckResult], None]
 
     def __call__(self, bench: Bench) -> CheckResult:

@@ -137,7 +137,7 @@ def close_twice(bench: Bench, finding: CheckResult) -> None:
 
 
 def _command_all(spec: RobotFile, backend: Backend) -> None:
-    """Everything that can move is told to: the base ahead, a joint, the fingers."""
+    """Command every actuator: the base ahead, a joint, the fingers."""
     needed(backend, Base).drive(*drivable(spec, 0.1, 0.1))
     arm, gripper = part_of(backend, Arm), part_of(backend, Gripper)
     if arm is not None:

@@ -21,7 +21,7 @@ OFF = 3.0  # sigmas that the median of fixes may be off, of two axes; outliers a
 
 
 def gps(bench: Bench, finding: CheckResult) -> None:
-    """Fixes come at their rate, and tell where the antenna truly is, in [m]."""
+    """Check that fixes come at their rate and match the true position of the antenna, in [m]."""
     robot = bench.spec()
     with bench.rig() as rig:
         backend, receiver = rig.backend, needed(rig.backend, Gps)

@@ -19,7 +19,7 @@ SIGMAS = 5.0
 
 
 def positioning(bench: Bench, finding: CheckResult) -> None:
-    """Readings come at their rate, and tell where the base truly was as long ago as they say."""
+    """Check that readings come at their rate and match the true pose of the base at their time stamp."""
     spec = bench.spec().positioning
     with bench.rig() as rig:
         backend, system, period = rig.backend, needed(rig.backend, Positioning), rig.backend.period

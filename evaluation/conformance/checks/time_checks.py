@@ -34,7 +34,7 @@ DAYS = 1e6  # [s] by which a clock is put forward at each look
 
 
 def period(bench: Bench, finding: CheckResult) -> None:
-    """A step is one period of the robot's file: what is driven in N of them says so."""
+    """Check that a step lasts one period of the robot's file, by the distance driven in N steps."""
     spec = bench.spec()
     with bench.rig() as rig:
         backend, count, speed = rig.backend, 40, 0.2
@@ -56,7 +56,7 @@ def period(bench: Bench, finding: CheckResult) -> None:
 
 
 def monotonic(bench: Bench, finding: CheckResult) -> None:
-    """The simulated clock goes on by one period with each step, and not otherwise."""
+    """Check that the simulated clock advances by one period with each step, and only then."""
     with bench.rig() as rig:
         scene = simulated_world(rig.backend)
         if scene is None:
@@ -88,7 +88,7 @@ def same_seed(bench: Bench, finding: CheckResult) -> None:
 
 
 def looking_on(bench: Bench, finding: CheckResult) -> None:
-    """Who takes more readings doesn't change the run."""
+    """Check that additional readings do not change the run."""
     quiet = _script(bench, 3, look=lambda backend, number: number % 10 == 9)
     busy = _script(bench, 3)
     kept = [readings for number, readings in enumerate(busy) if number % 10 == 9]

@@ -1,1 +1,1 @@
-"""What goes wrong on purpose, and whether outcomes stay true."""
+"""Injected faults, and the check that outcomes stay true."""

@@ -1,4 +1,4 @@
-"""Whether outcomes are true, whatever goes wrong at whatever instant."""
+"""Check that outcomes are true under every fault at every instant."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class FaultTrial(NamedTuple):
     action: int
     """Number of the rehearsed action, from 1; 0: a primitive alone."""
     period: int
-    """How many periods of the attempt were over."""
+    """Number of periods of the attempt before the fault."""
     fault: str
     kind: str
     ending: Ending
@@ -38,7 +38,7 @@ class FaultTrial(NamedTuple):
 
 @dataclass(frozen=True)
 class Batch:
-    """Faults in some instants of one action: what one process does at a time."""
+    """Faults at some instants of one action: the work unit of one process."""
 
     rehearsal: Rehearsal | Solo
     action: int
@@ -48,7 +48,7 @@ class Batch:
     parts: int = 1
     kinds: tuple[FaultKind, ...] = EVERYWHERE
     seconds: float = 120.0
-    """Of CPU time that a trial gets: longer means that it hangs."""
+    """Limit of a trial's CPU time, in [s]; a longer trial counts as hanging."""
 
     def __str__(self) -> str:
         return f"faults in action {self.action}, part {self.part + 1} of {self.parts}"
@@ -84,7 +84,9 @@ class Batch:
                 yield FaultTrial(name, self.action, period, str(fault), fault.kind.value, ending)
 
     def faults(self, name: str, number: int, sensors: Sequence[str]) -> list[Fault]:
-        """What is tried at an instant, by its number: one of each kind, and all of the domain's own."""
+        """Return the faults to inject at an instant, by its number: one of each kind, and all of the domain's
+        own.
+        """
         own = faults_of(name) if self.kinds == EVERYWHERE else ()
         general = [variant(kind, number + at + self.action, sensors) for at, kind in enumerate(self.kinds)]
         return [*general, *own]

@@ -1,4 +1,4 @@
-"""What can go wrong, to be tried on purpose."""
+"""Faults that can be injected."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ NOTHING = "nothing"
 FOR_GOOD = 1_000_000
 """Periods: longer than anything lasts."""
 SENSORS = tuple(dict.fromkeys(each.sensor for kind in CAPABILITIES for each in kind.READINGS.values()))
-"""Of all capabilities."""
+"""Names of the sensors of all capabilities."""
 
 
 class FaultKind(Enum):
@@ -26,17 +26,17 @@ class FaultKind(Enum):
     REFUSED = "refused command"
     """The next command is refused."""
     STUCK = "stuck actuator"
-    """What is commanded next takes its commands and doesn't move."""
+    """The next commanded actuator accepts its commands and does not move."""
     SLIP = "slip"
     """The base goes less far than its wheels roll; a standing one slides."""
     STALE = "stale sensor"
-    """A sensor goes on giving its last reading."""
+    """A sensor repeats its last reading."""
     NAN = "NaN"
     """A sensor gives NaN, a camera black pictures."""
     CANCEL = "cancel"
-    """Somebody calls the attempt back."""
+    """A person cancels the attempt."""
     TIME_OUT = "time-out"
-    """Whoever runs the attempt loses patience."""
+    """The caller of the attempt times out."""
     LIDAR = "lidar faults"
     """Some of a lidar's beams read zero, NaN, -infinity or the robot's own body, as drivers deliver it."""
     WORLD = "world"
@@ -62,10 +62,11 @@ class Fault:
 
     kind: FaultKind
     sensor: str = ""
-    """Which one is concerned, see `SENSORS`; of an exception, empty: the next command. In the world: what
-    happens, in a word or two."""
+    """Affected sensor, one of `SENSORS`; for an exception, empty means the next command. For a fault of the
+    world, a short name of the event.
+    """
     periods: int = 1
-    """For how long."""
+    """Duration in periods."""
     speed: float = 0.0
     """At which a standing base slides ahead, in [m/s]."""
     turn_rate: float = 0.0
@@ -112,6 +113,6 @@ def variant(kind: FaultKind, number: int, sensors: Sequence[str] = SENSORS) -> F
 
 
 def faults_of(primitive: str) -> tuple[Fault, ...]:
-    """Those that the domain of a primitive, given by its name, declares."""
+    """Return the faults declared by the domain of a primitive, given its name."""
     named = [each.faults for each in domains() if primitive in each.primitives and each.faults is not None]
     return tuple(fault for path in named for fault in imported(path))

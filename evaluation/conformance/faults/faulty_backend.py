@@ -33,17 +33,17 @@ Vector = NDArray[np.float64]
 
 
 class InjectedError(RuntimeError):
-    """What a backend raises that was told to."""
+    """Exception that the faulty backend raises on purpose."""
 
 
 class FaultyBackend(LayeredBackend):
-    """Passes everything on, until `inject` is called: from then on the fault is there for its periods.
+    """Passes every call on, and applies an injected fault for its periods.
 
-    A stuck joint that comes free catches up, 0.02 rad a period.
+    A stuck joint that is released catches up, by 0.02 rad a period.
 
     Attributes:
-        bitten: how often the fault changed something; 0: nobody would know that it was there.
-        asked: whether a primitive is asking. Exceptions hit nobody else.
+        bitten: number of times that the fault changed something; 0 means that it had no effect.
+        asked: True while a primitive is calling. Exceptions reach only primitives.
     """
 
     def __init__(self, inner: Backend) -> None:
@@ -60,7 +60,7 @@ class FaultyBackend(LayeredBackend):
         self._driven = False
 
     def inject(self, fault: Fault) -> None:
-        """From now on the fault is there."""
+        """Apply the fault from now on."""
         self._fault, self._left = fault, fault.periods
 
     @property
@@ -69,14 +69,16 @@ class FaultyBackend(LayeredBackend):
         return tuple(name for name in SENSORS if name in self._read_once)
 
     def _slide(self, base: Base, fault: Fault) -> None:
-        """A standing base slides; one that can't turn where it stands slides ahead or back instead."""
+        """Slide a base at rest; a base that cannot turn on the spot slides ahead or back instead."""
         try:
             base.drive(fault.speed, fault.turn_rate)
         except CommandError:
             base.drive(math.copysign(SLIDE, fault.turn_rate), 0.0)
 
     def stay(self) -> bool:
-        """The fault moves nothing from now on, what is stuck stays so; whether the base slid just now."""
+        """Keep the fault from moving anything from now on; stuck parts stay stuck. Return whether the base has
+        just slid.
+        """
         slid = self._fault is not None and self._fault.kind is FaultKind.SLIP and self._left > -SETTLES
         self._left = min(0, self._left) if slid else self._left
         self._joints = self._width = None
@@ -103,7 +105,7 @@ class FaultyBackend(LayeredBackend):
         self._left -= 1
 
     def stop(self) -> None:
-        """See `Backend`; what is stuck forgets where it was to go."""
+        """Stop the backend; stuck parts forget their targets."""
         self.inner.stop()
         self._joints = self._width = None
         self._driven = False
@@ -164,7 +166,7 @@ class FaultyBackend(LayeredBackend):
         return True
 
     def _catch_up(self) -> None:
-        """What was stuck and no longer is goes where it was last told to."""
+        """Move released parts towards their last commanded targets."""
         if self._is(FaultKind.STUCK):
             return
         gripper = part_of(self.inner, Gripper)

@@ -32,18 +32,18 @@ class Died(Exception):
 
 
 def forked(work: Callable[[], T], kind: type[T], seconds: float) -> T:
-    """What `work` returns in a copy of this process; nothing that it does is seen here.
+    """Run `work` in a forked copy of this process and return its result; side effects are lost.
 
     The process must have no other threads.
 
     Args:
-        work: what is to be done.
-        kind: of its value: one that `plain_values` knows.
-        seconds: of CPU time that it gets; ten times as many on the wall.
+        work: function to run.
+        kind: type of its result, one that `plain_values` knows.
+        seconds: limit of its CPU time, in [s]; ten times as much by the wall clock.
 
     Raises:
-        Hung: it takes longer; it has been ended.
-        Died: it raised, or ended the process.
+        Hung: it took longer and was ended.
+        Died: it raised an exception or ended the process.
     """
     ours, theirs = os.pipe()
     child = os.fork()
@@ -73,9 +73,9 @@ def forked(work: Callable[[], T], kind: type[T], seconds: float) -> T:
 
 @contextmanager
 def forkable() -> Iterator[None]:
-    """What is built in here has no threads, which a copy of the process would lack.
+    """Context in which no threads are created, because a forked copy would lack them.
 
-    Bullet's EGL renderer has some: hidden, Bullet takes its own renderer, which has none.
+    Bullet's EGL renderer has threads; while it is hidden, Bullet uses its own renderer, which has none.
     """
     hidden = sys.modules.pop(EGL, None)
     sys.modules[EGL] = None  # type: ignore[assignment]
@@ -88,14 +88,14 @@ def forkable() -> Iterator[None]:
 
 
 def _limit(seconds: float) -> None:
-    """In the copy: the system ends it after that much CPU time, whatever it does."""
+    """In the copy: let the system end this process after that much CPU time."""
     _, most = resource.getrlimit(resource.RLIMIT_CPU)
     limit = math.ceil(seconds) if most == resource.RLIM_INFINITY else min(math.ceil(seconds), most)
     resource.setrlimit(resource.RLIMIT_CPU, (limit, limit))
 
 
 def _tell(pipe: int, work: Callable[[], object], kind: type) -> None:
-    """In the copy: work, send what comes of it, end at once."""
+    """In the copy: work, send the result, end at once."""
     try:
         try:
             message = pack({"value": to_plain(work(), kind)})

@@ -37,23 +37,24 @@ class Rehearsal:
     liar: str | None = None
     """Name of the backend fault that the rehearsal plants; None: the backend as it is."""
     settings: Mapping[str, str] = field(default_factory=dict)
-    """As for `handcart run --set`."""
+    """Values of the task's parameters, as with `handcart run --set`."""
     instead: Mapping[str, type[ActionPrimitive]] = field(default_factory=dict)
     """Other classes for primitives, by name."""
 
     def actions(self) -> list[Action]:
-        """What is rehearsed: the cheapest way to the goal, and on it what only changes knowledge.
+        """Return the rehearsed actions: the cheapest plan to the goal, and the computing actions along it.
 
         Raises:
-            NoRehearsal: no way leads to the goal.
+            NoRehearsal: no plan leads to the goal.
         """
         return rehearsed(load_task(self.task, self.settings))
 
     def attempts(self) -> Iterator[tuple[int, str, Underway]]:
-        """Each action's number, from 1, name, and attempt about to begin; who iterates on gets it done.
+        """Yield each action's number, from 1, its name, and the attempt that is about to begin; the next
+        iteration runs it.
 
         Raises:
-            NoRehearsal: an attempt doesn't succeed.
+            NoRehearsal: an attempt does not succeed.
         """
         with prepare(self.task, self.backend, self.settings, self.seed) as prepared:
             inner = prepared.backend
@@ -77,14 +78,14 @@ class Rehearsal:
 
 @dataclass(frozen=True)
 class Solo:
-    """One primitive alone, from where the robot stands at first."""
+    """One primitive alone, from the robot's start."""
 
     bench: Bench
     primitive: ActionPrimitive
     seed: int = 0
 
     def attempts(self) -> Iterator[tuple[int, str, Underway]]:
-        """As for `Rehearsal`; its number is 0."""
+        """Yield the attempt of the primitive, with number 0, as `Rehearsal.attempts` does."""
         with self.bench.rig(self.seed) as rig:
             faulty = FaultyBackend(rig.backend)
             robot = self.bench.around(rig, faulty).robot

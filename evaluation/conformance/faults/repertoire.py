@@ -1,4 +1,4 @@
-"""Which shipped tasks a robot is tried in."""
+"""Selection of the shipped tasks in which a robot is tested."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ def declared() -> dict[Path, Mapping[str, str]]:
 
 
 def repertoire(robot: str, settings: Mapping[str, str], backend: str) -> tuple[Path, ...]:
-    """Those that are made for a robot or a variant of it; if there are none, all that it can do.
+    """Return the tasks made for a robot or its variants; without such tasks, all tasks that it can do.
 
     Args:
-        robot: a shipped robot's name, or the path of a robot's file.
-        settings: that choose this robot in any task.
-        backend: its name.
+        robot: name of a shipped robot, or path of a robot's file.
+        settings: settings that select this robot in any task.
+        backend: name of the backend.
 
     Raises:
-        FileError: the robot's file is wrong.
+        FileError: the robot's file is invalid.
     """
     load_robot(robot)
     own = tuple(path for path in declared() if _made_for(load_task(path), robot))
@@ -42,7 +42,7 @@ def _made_for(task: Task, robot: str) -> bool:
 
 
 def _possible(path: Path, settings: Mapping[str, str], backend: str) -> bool:
-    """Whether the robot has what the task's primitives need, and comes to its places."""
+    """Return whether the robot has the parts that the task's primitives need, and reaches its places."""
     try:
         return not check(path, backend, settings).errors
     except FileError:

@@ -25,23 +25,23 @@ PATIENCE = 2 * LONGEST_RESTORE  # [s] of the robot's time that an attempt gets a
 
 
 class Endless(Exception):
-    """The attempt goes on and on."""
+    """Exception: the attempt does not end."""
 
 
 @dataclass(frozen=True)
 class Ending:
-    """How an attempt ended, and what of it is not true."""
+    """Outcome of an attempt, with its false claims."""
 
     outcome: str
     """Success, Fail or GiveUp; Error where an exception came through."""
     reason: str
     periods: int
-    """That it took, from where it was taken over."""
+    """Number of periods since the attempt was taken over."""
     bitten: bool = True
-    """Whether the fault changed anything."""
+    """True if the fault changed anything."""
     wrong: tuple[str, ...] = ()
     sensors: tuple[str, ...] = ()
-    """Those that were read."""
+    """Sensors that were read."""
 
 
 @dataclass
@@ -53,15 +53,15 @@ class Underway:
     backend: FaultyBackend
     model: WorldModel
     spec: RobotFile
-    """As nobody has changed it."""
+    """Original robot file, unmodified."""
     seed: int = 0
-    """Of the simulated errors."""
+    """Seed of the simulated errors."""
     periods: Generator[None, None, Outcome] = field(init=False)
     surveys: Surveys = field(init=False)
     _bumps: int | None = field(default=None, init=False)
-    """Of the base, before it was restored."""
+    """Number of the base's bumps before restoring."""
     _no_return: bool = field(default=False, init=False)
-    """Whether a point of no return was declared, be it taken back."""
+    """True if a point of no return was declared, even if it was withdrawn."""
 
     def __post_init__(self) -> None:
         does = frozenset({self.primitive.label()})
@@ -148,7 +148,7 @@ class Underway:
         return wrong + self._unquiet(outcome)
 
     def _unquiet(self, outcome: Outcome) -> list[str]:
-        """What moves although the attempt has ended."""
+        """Return the parts that move although the attempt has ended."""
         if self.backend.stay():
             steps(self.backend, SETTLES)  # a slide of the kit's own that a drive brakes
         ended = TrueState.of(self.backend.inner)
@@ -163,7 +163,7 @@ class Underway:
 
 
 def _thrown(fault: Fault | None) -> Exception | None:
-    """What is thrown into an attempt from outside."""
+    """Return the exception to throw into an attempt from outside, or None."""
     if fault is not None and fault.kind is FaultKind.CANCEL:
         return Discrepancy("cancelled by request")
     if fault is not None and fault.kind is FaultKind.TIME_OUT:

@@ -52,7 +52,7 @@ class KeepsDriving(LayeredBackend):
 
 
 class QueuesCommands(LayeredBackend):
-    """After a stop, what was commanded before it comes once more."""
+    """Mutant backend that repeats the last command after a stop."""
 
     def __init__(self, inner: Backend, spec: RobotFile) -> None:
         super().__init__(inner)
@@ -78,7 +78,7 @@ class QueuesCommands(LayeredBackend):
 
 
 class TakesAnything(LayeredBackend):
-    """What is beyond a limit, or no number, is taken without a word."""
+    """Mutant backend that silently accepts commands beyond a limit, or NaN."""
 
     def __init__(self, inner: Backend, spec: RobotFile) -> None:
         super().__init__(inner)
@@ -122,7 +122,7 @@ class WrongUnits(LayeredBackend):
         super().__init__(inner)
 
     def base_wheel_travel(self, base: Base) -> WheelTravel:
-        """In [mm]."""
+        """Return the wheels' travel in [mm] instead of [m]."""
         travel = base.wheel_travel()
         return WheelTravel(1e3 * travel.left, 1e3 * travel.right)
 
@@ -145,11 +145,11 @@ class EchoesCommands(LayeredBackend):
         self._commanded = np.array(joints, dtype=np.float64)
 
     def arm_command(self, arm: Arm) -> Vector:
-        """What was asked for."""
+        """Return the commanded joints."""
         return arm.command() if self._commanded is None else self._commanded.copy()
 
     def arm_joints(self, arm: Arm) -> Vector:
-        """What was asked for."""
+        """Return the commanded joints instead of the measured ones."""
         return arm.joints() if self._commanded is None else self._commanded.copy()
 
 
@@ -178,13 +178,13 @@ class HalfPixel(LayeredBackend):
 
 
 class Undelayed(LayeredBackend):
-    """Where the base was is told as where it is."""
+    """Mutant backend that reports an old pose of the base as the current one."""
 
     def __init__(self, inner: Backend, spec: RobotFile) -> None:
         super().__init__(inner)
 
     def positioning_reading(self, positioning: Positioning) -> PoseReading | None:
-        """Of this instant, it says."""
+        """Return a delayed reading with the current time stamp."""
         reading = positioning.reading()
         return None if reading is None else reading._replace(age=0.0)
 
