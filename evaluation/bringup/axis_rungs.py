@@ -36,15 +36,15 @@ _BEYOND = 0.2  # [rad] or [m] past its limit that a joint is asked to go
 
 
 class Move(NamedTuple):
-    """What an axis is tried with."""
+    """Test motion of an axis."""
 
     way: float
     """[m] or [rad]"""
     seen: str
-    """What is to be seen."""
+    """Expected visible motion."""
     unit: str
     shown: float
-    """By which a way is multiplied to be told in that unit."""
+    """Factor from [m] or [rad] to the displayed unit."""
 
 
 def move_of(jogger: Jogger, axis: str) -> Move:
@@ -117,7 +117,7 @@ def _held(site: Site, jogger: Jogger, axis: str, way: float, back: bool = False)
 
 
 def _truth(backend: CanBackend, axis: str) -> float:
-    """Where the bench's motor truly is, in [m] or [rad]; 0 for a real robot."""
+    """Return the true position of the bench's motor, in [m] or [rad]; 0 for a real robot."""
     if backend.bench is None:
         return 0.0
     own = backend.axes[axis]
@@ -169,13 +169,21 @@ class Limit(NamedTuple):
     """An end of a joint's range."""
 
     at: float
-    """In [rad] or [m]."""
+    """Position of the limit, in [rad] or [m]."""
     sense: float
-    """-1.0 at the lower end, 1.0 at the upper: where the way to it is nothing, that doesn't tell."""
+    """-1.0 for the lower limit, 1.0 for the upper; needed if the joint is already there."""
 
 
 def _to_limit(site: Site, jogger: Jogger, axis: str, limit: Limit, words: Callable[[float], str]) -> float:
-    """Jog a joint against its limit; where it stands then, in [rad] or [m]; `words` tells such a value."""
+    """Jog a joint against its limit; return its position then, in [rad] or [m].
+
+    Args:
+        site: robot or bench.
+        jogger: moves the axis.
+        axis: name of the joint.
+        limit: limit to reach.
+        words: formats a position for people.
+    """
     left = abs(limit.at - jogger.position(axis))
     with site.operator.hold(f"{axis}: hold the space bar, to its limit") as held:
         done = jogger.jog(axis, limit.sense * (left + _BEYOND), held)
@@ -187,7 +195,9 @@ def _to_limit(site: Site, jogger: Jogger, axis: str, limit: Limit, words: Callab
 
 
 class FreeWay:
-    """Whether a joint can turn without the arm touching the robot or the floor, by the URDF; fingers open."""
+    """Test whether a joint can turn without the arm touching robot or floor, by the URDF, with open
+    fingers.
+    """
 
     def __init__(self, robot: RobotFile) -> None:
         half = 0.0 if robot.gripper is None else robot.gripper.opening_mm / 2e3

@@ -35,7 +35,7 @@ _CREEP = 0.005  # [m/s], [rad/s] with which it arrives
 
 
 class Lease:
-    """A key that is held, seen by its repeats: not seen for 300 ms, it is let go, for good."""
+    """Held key, seen by its repeats; after 300 ms without a repeat it counts as released permanently."""
 
     def __init__(self, pressed: Callable[[], bool], clock: Callable[[], float] = time.monotonic) -> None:
         """Begin; the key has 300 ms from now.
@@ -49,7 +49,7 @@ class Lease:
         self._over = False
 
     def __call__(self) -> bool:
-        """Whether it is still held."""
+        """Return whether the key is still held."""
         now = self._clock()
         self._over = self._over or now > self._until
         if self._pressed() and not self._over:
@@ -65,13 +65,13 @@ class UnknownAxis(InputError):
 
 
 class Jogged(NamedTuple):
-    """How an axis was moved."""
+    """Result of jogging an axis."""
 
     way: float
-    """By its encoder, with sign, in [m] or [rad]."""
+    """Signed travel by the encoder, in [m] or [rad]."""
     seconds: float
     top_speed: float
-    """That it was told, in [m/s] or [rad/s]."""
+    """Largest commanded speed, in [m/s] or [rad/s]."""
     ended: str
     """`there`, `let go` or `limit`."""
 
@@ -103,16 +103,16 @@ class Jogger:
         return [name for name, _ in self.robot.can.axes()] if self.robot.can else []
 
     def jog(self, axis: str, way: float, held: Held, slower: float = 1.0) -> Jogged:
-        """Move while the key is held, `way` in [m] or [rad] at most; stopped and at rest after that.
+        """Move an axis while the key is held, by `way` in [m] or [rad] at most; it is at rest afterwards.
 
         Args:
-            axis: its name.
-            way: with sign.
-            held: asked each period.
-            slower: share of the speed at which the hand runs at 250 mm/s.
+            axis: name of the axis.
+            way: signed distance.
+            held: asked each period whether the key is still held.
+            slower: share of the speed at which the hand moves at 250 mm/s.
 
         Raises:
-            UnknownAxis: there is none of that name.
+            UnknownAxis: no axis has that name.
             RobotFault: the robot has stopped by itself.
         """
         if axis not in self.axes:
@@ -138,7 +138,7 @@ class Jogger:
         return Jogged(self.position(axis) - begun, periods * self.backend.period, fastest, ended)
 
     def position(self, axis: str) -> float:
-        """By its encoder, in [m] or [rad]."""
+        """Return the position of an axis by its encoder, in [m] or [rad]."""
         kind, number = _parts(axis)
         if kind == "wheel":
             travel = self._base.wheel_travel()
@@ -148,7 +148,7 @@ class Jogger:
         return self._gripper.width()
 
     def limits(self, axis: str) -> tuple[float, float]:
-        """Of a joint in [rad], of the fingers' opening in [m]; a wheel has none."""
+        """Return the limits of an axis: joints in [rad], the fingers' opening in [m]; wheels have none."""
         kind, number = _parts(axis)
         if kind == "wheel":
             return -math.inf, math.inf
@@ -174,7 +174,9 @@ class Jogger:
         return min(HAND_SPEED, self.robot.gripper.speed_mm_s / 1e3)
 
     def _braked(self, axis: str, left: float, last: float) -> float:
-        """From how fast it comes to rest on what is `left`; what it was told `last` acts for two periods."""
+        """Return the largest speed from which an axis stops within `left`; the command `last` acts for two
+        more periods.
+        """
         kind, number = _parts(axis)
         of_joints, of_base = self.robot.joint_accelerations(), self.robot.drive.acceleration_m_s2
         rate = float(of_joints[number]) if kind == "joint" else of_base
@@ -213,7 +215,9 @@ class Jogger:
         return self._gripper.command() != width
 
     def _reach(self) -> float:
-        """How far the hand is from the base's axis, or its rim where there is no arm, in [m]."""
+        """Return the distance of the hand from the base's axis, or the footprint's radius without an arm, in
+        [m].
+        """
         radius = self.robot.footprint_radius_m
         if self._model is None:
             return radius
@@ -229,13 +233,13 @@ class Jogger:
 
 
 def _part(found: C | None) -> C:
-    """What each axis of the section `can` has behind it."""
+    """Return the capability behind an axis of the section `can`."""
     assert found is not None
     return found
 
 
 def slides(robot: RobotFile, axis: str) -> bool:
-    """Whether an axis, by its name, is a joint that slides."""
+    """Return whether an axis, given its name, is a sliding joint."""
     kind, number = _parts(axis)
     return kind == "joint" and number < len(robot.joint_units.slides) and robot.joint_units.slides[number]
 

@@ -1,4 +1,4 @@
-"""The ladder by which a robot is brought up: one rung after the other, none left out."""
+"""Procedure to bring up a robot: steps in order, none skipped."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ RUNGS: tuple[Rung, ...] = (
     PrimitiveRung(),
     TaskRung(),
 )
-"""From the bottom."""
+"""Steps of the procedure, in order."""
 
 
 class UnknownRung(InputError):
@@ -55,14 +55,16 @@ class BenchFirst(InputError):
 
 @dataclass
 class Ladder:
-    """What has been climbed, and what comes next; everything is in the folder of the records."""
+    """Progress of a bring-up; all of it is in the folder of the records."""
 
     site: Site
     rehearsed: Path | None = None
-    """Where the bench's records are; None on the bench itself."""
+    """Folder of the bench's records; None on the bench itself."""
 
     def records(self, folder: Path | None = None) -> list[RungRecord]:
-        """Of the rungs that were climbed with the robot's file as it is, from the bottom without a gap."""
+        """Return the records of passed steps that match the robot's file, from the first step without a
+        gap.
+        """
         found = []
         for number, rung in enumerate(RUNGS, 1):
             path = _path(folder or self.site.folder, number, rung)
@@ -79,11 +81,11 @@ class Ladder:
         return RUNGS[done] if done < len(RUNGS) else None
 
     def climb(self, tell: Callable[[str], None] = lambda _: None) -> RungRecord:
-        """Climb the next rung, and record it.
+        """Run the next step and record it.
 
         Raises:
-            BenchFirst: it was not climbed on the bench before.
-            InputError: what the rung needs isn't there, or a question was not answered.
+            BenchFirst: the step has not passed on the bench.
+            InputError: an input of the step is missing, or a question was not answered.
         """
         rung = self.next
         assert rung is not None
@@ -118,10 +120,10 @@ class Ladder:
         )
 
     def again(self, name: str) -> None:
-        """Forget a rung and all above it: they are set aside, into a folder beside the records.
+        """Reset a step and all after it: their records move into a folder next to the others.
 
         Raises:
-            UnknownRung: there is none of that name.
+            UnknownRung: no step has that name.
         """
         names = [each.name for each in RUNGS]
         if name not in names:

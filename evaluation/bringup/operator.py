@@ -12,11 +12,11 @@ from typing_extensions import override
 from handcart.files.errors import InputError
 
 Held = Callable[[], bool]
-"""Asked each period: whether somebody still holds the key. Once it says no, it does so for good."""
+"""Function that returns whether the key is still held; once False, it stays False."""
 
 
 class NoAnswer(InputError):
-    """A question that nobody answers."""
+    """Error: a question was not answered."""
 
 
 class Operator(ABC):
@@ -32,7 +32,7 @@ class Operator(ABC):
 
     @abstractmethod
     def number(self, key: str, question: str, truth: Callable[[], float]) -> float:
-        """Ask for something measured; `truth` tells it on a bench, where nobody stands with a ruler."""
+        """Ask for a measured value; on a bench, `truth` returns it."""
 
     @abstractmethod
     def act(self, key: str, words: str, on_bench: Callable[[], None]) -> None:
@@ -44,7 +44,7 @@ class Operator(ABC):
 
 
 class BenchOperator(Operator):
-    """Nobody: says yes to everything, and measures what is true on the bench."""
+    """Operator of a bench: confirms everything, and measures by the ground truth."""
 
     def __init__(self, say: Callable[[str], None] = lambda _: None) -> None:
         self._say = say
@@ -76,7 +76,7 @@ class BenchOperator(Operator):
 
 
 class ScriptedOperator(BenchOperator):
-    """Answers from a file, for tests, by key; a key that isn't in it is an error."""
+    """Operator that answers from a file by key, for tests; an unknown key is an error."""
 
     def __init__(self, answers: Mapping[str, Any], say: Callable[[str], None] = lambda _: None) -> None:
         """Take the answers: true or false, or numbers."""

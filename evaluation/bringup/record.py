@@ -1,4 +1,4 @@
-"""What a rung of a bring-up found, as a file."""
+"""Record of a bring-up step, as a file."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ class RungRecord(FileModel):
     reason: str = ""
     """Why it was not."""
     robot: str
-    """As it was named."""
+    """Name of the robot as it was given."""
     fingerprint: str
-    """Of what in the robot's file was tried: another one has to be tried anew."""
+    """Fingerprint of the tested part of the robot's file; after a change the step has to run again."""
     bench: str
     """The simulated backend behind simulated drives; "" for a real robot."""
     when: str
     """Date and time, ISO 8601."""
     facts: Mapping[str, Any] = {}
-    """What was found; the unit stands at the end of each name."""
+    """Measured values; each name ends with its unit."""
     answers: Mapping[str, Answer] = {}
-    """What a person said, by question."""
+    """Answers of the operator, by question."""
 
 
 def save(record: RungRecord, path: Path) -> None:

@@ -13,18 +13,18 @@ Facts = dict[str, Any]
 
 
 class RungFailed(HandcartError):
-    """What was to be shown isn't so; told with what to look at."""
+    """Error: a step failed; its message says what to check."""
 
 
 class Rung(ABC):
-    """Shows one thing about a robot. It has shown it when `climb` returns."""
+    """Step that verifies one property of a robot; it has passed when `climb` returns."""
 
     name: ClassVar[str]
-    """How its record is called."""
+    """Name of its record."""
     summary: ClassVar[str]
-    """What is shown, in one line."""
+    """Verified property, in one line."""
     moves: ClassVar[bool] = True
-    """Whether the robot moves meanwhile."""
+    """True if the robot moves during the step."""
 
     @abstractmethod
     def climb(self, site: Site) -> Facts:

@@ -1,4 +1,4 @@
-"""Where a robot is brought up: the robot itself, or a bench."""
+"""Site of a bring-up: the robot itself, or a bench."""
 
 from __future__ import annotations
 
@@ -25,35 +25,41 @@ from .operator import Operator
 
 @dataclass
 class Site:
-    """What rungs work with."""
+    """Robot or bench on which the steps run."""
 
     name: str
     """The robot, as it was named."""
     robot: RobotFile
     operator: Operator
     folder: Path
-    """Of the records."""
+    """Folder of the records."""
     task: Path
-    """What the robot is brought up for."""
+    """Task for which the robot is brought up."""
     bench: str = ""
-    """The simulated backend that stands behind simulated drives; "" for the robot itself."""
+    """Simulated backend behind simulated drives; "" for the robot itself."""
     world: Path | None = None
-    """What the bench's robot stands in."""
+    """World of the bench's robot."""
     camera_on_bench: bool = False
-    """Whether the camera is calibrated on a bench, too."""
+    """True to calibrate the camera on a bench as well."""
     answers: dict[str, bool | float] = field(default_factory=dict)
     """Given in the current rung."""
 
     @property
     def spec(self) -> CanSpec:
-        """Where the drives are; raises `NoDrives`."""
+        """Return the section `can` of the robot's file.
+
+        Raises:
+            NoDrives: the file has no such section.
+        """
         if self.robot.can is None:
             raise NoDrives()
         return self.robot.can
 
     @property
     def fingerprint(self) -> str:
-        """Of what in the robot's file is tried: drives, limits, joints; not what a calibration changes."""
+        """Return the fingerprint of the tested part of the robot's file: drives, limits, joints, without
+        calibrated values.
+        """
         spec = self.robot.model_copy(
             update={"drive": self.robot.drive.model_copy(update={"wheel_radius_m": 1.0, "tread_m": 1.0})}
         )

@@ -21,7 +21,7 @@ PATIENCE = 60.0
 _BENCH_PATIENCE = 100  # periods
 _WATCH = 2.0  # [s] after the emergency stop is released
 TIMES = 5
-"""How often each stop is tried."""
+"""Number of trials of each stop."""
 
 
 class EmergencyStopRung(Rung):
@@ -58,7 +58,9 @@ class EmergencyStopRung(Rung):
 
 
 def _until_off(backend: CanBackend) -> tuple[dict[str, str], float]:
-    """Stand until no drive is enabled; their states, and the time in [s] from the first to the last."""
+    """Wait until no drive is enabled; return their states, and the time from the first to the last, in
+    [s].
+    """
     end, periods, first = time.monotonic() + PATIENCE, 0, -1
     while time.monotonic() < end and (backend.bench is None or periods < _BENCH_PATIENCE):
         backend.watch()
@@ -73,7 +75,7 @@ def _until_off(backend: CanBackend) -> tuple[dict[str, str], float]:
 
 
 class StopTestRung(Rung):
-    """How far the base runs on after each kind of stop."""
+    """Measures the stopping distance of the base for each kind of stop."""
 
     name = "stop_test"
     summary = "how far the base runs on at 250 mm/s: a stop by the program, and our heartbeat gone"
@@ -116,7 +118,7 @@ Stop = Callable[[CanBackend], None]
 
 
 def _stop_once(site: Site, stop: Stop, number: int) -> float:
-    """Drive up to 250 mm/s, stop, and tell how far the base ran on, in [m]."""
+    """Drive up to 250 mm/s and stop; return the stopping distance of the base, in [m]."""
     with site.backend(number) as backend:
         base = backend.get(Base)  # type: ignore[type-abstract]
         assert base is not None
@@ -143,7 +145,7 @@ def _by_program(backend: CanBackend) -> None:
 
 
 def _by_silence(backend: CanBackend) -> None:
-    """SYNCs go on, so that time passes on a bench; no heartbeat and no command is sent any more."""
+    """Send SYNCs, so that time passes on a bench, but no heartbeat and no commands."""
     for _ in range(round(_WATCH / backend.period)):
         backend.watch(beat=False)
 

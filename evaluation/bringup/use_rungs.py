@@ -31,7 +31,7 @@ from .site import Site
 
 CAMERA_TASK = LIBRARY.parent / "calibrate_camera" / "task.yaml"
 TAPE = 0.002
-"""[m]: how well a tape tells."""
+"""Accuracy of a tape measure, in [m]."""
 PROTRACTOR = math.radians(1.0)
 WAY, TURNS = 1.0, 1
 """Of the base, in [m] and whole turns."""
@@ -41,7 +41,7 @@ _SETTLE = 1.0  # [s]
 
 
 class CalibrationRung(Rung):
-    """Odometry and range sensor are measured; what was found is a change to review."""
+    """Calibrates odometry and lidar; the result is a change to review."""
 
     name = "calibrate"
     summary = "wheel radius, tread and range sensor are measured; `handcart adopt` shows what that changes"

@@ -1,4 +1,4 @@
-"""What the kit found, for people and for programs."""
+"""Results of the conformance kit, for people and for programs."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ class KitReport:
 
     @property
     def bitten(self) -> int:
-        """Those that changed anything."""
+        """Number of faults that changed anything."""
         return sum(trial.kind != NOTHING and trial.ending.bitten for trial in self.trials)
 
     @property
@@ -84,12 +84,12 @@ class KitReport:
 
     @property
     def ok(self) -> bool:
-        """Whether all holds."""
+        """True if every check holds."""
         looked_at = (*self.checks, *self.tasks)
         return not (self.violations or self.missed or self.broken) and all(each.ok for each in looked_at)
 
     def as_dict(self) -> dict[str, Any]:
-        """For JSON."""
+        """Return the report as values for JSON."""
         return {
             "ok": self.ok,
             "backend": self.backend,
@@ -112,7 +112,7 @@ class KitReport:
         }
 
     def _outcomes(self) -> dict[str, Mapping[str, int]]:
-        """How trials ended, by action and by kind of fault."""
+        """Return the counts of outcomes by action and by kind of fault."""
         found: dict[str, Counter[str]] = {}
         for trial in self.trials:
             for key in (trial.title, trial.kind):

@@ -18,13 +18,13 @@ LEVEL = 0.05  # probability by chance below which success rates count as differe
 
 
 class Ran(NamedTuple):
-    """How a task ended."""
+    """Result of a task's run."""
 
     task: str
     backend: str
     seed: int
     errors: bool
-    """Whether the simulated robot erred."""
+    """True if the simulated robot had errors."""
     outcome: str
     situation: str
     reason: str
@@ -33,7 +33,7 @@ class Ran(NamedTuple):
 
     @property
     def ends(self) -> str:
-        """How and where, in words."""
+        """Outcome, situation and reason as text."""
         why = f" ({self.reason})" if self.reason else ""
         return f"{self.outcome} in {self.situation}{why}"
 
@@ -85,7 +85,7 @@ def task_runs(tasks: Sequence[Path], backend: str, seeds: int, settings: Mapping
 
 
 def compared(runs: Sequence[Ran], backend: str) -> list[CheckResult]:
-    """What has come of the runs, task by task."""
+    """Return the findings of the runs, task by task."""
     return [
         finding
         for task in dict.fromkeys(run.task for run in runs)

@@ -76,8 +76,9 @@ class FaultyBackend(LayeredBackend):
             base.drive(math.copysign(SLIDE, fault.turn_rate), 0.0)
 
     def stay(self) -> bool:
-        """Keep the fault from moving anything from now on; stuck parts stay stuck. Return whether the base has
-        just slid.
+        """Keep the fault from moving anything from now on; return whether the base has just slid.
+
+        Stuck parts stay stuck.
         """
         slid = self._fault is not None and self._fault.kind is FaultKind.SLIP and self._left > -SETTLES
         self._left = min(0, self._left) if slid else self._left

@@ -201,13 +201,13 @@ class TurnsOtherWay(LayeredBackend):
 
 
 class FixInMillimetres(LayeredBackend):
-    """The receiver tells millimetres."""
+    """Mutant backend whose receiver reports millimetres."""
 
     def __init__(self, inner: Backend, spec: RobotFile) -> None:
         super().__init__(inner)
 
     def gps_fix(self, gps: Gps) -> Fix | None:
-        """In [mm]."""
+        """Return the fix in [mm] instead of [m]."""
         fix = gps.fix()
         return None if fix is None else fix._replace(position=1e3 * fix.position)
 

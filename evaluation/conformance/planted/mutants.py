@@ -37,21 +37,21 @@ class Mutant:
     name: str
     lie: str
     look: Callable[[Bench], list[str]]
-    """What is found wrong with it."""
+    """Function that returns the violations found on a bench."""
     needs: tuple[type[Capability], ...] = ()
-    """What the robot must have."""
+    """Capabilities that the robot must have."""
     by_truth: bool = False
-    """Whether nothing but the ground truth gives it away."""
+    """True if only the ground truth reveals the mutant."""
 
 
 @dataclass(frozen=True)
 class Caught:
-    """Whether a liar was found."""
+    """Result for one mutant."""
 
     name: str
     lie: str
     by: str = ""
-    """What was found wrong, first; empty: nothing."""
+    """First violation found; empty if the mutant was missed."""
     skipped: str = ""
     """Why it couldn't be planted on this robot."""
 
@@ -68,7 +68,7 @@ def try_mutant(name: str, bench: Bench) -> Caught:
 
 
 def _plantable(mutant: Mutant, bench: Bench) -> None:
-    """Raises `Skipped` where the liar couldn't lie, or nobody could know."""
+    """Raise `Skipped` if the robot lacks a part that the mutant needs, or the ground truth is missing."""
     with bench.rig() as rig:
         for kind in mutant.needs:
             needed(rig.backend, kind)
@@ -95,7 +95,7 @@ def _holding(kind: type[ActionPrimitive], fault: FaultKind, bench: Bench) -> lis
 
 
 def _first(batch: Batch) -> list[str]:
-    """What the first trial finds that finds anything."""
+    """Return the violations of the first trial that has any."""
     found = ([f"{each.fault}: {wrong}" for wrong in each.ending.wrong] for each in batch.trials())
     return next((wrong for wrong in found if wrong), [])
 

@@ -168,7 +168,7 @@ class RunsIntoThings(Reach):
         yield from retrace(robot, start, trace)
 
     def _far(self, robot: Robot) -> int:
-        """Periods until it touches what stands ahead."""
+        """Return the number of periods until the base touches the obstacle ahead."""
         scan = robot.range_sensor.scan()
         ahead: Any = np.abs(scan.angles) < 0.1
         return int((float(scan.ranges[ahead].min()) + 0.1) / (0.3 * robot.period))

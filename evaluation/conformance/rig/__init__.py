@@ -1,1 +1,1 @@
-"""Where a backend is tried."""
+"""Test rig of a backend."""

@@ -1,4 +1,4 @@
-"""Where a backend is tried: the same robot in the same world, built anew for each check."""
+"""Bench for a backend: the same robot in the same world, built again for each check."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Bench:
     quick: bool = True
 
     def spec(self) -> RobotFile:
-        """The robot's file, as nobody has changed it."""
+        """Return the original robot file, unmodified."""
         return load_robot(self.robot)
 
     def rig(self, seed: int = 0) -> Rig:
@@ -38,7 +38,7 @@ class Bench:
         return self.around(rig, liar_around(self.liar, rig.backend, rig.robot.spec))
 
     def around(self, rig: Rig, backend: Backend) -> Rig:
-        """The same rig with another backend around its own."""
+        """Return the rig with another backend wrapped around its own."""
         start = rig.model.places[self.files.start].pose
         return Rig(Robot(backend, rig.robot.spec, start, rig.model.map), rig.model, backend)
 

@@ -1,4 +1,4 @@
-"""Another backend behind the same face: what faults and liars are made of."""
+"""Backend that wraps another one: the base of injected faults and mutant backends."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class LayeredBackend(Backend):
 
     @property
     def inner(self) -> Backend:
-        """What it is put around."""
+        """Wrapped backend."""
         return self._inner
 
     def _layer(self, part: Capability) -> Capability:
@@ -44,7 +44,7 @@ class LayeredBackend(Backend):
         return layer
 
     def pass_on(self, part: Capability, kind: Kind, method: str, *words: Any) -> Any:
-        """What a method of a capability inside, of that kind, gives who asks the layer around it."""
+        """Return the result of a method of an inner capability, as this layer presents it."""
         own = getattr(self, f"{kind.words().replace(' ', '_')}_{method}", None)
         return getattr(part, method)(*words) if own is None else own(part, *words)
 

@@ -1,4 +1,4 @@
-"""A sensor's reading as numbers, and as one that is none."""
+"""Readings of sensors as numbers, and broken readings."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ Floats = NDArray[np.float64]
 
 
 def as_numbers(reading: Any, measured: tuple[str, ...] = ()) -> Floats | None:
-    """All that was measured in a row (n,); None where nothing was.
+    """Return all measured values of a reading as one array (n,); None if nothing was measured.
 
     Args:
-        reading: what a capability gave.
-        measured: of a named tuple, the fields that count; none: all.
+        reading: result of a capability.
+        measured: fields of a named tuple that count; empty: all.
     """
     if reading is None:
         return None
@@ -26,7 +26,7 @@ def as_numbers(reading: Any, measured: tuple[str, ...] = ()) -> Floats | None:
 
 
 def broken(reading: Any, measured: tuple[str, ...] = ()) -> Any:
-    """The same with NaN in place of what was measured, and black in place of a picture."""
+    """Return the reading with NaN for measured values, or with black for a picture."""
     match reading:
         case tuple():
             fields = {name: broken(each) for name, each in _fields(reading, measured).items()}

@@ -14,7 +14,9 @@ C = TypeVar("C", bound=Capability)
 
 
 def part_of(backend: Backend, kind: Callable[..., C]) -> C | None:
-    """As `Backend.get`, for an abstract `kind` too: None where the robot has none."""
+    """Return the capability as `Backend.get` does, also for an abstract `kind`; None if the robot lacks
+    it.
+    """
     return backend.get(cast("type[C]", kind))
 
 

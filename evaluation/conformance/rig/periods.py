@@ -28,7 +28,7 @@ def steps(backend: Backend, count: int) -> None:
 
 
 def drive(backend: Backend, speed: float, turn_rate: float, periods: int) -> None:
-    """Drive for so many periods, then wait until it stands."""
+    """Drive for a number of periods, then wait until the base is at rest."""
     base = needed(backend, Base)
     for _ in range(periods):
         base.drive(speed, turn_rate)
@@ -37,7 +37,7 @@ def drive(backend: Backend, speed: float, turn_rate: float, periods: int) -> Non
 
 
 def driven(backend: Backend, speed: float, turn_rate: float, periods: int) -> tuple[float, float]:
-    """The same; gives how far the left and the right wheel rolled, in [m]."""
+    """Drive as `drive` does; return the travel of the left and the right wheel, in [m]."""
     base = needed(backend, Base)
     before = base.wheel_travel()
     drive(backend, speed, turn_rate, periods)
@@ -46,7 +46,9 @@ def driven(backend: Backend, speed: float, turn_rate: float, periods: int) -> tu
 
 
 def drivable(spec: RobotFile, speed: float, turn_rate: float) -> tuple[float, float]:
-    """The same for a car too: it turns only while it drives, and no sharper than it can steer."""
+    """Return speed and turn rate that the base can drive: a car turns only while driving, within its
+    steering.
+    """
     if spec.drive.kind != "ackermann":
         return speed, turn_rate
     speed = speed or CAR_SPEED * (turn_rate != 0.0)
@@ -55,7 +57,7 @@ def drivable(spec: RobotFile, speed: float, turn_rate: float) -> tuple[float, fl
 
 
 def beside(spec: RobotFile, joints: NDArray[np.float64], number: int, way: float) -> NDArray[np.float64]:
-    """The same joints (n,) but for one that is `way` further on, or back where its limit is too near."""
+    """Return joints (n,) with one moved by `way`, or back by it if its limit is too near."""
     model, goal = spec.arm_model(), joints.copy()
     goal[number] += way
     if not model.within(goal):
@@ -64,7 +66,7 @@ def beside(spec: RobotFile, joints: NDArray[np.float64], number: int, way: float
 
 
 def move_joints(backend: Backend, arm: Arm, goal: NDArray[np.float64], speed: float = SLOW) -> None:
-    """Move slowly to joint angles (n,) in [rad], slower where a joint must, and wait until they stand."""
+    """Move to joint angles (n,) in [rad] within the joints' speeds, and wait until they are at rest."""
     start = arm.command()
     count = max(1, int(np.ceil(float(np.abs(goal - start).max()) / (speed * backend.period))))
     for share in np.linspace(0.0, 1.0, count + 1)[1:]:
@@ -111,6 +113,6 @@ def noisy_readings(backend: Backend) -> set[str]:
 
 
 def reading_name(part: Capability, method: str) -> str:
-    """What messages call a reading."""
+    """Return the name of a reading for messages."""
     kind = next((each for each in CAPABILITIES if isinstance(part, each)), type(part))
     return f"{kind.words()} {method}"

@@ -1,4 +1,4 @@
-"""REACH: an honest primitive that moves all that a robot has, for the kit to try things on."""
+"""REACH: a correct primitive that moves every actuator, used by the kit."""
 
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ class Reach(ActionPrimitive):
     """Drive ahead, swing a joint, close the fingers part of the way; each only where the robot has it."""
 
     ahead_m: float = 0.15
-    """How far to drive."""
+    """Distance to drive."""
     swing_rad: float = 0.15
-    """How far to turn the first joint."""
+    """Turn of the first joint."""
     grip_m: float = 0.01
-    """How far to close the fingers."""
+    """Distance to close the fingers."""
     fails: bool = False
-    """Whether it turns out at the end that it can't be done."""
+    """True to raise a Discrepancy at the end."""
 
     needs: ClassVar = (Base,)
 
@@ -88,7 +88,7 @@ class Reach(ActionPrimitive):
         yield
 
     def false_effect(self, scene: Any, before: GroundTruth) -> list[str]:
-        """What a Success promises and isn't so."""
+        """Return promises of a Success that do not hold."""
         went = scene.base.relative_to(before.base).x
         least = SHARE * self.ahead_m - 0.02  # what the estimate of the pose may be off
         return [] if went > least else [f"the base went {went:.3f} m of {self.ahead_m} m"]

@@ -1,4 +1,4 @@
-"""Whether what should stand still does, by the robot's own readings and by the truth."""
+"""Check that a robot is at rest, by its own readings and by the ground truth."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ from handcart.evaluation.truth.true_changes import not_still
 from .parts import part_of
 
 HELD = {"wheels": 2e-3, "joints": 2e-3, "width": 5e-4}
-"""[m], [rad], [m] by which what stands may seem to move."""
+"""Allowed apparent motion at rest, in [m], [rad] and [m]."""
 
 
 @dataclass(frozen=True)
 class TrueState:
-    """Where everything that can move is at one instant."""
+    """Positions of everything that can move, at one instant."""
 
     readings: dict[str, NDArray[np.float64]]
     truth: GroundTruth | None
 
     @classmethod
     def of(cls, backend: Backend) -> TrueState:
-        """As the backend has it now."""
+        """Return the current state of a backend."""
         base, arm, gripper = part_of(backend, Base), part_of(backend, Arm), part_of(backend, Gripper)
         readings: dict[str, NDArray[np.float64]] = {}
         if base is not None:
@@ -41,7 +41,7 @@ class TrueState:
         return cls(readings, backend.ground_truth())
 
     def moved(self, after: TrueState) -> list[str]:
-        """What moved until `after`, in words."""
+        """Describe the parts whose readings moved until `after`."""
         wrong = []
         for name, room in HELD.items():
             if name in self.readings:
@@ -51,7 +51,7 @@ class TrueState:
         return wrong + self.truly_moved(after)
 
     def truly_moved(self, after: TrueState) -> list[str]:
-        """What moved until `after` by the truth, in words; nothing where nothing is simulated."""
+        """Describe the parts that moved until `after` by the ground truth; empty without a simulation."""
         if self.truth is None or after.truth is None:
             return []
         return [f"truly moves: {each}" for each in not_still(self.truth, after.truth)]
