@@ -16,8 +16,9 @@ GENERAL = {
     "ORIENT": "handcart.primitives.driving.orient:Orient",
     "STAND": "handcart.primitives.driving.stand:Stand",
 }
-"""Of no domain, by name; domains add theirs, and other packages by an entry point of the group
-`handcart.primitives`."""
+"""Primitives without a domain, by name; domains add theirs, and other packages by an entry point of the group
+`handcart.primitives`.
+"""
 
 
 @cache

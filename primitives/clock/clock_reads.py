@@ -1,4 +1,4 @@
-"""Which functions of a code object read the wall clock."""
+"""Find the functions of a code object that read the wall clock."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class ClockRead(NamedTuple):
     """A place in the code that reads the wall clock."""
 
     function: str
-    """As the code names it, such as `time.monotonic`."""
+    """Name in the code, such as `time.monotonic`."""
     file: str
     line: int
 

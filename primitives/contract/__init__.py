@@ -1,1 +1,1 @@
-"""What every primitive promises, and the attempt that holds it to that."""
+"""The contract of a primitive, and the attempt that enforces it."""

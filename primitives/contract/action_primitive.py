@@ -28,17 +28,17 @@ Periods = Generator[None, None, None]
 
 
 class ActionPrimitive(FileModel, ABC):
-    """One basic motion that looks after itself.
+    """Basic motion that restores the robot before it fails.
 
-    A subclass states its parameters as annotated fields, what it needs and what it reads and writes of the
-    world model, and writes `motion`: a generator that hands back control once a period. Ending `motion` by
-    returning means Success once `effect` is seen; raising `Discrepancy` means that the framework restores and
-    reports Fail; raising `NeedsPerson` stops and gives up. A new instance is made for each attempt, so what
-    belongs to one attempt may be kept in private attributes.
+    A subclass declares its parameters as annotated fields, the capabilities it needs, the entries of the
+    world model that it reads and writes, and implements `motion`: a generator that yields once a period.
+    If `motion` returns, the outcome is Success once `effect` is observed; if it raises `Discrepancy`, the
+    framework restores the robot and reports Fail; if it raises `NeedsPerson`, the robot stops and gives
+    up. Each attempt gets a new instance, so state of one attempt may be kept in private attributes.
     """
 
     needs: ClassVar[tuple[type[Capability], ...]] = ()
-    """What the robot must have."""
+    """Capabilities that the robot must have."""
     reads: ClassVar[tuple[str, ...]] = ()
     """Entries of the world model that it may read."""
     writes: ClassVar[tuple[str, ...]] = ()
@@ -46,8 +46,9 @@ class ActionPrimitive(FileModel, ABC):
     only_knowledge: ClassVar[bool] = False
     """It doesn't move anything, so nothing has to settle and nothing is restored."""
     hand: ClassVar[HandUse | None] = None
-    """What the hand must hold before it starts, and holds after its Success. None: nothing is required, and
-    only a primitive that does not need the gripper leaves the hand as it was."""
+    """Required content of the hand at the start, and its content after Success. None: nothing is required,
+    and only a primitive that does not need the gripper leaves the hand as it was.
+    """
     arm_inside: ClassVar[bool] = False
     """The hand must be within the robot's footprint before it starts, because the base drives."""
 
@@ -58,9 +59,10 @@ class ActionPrimitive(FileModel, ABC):
     if not TYPE_CHECKING:  # a checker takes private attributes for ordinary ones
 
         def __getattr__(self, name: str) -> Any:
-            """Private attributes at once: they are asked in each period, and pydantic takes long.
+            """Return private attributes directly, because they are read each period and pydantic's lookup is
+            slow.
 
-            As they were set: a function isn't bound.
+            Values are returned as they were set: a function is not bound.
             """
             try:
                 return object.__getattribute__(self, "__pydantic_private__")[name]
@@ -69,7 +71,7 @@ class ActionPrimitive(FileModel, ABC):
 
     @classmethod
     def label(cls) -> str:
-        """How task files call it: `MoveTo` is MOVE_TO."""
+        """Return the name in task files: `MoveTo` is MOVE_TO."""
         return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", cls.__name__).upper()
 
     @classmethod
@@ -95,10 +97,10 @@ class ActionPrimitive(FileModel, ABC):
         return ""
 
     def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
-        """Return what else stands in the way of its start, in words; empty if nothing does.
+        """Return a message about an unmet condition of the start; empty if all are met.
 
-        Called at rest, after `hand` and `arm_inside` were checked, and before anything moves. The action is
-        then not started, which counts as its Fail, and the run is planned again.
+        Called at rest, after `hand` and `arm_inside` were checked, and before anything moves. With a
+        message the action is not started, which counts as its Fail, and the run is planned again.
         """
         return ""
 
@@ -107,7 +109,11 @@ class ActionPrimitive(FileModel, ABC):
         """One choice of actuators and sensor feedback, until its end is reached."""
 
     def watch(self, robot: Robot, model: ModelView) -> None:
-        """Asked every period before the motion goes on, also while restoring; raises `Discrepancy`."""
+        """Check a condition of every period, also while restoring.
+
+        Raises:
+            Discrepancy: the motion must not continue.
+        """
         return
 
     def observe(self, robot: Robot, model: ModelView) -> Generator[None, None, Seen]:
@@ -125,14 +131,17 @@ class ActionPrimitive(FileModel, ABC):
         yield from retrace(robot, start, trace)
 
     def base_room(self, robot: Robot, model: ModelView) -> float:
-        """How far from where it began the base may stand at most for a Fail, in [m], so that what follows can
-        still be done; never more than the robot's file allows."""
+        """Return the largest distance of the base from its start for a Fail, in [m], that still allows the
+        next action.
+
+        The tolerance of the robot's file holds as well.
+        """
         return math.inf
 
     def meant_contacts(self, model: WorldModel) -> Sequence[MeantContact]:
-        """What it means to touch; whatever else the robot runs into makes its Success untrue.
+        """Return the intended contacts; any other contact of the robot makes its Success false.
 
-        Asked by those who see the ground truth, when something is touched; nobody acts on it.
+        The judge calls this with the ground truth when a contact occurs; it changes no behaviour.
         """
         return ()
 
@@ -142,10 +151,9 @@ class ActionPrimitive(FileModel, ABC):
         yield
 
     def intend(self, effect: str) -> Periods:
-        """Say what is about to be done, and wait until that is safely noted; the robot holds meanwhile.
+        """Announce an effect, and wait until the announcement is stored; the robot holds meanwhile.
 
-        For effects of which a crash would leave unknown whether they happened: fingers that close on
-        something or let go, a tool that is changed.
+        For effects that a crash would leave unknown: fingers that close or open, a tool change.
         """
         self._intents.intends(effect)
         while not self._intents.kept:
@@ -157,15 +165,15 @@ class ActionPrimitive(FileModel, ABC):
         self._intents.passed(what)
 
     def found(self, **what: float | str) -> None:
-        """Note what was found, for the journal and the summary."""
+        """Record findings for the journal and the summary."""
         self._evidence.facts.update(what)
 
     @property
     def evidence(self) -> Evidence:
-        """What this attempt found, with the pictures and scans that decided it."""
+        """Findings of this attempt, with the pictures and scans that decided it."""
         return self._evidence
 
     @property
     def facts(self) -> Mapping[str, float | str]:
-        """What this attempt found, in figures and words."""
+        """Findings of this attempt, as figures and texts."""
         return self._evidence.facts

@@ -51,17 +51,18 @@ def attempt(
     on_restore: Callable[[str], None] = lambda reason: None,
     intents: Intents = UNKEPT,
 ) -> Generator[None, None, Outcome]:
-    """Run a primitive to its outcome. One `yield` is one period; who iterates steps the robot after each.
+    """Run a primitive to its outcome; one `yield` is one period, after which the caller steps the robot.
 
-    Stops, restores, waits for rest, measures and compares with the absolute snapshot; whether that is Fail
-    or GiveUp is decided here. A `Discrepancy` thrown in from outside (a cancel) restores like any other.
+    The attempt stops, restores, waits for rest, measures, and compares with the absolute snapshot; this
+    decides between Fail and GiveUp. A `Discrepancy` thrown in from outside (a cancel) restores like any
+    other.
 
     Args:
-        primitive: a fresh instance, its parameters bound.
+        primitive: a fresh instance with bound parameters.
         robot: at rest.
-        model: what the robot knows; the primitive sees what it declared.
-        on_restore: told the reason when restoring begins.
-        intents: hears what the primitive intends; nothing is commanded before what it heard is kept.
+        model: world model; the primitive sees the entries that it declared.
+        on_restore: called with the reason when restoring begins.
+        intents: receives the primitive's announcements; no command is sent before they are stored.
     """
     view = model.view(primitive)
     if primitive.only_knowledge:
@@ -121,9 +122,10 @@ def attempt(
 
 
 def _begun(robot: Robot) -> Snapshot:
-    """The robot at its start; after a Fail, the base where the first of several in a row began.
+    """Return the robot's state at the start; after a Fail, the base's pose at the first of several Fails in a
+    row.
 
-    What each of them leaves, within the tolerance, would add up else.
+    Otherwise the remainders within the tolerance would add up.
     """
     now, first = take_snapshot(robot, {}), robot.failed_from
     robot.failed_from = None
@@ -170,7 +172,7 @@ def _recorded(periods: Generator[None, None, T], trace: Trace) -> Generator[None
 def _watched(
     primitive: ActionPrimitive, periods: Periods, robot: Robot, model: WorldModel, trace: Trace
 ) -> Periods:
-    """The motion, watched every period; taken down for the way back up to the point of no return."""
+    """Run the motion, watched every period; record it for the way back, up to the point of no return."""
     trace.record()
     tracking, displaced = TrackingErrorMonitor(robot), robot.localization.displacements
     view = model.view(primitive)
@@ -237,7 +239,7 @@ def _restore(
 
 
 def _way_back(restore: Periods, robot: Robot, blocked: Blocked | None, trace: Trace) -> Periods:
-    """What the primitive does to restore; a base that something stopped leaves that first."""
+    """Restore as the primitive does; a base that was stopped by an obstacle first leaves it."""
     if blocked is not None:
         yield from back_off(robot, blocked, trace)
         trace.cut_to(robot)
@@ -247,7 +249,7 @@ def _way_back(restore: Periods, robot: Robot, blocked: Blocked | None, trace: Tr
 def _look_again(
     primitive: ActionPrimitive, robot: Robot, view: ModelView, start: Snapshot
 ) -> Generator[None, None, Seen]:
-    """Measure the objects once more; what that moved is moved back."""
+    """Measure the objects once more; undo the motion that this took."""
     trace = Trace(robot)
     seen = yield from _recorded(primitive.observe(robot, view), trace)
     yield from retrace(robot, start, trace)

@@ -1,4 +1,4 @@
-"""Somebody's py_trees behaviour as a primitive."""
+"""Wrap a py_trees behaviour as a primitive."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a calibration found of the robot itself."""
+"""Results of a calibration of the robot itself."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ class Calibrated(NamedTuple):
 
 
 def as_facts(found: Mapping[str, Calibrated]) -> dict[str, float | str]:
-    """For the journal: each value and its sigma, by the last part of its key."""
+    """Return each value and its sigma for the journal, by the last part of its key."""
     facts: dict[str, float | str] = {}
     for key, (value, sigma) in found.items():
         name = key.rpartition(".")[2]

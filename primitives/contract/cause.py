@@ -11,18 +11,22 @@ from .discrepancy import Discrepancy, Measured, NeedsPerson
 CHECKS = ("observe", "motion", "watch", "effect", "restore", "finish")
 """The methods of a primitive that the framework calls."""
 FRAMEWORK = {"py_trees"}
-"""Modules whose functions aren't told as what raised; each of the framework's names itself."""
+"""Modules whose functions are not reported as the source of an exception; the framework's modules add
+themselves.
+"""
 DEEPEST = 12  # calls that are kept
 
 
 @dataclass(frozen=True)
 class Cause:
-    """What ended a motion, or a way back."""
+    """Cause that ended a motion or a way back."""
 
     reason: str
-    """In words that a person understands."""
+    """Message for people."""
     check: str
-    """Which method of the primitive found it, or who else: rest, push, following, supervision, framework."""
+    """Method of the primitive that found it, or another source: rest, push, following, supervision,
+    framework.
+    """
     calls: tuple[str, ...] = ()
     """Functions from there down to the one that raised."""
     measured: Measured | None = None
@@ -30,7 +34,7 @@ class Cause:
     fault: str = ""
     """The exception's class, where it was a fault in the code."""
     restoring: bool = False
-    """Whether it was the way back, or withdrawing, that ended so."""
+    """True if it ended the way back, or withdrawing."""
 
 
 def cause_of(error: Exception, restoring: bool) -> Cause:

@@ -1,4 +1,4 @@
-"""What a primitive raises when the world isn't as its model says."""
+"""Exceptions of a primitive when the world contradicts its model."""
 
 from __future__ import annotations
 
@@ -9,25 +9,25 @@ class Measured(NamedTuple):
     """The reading that decided, and what was allowed."""
 
     sensor: str
-    """Which capability it comes from: RangeSensor, Camera, Arm ..."""
+    """Capability of the reading: RangeSensor, Camera, Arm ..."""
     what: str
-    """What the number is, in words."""
+    """Name of the number, for people."""
     value: float | None = None
     """None where the sensor showed nothing."""
     limit: float | None = None
     """What `value` would have had to reach, or not to pass; None where any value would have done."""
     unit: str = ""
-    """Of both; empty for a number of things or a share."""
+    """Unit of value and limit; empty for counts and shares."""
 
 
 class Discrepancy(Exception):
-    """The motion can't go on as it is: the framework restores, measures, and reports Fail (or GiveUp).
+    """Exception: the motion cannot continue; the framework restores, measures, and reports Fail (or GiveUp).
 
     Attributes:
-        reason: in words that a person understands.
-        permanent: trying again makes no sense; the action's attempts are used up.
-        measured: the reading that decided, where one did.
-        check: who found it, where that isn't one of the primitive's methods.
+        reason: message for people.
+        permanent: True if another attempt is pointless; the action's attempts are used up.
+        measured: the deciding reading, if any.
+        check: name of the check, unless it is one of the primitive's methods.
     """
 
     def __init__(
@@ -41,12 +41,12 @@ class Discrepancy(Exception):
 
 
 class NeedsPerson(Exception):
-    """Only a person can help: the robot stops where it is and gives up.
+    """Exception: only a person can help; the robot stops where it is and gives up.
 
     Attributes:
-        reason: in words that a person understands.
-        measured: the reading that decided, where one did.
-        check: who found it, where that isn't one of the primitive's methods.
+        reason: message for people.
+        measured: the deciding reading, if any.
+        check: name of the check, unless it is one of the primitive's methods.
     """
 
     def __init__(self, reason: str, measured: Measured | None = None, check: str = "") -> None:

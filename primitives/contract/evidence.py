@@ -1,4 +1,4 @@
-"""What an attempt found: facts, and the pictures and scans that decided it."""
+"""Findings of an attempt: facts, and the pictures and scans that decided it."""
 
 from __future__ import annotations
 
@@ -13,22 +13,22 @@ from .cause import Cause, cause_of
 
 @dataclass
 class Evidence:
-    """Collected by a primitive while it runs; written into the run's folder by who runs it."""
+    """Evidence collected by a primitive during its motion; the runner writes it into the run's folder."""
 
     facts: dict[str, float | str] = field(default_factory=dict)
-    """In figures and words, names with their unit."""
+    """Figures and texts; names include the unit."""
     pictures: dict[str, NDArray[np.uint8]] = field(default_factory=dict)
-    """Grey (h, w) or BGR (h, w, 3), what was found drawn in; name to picture."""
+    """Pictures by name, grey (h, w) or BGR (h, w, 3), with findings drawn in."""
     points: dict[str, NDArray[np.float64]] = field(default_factory=dict)
     """(n, 2) on the map in [m]; name to points."""
     decisive: str = ""
-    """Which picture decided how the attempt ended; empty for the last one."""
+    """Name of the picture that decided the outcome; empty for the last one."""
     calibrated: dict[str, Calibrated] = field(default_factory=dict)
-    """What of the robot's file should change, by key: `camera.calibrated.focal_px`."""
+    """Proposed changes of the robot's file, by key: `camera.calibrated.focal_px`."""
     causes: list[Cause] = field(default_factory=list)
-    """What ended the motion; behind it what ended the way back, where that failed too."""
+    """Cause that ended the motion, followed by the cause that ended the way back, if that failed too."""
     limits: dict[str, float] = field(default_factory=dict)
-    """What was allowed of each residual that was measured."""
+    """Limit of each measured residual."""
 
     def blame(self, error: Exception, restoring: bool = False) -> None:
         """Note what an exception that left the primitive says of why."""

@@ -1,4 +1,4 @@
-"""How a robot comes to hold still until a person comes."""
+"""Hold a robot at rest until a person comes."""
 
 from __future__ import annotations
 
@@ -19,11 +19,10 @@ PRESSES = 5.0  # [N] on the hand: less is none, for a reading that is off
 
 
 def halt(robot: Robot) -> Generator[None, None, None]:
-    """Stop, and wait until nothing moves any more; where that can't be read, there is nothing to wait for.
+    """Stop, and wait until nothing moves; without readings there is nothing to wait for.
 
-    A hand that presses is told to stay where it stands: jammed by a base that slid, say, an arm that goes on
-    to where it was told to be pushes the base aside, little by little. What it was jammed in follows, so it
-    is told so again.
+    A hand that presses is commanded to its measured pose: an arm jammed by a base that slid would
+    otherwise push the base aside, little by little. The jam follows the arm, so the command is repeated.
     """
     robot.stop()
     with suppress(Exception):
@@ -37,6 +36,8 @@ def halt(robot: Robot) -> Generator[None, None, None]:
 
 
 def _presses(arm: Arm) -> bool:
-    """Whether force and joints both say so: of one that is broken alone, nothing is to move."""
+    """Return whether both force and joints indicate pressing; a single broken sensor must not move the
+    arm.
+    """
     off = float(np.abs(arm.command() - arm.joints()).max())
     return off <= BEHIND and float(np.linalg.norm(arm.hand_force())) > PRESSES

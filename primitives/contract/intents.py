@@ -1,4 +1,4 @@
-"""What an attempt says before it does it, because nobody could tell afterwards whether it did."""
+"""Announcements of effects that cannot be verified after a crash."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ class Intents:
 
     @property
     def kept(self) -> bool:
-        """Whether all that was said would outlast a crash."""
+        """True once all announcements would outlast a crash."""
         return True
 
 
 UNKEPT = Intents()
-"""For attempts without a journal."""
+"""Announcements of attempts without a journal."""

@@ -1,4 +1,4 @@
-"""What a primitive means to touch."""
+"""Intended contacts of a primitive."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from fnmatch import fnmatchcase
 from typing import Literal, NamedTuple
 
 RobotPart = Literal["base", "arm", "hand", "held"]
-"""Base with what is mounted on it; links before the hand; the hand with its fingers; what it holds."""
+"""Base with mounted parts; links before the hand; hand with fingers; held object."""
 
 
 class MeantContact(NamedTuple):
@@ -16,5 +16,5 @@ class MeantContact(NamedTuple):
     other: str
 
     def covers(self, part: str, other: str) -> bool:
-        """Whether this contact is meant."""
+        """Return whether a contact is intended."""
         return part == self.part and fnmatchcase(other, self.other)

@@ -1,4 +1,4 @@
-"""How a primitive ends."""
+"""Outcomes of a primitive."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ _MEASURED = object()
 
 @dataclass(frozen=True)
 class Success:
-    """The motion was completed and, where a sensor can tell, its effect was observed at rest."""
+    """The motion was completed and, if a sensor can observe it, its effect was observed at rest."""
 
     evidence: Mapping[str, float | str] = field(default_factory=dict)
 

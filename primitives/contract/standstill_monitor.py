@@ -13,9 +13,9 @@ MOVED = (0.005, math.radians(0.3))  # [m], [rad]: less is no motion
 
 
 class StandstillMonitor:
-    """Tells a base whose drives are stuck from one that waits: this one isn't told to drive.
+    """Distinguishes a base with stuck drives from a waiting base, which is not commanded to drive.
 
-    One that is held back from what stands in its way waits until that goes away.
+    A base held back by an obstacle waits until that has gone.
     """
 
     def __init__(self, robot: Robot) -> None:
@@ -23,7 +23,11 @@ class StandstillMonitor:
         self._place, self._driven = robot.pose, 0.0
 
     def check(self) -> None:
-        """Once a period; raises `Discrepancy` where the base was driven for long and stands as before."""
+        """Check once a period.
+
+        Raises:
+            Discrepancy: the base was commanded to drive for long and has not moved.
+        """
         robot = self._robot
         moved = robot.pose.distance(self._place) > MOVED[0] or robot.pose.turn(self._place) > MOVED[1]
         if moved or robot.held is not None:

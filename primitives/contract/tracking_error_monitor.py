@@ -1,4 +1,4 @@
-"""Whether the arm follows its commands."""
+"""Monitor that the arm follows its commands."""
 
 from __future__ import annotations
 
@@ -19,8 +19,7 @@ IN_A_ROW = 3  # periods of it: a single reading may be broken
 class TrackingErrorMonitor:
     """Compares the joints' readings with their commands, period by period.
 
-    An arm that is stuck, and encoders that stand still while it moves, look alike here: neither can be
-    worked with.
+    A stuck arm and frozen encoders look alike here; the arm is unusable in both cases.
     """
 
     def __init__(self, robot: Robot) -> None:

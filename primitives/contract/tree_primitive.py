@@ -23,14 +23,15 @@ Step = Callable[[], Generator[None, None, bool | None]]
 
 
 class TreePrimitive(ActionPrimitive):
-    """A primitive whose motion is a behaviour tree, ticked once a period.
+    """Primitive whose motion is a behaviour tree, ticked once a period.
 
-    The tree's SUCCESS ends the motion, its FAILURE is a `Discrepancy` in the words of the leaf that failed.
-    What a leaf raises leaves the tree at once: a Selector takes neither `Discrepancy` nor `NeedsPerson` for a
-    failure that another child could make good. However the motion ends, running leaves are stopped.
+    The tree's SUCCESS ends the motion; its FAILURE is a `Discrepancy` with the message of the leaf that
+    failed. An exception of a leaf leaves the tree at once: a Selector does not treat `Discrepancy` or
+    `NeedsPerson` as a failure that another child could repair. Running leaves are stopped at every end of
+    the motion.
 
-    Whatever py_trees itself times (`Timer`, `Timeout`) goes by the robot's clock. A behaviour whose own code
-    reads the wall clock is refused by name, when a task is loaded and before the first tick.
+    Times of py_trees itself (`Timer`, `Timeout`) use the robot's clock. A behaviour whose own code reads
+    the wall clock is rejected by name, when a task is loaded and before the first tick.
     """
 
     @abstractmethod
@@ -51,7 +52,7 @@ class GeneratorBehaviour(Behaviour):
     """A generator of periods as a leaf: RUNNING while it yields, FAILURE if it returns False."""
 
     def __init__(self, name: str, factory: Step) -> None:
-        """Name the leaf; `factory` is called each time that the leaf starts anew."""
+        """Name the leaf; `factory` is called each time that the leaf starts."""
         super().__init__(name)
         self._factory = factory
         self._periods: Generator[None, None, bool | None] | None = None

@@ -1,4 +1,4 @@
-"""Motions of the arm: to postures and poses, around what stands in the way."""
+"""Motions of the arm to postures and poses, around obstacles."""
 
 from __future__ import annotations
 
@@ -64,18 +64,18 @@ def move_to_pose(
 def move_to_joints(
     robot: Robot, joints: Vector, held: Shape | None = None, around: Sequence[Shape] = ()
 ) -> Periods:
-    """Move to joint angles (n,) in [rad], free of collisions with the robot and what it knows of.
+    """Move to joint angles (n,) in [rad], without collisions with the robot and known bodies.
 
     Continuous joints turn the shorter way.
 
     Args:
-        robot: the arm holds where it was last commanded.
-        joints: where to.
-        held: what the hand holds, posed in the hand frame.
+        robot: its arm holds the last commanded joints.
+        joints: goal.
+        held: held object, posed in the hand frame.
         around: bodies to keep clear of, posed in the base frame.
 
     Raises:
-        Discrepancy: no free way was found.
+        Discrepancy: no free path was found.
     """
     here = robot.arm.command()
     joints = robot.arm_model.nearest(joints, here)
@@ -126,7 +126,7 @@ def follow(robot: Robot, path: NDArray[np.float64]) -> Periods:
 
 
 def collision_model(robot: Robot, held: Shape | None, around: Sequence[Shape] = ()) -> CollisionModel:
-    """What arm, hand and what it holds must not touch; arguments as for `move_to_joints`."""
+    """Return the collision model of arm, hand and held object; arguments as for `move_to_joints`."""
     gripper, arm = robot.backend.get(Gripper), robot.arm_model  # type: ignore[type-abstract]
     if gripper is not None:
         width = FINELY * round(max(0.0, gripper.width() / 2.0) / FINELY)

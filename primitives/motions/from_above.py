@@ -1,4 +1,4 @@
-"""The hand that points straight down: over what it looks at, and about what stands upright."""
+"""Poses of a hand that points straight down, above a seen object or around an upright one."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ BITE = 0.025  # [m] of a thing's height that the pads cover
 _LEFT = transform(rpy=(-math.pi / 2, 0.0, 0.0))
 
 Size = tuple[float, float, float]
-"""Of a thing: length, width, height along its x, y and z, in [m]. Fingers close along its length."""
+"""Size of a thing: length, width, height along its x, y and z, in [m]. Fingers close along its length."""
 
 
 def pointing_down(place: Pose2, height: float) -> Transform:
@@ -32,9 +32,10 @@ def on_level(pose: Transform) -> Pose2:
 
 
 def gripping(robot: Robot, size: Size, base_T_thing: Transform) -> Transform:
-    """base_T_hand (4, 4) about a thing, whose origin is the middle of its foot: the pads cover its top.
+    """Return base_T_hand (4, 4) that grips a thing, whose origin is the middle of its foot: the pads cover
+    its top.
 
-    The hand leans as the thing does: on a base that leans, what stands upright is to be held upright.
+    The hand is tilted as the thing is, so that an upright thing stays upright on a tilted base.
     """
     above = size[2] - BITE + hand_to_tips(robot)
     return np.asarray(base_T_thing @ pointing_down(Pose2(0.0, 0.0, 0.0), above))

@@ -11,12 +11,12 @@ ARRIVED = 0.0005  # [m]
 
 
 def hand_to_tips(robot: Robot) -> float:
-    """From the frame `hand` to the finger tips, in [m]."""
+    """Return the distance from the frame `hand` to the finger tips, in [m]."""
     return robot.spec.finger_shape.tip
 
 
 def open_to(robot: Robot, width: float | None = None) -> Periods:
-    """Open the fingers to `width` in [m], None: fully, and wait until they stand there."""
+    """Open the fingers to `width` in [m], None: fully, and wait until they are there."""
     spec = robot.spec.gripper
     most = spec.opening_mm / 1e3 if spec is not None else 0.0
     goal = most if width is None else min(width, most)
@@ -41,18 +41,18 @@ def close(robot: Robot) -> Periods:
 
 
 def width_read(robot: Robot) -> Measured:
-    """What the gripper reads, for a Discrepancy."""
+    """Return the gripper's reading for a Discrepancy."""
     return Measured(
         "Gripper", "the fingers press on nothing; opening", 1e3 * robot.gripper.width(), unit="mm"
     )
 
 
 def holds(robot: Robot, width: float, most: float) -> bool:
-    """Whether the fingers press on something as wide as that, off by less than `most`, both in [m]."""
+    """Return whether the fingers press on an object of that width, within `most`, both in [m]."""
     return robot.gripper.closed_on_something() and abs(robot.gripper.width() - width) < most
 
 
 def width_off(robot: Robot, width: float, most: float, what: str) -> Measured:
-    """How far the opening is off a width, for a Discrepancy; `what` says whose width that is."""
+    """Return the difference between the opening and a width for a Discrepancy; `what` names the width."""
     off = 1e3 * abs(robot.gripper.width() - width)
     return Measured("Gripper", f"opening off {what}", off, 1e3 * most, "mm")

@@ -18,7 +18,7 @@ from handcart.robotics.manipulation.motions.motion_planner import plan_straight
 
 
 class Pushed(NamedTuple):
-    """How a push ended."""
+    """Result of a push."""
 
     met: bool
     """It was stopped by a resistance above the limit."""
@@ -33,20 +33,20 @@ def push(
     most: float,
     enough: Callable[[], bool] = lambda: False,
 ) -> Generator[None, None, Pushed]:
-    """Move the hand in a straight line at constant speed until something resists.
+    """Move the hand in a straight line at constant speed until a resistance stops it.
 
-    Where a joint would exceed its speed, the hand moves more slowly. Slow enough that a period's step adds
-    little force: with a stiffness of 2 N a mm, 20 mm/s add 2 N.
+    If a joint would exceed its speed, the hand moves more slowly. Choose the speed so that a period's step
+    adds little force: with a stiffness of 2 N per mm, 20 mm/s add 2 N.
 
     Args:
-        robot: the arm holds where it was last commanded.
-        base_T_goal: (4, 4) pose of the hand to end at.
-        speed: of the hand, in [m/s].
+        robot: its arm holds the last commanded joints.
+        base_T_goal: (4, 4) final pose of the hand.
+        speed: speed of the hand, in [m/s].
         most: resistance against the direction of motion at which it stops, in [N].
-        enough: asked every period; it stops as soon as this holds.
+        enough: asked every period; the push stops as soon as it returns True.
 
     Raises:
-        Discrepancy: the arm can't move the hand along that line.
+        Discrepancy: the arm cannot move the hand along that line.
     """
     arm = robot.arm_model
     path = plan_straight(arm, robot.arm.command(), base_T_goal, step=speed * robot.period)
@@ -70,7 +70,7 @@ def push(
 
 
 def relax(robot: Robot) -> Generator[None, None, None]:
-    """Command the arm to where it stands, so that it no longer presses."""
+    """Command the arm to its measured joints, so that it no longer presses."""
     yield from hold_measured(robot)
 
 

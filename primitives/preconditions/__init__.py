@@ -1,1 +1,1 @@
-"""What must hold before a primitive starts, stated by its class and checked before anything moves."""
+"""Preconditions of primitives, declared by their classes and checked before anything moves."""

@@ -1,4 +1,4 @@
-"""What a primitive needs the hand to hold, and what the hand holds after its Success."""
+"""Required content of the hand before a primitive, and its content after Success."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from typing import NamedTuple
 
 
 class Hand(Enum):
-    """What the hand holds."""
+    """Content of the hand."""
 
     EMPTY = "empty"
     FULL = "full"
     """It holds one thing: the primitive's `thing`, or anything where that has no name."""
     SAME = "same"
-    """The same as before."""
+    """Unchanged."""
     ANY = "any"
     """Something or nothing: nothing is required, or nothing is claimed."""
 

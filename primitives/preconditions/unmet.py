@@ -16,14 +16,14 @@ from .hand_use import Hand
 
 
 def find_unmet(primitive: ActionPrimitive, robot: Robot, model: WorldModel) -> str:
-    """Return what stands in the way of a primitive's start, in words; empty if nothing does.
+    """Return a message about an unmet precondition of a primitive; empty if all are met.
 
-    The declared preconditions are checked before the primitive's own. Nothing is commanded.
+    The declared preconditions are checked before the primitive's own. No command is sent.
 
     Args:
-        primitive: its parameters bound.
+        primitive: with bound parameters.
         robot: at rest.
-        model: the robot's knowledge.
+        model: world model.
     """
     own = primitive.unmet_precondition
     return (
@@ -56,7 +56,9 @@ def _unmet_by_hand(primitive: ActionPrimitive, robot: Robot, model: WorldModel) 
 
 
 def _unmet_by_arm(primitive: ActionPrimitive, robot: Robot) -> str:
-    """Whether the hand is within the footprint, where the base drives: nothing else protects the arm."""
+    """Return a message if the base would drive with the hand outside the footprint, where the arm is
+    unprotected.
+    """
     if not primitive.needs_arm_inside() or robot.spec.arm is None:
         return ""
     hand, radius = robot.base_T("hand"), robot.spec.footprint_radius_m

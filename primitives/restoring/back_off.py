@@ -1,4 +1,4 @@
-"""Leaving what the base ran into, before anything else."""
+"""Leave an obstacle that the base ran into, before anything else."""
 
 from __future__ import annotations
 
@@ -26,15 +26,15 @@ Floats = NDArray[np.float64]
 
 
 def back_off(robot: Robot, blocked: Blocked, trace: Trace) -> Generator[None, None, None]:
-    """Drive back the way the base came, away from where it was stopped.
+    """Drive back the way the base came, away from the place where it was stopped.
 
-    First by `STRAIGHT_M` straight back; then with the headings of the way in, until the footprint has left
-    the place where it was stopped: what body and arm swept over there is free, and a sharper turn would sweep
-    over more. A base that rebounded has done a part of it.
+    The base first moves straight back by `STRAIGHT_M`, then with the headings of the way in, until the
+    footprint has left the place: the space that body and arm swept on the way in is free, and a sharper
+    turn would sweep more. A rebound counts as part of the way.
 
     Args:
         robot: at rest.
-        blocked: where it was stopped, and how it was driven.
+        blocked: place where the base was stopped, and its motion there.
         trace: the way in.
     """
     way, headings = _way_in(trace, blocked, 2.0 * robot.spec.footprint_radius_m)

@@ -41,7 +41,7 @@ def car_retrace(robot: Robot, start: Snapshot, trace: Trace) -> Generator[None, 
 
 
 def _straight_to(robot: Robot, start: Snapshot) -> Generator[None, None, None]:
-    """By as much as it stands ahead of or behind where it is to: what short ways leave would add up, else."""
+    """Drive straight by the distance to the start; otherwise short remainders would add up."""
     came = robot.localization.displacement
     begin = start.pose.relative_to(robot.pose)
     left = begin.x if came is None else Pose2(*came.mean.tolist()).inverse().x
@@ -72,7 +72,7 @@ def _forward(before: Moment, after: Moment) -> float:
 
 
 def _stretches(moments: Sequence[Moment]) -> list[list[Moment]]:
-    """The moments, divided where the car stands, or changes its direction."""
+    """Divide the moments where the car rests or changes its direction."""
     result: list[list[Moment]] = []
     direction = 0
     for before, now in pairwise(moments):

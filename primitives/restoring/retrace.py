@@ -61,13 +61,13 @@ def retrace(
 def reach_pose(
     robot: Robot, goal: Pose2, tolerance: PoseTolerance = TOLERANCE
 ) -> Generator[None, None, None]:
-    """Bring the base to a pose near by; does nothing where it stands there already, twice as exact.
+    """Bring the base to a close pose; do nothing if it is there already within half the tolerance.
 
     A base that shifts as it turns, such as a skid-steer one, may come no nearer than some millimetres: the
-    tolerance widens after `EXACT_REACH_S`, up to half of what the robot's file allows.
+    tolerance widens after `EXACT_REACH_S`, up to half of the tolerance in the robot's file.
 
     Raises:
-        Discrepancy: it isn't there after a minute.
+        Discrepancy: the base is not there after a minute.
     """
     if robot.spec.drive.kind == "ackermann":
         check_stands(robot, goal)
@@ -99,9 +99,9 @@ def _widened(robot: Robot, tolerance: PoseTolerance, passed: float) -> PoseToler
 
 
 def reach_again(robot: Robot, start: Snapshot, room: float) -> Generator[None, None, None]:
-    """Bring the base to the snapshot once more, from near by.
+    """Bring the base to the snapshot once more, from close by.
 
-    A car can't be moved sideways: it stands until it is known well enough how far it came, within `room` [m].
+    A car cannot be moved sideways: it waits until its displacement is known within `room` [m].
     """
     if robot.spec.drive.kind != "ackermann":
         yield from reach_pose(robot, start.pose)
@@ -155,9 +155,9 @@ def _drive_back(
 
 
 def _way_back(stretch: Sequence[Moment]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Points (n, 2) from the end to the start, and for each moment how far along them it is, in [m].
+    """Return points (n, 2) from the end to the start, and the distance along them for each moment, in [m].
 
-    Estimated poses tremble: points nearer to each other than `COARSE` would tell a wrong direction.
+    Estimated poses jitter: points closer than `COARSE` would give a wrong direction.
     """
     ends = np.array([[each.pose.x, each.pose.y] for each in reversed(stretch)])
     kept, along = [ends[0]], [0.0]
@@ -171,12 +171,14 @@ def _way_back(stretch: Sequence[Moment]) -> tuple[NDArray[np.float64], NDArray[n
 
 
 def _forwards(stretch: Sequence[Moment]) -> bool:
-    """Whether the base mostly drove forwards, so that the way back is driven backwards."""
+    """Return whether the base mostly drove forwards, so that the way back is driven backwards."""
     steps = [now.pose.relative_to(before.pose).x for before, now in pairwise(stretch)]
     return sum(steps) > 0.0
 
 
 def _play_back(robot: Robot, stretch: Sequence[Moment]) -> Generator[None, None, None]:
-    """Slowly at first: an arm that is off at full speed jerks the base, and what stands on it slides."""
+    """Play the arm's motion back, slowly at first: a start at full speed would jerk the base, and its load
+    would slide.
+    """
     for number, moment in enumerate(reversed(stretch)):
         yield from _command(robot, moment, periods=max(1, SPEEDS_UP - number))

@@ -1,4 +1,4 @@
-"""What is measured when a primitive starts, and how far from it the robot is later."""
+"""Measured state at the start of a primitive, and the robot's later distance from it."""
 
 from __future__ import annotations
 
@@ -35,29 +35,29 @@ class Snapshot:
     pose: Pose2
     """map_T_base."""
     pose_sigma: tuple[float, float]
-    """Of the position in [m] and of the heading in [rad]."""
+    """Sigma of the position in [m] and of the heading in [rad]."""
     joints: NDArray[np.float64]
     """(n,) measured, in [rad]; (0,) without an arm."""
     joint_command: NDArray[np.float64]
     """(n,) in [rad]."""
     gripper_command: float
-    """In [m]; 0 without a gripper."""
+    """Commanded width in [m]; 0 without a gripper."""
     gripper_width: float
     """Measured, in [m]."""
     holding: bool
-    """Whether the fingers press on something that keeps them apart."""
+    """True if the fingers press on an object."""
     seen: Seen
     """The objects that the primitive can touch."""
     dead_reckoned: bool = False
-    """Whether nothing but the wheels told how the base moves."""
+    """True if only the wheels measured the base's motion."""
     odometry_pose: Pose2 | None = None
     """The base by what doesn't jump, where `pose` does (`Localization.odometry_pose`)."""
     displacement: Belief | None = None
-    """Of the base since the start of the attempt, where that is known better than its pose is."""
+    """Displacement of the base since the start of the attempt, if it is known better than its pose."""
 
 
 def settle(robot: Robot) -> Generator[None, None, bool]:
-    """Wait until nothing moves, and where the base stands is known; whether it came to rest in time."""
+    """Wait until nothing moves and the pose of the base is known; return whether that happened in time."""
     still, end, displaced = 0, robot.time + PATIENCE, robot.localization.displacements
     before = _readings(robot)
     while still < STILL and robot.time < end:
@@ -73,7 +73,7 @@ def settle(robot: Robot) -> Generator[None, None, bool]:
 
 
 def take_snapshot(robot: Robot, seen: Seen) -> Snapshot:
-    """Measure the robot as it stands now; `seen` are the objects it can touch."""
+    """Measure the robot's current state; `seen` holds the objects that it can touch."""
     arm, gripper = robot.backend.get(Arm), robot.backend.get(Gripper)  # type: ignore[type-abstract]
     width = gripper.width() if gripper else 0.0
     where = robot.localization
@@ -98,23 +98,23 @@ def is_holding(robot: Robot) -> bool:
 
 
 def take_snapshot_since_start(robot: Robot, seen: Seen) -> Snapshot:
-    """The same, with how far the base has come since `Localization.set_origin`."""
+    """Measure the robot's current state, with the base's displacement since `Localization.set_origin`."""
     return replace(take_snapshot(robot, seen), displacement=robot.localization.displacement)
 
 
 def residuals(
     start: Snapshot, now: Snapshot, slides: Sequence[bool] = (), endless: Sequence[bool] = ()
 ) -> dict[str, float]:
-    """How far `now` is from `start`: name with unit to size.
+    """Return the differences between `now` and `start`: name with unit to size.
 
-    What no longer is there, or isn't held any more, is infinitely far. Beside the base's residual stands how
-    far it may be off unnoticed: 3 sigma of the measurement.
+    A missing or lost object is infinitely far. Next to the base's residual is its possible unnoticed
+    error: 3 sigma of the measurement.
 
     Args:
-        start: what was measured before.
-        now: what is measured now.
-        slides: which of the arm's joints slide (default: none).
-        endless: which of them are continuous: a turn more or less is no change (default: none).
+        start: earlier state.
+        now: current state.
+        slides: True for each sliding joint of the arm (default: none).
+        endless: True for each continuous joint: a full turn is no change (default: none).
     """
     (away, turned), unsure = _apart(start, now), _unsure(start, now)
     result = {
@@ -140,10 +140,10 @@ def residuals(
 
 
 def _apart(start: Snapshot, now: Snapshot) -> tuple[float, float]:
-    """How far the base is from where it was in [m], and by how much it is turned in [rad].
+    """Return the base's distance from its earlier position in [m], and its turn in [rad].
 
-    A pose that jumps as its sensors learn has come that far only as wheels or gyros felt it; or where it
-    has jumped further than it may have been off.
+    A pose that jumps because its sensors learn counts only as far as wheels or gyros measured the motion,
+    or as far as the jump exceeds its earlier uncertainty.
     """
     if now.displacement is not None:
         x, y, turn = now.displacement.mean.tolist()
@@ -171,7 +171,7 @@ def _unsure(start: Snapshot, now: Snapshot) -> tuple[float, float]:
 
 
 def limits(robot: Robot, names: Mapping[str, float], room: float = math.inf) -> dict[str, float]:
-    """The tolerance of the robot's file for each residual; for the base no more than `room` [m]."""
+    """Return the tolerance of the robot's file for each residual; for the base at most `room` [m]."""
     tolerance = robot.spec.tolerance
     base_mm = min(tolerance.base_mm, 1e3 * room)
     known = {
@@ -188,9 +188,9 @@ def limits(robot: Robot, names: Mapping[str, float], room: float = math.inf) -> 
 
 
 def moved(robot: Robot, stood: Snapshot, now: Snapshot) -> dict[str, float]:
-    """What stands elsewhere than before, beyond the robot's tolerance: the residuals of `residuals`.
+    """Return the residuals of everything that moved by more than the robot's tolerance.
 
-    That a pose isn't surely known is no motion.
+    An uncertain pose does not count as motion.
     """
     units = robot.spec.joint_units
     found = residuals(stood, now, units.slides, units.endless)

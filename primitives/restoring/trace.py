@@ -1,4 +1,4 @@
-"""What a motion did, period by period: the way back."""
+"""Record of a motion, period by period: the way back."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Trace:
         return begin + int(np.argmin(off))
 
     def cut_to(self, robot: Robot) -> None:
-        """Have the base come from where it is now, on its way in: what it drove later is not retraced.
+        """Let the base come from its current pose on its way in; its later motion is not retraced.
 
         Arm and gripper keep their moments.
         """

@@ -106,7 +106,7 @@ class FaultyBackend(LayeredBackend):
         self._left -= 1
 
     def stop(self) -> None:
-        """Stop the backend; stuck parts forget their targets."""
+        """Stop the backend; stuck parts forget their goals."""
         self.inner.stop()
         self._joints = self._width = None
         self._driven = False
@@ -167,7 +167,7 @@ class FaultyBackend(LayeredBackend):
         return True
 
     def _catch_up(self) -> None:
-        """Move released parts towards their last commanded targets."""
+        """Move released parts towards their last commands."""
         if self._is(FaultKind.STUCK):
             return
         gripper = part_of(self.inner, Gripper)
