@@ -1,4 +1,4 @@
-"""Saving a matplotlib figure."""
+"""Atomic and reproducible saving of a matplotlib figure."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from handcart.files.whole_file import write_whole
 
 
 def save_figure(figure: Any, path: Path, **options: Any) -> None:
-    """Write a figure whole or not at all, as its suffix says, else as SVG; equal figures give equal files.
+    """Write a figure atomically, in the format of its suffix or as SVG; equal figures give equal files.
 
     Raises:
-        OSError: it can't be written.
+        OSError: the file cannot be written.
     """
     import matplotlib
 

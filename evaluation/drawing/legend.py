@@ -6,6 +6,6 @@ from typing import Any
 
 
 def add_legend(axis: Any, **options: Any) -> None:
-    """Name what is drawn on a matplotlib axis; where nothing has a name, there is no legend."""
+    """Add a legend to a matplotlib axis if anything on it has a label."""
     if axis.get_legend_handles_labels()[0]:
         axis.legend(**options)

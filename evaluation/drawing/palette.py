@@ -1,4 +1,4 @@
-"""Colours of diagrams, which the colour-blind tell apart as well: those of Okabe and Ito (2008)."""
+"""Colours of diagrams that colour-blind readers can distinguish, by Okabe and Ito (2008)."""
 
 from __future__ import annotations
 
@@ -7,6 +7,6 @@ BLUE, SKY, GREEN = "#0072b2", "#56b4e9", "#009e73"
 ORANGE, VERMILION, PURPLE = "#e69f00", "#d55e00", "#cc79a7"
 
 SERIES = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY)
-"""Of things of one kind, one after the other."""
+"""Colours for a series of similar curves, in order."""
 OUTCOMES = {"Success": BLUE, "Fail": VERMILION, "GiveUp": "#1d2733", "": GREY}
-"""By how an action ended; empty: it didn't, yet. White letters are read on all of them."""
+"""Colours by outcome of an action; empty: it has not ended. White text is readable on all of them."""

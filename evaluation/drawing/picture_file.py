@@ -1,4 +1,4 @@
-"""Writing a picture."""
+"""Atomic writing of a picture."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from handcart.files.whole_file import write_whole
 
 
 def write_png(path: Path, picture: NDArray[Any]) -> None:
-    """Write a picture, grey or BGR, as PNG, whole or not at all.
+    """Write a grey or BGR picture atomically, as PNG.
 
     Raises:
-        OSError: it can't be written.
+        OSError: the file cannot be written.
     """
     _, png = cv2.imencode(".png", picture)
     write_whole(path, png.tobytes())

@@ -1,4 +1,4 @@
-"""Places on a map: where each looks to, and its name where no other lies."""
+"""Arrows and names of places on a map, placed without overlap."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ Box = tuple[float, float, float, float]
 
 
 def draw_places(axis: Any, places: Mapping[str, tuple[float, float, float]], size: float = 8.0) -> None:
-    """Draw an arrow at each, and its name, rather behind the place than where it looks to.
+    """Draw an arrow in the heading of each place, and its name, preferably behind the place.
 
-    A name for which there is no room is left away. Call it when the axis has its limits and its size.
+    A name without free space is omitted. Call this when the axis has its final limits and size.
 
     Args:
-        axis: of matplotlib, with units of [m].
-        places: x, y in [m] and heading in [rad] of each, by name.
-        size: of the letters, in [pt].
+        axis: matplotlib axis, in units of [m].
+        places: x, y in [m] and heading in [rad] of each place, by name.
+        size: font size, in [pt].
     """
     (left, right), (low, high) = axis.get_xlim(), axis.get_ylim()
     frame = axis.get_position()

@@ -1,1 +1,1 @@
-"""Runs and campaigns in the formats of other programs."""
+"""Export of runs and campaigns to the formats of other programs."""

@@ -1,6 +1,6 @@
-"""The trials of a campaign as Parquet: a row each, for pandas, Polars, DuckDB and the like.
+"""Export of a campaign's trials as Parquet, one row each, for pandas, Polars or DuckDB.
 
-By arro3: installed it is 33 MB, pyarrow 170.
+It uses arro3, which takes 33 MB installed; pyarrow takes 170 MB.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from arro3.core import Array, Field, RecordBatch
 
 TOGETHER = 5000
-"""Trials that are in memory at a time."""
+"""Number of trials in one batch."""
 COMPRESSION = "zstd(3)"
 OF_SUMMARY = {
     "outcome": "text",
@@ -31,26 +31,27 @@ OF_SUMMARY = {
     "fails": "integer",
     "replans": "integer",
 }
-"""What of a trial's summary is a column, and its kind."""
+"""Columns that are taken from a trial's summary, with their types."""
 METRIC, VARIED = "metrics.", "varied."
 """What stands before the names of such columns."""
 Column = tuple[str, str, Callable[[Trial], Any]]
-"""Its name, its kind, and its value in a trial; None where that has none."""
+"""Name and type of a column, and its value in a trial; None where the trial has no value."""
 
 
 def write_parquet(trials: Iterable[Trial], path: Path) -> None:
-    """Write trials, a row each, in their order.
+    """Write trials as Parquet, one row each, in their order.
 
-    Metrics and numbers that vary are columns `metrics.NAME` and `varied.NAME`; what is no number, text or yes
-    and no is JSON. `action_ends` has a list of each trial's actions, `injected` one of the faults that came.
+    Metrics and varied numbers are columns `metrics.NAME` and `varied.NAME`; values that are not a
+    number, a text or a boolean are written as JSON. `action_ends` lists each trial's actions,
+    `injected` the faults that occurred.
 
     Args:
-        trials: they are gone through twice.
-        path: of the file.
+        trials: the trials; they are iterated twice.
+        path: path of the file.
 
     Raises:
-        ImportError: the extra `export` isn't installed.
-        OSError: it can't be written.
+        ImportError: the extra `export` is not installed.
+        OSError: the file cannot be written.
     """
     from arro3.core import RecordBatchReader, Schema
     from arro3.io import write_parquet as write
@@ -79,7 +80,7 @@ def write_parquet(trials: Iterable[Trial], path: Path) -> None:
 
 
 def _columns(trials: Iterable[Trial]) -> list[Column]:
-    """Those that any trial has."""
+    """Return the columns for which any trial has a value."""
     metrics: dict[str, set[str]] = {}
     varied: dict[str, None] = {}
     for trial in trials:
@@ -123,7 +124,7 @@ def _kind_of(value: Any) -> str:
 
 
 def _common(kinds: set[str]) -> str:
-    """One kind that holds values of all of these."""
+    """Return a type that can hold values of all these types."""
     there = kinds - {""}
     return there.pop() if len(there) == 1 else "JSON"
 
@@ -160,7 +161,7 @@ def _list_type(kinds: Mapping[str, str]) -> Any:
 
 
 def _lists(rows: Sequence[Sequence[Mapping[str, Any]]], kinds: Mapping[str, str]) -> Array:
-    """Of each trial a list of records."""
+    """Return an array with a list of records for each trial."""
     from arro3.core import Array, DataType, list_array, struct_array
 
     flat = [each for row in rows for each in row]

@@ -1,4 +1,4 @@
-"""A run's journal as messages in words."""
+"""Records of a run's journal as text messages."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ LEVELS = {"Fail": "Warning", "GiveUp": "Error"}
 
 
 def event_messages(run: PastRun) -> Iterator[Message]:
-    """`/events`: each record, as a message of a log; Fails are warnings, GiveUps errors."""
+    """Yield each record as a log message on `/events`; a Fail is a warning, a GiveUp is an error."""
     from foxglove.messages import Log, LogLevel
 
     done = {each.number: each.do for each in run.actions}

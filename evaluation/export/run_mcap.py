@@ -1,4 +1,4 @@
-"""A recorded run as MCAP, in Foxglove's schemas: for Foxglove, Rerun, and whoever reads MCAP."""
+"""Export of a recorded run as MCAP with Foxglove's schemas, for Foxglove, Rerun and other readers."""
 
 from __future__ import annotations
 
@@ -29,26 +29,26 @@ if TYPE_CHECKING:
 CAMERA, SENSOR = "camera", "range_sensor"
 """Names of frames; the base's is that of the URDF's root."""
 FINGERS = ("left_finger", "right_finger")
-"""Joints that share the opening of a gripper, where the URDF has them."""
+"""Finger joints, each at half the gripper's opening, if the URDF has them."""
 MOST = 64 * 2**20  # of a summary, in [bytes]
 FREE, OCCUPIED, UNKNOWN = 0, 100, -1
 """In the cells of the map, as elsewhere in robotics."""
 
 
 def write_mcap(recorded: Playback, path: Path) -> dict[str, int]:
-    """Write all that was recorded of a run; times are the robot's, from 0.
+    """Write a recorded run as MCAP; times are the robot's, from 0.
 
     Args:
         recorded: the run.
-        path: of the file.
+        path: path of the file.
 
     Returns:
-        How many messages each topic has.
+        The number of messages of each topic.
 
     Raises:
-        ImportError: the extra `export` isn't installed.
-        NoRun, BadFile: something in the run's folder is damaged.
-        OSError: the file can't be written.
+        ImportError: the extra `export` is not installed.
+        NoRun, BadFile: a file in the run's folder is damaged.
+        OSError: the file cannot be written.
     """
     import foxglove
 
@@ -78,7 +78,7 @@ def _messages(recorded: Playback) -> Iterator[Message]:
 
 
 def _bases(recorded: Playback) -> Iterator[Message]:
-    """Where the base was: as it believed, with its particles, and truly."""
+    """Yield the estimated and the true poses of the base, and the particles."""
     from foxglove.messages import PoseInFrame, PosesInFrame
 
     rows, root = recorded.rows, root_link(_urdf(recorded))
@@ -110,7 +110,7 @@ def _sensed(recorded: Playback) -> Iterator[Message]:
 
 
 def _transforms(recorded: Playback, row: int, root: str) -> FrameTransforms:
-    """Of the base on the map, and of the range sensor on the base."""
+    """Return the transforms of the base on the map and of the lidar on the base."""
     from foxglove.messages import FrameTransform, FrameTransforms
 
     at = stamp(float(recorded.rows.time[row]))
@@ -190,7 +190,7 @@ def _about(run: PastRun) -> dict[str, str]:
 
 
 def _attached(recorded: Playback) -> Iterator[tuple[str, str, bytes]]:
-    """Files: name, media type and content."""
+    """Yield name, media type and content of the attached files."""
     yield "robot.urdf", "application/xml", recorded.scenery.robot.urdf.encode()
     summary = read_file(recorded.run.folder, "summary.json", MOST, missing=True)
     if summary is not None:

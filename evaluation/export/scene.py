@@ -1,4 +1,4 @@
-"""What stood around a recorded run, and what it carried, as entities of a scene."""
+"""Surroundings and carried things of a recorded run, as Foxglove scene entities."""
 
 from __future__ import annotations
 
@@ -21,7 +21,9 @@ FURNITURE = 178  # grey of what has none of its own
 
 
 def scene_messages(recorded: Playback) -> Iterator[Message]:
-    """`/scenery`: what nothing moves, as it is there and goes; `/things`: what hands carry, at each move."""
+    """Yield fixed boxes on `/scenery`, as they appear and disappear, and each move of a thing on
+    `/things`.
+    """
     yield from _scenery(recorded)
     for name, track in recorded.things.items():
         (middle,) = transforms(np.array([track.shape.middle]))

@@ -1,4 +1,4 @@
-"""Times and poses as Foxglove's schemas have them."""
+"""Times and poses in Foxglove's schemas."""
 
 from __future__ import annotations
 
@@ -12,32 +12,32 @@ if TYPE_CHECKING:
     from foxglove.messages import Pose, Quaternion, Timestamp, Vector3
 
 MAP = "map"
-"""The frame of the map, which is the simulated world's too."""
+"""Name of the map's frame, which is also the simulated world's frame."""
 Message = tuple[float, str, Any]
-"""When, in [s] of the robot's time; on which topic; and what."""
+"""Time in [s] of the robot's clock, topic, and message."""
 
 
 def nanoseconds(time: float) -> int:
-    """Of a time in [s]."""
+    """Convert a time in [s] to [ns]."""
     return round(1e9 * time)
 
 
 def stamp(time: float) -> Timestamp:
-    """Of a time in [s]."""
+    """Convert a time in [s] to a Foxglove timestamp."""
     from foxglove.messages import Timestamp
 
     return Timestamp(*divmod(nanoseconds(time), 1_000_000_000))
 
 
 def pose_of(pose: NDArray[np.float64]) -> Pose:
-    """Of a pose (7,), or of one in the plane (3,): x, y in [m], heading in [rad]."""
+    """Convert a pose (7,), or a planar pose (3,) of x, y in [m] and heading in [rad], to a Foxglove Pose."""
     from foxglove.messages import Pose
 
     return Pose(position=position_of(pose), orientation=orientation_of(pose))
 
 
 def position_of(pose: NDArray[np.float64]) -> Vector3:
-    """The same, of where it is."""
+    """Return the position of a pose (7,) or (3,) as a Foxglove Vector3."""
     from foxglove.messages import Vector3
 
     x, y, *rest = pose.tolist()
@@ -45,7 +45,7 @@ def position_of(pose: NDArray[np.float64]) -> Vector3:
 
 
 def orientation_of(pose: NDArray[np.float64]) -> Quaternion:
-    """The same, of which way it is turned."""
+    """Return the orientation of a pose (7,) or (3,) as a Foxglove Quaternion."""
     from foxglove.messages import Quaternion
 
     if len(pose) == 7:

@@ -1,1 +1,1 @@
-"""A run, kept so that it can be looked at again: who writes that down, and who reads it."""
+"""Recording of a run for `handcart view` and `handcart export`: writer and reader."""

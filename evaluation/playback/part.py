@@ -1,4 +1,4 @@
-"""A stretch of a recorded run, as one file has it."""
+"""Part of a recorded run, as stored in one file."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from pydantic import TypeAdapter
 from .scenery import ThingShape
 
 FOLDER = "playback"
-"""In a run's folder: the scenery, and the parts."""
+"""Subfolder of a run's folder that holds the scenery and the parts."""
 SCENERY = "scenery.json"
 NAME = "{:05d}.npz"
-"""Of a part, by its number from 1."""
+"""File name of a part, by its number from 1."""
 NOTHING, FAR = 65535, 65534
 """[mm] of a range that is no number, and of one where nothing came back."""
 Array = NDArray[np.float64]
@@ -24,57 +24,57 @@ SHAPES = TypeAdapter(list[ThingShape])
 
 
 class Part(NamedTuple):
-    """Its arrays; times are the robot's, in [s], and rise."""
+    """Arrays of one part of a recording; times are the robot's, in [s], and increase."""
 
     time: Array
-    """(n,) of the rows."""
+    """(n,) time of each row."""
     world_time: Array
-    """(n,) in [s]: goes on while the run is paused."""
+    """(n,) time of the world, in [s]; it advances while the run is paused."""
     pose: Array
     """(n, 3) estimated map_T_base: x, y in [m], heading in [rad]."""
     truth: Array
-    """(n, 7) world_T_base; NaN where nobody knows."""
+    """(n, 7) true world_T_base; NaN where it is unknown."""
     joints: Array
-    """(n, j) measured, in [rad] or [m]."""
+    """(n, j) measured joint positions, in [rad] or [m]."""
     width: Array
-    """(n,) between the fingers, in [m]; 0 without a gripper."""
+    """(n,) measured opening of the gripper, in [m]; 0 without a gripper."""
     covariance: Array
-    """(n, 3, 3) of the estimate, in [m] and [rad]."""
+    """(n, 3, 3) covariance of the estimated pose, in [m] and [rad]."""
     action: NDArray[np.int64]
-    """(n,) number of the action that ran, from 1; 0 before the first."""
+    """(n,) number of the running action, from 1; 0 before the first."""
     restoring: NDArray[np.bool_]
-    """(n,) whether it was bringing everything back."""
+    """(n,) whether the action was restoring."""
     scan_time: Array
-    """(s,)"""
+    """(s,) time of each lidar scan."""
     scan_mm: NDArray[np.uint16]
-    """(s, b) range of each beam; 65534 where nothing came back, 65535 for what is no number."""
+    """(s, b) range of each lidar beam, in [mm]; 65534 without an echo, 65535 if invalid."""
     cloud_time: Array
-    """(c,)"""
+    """(c,) time of each particle cloud."""
     cloud: Array
-    """(c, p, 3) of the localization's particles: x, y in [m], heading in [rad]."""
+    """(c, p, 3) particles of the localization: x, y in [m], heading in [rad]."""
     picture_time: Array
-    """(i,)"""
+    """(i,) time of each camera picture."""
     picture_end: NDArray[np.int64]
-    """(i,) where each picture ends in `picture`."""
+    """(i,) end index of each camera picture in `picture`."""
     picture: NDArray[np.uint8]
-    """JPEG after JPEG."""
+    """JPEG bytes of all camera pictures, concatenated."""
     moved_time: Array
-    """(k,)"""
+    """(k,) time of each change of a thing's pose."""
     moved_name: NDArray[np.int64]
-    """(k,) which of `names`."""
+    """(k,) index in `names` of the moved thing."""
     moved_pose: Array
-    """(k, 7) world_T_thing from then on."""
+    """(k, 7) world_T_thing after the change."""
     names: NDArray[np.str_]
-    """Of things that are somewhere else now."""
+    """Names of the things that moved in this part."""
     shapes: NDArray[np.uint8]
-    """JSON: a list of `ThingShape`, of things that are new."""
+    """JSON bytes of a list of `ThingShape`, for the things that appear first in this part."""
 
     @classmethod
     def of(cls, arrays: dict[str, NDArray[Any]]) -> Self:
-        """Of a file's arrays.
+        """Create a part from the arrays of a file.
 
         Raises:
-            ValueError: one is missing, or isn't of the kind or size that it should be.
+            ValueError: an array is missing, or has a wrong type or shape.
         """
         if missing := [name for name in cls._fields if name not in arrays]:
             raise ValueError(f"it has no {', '.join(missing)}")
@@ -95,16 +95,18 @@ class Part(NamedTuple):
         return part
 
     def new_shapes(self) -> list[ThingShape]:
-        """Of things that are first seen here; raises ValueError where they aren't such."""
+        """Return the shapes of the things that appear first in this part; raise ValueError if they are
+        damaged.
+        """
         return SHAPES.validate_python(orjson.loads(self.shapes.tobytes()))
 
     def jpegs(self) -> list[bytes]:
-        """Each picture."""
+        """Return the JPEG bytes of each camera picture."""
         raw, ends = self.picture.tobytes(), self.picture_end.tolist()
         return [raw[a:b] for a, b in zip([0, *ends], ends, strict=False)]
 
     def before(self, time: float) -> Part:
-        """What of it was before a moment, in [s]."""
+        """Return the part's data from before a time in [s]."""
         rows, scans, clouds, pictures, moves = (
             int(np.searchsorted(each, time))
             for each in (self.time, self.scan_time, self.cloud_time, self.picture_time, self.moved_time)
@@ -128,13 +130,13 @@ _WIDTHS = {"pose": (3,), "truth": (7,), "covariance": (3, 3), "moved_pose": (7,)
 
 
 def millimetres(ranges: Array) -> NDArray[np.uint16]:
-    """Of ranges in [m], any shape."""
+    """Encode lidar ranges in [m], of any shape, as integers in [mm]."""
     whole = np.clip(np.rint(1e3 * np.nan_to_num(ranges, nan=0.0, posinf=0.0, neginf=0.0)), 0, FAR - 1)
     unknown = np.isnan(ranges) | np.isneginf(ranges)
     return np.where(unknown, NOTHING, np.where(np.isinf(ranges), FAR, whole)).astype(np.uint16)
 
 
 def metres(scan_mm: NDArray[np.uint16]) -> Array:
-    """Ranges in [m] of what `millimetres` gave."""
+    """Decode ranges encoded by `millimetres`, in [m]; infinity without an echo, NaN if invalid."""
     known = scan_mm / 1e3
     return np.where(scan_mm == NOTHING, np.nan, np.where(scan_mm == FAR, np.inf, known))

@@ -1,4 +1,4 @@
-"""A run that was recorded, to be looked at again: where everything was, at any time."""
+"""Reader of a recorded run: poses, scans and pictures at any time."""
 
 from __future__ import annotations
 
@@ -30,43 +30,43 @@ Array = NDArray[np.float64]
 
 
 class Moment(NamedTuple):
-    """A run at one time."""
+    """State of a run at one time."""
 
     time: float
-    """The robot's, in [s]."""
+    """Time of the robot, in [s]."""
     world_time: float
-    """In [s]: goes on while the run is paused."""
+    """Time of the world, in [s]; it advances while the run is paused."""
     pose: Array
     """(3,) estimated map_T_base: x, y in [m], heading in [rad]."""
     truth: Array | None
-    """(7,) world_T_base; None where nobody knows."""
+    """(7,) true world_T_base; None where it is unknown."""
     joints: Array
-    """(j,) measured, in [rad] or [m]."""
+    """(j,) measured joint positions, in [rad] or [m]."""
     width: float
-    """Between the fingers, in [m]."""
+    """Opening of the gripper, in [m]."""
     covariance: Array
-    """(3, 3) of the estimate."""
+    """(3, 3) covariance of the estimated pose, in [m] and [rad]."""
     action: int
-    """Number of the action that ran, from 1; 0 before the first."""
+    """Number of the running action, from 1; 0 before the first."""
     restoring: bool
 
     @property
     def base(self) -> Array:
-        """(7,) world_T_base: the true one where it is known, else the estimate."""
+        """(7,) world_T_base: the true pose where it is known, otherwise the estimate."""
         return on_floor(self.pose[None])[0] if self.truth is None else self.truth
 
 
 class ThingTrack(NamedTuple):
-    """A thing, and where it was."""
+    """A movable thing with its poses over time."""
 
     shape: ThingShape
     time: Array
-    """(k,) in [s]; there is nothing before the first."""
+    """(k,) time of each pose, in [s]; the thing appears at the first."""
     pose: Array
-    """(k, 7) world_T_thing, each until the next one."""
+    """(k, 7) world_T_thing, each valid until the next."""
 
     def at(self, time: float) -> Array | None:
-        """(7,) world_T_thing; None before it is there."""
+        """Return world_T_thing (7,) at a time in [s]; None before the thing appears."""
         row = int(np.searchsorted(self.time, time, "right")) - 1
         if row < 0:
             return None
@@ -78,24 +78,24 @@ class ThingTrack(NamedTuple):
 
 @dataclass(frozen=True)
 class Playback:
-    """A recorded run: rows ten times a second, scans and particles five times, pictures as they came."""
+    """A recorded run: rows at 10 Hz, scans and particles at 5 Hz, pictures as they were taken."""
 
     run: PastRun
     scenery: Scenery
     rows: Part
-    """All parts put together; `names` and `shapes` are empty there: see `things`."""
+    """All parts joined; their `names` and `shapes` are empty, see `things`."""
     pictures: tuple[bytes, ...]
-    """JPEG, at `rows.picture_time`."""
+    """Camera pictures as JPEG, taken at the times `rows.picture_time`."""
     things: Mapping[str, ThingTrack]
-    """By name."""
+    """Movable things by name."""
 
     @classmethod
     def read(cls, folder: Path) -> Self:
-        """Read what a run left in its folder; a run that was killed lacks its last minute.
+        """Read the recording in a run's folder; of a killed run the last minute is missing.
 
         Raises:
-            NoRun: the folder holds no run, or nothing that could be played back.
-            JournalError: its journal is damaged.
+            NoRun: the folder holds no run, or no readable recording.
+            JournalError: the run's journal is damaged.
         """
         run = read_run(folder)
         content = read_file(folder, f"{FOLDER}/{SCENERY}", MOST, missing=True)
@@ -120,16 +120,16 @@ class Playback:
 
     @property
     def start(self) -> float:
-        """Of the recording, in [s] of the robot's time."""
+        """Start of the recording, in [s] of the robot's time."""
         return float(self.rows.time[0])
 
     @property
     def end(self) -> float:
-        """[s]"""
+        """End of the recording, in [s] of the robot's time."""
         return float(self.rows.time[-1])
 
     def at(self, time: float) -> Moment:
-        """The run at a time in [s], between two rows on a straight way; before and after: its ends."""
+        """Return the state at a time in [s], interpolated between two rows and limited to the recording."""
         rows = self.rows
         a = int(np.clip(np.searchsorted(rows.time, time, "right") - 1, 0, len(rows.time) - 1))
         b = min(a + 1, len(rows.time) - 1)
@@ -151,30 +151,34 @@ class Playback:
         )
 
     def ranges(self, number: int) -> Array:
-        """(b,) in [m] of a scan; infinity where nothing came back, NaN where it is no number."""
+        """Return the ranges (b,) of a scan in [m]; infinity without an echo, NaN if invalid."""
         return metres(self.rows.scan_mm[number])
 
     def latest(self, times: Array, time: float) -> int | None:
-        """Which of some times (n,) was the last one at a time, all in [s]; None before the first."""
+        """Return the index of the last of the times (n,) up to `time`, all in [s]; None before the first."""
         number = int(np.searchsorted(times, time + 1e-9, "right")) - 1
         return None if number < 0 else number
 
     def action(self, number: int) -> PastAction | None:
-        """An action of the run."""
+        """Return the action with this number; None if the run has no such action."""
         return self._actions.get(number)
 
     def situation(self, time: float) -> str:
-        """Where in the network the run is at a time in [s]: while an action runs, where that began."""
+        """Return the situation of the network at a time in [s]; during an action, the one it started from."""
         times, names = self._situations
         number = self.latest(times, time)
         return "" if number is None else names[number]
 
     def planned(self, number: int) -> Array:
-        """(n, 2) in [m] on the map: the path that an action meant to drive; (0, 2) where it had none."""
+        """Return the path (n, 2) in [m] on the map that an action planned to drive; (0, 2) if it planned
+        none.
+        """
         return self._named(PLANNED).get(number, np.empty((0, 2)))
 
     def bumped(self, number: int) -> Array:
-        """(n, 2) in [m] on the map: where the base ran into something, up to an action and in it."""
+        """Return the points (n, 2) in [m] on the map where the base hit something, up to and including an
+        action.
+        """
         found = [points for n, points in self._named(BUMPED).items() if n <= number]
         return np.vstack([np.empty((0, 2)), *found])
 
@@ -184,7 +188,7 @@ class Playback:
 
     @cached_property
     def _situations(self) -> tuple[Array, list[str]]:
-        """From when on the run is in which situation."""
+        """Start times in [s] of the situations, with their names."""
         times, names = [], []
         for record in self.run.records:
             match record["kind"]:
@@ -202,13 +206,13 @@ class Playback:
         return np.array(times), names
 
     def _named(self, name: str) -> dict[int, Array]:
-        """The points (n, 2) of that name by the actions that left some."""
+        """Return the points (n, 2) with this name, by number of the action that recorded them."""
         points = {number: arrays.get(name, np.empty(0)) for number, arrays in self._evidence.items()}
         return {n: each for n, each in points.items() if each.ndim == 2 and each.shape[1] == 2}
 
     @cached_property
     def _evidence(self) -> dict[int, dict[str, Array]]:
-        """What the actions left, by their numbers."""
+        """Planned and bumped points of the actions' evidence, by number of the action."""
         found: dict[int, dict[str, Array]] = {}
         for path in sorted((self.run.folder / EVIDENCE).glob("[0-9]*_*.npz")):
             if path.name.endswith(SUFFIX):
@@ -229,7 +233,9 @@ def _part(folder: Path, path: Path) -> Part:
 
 
 def _cut(parts: list[Part]) -> list[Part]:
-    """Without what was done anew in a run that went on: each part up to where later ones begin."""
+    """Return the parts without periods that a continued run repeated: each is cut where a later part
+    begins.
+    """
     kept, until = [], np.inf
     for part in reversed(parts):
         kept.append(part.before(until))

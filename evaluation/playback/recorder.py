@@ -1,4 +1,4 @@
-"""Writing down, while a run goes on, what `handcart view` and `handcart export` show of it."""
+"""Recorder of a run for `handcart view` and `handcart export`."""
 
 from __future__ import annotations
 
@@ -38,11 +38,12 @@ _SOON = 1e-6  # [s]
 
 
 class PlaybackRecorder(RunObserver):
-    """Writes `playback/scenery.json` as a run begins, and `playback/00001.npz` ... as it goes on.
+    """Observer that writes `playback/scenery.json` at the start of a run and `playback/00001.npz` ...
+    during it.
 
-    A row has what was measured and estimated, and where the run is simulated what is true: see `Part`.
-    Nothing is read that the run doesn't read anyway, so it isn't changed. A process that is killed loses the
-    last part. What keeps it from being recorded (a full disk, say) ends the recording, not the run.
+    A row holds measurements, estimates and, in simulation, the truth: see `Part`. The recorder reads
+    nothing that the run does not read anyway, so it does not change the run. A killed process loses the
+    last part. An error, for example a full disk, ends the recording and not the run.
     """
 
     def __init__(self) -> None:
@@ -50,7 +51,7 @@ class PlaybackRecorder(RunObserver):
         self._scene: Scene | None = None
         self._action, self._restoring = 0, False
         self.lost: str | None = None
-        """Why nothing more is kept; the run goes on without."""
+        """Reason why the recording ended early; None while it is complete."""
         self._part = self._changes = 0
         self._riding: Sequence[Thing] = ()
         self._due = self._scan_due = self._picture_due = 0.0
@@ -60,7 +61,9 @@ class PlaybackRecorder(RunObserver):
         self._clear()
 
     def begin(self, prepared: Prepared, run_dir: Path) -> None:
-        """See `RunObserver`; what a run that goes on had is kept, up to where it goes on from."""
+        """Write the scenery and start recording; parts of a continued run, up to its continuation, are
+        kept.
+        """
         self._scene = simulated_world(prepared.backend)
         backend = prepared.backend
         self._arm, self._gripper = backend.get(Arm), backend.get(Gripper)  # type: ignore[type-abstract]
@@ -101,7 +104,7 @@ class PlaybackRecorder(RunObserver):
         self._folder = None
 
     def figures(self, end: RunEnd) -> Mapping[str, Any]:
-        """See `RunObserver`: why the recording isn't whole, where it isn't."""
+        """Return the reason why the recording is incomplete; empty if it is complete."""
         return {} if self.lost is None else {"playback_lost": self.lost}
 
     # One row
@@ -152,7 +155,7 @@ class PlaybackRecorder(RunObserver):
             self._clouds.append(cloud.T[:: max(1, cloud.shape[1] // CLOUD)][:CLOUD])
 
     def _take_picture(self, robot: Robot) -> None:
-        """The latest that a primitive has asked for, where it is a new one."""
+        """Record the picture that a primitive requested last, if it is a new one."""
         picture = robot.seen
         if picture is None or picture is self._shown:
             return
@@ -209,7 +212,7 @@ class PlaybackRecorder(RunObserver):
         ) or f"{type(error).__name__}: {error}"
 
     def _arrays(self) -> dict[str, Any]:
-        """As `Part` has them."""
+        """Return the arrays of a part, as `Part` defines them."""
         rows = {name: np.array(values) for name, values in self._rows.items()}
         truth = rows["truth"]
         known = np.isfinite(truth[:, 0, 0])
@@ -238,7 +241,7 @@ class PlaybackRecorder(RunObserver):
 
 
 def jpeg_of(picture: NDArray[np.uint8]) -> bytes:
-    """A grey picture (h, w) at half its size."""
+    """Return a grey picture (h, w) at half its size, as JPEG bytes."""
     half = cv2.resize(picture, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA)
     _, jpeg = cv2.imencode(".jpg", half, [cv2.IMWRITE_JPEG_QUALITY, QUALITY])
     return jpeg.tobytes()

@@ -1,4 +1,4 @@
-"""What stays the same in a run: the robot as it is built, what stands around it, what it knows of that."""
+"""Constant data of a recorded run: the robot's shape, its surroundings and its map."""
 
 from __future__ import annotations
 
@@ -29,43 +29,43 @@ UNKNOWN, OCCUPIED, FREE = 128, 0, 255  # in the picture of a map
 
 
 class SolidShape(FileModel):
-    """A box that nothing moves, though it may come and go."""
+    """A fixed box, which may appear and disappear."""
 
     name: str
     pose: Seven
-    """world_T_middle."""
+    """world_T_centre of the box."""
     size_m: Size
     grey: Grey | None = None
-    """None: as of furniture."""
+    """Grey value; None: the colour of furniture."""
     appears_s: float = 0.0
-    """In the world's time, which goes on while a run is paused."""
+    """Time of appearing on the world's clock, which advances while a run is paused."""
     leaves_s: float | None = None
 
 
 class ThingShape(FileModel):
-    """A box that hands can carry."""
+    """A box that a hand can carry."""
 
     name: str
     size_m: Size
     middle: Seven
-    """thing_T_middle: where the box is in the thing's own frame."""
+    """thing_T_centre: pose of the box in the thing's frame."""
     grey: Grey
 
 
 class MapShape(FileModel):
-    """The occupancy grid that the robot has."""
+    """The robot's occupancy grid."""
 
     resolution_m: float
     origin_m: tuple[float, float]
-    """Of the lower left corner of the picture."""
+    """x and y of the picture's lower left corner on the map."""
     png: str
-    """The picture in base64, the highest y first: 0 occupied, 255 free, 128 unknown."""
+    """PNG in base64, with the highest y first: 0 occupied, 255 free, 128 unknown."""
 
     def picture(self) -> NDArray[np.uint8]:
-        """(h, w), the highest y first.
+        """Return the grey values (h, w), with the highest y first.
 
         Raises:
-            ValueError: it is no picture.
+            ValueError: the content is not a picture.
         """
         raw = np.frombuffer(base64.b64decode(self.png), np.uint8)
         found = cv2.imdecode(raw, cv2.IMREAD_GRAYSCALE) if len(raw) else None
@@ -75,39 +75,39 @@ class MapShape(FileModel):
 
 
 class RobotShape(FileModel):
-    """The robot as it is built."""
+    """Shape of the robot and of its lidar."""
 
     name: str
     urdf: str
-    """Its text; meshes named by absolute paths on the machine that ran it."""
+    """Text of the URDF; meshes are named by absolute paths on the machine that ran it."""
     joints: tuple[str, ...] = ()
-    """Of the arm, in the order of all its readings."""
+    """Names of the arm's joints, in the order of all its readings."""
     slides: tuple[bool, ...] = ()
-    """Which of them slide."""
+    """Whether each joint is prismatic."""
     footprint_m: float
-    """Radius."""
+    """Radius of the footprint."""
     angles_rad: tuple[float, ...] = ()
-    """Of the range sensor's beams, in its frame."""
+    """Directions of the lidar's beams, in its frame."""
     base_t_sensor: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """x, y in [m] and heading in [rad] of the range sensor on the base."""
+    """Pose of the lidar on the base: x, y in [m], heading in [rad]."""
 
 
 class Scenery(FileModel):
-    """All of it. Frames: the world's, which is the map's where there is one."""
+    """Constant data of a recorded run, in the world's frame, which is the map's frame if there is a map."""
 
     format: Literal["handcart-playback/1"] = "handcart-playback/1"
     robot: RobotShape
     simulated: bool
-    """Whether the solids, and everything's true pose, are known."""
+    """Whether the solids and all true poses are known."""
     outdoors: bool = False
     solids: tuple[SolidShape, ...] = ()
     map: MapShape | None = None
     places: dict[str, tuple[float, float, float]] = Field(default_factory=dict)
-    """By name: x, y in [m], heading in [rad]."""
+    """Places by name: x, y in [m], heading in [rad]."""
 
 
 def scenery_of(prepared: Prepared, scene: Scene | None) -> Scenery:
-    """Of a run that could start; `scene` is its simulated world, None where it is a real one."""
+    """Return the scenery of a prepared run; `scene` is its simulated world, or None for a real robot."""
     places = {name: place.pose for name, place in prepared.model.places.items()}
     return Scenery(
         robot=_robot(prepared),
@@ -120,7 +120,7 @@ def scenery_of(prepared: Prepared, scene: Scene | None) -> Scenery:
 
 
 def thing_shapes(things: Sequence[Thing]) -> list[ThingShape]:
-    """How things are drawn."""
+    """Return the shapes in which things are drawn."""
     middles = sevens(np.array([each.thing_T_middle for each in things]).reshape(-1, 4, 4)).tolist()
     return [
         ThingShape(name=each.name, size_m=each.size, middle=middle, grey=each.grey)

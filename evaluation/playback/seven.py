@@ -15,7 +15,7 @@ Seven = tuple[float, float, float, float, float, float, float]
 
 
 def sevens(poses: Array) -> Array:
-    """(n, 7) of poses (n, 4, 4)."""
+    """Convert homogeneous transforms (n, 4, 4) to rows (n, 7)."""
     if len(poses) == 0:
         return np.empty((0, 7))
     turns = Rotation.from_matrix(poses[:, :3, :3]).as_quat(canonical=True, scalar_first=True)
@@ -23,13 +23,13 @@ def sevens(poses: Array) -> Array:
 
 
 def seven(pose: Transform) -> Seven:
-    """Of one pose (4, 4)."""
+    """Convert one homogeneous transform (4, 4) to seven numbers."""
     x, y, z, qw, qx, qy, qz = sevens(pose[None])[0].tolist()
     return x, y, z, qw, qx, qy, qz
 
 
 def transforms(rows: Array) -> Array:
-    """(n, 4, 4) of rows (n, 7)."""
+    """Convert rows (n, 7) to homogeneous transforms (n, 4, 4)."""
     found = np.tile(np.eye(4), (len(rows), 1, 1))
     if len(rows):
         found[:, :3, :3] = Rotation.from_quat(rows[:, 3:], scalar_first=True).as_matrix()
@@ -38,7 +38,7 @@ def transforms(rows: Array) -> Array:
 
 
 def on_floor(poses: Array) -> Array:
-    """(n, 7) of poses in the plane (n, 3): x, y in [m], heading in [rad]."""
+    """Convert planar poses (n, 3), x, y in [m] and heading in [rad], to rows (n, 7) with z = 0."""
     found = np.zeros((len(poses), 7))
     found[:, :2] = poses[:, :2]
     found[:, 3], found[:, 6] = np.cos(poses[:, 2] / 2), np.sin(poses[:, 2] / 2)
@@ -46,7 +46,16 @@ def on_floor(poses: Array) -> Array:
 
 
 def between(a: Array, b: Array, share: float) -> Array:
-    """A pose (7,) on the way from one to another, 0 to 1: straight, and turning evenly."""
+    """Interpolate two poses (7,): linearly in position, by slerp in orientation.
+
+    Args:
+        a: pose at share 0.
+        b: pose at share 1.
+        share: 0 to 1.
+
+    Returns:
+        The pose (7,).
+    """
     other = b[3:] if float(a[3:] @ b[3:]) >= 0.0 else -b[3:]
     cosine = min(1.0, float(a[3:] @ other))
     angle = math.acos(cosine)

@@ -1,4 +1,4 @@
-"""A run as one self-contained page: nothing in it is fetched from anywhere."""
+"""Self-contained HTML page of a run, which loads nothing from elsewhere."""
 
 from __future__ import annotations
 
@@ -34,16 +34,16 @@ def write_report(folder: Path, path: Path | None = None) -> Path:
     """Write the page of a run.
 
     Args:
-        folder: the run's.
-        path: of the page; None: `report.html` in the folder.
+        folder: the run's folder.
+        path: path of the page; None: `report.html` in the folder.
 
     Returns:
         The page's path.
 
     Raises:
         NoRun: the folder holds no run.
-        JournalError: its journal is damaged, or makes no sense.
-        OSError: the page can't be written.
+        JournalError: the run's journal is damaged or inconsistent.
+        OSError: the page cannot be written.
     """
     run = read_run(folder)
     with relying_on_the_journal(run):
@@ -76,7 +76,7 @@ def _page(run: PastRun) -> str:
 
 
 def _sentence(run: PastRun) -> str:
-    """What happened."""
+    """Return one sentence with the outcome of the run and the number of its actions."""
     end, fails = run.end, sum(each.fails for each in run.actions)
     task = str(run.header["task"])
     count = f"{len(run.actions)} action{'' if len(run.actions) == 1 else 's'} ({fails or 'none'} failed)"
@@ -88,13 +88,13 @@ def _sentence(run: PastRun) -> str:
 
 
 def _shown(run: PastRun) -> str:
-    """The task's file, as who works here would call it."""
+    """Return the path of the task's file, relative to the working directory if it is inside."""
     path = Path(str(run.header["task_path"]))
     return str(path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path)
 
 
 def _again(run: PastRun) -> str:
-    """The command that runs it again, as far as the journal tells."""
+    """Return the command that repeats the run, as far as the journal holds its options."""
     header = run.header
     words = ["handcart", "run", _shown(run)]
     if header["backend"] != "kinematic":
@@ -127,7 +127,7 @@ def _actions(run: PastRun) -> Iterator[dict[str, Any]]:
 
 
 def _gauge(measured: Mapping[str, Any] | None) -> dict[str, Any] | None:
-    """What decided, beside its limit; both as shares of the gauge. None: there is nothing to draw."""
+    """Return the measured value and its limit as shares of a gauge's length; None if they cannot be drawn."""
     value, limit = (measured or {}).get("value"), (measured or {}).get("limit")
     if not measured or value is None or limit is None or min(value, limit) < 0.0:
         return None
@@ -146,7 +146,7 @@ def _residuals(explanation: Explanation) -> Iterator[dict[str, Any]]:
 
 
 def _small(path: Path) -> str:
-    """A picture as a data address, no wider than it is shown; empty where it is damaged."""
+    """Return a picture, reduced to its shown width, as a data URL; empty if it is damaged."""
     content = read_file(path.parent, path.name, MOST)
     pixels = cv2.imdecode(np.frombuffer(content or b"", np.uint8), cv2.IMREAD_COLOR) if content else None
     if pixels is None:
@@ -158,12 +158,12 @@ def _small(path: Path) -> str:
 
 
 def _drawing(path: Path) -> str:
-    """A drawing as a data address: as an image it can run no script and fetch nothing."""
+    """Return an SVG drawing as a data URL; shown as an image, it cannot run scripts or load anything."""
     return _address("image/svg+xml", read_file(path.parent, path.name, MOST) or b"")
 
 
 def _pictures(folder: Path) -> Iterator[tuple[str, str]]:
-    """The map with the paths, then what the surveys drew: each as its title and a data address."""
+    """Yield title and data URL of the overview, then of the surveys' drawings."""
     names = sorted(path.name for path in folder.glob("*.svg") if not path.name.startswith("explained"))
     for name in sorted(names, key=lambda each: each != OVERVIEW):
         title = "Map, what was seen and time" if name == OVERVIEW else Path(name).stem.replace("_", " ")
@@ -175,7 +175,7 @@ def _address(kind: str, content: bytes) -> str:
 
 
 def _figures(folder: Path) -> Iterator[tuple[str, str]]:
-    """The run's numbers: those of the summary, then those of the surveys."""
+    """Yield name and value of the numbers in the run's summary, then of its metrics."""
     content = read_file(folder, "summary.json", MOST, missing=True)
     summary = orjson.loads(content) if content else {}
     yield from _flat({key: value for key, value in summary.items() if key != "metrics"}, "")
