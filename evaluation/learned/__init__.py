@@ -1,1 +1,1 @@
-"""How actions end and how long they take, learned from recorded campaigns: trials without a simulator."""
+"""Outcomes and durations of actions, learned from recorded campaigns: trials without a simulator."""

@@ -1,4 +1,4 @@
-"""Whether learned odds predict trials that they haven't seen."""
+"""Cross-validation of learned odds on trials that were not used for learning."""
 
 from __future__ import annotations
 
@@ -14,27 +14,29 @@ from .prediction import predict
 from .seen_actions import SeenActions
 
 SURE = 0.01
-"""Probability with which odds that are right are called wrong, at most."""
+"""Maximum probability of rejecting correct odds."""
 
 
 class HeldOut(NamedTuple):
-    """One figure of one half of the trials, beside what the other half predicts."""
+    """A quantity measured in one half of the trials, and its prediction from the other half."""
 
     name: str
     predicted: float
     measured: float
     p_value: float
-    """Of a difference as large, if both halves are of the same (normal, both errors added)."""
+    """Probability of such a difference if both halves are alike (normal, with both errors added)."""
 
 
 class Trust(NamedTuple):
-    """How far odds may be trusted."""
+    """Result of the cross-validation."""
 
     tried: tuple[HeldOut, ...]
 
     @property
     def wrong(self) -> HeldOut | None:
-        """What is predicted wrong for sure; None where nothing is (Bonferroni over all that was tried)."""
+        """The most significant false prediction; None if no difference is significant (Bonferroni over
+        all).
+        """
         worst = min(self.tried, key=lambda each: each.p_value)
         return worst if worst.p_value * len(self.tried) < SURE else None
 
@@ -43,8 +45,8 @@ def hold_out(task: Task, seen: SeenActions) -> Trust:
     """Learn from each half of the trials, every other one, and predict the other half.
 
     Args:
-        task: whose trials they are.
-        seen: at least four trials.
+        task: the task of the trials.
+        seen: the actions of at least four trials.
     """
     numbers = np.arange(len(seen.success))
     halves = [seen.chosen(numbers[numbers % 2 == each]) for each in (0, 1)]

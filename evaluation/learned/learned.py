@@ -1,4 +1,4 @@
-"""What is learned from campaigns' folders, and how far it may be trusted."""
+"""Odds learned from campaign folders, with their cross-validation."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ from .prediction import Prediction, predict
 from .seen_actions import SeenActions
 
 FEWEST = 20
-"""Trials from which anything is learned."""
+"""Minimum number of trials for learning."""
 
 
 class NothingLearned(InputError):
-    """From these campaigns nothing can be told of the task."""
+    """Error: the campaigns do not allow a prediction for the task."""
 
 
 @dataclass(frozen=True)
 class Learned:
-    """From campaigns' trials, for a task: the one that they ran, or one with other joints between actions."""
+    """Data of campaigns' trials for a task: their own, or one that connects the same actions differently."""
 
     task: Task
     folders: tuple[Path, ...]
@@ -38,11 +38,11 @@ class Learned:
 
     @classmethod
     def read(cls, task: Task, folders: Sequence[Path]) -> Learned:
-        """Read the folders.
+        """Read campaign folders.
 
         Raises:
-            NoCampaign, TrialLogError: one can't be read.
-            NothingLearned: too few trials, or none of the task's actions in them.
+            NoCampaign, TrialLogError: a folder cannot be read.
+            NothingLearned: there are too few trials, or they contain none of the task's actions.
         """
         found = [CampaignFolder.read_runs(folder) for folder in folders]
         for each in found:
@@ -59,7 +59,7 @@ class Learned:
         return cls(task, tuple(folders), seen)
 
     def check(self) -> None:
-        """Raise `NothingLearned` where one half of the trials doesn't predict the other."""
+        """Raise `NothingLearned` if one half of the trials does not predict the other."""
         wrong = self.trust.wrong
         if wrong is not None:
             raise NothingLearned(
@@ -71,22 +71,22 @@ class Learned:
 
     @cached_property
     def trust(self) -> Trust:
-        """How well each half of the trials predicts the other."""
+        """Cross-validation of each half of the trials on the other."""
         return hold_out(self.task, self.seen)
 
     @cached_property
     def prediction(self) -> Prediction:
-        """What all of them together predict."""
+        """Prediction from all trials together."""
         return predict(self.task, self.seen)
 
     @property
     def unknown(self) -> list[str]:
-        """The task's actions that no trial has started."""
+        """Names of the task's actions that no trial has started."""
         odds = LearnedOdds(self.task, self.seen, 1.0)
         return [name for number, name in enumerate(action_names(self.task)) if odds.unknown(number)]
 
     def words(self) -> Iterator[str]:
-        """For people."""
+        """Yield a summary as lines of text."""
         low, high = self.prediction.success_95
         short, long = self.prediction.time_95_s
         count = len(self.seen.success)
@@ -101,7 +101,7 @@ class Learned:
             yield f"  never started in them, so a walk that comes to it ends: {name}"
 
     def facts(self) -> dict[str, object]:
-        """For programs."""
+        """Return the summary as JSON values."""
         return {
             "trials": len(self.seen.success),
             "success_95": self.prediction.success_95,
@@ -112,7 +112,7 @@ class Learned:
 
 
 def learned_trials(task: Path, settings: Mapping[str, str], folders: Sequence[Path]) -> WalkedTrials:
-    """Trials of a task's file as learned from campaigns, which are read once as long as they don't change."""
+    """Return trials of a task as learned from campaigns; unchanged files are read only once."""
     changed = tuple(each.stat().st_mtime_ns for each in (task, *(one / TRIALS for one in folders)))
     return _read(task, tuple(settings.items()), tuple(folders), changed)
 

@@ -1,4 +1,4 @@
-"""Odds that recorded trials show."""
+"""Odds of actions, estimated from recorded trials."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ _LEAST = 1e-4  # probability of what was never seen, where likelihoods are compa
 
 
 class LearnedOdds:
-    """How each action ended and how long it took, by context; what was seldom seen leans on all contexts.
+    """Odds of each action's end and duration by context; rare contexts are pooled with the others.
 
-    The share of an end in a context is (its count + w times its share in all contexts) / (the context's count
-    + w), the mean of a Dirichlet posterior; seconds are drawn from those that were seen with that end.
+    The share of an end in a context is (its count + w times its share in all contexts) / (the context's
+    count + w), the mean of a Dirichlet posterior; durations are drawn from those seen with that end.
     """
 
     def __init__(self, task: Task, seen: SeenActions, pooling: float | None = None) -> None:
-        """Of a task and what was seen of it.
+        """Estimate the odds of a task's actions.
 
         Args:
-            task: its actions may be joined otherwise than when they were seen.
-            seen: at least one trial.
-            pooling: w; None: the one of `POOLINGS` with which the trials predict each other best.
+            task: the task; its actions may be connected differently than in the trials.
+            seen: the actions of at least one trial.
+            pooling: the weight w; None: the one of `POOLINGS` with the best cross-validated likelihood.
         """
         self.pooling = best_pooling(task, seen) if pooling is None else pooling
         self._entry = np.array([-1 if each is None else each for each in task.entries], dtype=np.int64)
@@ -43,7 +43,7 @@ class LearnedOdds:
         self.rest_s = float(seen.rest_s.mean())
 
     def unknown(self, entry: int) -> bool:
-        """Whether an action of the task's file was never started."""
+        """Return whether an action of the task's file was never started in the trials."""
         return not self._known[entry]
 
     def ends(self, action: Numbers, context: Numbers, drawn: Floats) -> Codes:
@@ -53,7 +53,7 @@ class LearnedOdds:
         return np.where(self._known[entry], ends, End.UNKNOWN).astype(np.int8)
 
     def seconds(self, action: Numbers, context: Numbers, ends: Codes, drawn: Floats) -> Floats:
-        """See `Odds`; an action nobody knows takes none."""
+        """Return drawn durations (n,) in [s]; 0 for actions without data."""
         seconds = np.zeros(len(action))
         known = ends != End.UNKNOWN
         entry = self._entry[action[known]]
@@ -62,13 +62,13 @@ class LearnedOdds:
 
 
 class _Drawers(NamedTuple):
-    """Seconds as they were seen, by action, context and end."""
+    """Recorded durations, grouped by action, context and end."""
 
     seconds: Floats
     begin: NDArray[np.int64]
-    """(entries, contexts, ends) where each drawer begins."""
+    """(entries, contexts, ends) start index of each group in `seconds`."""
     held: NDArray[np.int64]
-    """How many are in each."""
+    """(entries, contexts, ends) size of each group."""
 
     @classmethod
     def of(cls, entries: int, seen: SeenActions) -> _Drawers:
@@ -93,7 +93,7 @@ class _Drawers(NamedTuple):
 
 
 def best_pooling(task: Task, seen: SeenActions) -> float:
-    """With which weight four fifths of the trials make the last fifth likeliest, each fifth once."""
+    """Return the pooling weight with the largest likelihood in a five-fold cross-validation."""
     scores = dict.fromkeys(POOLINGS, 0.0)
     numbers = np.arange(len(seen.success))
     for fold in range(_FOLDS):
@@ -105,14 +105,16 @@ def best_pooling(task: Task, seen: SeenActions) -> float:
 
 
 def _counts(task: Task, seen: SeenActions) -> Floats:
-    """(entries, contexts, ends)."""
+    """Return the counts (entries, contexts, ends) of the ends seen."""
     shape = (len(task.file.actions), CONTEXTS, KNOWN)
     flat = np.ravel_multi_index((seen.entry, seen.context, seen.end), shape)
     return np.bincount(flat, minlength=int(np.prod(shape))).reshape(shape).astype(np.float64)
 
 
 def _shares(counts: Floats, pooling: float) -> Floats:
-    """(entries, contexts, ends), adding up to 1; 0 for an action that was never started."""
+    """Return probabilities (entries, contexts, ends) that sum to 1 over ends; 0 for an action never
+    started.
+    """
     every = counts.sum(axis=1, keepdims=True)
     pooled = every / np.maximum(every.sum(axis=2, keepdims=True), 1.0)
     return np.asarray((counts + pooling * pooled) / (counts.sum(axis=2, keepdims=True) + pooling))

@@ -1,4 +1,4 @@
-"""What learned odds predict of a trial, and how sure that is."""
+"""Prediction of a trial's success and time from learned odds, with its uncertainty."""
 
 from __future__ import annotations
 
@@ -20,35 +20,36 @@ _STREAM = 21
 
 
 class Prediction(NamedTuple):
-    """Of a trial's success and time."""
+    """Predicted probability of success and mean time of a trial."""
 
     success: float
     time_s: float
     resampled: Floats
-    """(`RESAMPLED`, 2) the same with trials learned from that were drawn, with putting back, from those there
-    are: how much it depends on which were seen (the bootstrap of Efron, 1979)."""
+    """(`RESAMPLED`, 2) predictions learned from bootstrap samples of the trials (Efron, 1979): the spread
+    shows how much the prediction depends on the trials that were seen.
+    """
 
     @property
     def sigma(self) -> tuple[float, float]:
-        """Standard errors of both, of learning and of walking together."""
+        """Standard errors of success and time, of learning and walking together."""
         success, time_s = self.resampled.std(axis=0, ddof=1).tolist()
         return success, time_s
 
     @property
     def success_95(self) -> tuple[float, float]:
-        """95 % of the resampled."""
+        """95 % interval of the probability of success."""
         low, high = np.quantile(self.resampled[:, 0], [0.025, 0.975]).tolist()
         return low, high
 
     @property
     def time_95_s(self) -> tuple[float, float]:
-        """The same of the mean time, in [s]."""
+        """95 % interval of the mean time, in [s]."""
         low, high = np.quantile(self.resampled[:, 1], [0.025, 0.975]).tolist()
         return low, high
 
 
 def predict(task: Task, seen: SeenActions) -> Prediction:
-    """By walks, always the same ones."""
+    """Predict success and time by walks with fixed seeds, so that equal data gives equal predictions."""
     table, odds = WalkTable(task.network), LearnedOdds(task, seen)
     success, time_s = _walked(table, odds, 4 * _WALKS, 0)
     draws = np.random.default_rng([_STREAM, 0])

@@ -1,4 +1,4 @@
-"""What recorded trials show of a task's actions, as columns of numbers."""
+"""Actions of a task in recorded trials, as columns of numbers."""
 
 from __future__ import annotations
 
@@ -20,29 +20,31 @@ _ENDS = {"Success": End.SUCCESS, "Fail": End.FAIL, "GiveUp": End.GIVE_UP}
 
 
 class SeenActions(NamedTuple):
-    """m actions that were started in n trials."""
+    """Columns of m actions that were started in n trials."""
 
     trial: Numbers
-    """(m,) from 0 to n - 1, ascending."""
+    """(m,) index of the trial, from 0 to n - 1, ascending."""
     entry: Numbers
-    """(m,) which action of the task's file."""
+    """(m,) index of the action in the task's file."""
     context: Numbers
-    """(m,) see `context_of`."""
+    """(m,) number of the history, see `context_of`."""
     end: Numbers
-    """(m,) see `End`."""
+    """(m,) end of the action, as `End`."""
     seconds: Floats
-    """(m,) from the end of the action before, or from the trial's beginning."""
+    """(m,) time since the end of the preceding action or the start of the trial, in [s]."""
     success: Floats
-    """(n,) 1.0 where a trial reached the goal, else 0.0."""
+    """(n,) 1.0 for a trial that reached the goal, otherwise 0.0."""
     time_s: Floats
-    """(n,) how long trials took."""
+    """(n,) durations of the trials."""
     rest_s: Floats
-    """(n,) what they took after their last action."""
+    """(n,) time of each trial after its last action."""
 
     @classmethod
     def of(cls, task: Task, trials: Iterable[Trial]) -> SeenActions:
-        """Of trials of a task; those that were broken off by a fault of the program, and actions that the
-        task doesn't have, are left out.
+        """Read the actions of a task's trials.
+
+        Trials that ended by a fault of the program, and actions that the task does not have, are
+        skipped.
         """
         entries = {name: number for number, name in enumerate(action_names(task))}
         rows: list[tuple[int, int, int, int, float]] = []
@@ -69,7 +71,7 @@ class SeenActions(NamedTuple):
         return cls(trial, entry, context, kind, columns[4], success, time_s, rest_s)
 
     def chosen(self, trials: Numbers) -> SeenActions:
-        """Of some of the trials (k,), one as often as it is named."""
+        """Return the columns of the trials with these indices (k,); an index may occur several times."""
         begin = np.searchsorted(self.trial, trials)
         count = np.searchsorted(self.trial, trials, side="right") - begin
         place = np.repeat(np.arange(len(trials)), count)

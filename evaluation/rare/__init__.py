@@ -1,1 +1,1 @@
-"""Ends of runs that are too rare to count: split where they come nearer, and weighed."""
+"""Probabilities of rare run outcomes, estimated by multilevel splitting."""

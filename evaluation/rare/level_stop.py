@@ -1,4 +1,4 @@
-"""Stopping a run where it comes to a level."""
+"""Stop of a run when it reaches a level."""
 
 from __future__ import annotations
 
@@ -17,40 +17,40 @@ from .rare_event import Importance
 
 
 class NotSplit(InputError):
-    """A run can't be taken on again and again from where it stands."""
+    """Error: runs on this backend cannot be continued repeatedly from one state."""
 
     def __init__(self, backend: str) -> None:
         super().__init__(f"--rare on the backend {backend!r}; allowed: a simulated one that can be put back")
 
 
 class LevelStop(RunObserver):
-    """Counts how near a run comes, and stops it between two actions as soon as it is near enough."""
+    """Observer that computes the importance of a run and stops it between two actions at a level."""
 
     def __init__(
         self, importance: Importance, level: int, heard: Interrupts, used: Mapping[int, int]
     ) -> None:
-        """Nothing has been run.
+        """Prepare for a run that has not started.
 
         Args:
-            importance: what is counted.
-            level: where it is stopped.
-            heard: by whom it is stopped.
-            used: attempts that were used up before, by the actions' numbers.
+            importance: kind of importance.
+            level: importance at which the run is stopped.
+            heard: interrupts by which the run is stopped.
+            used: attempts that were used up before, by index of the action.
         """
         self._importance, self._level, self._heard = importance, level, heard
         self.used = Counter(used)
-        """Attempts that are used up by now, by the actions' numbers."""
+        """Attempts that are used up so far, by index of the action."""
         self.steps = 0
-        """Actions that it has started."""
+        """Number of actions that have ended in this run."""
 
     def begin(self, prepared: Prepared, run_dir: Path) -> None:
-        """Refuse what can't be put back to where it was."""
+        """Raise NotSplit for a backend whose state cannot be restored."""
         backend = prepared.backend
         if not backend.simulated or backend.state() is None:
             raise NotSplit(prepared.backend_name)
 
     def event(self, event: Event) -> None:
-        """Count an action that has ended."""
+        """Count an action that has ended, and stop the run at the level."""
         if not isinstance(event, Ended):
             return
         self.steps += 1
@@ -66,11 +66,11 @@ class LevelStop(RunObserver):
 
     @property
     def near(self) -> bool:
-        """Whether it has come to the level."""
+        """Whether the run has reached the level."""
         return importance_of(self.used, self._importance) >= self._level
 
 
 def importance_of(used: Mapping[int, int], importance: Importance) -> int:
-    """How near a run has come, by what it has used up."""
+    """Return the importance of a run, computed from its used attempts."""
     counts = used.values()
     return sum(counts) if importance == "fails" else max(counts, default=0)

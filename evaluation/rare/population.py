@@ -1,4 +1,4 @@
-"""Multilevel splitting: a population of runs that is taken on from level to level."""
+"""Multilevel splitting: a population of runs that is continued from level to level."""
 
 from __future__ import annotations
 
@@ -11,71 +11,73 @@ Numbers = NDArray[np.intp]
 
 
 class Level(NamedTuple):
-    """What became of the runs that began at a level."""
+    """Result of the runs that started at a level."""
 
     runs: int
     reached: int
-    """Those that came to the next level, and are taken on from there."""
+    """Number of runs that reached the next level, from which they are continued."""
     hits: int
-    """Those that ended as is asked for without coming there."""
+    """Number of runs that ended with the rare outcome before the next level."""
     steps: int
-    """Actions that they started."""
+    """Number of actions that the runs started."""
 
 
 class Runs(Protocol):
-    """Runs that can be stopped where they reach a level, and taken on from there, again and again."""
+    """Runs that can be stopped at a level and continued from there repeatedly."""
 
     def advance(self, level: int, starts: Numbers | int) -> Level:
-        """Take runs on until they end or reach a level, and keep where they reach it.
+        """Continue runs until they end or reach a level, and keep their states at the level.
 
         Args:
-            level: the importance at which they are stopped, from 1.
-            starts: which of those that reached the level before each begins with, by their numbers in the
-                order in which they were kept; how many, where they begin at the beginning.
+            level: importance at which they are stopped, from 1.
+            starts: for each run, the index of the state kept at the previous level that it starts from;
+                or the
+                number of runs that start from the beginning.
         """
 
 
 class Population(NamedTuple):
-    """Levels, from the beginning to the last that a run has reached."""
+    """Levels of a population, from the beginning to the last level that a run has reached."""
 
     levels: tuple[Level, ...]
 
     @property
     def weights(self) -> tuple[float, ...]:
-        """The share of all runs that come to each level, as these runs show it."""
+        """Estimated share of all runs that reach each level."""
         reached = [level.reached / level.runs for level in self.levels[:-1]]
         return tuple(np.cumprod([1.0, *reached]).tolist())
 
     @property
     def probability(self) -> float:
-        """How often a run ends as is asked for. Unbiased, however few the runs are.
+        """Unbiased estimate of the probability of the rare outcome, for any number of runs.
 
-        Given where the runs before have reached a level, each of the next ones begins there as any run that
-        comes to it does, and what it shows is weighed with what is known of how many come (Del Moral,
-        Feynman-Kac Formulae, 2004, theorem 7.4.2). Where levels lie doesn't matter for that.
+        Given the states in which the previous runs reached a level, each next run starts there like any
+        run that reaches it, and its result is weighted with the estimated share of runs that do (Del
+        Moral, Feynman-Kac Formulae, 2004, theorem 7.4.2). The position of the levels does not matter
+        for that.
         """
         levels = zip(self.weights, self.levels, strict=True)
         return sum(weight * level.hits / level.runs for weight, level in levels)
 
     @property
     def steps(self) -> int:
-        """Actions that were started."""
+        """Number of actions that were started."""
         return sum(level.steps for level in self.levels)
 
     @property
     def steps_of_a_run(self) -> float:
-        """Actions that a run starts on average from its beginning to its end; unbiased as well."""
+        """Unbiased estimate of the mean number of actions in a complete run."""
         levels = zip(self.weights, self.levels, strict=True)
         return sum(weight * level.steps / level.runs for weight, level in levels)
 
 
 def split(runs: Runs, count: int, draws: np.random.Generator) -> Population:
-    """Take a population on from level to level until no run reaches another one.
+    """Continue a population from level to level until no run reaches another one.
 
     Args:
-        runs: new ones.
-        count: how many there are at each level.
-        draws: decide which of them are taken on.
+        runs: runs that have not started.
+        count: number of runs at each level.
+        draws: random generator for the choice of the continued runs.
     """
     levels: list[Level] = []
     starts: Numbers | int = count
@@ -87,7 +89,7 @@ def split(runs: Runs, count: int, draws: np.random.Generator) -> Population:
 
 
 def shared_out(kinds: int, count: int, draws: np.random.Generator) -> Numbers:
-    """Which of some kinds each of `count` gets (count,): all equally often, and by lot where they can't."""
+    """Return `count` indices below `kinds`, each equally often, the remainder chosen at random."""
     whole = np.repeat(np.arange(kinds), count // kinds)
     rest = draws.permutation(kinds)[: count % kinds]
     return np.concatenate([whole, np.sort(rest)])

@@ -1,4 +1,4 @@
-"""What the populations of a campaign say of a rare event."""
+"""Estimate of a rare probability from the populations of a campaign."""
 
 from __future__ import annotations
 
@@ -15,52 +15,52 @@ from handcart.evaluation.campaigns.trial import Trial
 from .population import Level, Population
 
 ERROR = 0.05
-"""Share of the intervals that may miss the true value."""
+"""Share of the confidence intervals that may miss the true value."""
 
 
 class LevelSeen(NamedTuple):
-    """A level, over all populations."""
+    """Result of a level, added up over all populations."""
 
     share: float
-    """Of all runs, that come to it."""
+    """Estimated share of all runs that reach the level."""
     runs: int
-    """That began there."""
+    """Number of runs that started at the level."""
     reached: int
-    """Of them, that came to the next one."""
+    """Number of these runs that reached the next level."""
     hits: int
-    """Of them, that ended as is asked for without coming there."""
+    """Number of these runs that ended with the rare outcome before the next level."""
 
     @property
     def part(self) -> float:
-        """What it adds to the probability, if all populations are alike."""
+        """Contribution of the level to the probability, if all populations are alike."""
         return self.share * self.hits / max(1, self.runs)
 
     @property
     def unseen(self) -> float:
-        """What it may add at most (95 %) although it wasn't seen; 0 where it was."""
+        """Upper bound (95 %) of the contribution of a level without a hit; 0 for a level with hits."""
         return 0.0 if self.hits else self.share * -math.expm1(math.log(ERROR) / max(1, self.runs))
 
 
 @dataclass(frozen=True)
 class RareEstimate:
-    """How often runs end as is asked for, by independent populations."""
+    """Estimate of the probability of a rare outcome from independent populations."""
 
     probability: float
     low: float | None
-    """Lower end of the 95 % interval; None: one population bounds nothing, nor do some that saw nothing."""
+    """Lower end of the 95 % interval; None for a single population, or if no population had a hit."""
     high: float | None
-    """Its upper end."""
+    """Upper end of the 95 % interval; None as for `low`."""
     sigma: float
-    """Of the probability, as the spread of the populations shows it."""
+    """Standard error of the probability, from the spread of the populations."""
     levels: tuple[LevelSeen, ...]
     steps: int
-    """Actions that were started."""
+    """Number of actions that were started."""
     steps_of_a_run: float
-    """Actions that a run starts on average, from its beginning to its end."""
+    """Mean number of actions in a complete run."""
 
     @classmethod
     def of(cls, trials: Iterable[Trial]) -> RareEstimate:
-        """By the trials of a campaign that asks for a rare event; of none at all it is 0."""
+        """Compute the estimate from a campaign's trials; without any trial the probability is 0."""
         populations = [
             Population(tuple(Level(*each) for each in trial.summary["metrics"]["levels"])) for trial in trials
         ]
@@ -74,37 +74,40 @@ class RareEstimate:
 
     @property
     def unseen(self) -> float:
-        """What ends may add at most (95 %) that come straight from a level from which none was seen."""
+        """Upper bound (95 %) of the contribution of outcomes straight from a level without a hit."""
         return max((level.unseen for level in self.levels), default=1.0)
 
     @property
     def worth(self) -> float:
-        """So many plain trials would have told as much; 0 where nobody can say."""
+        """Number of plain trials that would give the same standard error; 0 if it is unknown."""
         if not self.probability or not 0.0 < self.sigma < math.inf:
             return 0.0
         return self.probability * (1.0 - self.probability) / self.sigma**2
 
     @property
     def cost(self) -> float:
-        """As many plain trials would have started as many actions."""
+        """Number of plain trials that would start the same number of actions."""
         return self.steps / self.steps_of_a_run if self.steps_of_a_run else 0.0
 
     def agrees(self, exact: float) -> bool:
-        """Whether it gives no reason to doubt an exact value."""
+        """Return whether the estimate is consistent with an exact value."""
         if self.low is None or self.high is None:
             return exact <= self.probability + self.unseen
         return self.low <= exact <= self.high
 
 
 def interval(mean: float, sigma: float, count: int) -> tuple[float, float] | None:
-    """95 % interval of a mean that can't be below 0: Student's of its logarithm, by the delta method.
+    """Return the 95 % interval of a positive mean: Student's, of its logarithm, by the delta method.
 
-    A probability that is a product of shares is skewed, its logarithm less so. None: nothing bounds it.
+    A probability that is a product of shares is skewed, its logarithm less so.
 
     Args:
-        mean: of independent estimates.
-        sigma: of the mean.
-        count: how many they are.
+        mean: mean of independent estimates.
+        sigma: standard error of the mean.
+        count: number of estimates.
+
+    Returns:
+        Lower and upper end; None if there are fewer than two estimates or the mean is not positive.
     """
     if count < 2 or mean <= 0.0:
         return None
@@ -113,7 +116,7 @@ def interval(mean: float, sigma: float, count: int) -> tuple[float, float] | Non
 
 
 def _levels(populations: Sequence[Population]) -> tuple[LevelSeen, ...]:
-    """Each level, added up."""
+    """Return each level, added up over all populations."""
     seen = []
     for number in range(max((len(each.levels) for each in populations), default=0)):
         there = [each for each in populations if number < len(each.levels)]

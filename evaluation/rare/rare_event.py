@@ -1,4 +1,4 @@
-"""An end of a run that is seldom seen, and how trials come nearer to it."""
+"""Rare outcome of a run, and the importance by which trials approach it."""
 
 from __future__ import annotations
 
@@ -10,28 +10,29 @@ from handcart.files.suggest import suggest
 from handcart.networks.coordination.run_end import RunOutcome
 
 Importance = Literal["fails", "attempts"]
-"""What is counted, to tell how near a run has come: all Fails by now; or the attempts that were used up of
-the action of which most were."""
+"""Measure of how near a run is to the rare outcome: the number of all Fails so far, or the largest number
+of attempts that one action has used up.
+"""
 OUTCOMES: tuple[RunOutcome, ...] = ("Success", "Fail", "GiveUp")
 MOST_RUNS = 1_000_000
 
 
 class NoRareEvent(InputError):
-    """What is asked for is no end of a run; nothing has moved."""
+    """Error: the requested event is not an outcome of a run; nothing has moved."""
 
 
 @dataclass(frozen=True)
 class RareEvent:
-    """How often runs end like this is asked for."""
+    """Rare outcome whose probability is to be estimated."""
 
     outcome: RunOutcome
     importance: Importance = "fails"
     runs: int = 100
-    """Of a population, at each of its levels."""
+    """Number of runs of a population at each of its levels."""
 
     @classmethod
     def of(cls, outcome: str, importance: str | None = None, runs: int | None = None) -> RareEvent:
-        """As words say it; raises `NoRareEvent`."""
+        """Create an event from command-line values; raise `NoRareEvent` if one is invalid."""
         importance, runs = importance or cls.importance, cls.runs if runs is None else runs
         for given, known, option in (
             (outcome, OUTCOMES, "--rare"),

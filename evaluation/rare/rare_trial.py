@@ -19,17 +19,17 @@ from .split_runs import SplitRuns
 from .walked_runs import WalkedRuns
 
 ESTIMATED = "Estimated"
-"""How such a trial ends."""
+"""Outcome of such a trial."""
 _WALKED, _RUN = 21, 22  # tell these draws from others that begin with the same numbers
 
 
 def walked_population(trials: WalkedTrials, event: RareEvent, seed: int) -> Trial:
-    """A population of walks through a network.
+    """Return a population of walks through a network as a trial.
 
     Args:
-        trials: their network, and the probabilities in it.
-        event: what is asked for.
-        seed: of the population.
+        trials: network and probabilities of the walks.
+        event: the rare event.
+        seed: seed of the population.
     """
     draws = np.random.default_rng([_WALKED, seed % 2**64])
     found = split(WalkedRuns(trials.task.network, trials.walker, event, draws), event.runs, draws)
@@ -37,19 +37,20 @@ def walked_population(trials: WalkedTrials, event: RareEvent, seed: int) -> Tria
 
 
 def run_population(task: Path, runs: Path, options: RunOptions, event: RareEvent, seed: int) -> Trial:
-    """A population of runs on a simulated backend.
+    """Return a population of runs on a simulated backend as a trial.
 
     Args:
-        task: its file.
-        runs: their folders are made in there, and those of some hits stay.
-        options: how they are run; `interrupts` are set.
-        event: what is asked for.
-        seed: of the population; the runs that begin have `event.runs` seeds from `seed * event.runs` on.
+        task: the task's file.
+        runs: folder for the runs' folders; those of some hits are kept.
+        options: options of the runs; `interrupts` must be set.
+        event: the rare event.
+        seed: seed of the population; its first runs have the `event.runs` seeds from `seed *
+            event.runs` on.
 
     Raises:
-        KeyboardInterrupt: there was an interrupt.
-        BrokenRun: a run can't be counted.
-        HandcartError: a run can't be run.
+        KeyboardInterrupt: the population was interrupted.
+        BrokenRun: a run ended in a way that cannot be counted.
+        HandcartError: a run cannot be executed.
     """
     draws = np.random.default_rng([_RUN, seed % 2**64])
     runs.mkdir(parents=True, exist_ok=True)
@@ -61,7 +62,7 @@ def run_population(task: Path, runs: Path, options: RunOptions, event: RareEvent
 
 
 def stopped(seed: int) -> Trial:
-    """A population that an interrupt has broken off: it doesn't count."""
+    """Return the trial of an interrupted population, which does not count."""
     from handcart.networks.coordination.supervision import INTERRUPTED
 
     summary = {"outcome": "Cancelled", "reason": INTERRUPTED, "seed": seed, "run_dir": "", "metrics": {}}

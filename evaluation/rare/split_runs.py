@@ -1,4 +1,4 @@
-"""Runs on a simulated backend that are stopped at a level, and taken on from their checkpoints."""
+"""Runs on a simulated backend that are stopped at a level and continued from their checkpoints."""
 
 from __future__ import annotations
 
@@ -21,37 +21,37 @@ from .population import Level, Numbers
 from .rare_event import RareEvent
 
 SHOWN = 10
-"""Runs of a population that ended as is asked for, and whose folders are kept to look at."""
+"""Maximum number of hits in a population whose run folders are kept."""
 
 
 class BrokenRun(HandcartError):
-    """A run ended with a fault of handcart's own, or was stopped by itself: its population doesn't count."""
+    """Error: a run ended by a fault of the program or by its own stop; its population does not count."""
 
 
 class Stopped(NamedTuple):
-    """A run that stands at a level."""
+    """A run that is stopped at a level."""
 
     folder: Path
     seed: SplitSeed
     used: Mapping[int, int]
-    """Attempts that are used up, by the actions' numbers."""
+    """Attempts that are used up, by index of the action."""
 
 
 class SplitRuns:
-    """Runs in folders; see `Runs`."""
+    """Runs with folders and checkpoints, as `Runs` for splitting."""
 
     def __init__(
         self, task: Path, options: RunOptions, event: RareEvent, first: int, folder: Path, runs: Path
     ) -> None:
-        """Nothing is run yet.
+        """Prepare runs that have not started.
 
         Args:
-            task: its file.
-            options: how it is run; `interrupts` are set.
-            event: what is asked for.
-            first: the first run's seed; those after it have the following ones.
-            folder: runs' folders are made in there while they are needed.
-            runs: folders that are kept are moved to there.
+            task: the task's file.
+            options: options of the runs; `interrupts` must be set.
+            event: the rare event.
+            first: seed of the first run; the following runs have the next seeds.
+            folder: folder for the runs' folders while they are needed.
+            runs: folder to which kept run folders are moved.
         """
         assert options.interrupts is not None
         self._task, self._options, self._event, self._heard = task, options, event, options.interrupts
@@ -59,14 +59,16 @@ class SplitRuns:
         self._stopped: list[Stopped] = []
         self._level = self._count = 0
         self.time_s = 0.0
-        """The robots' time in all runs, in [s]."""
+        """Robot time of all runs together, in [s]."""
         self.untrue: list[str] = []
-        """Outcomes that the ground truth contradicts, in words."""
+        """Messages about outcomes that the ground truth contradicts."""
         self.kept: list[str] = []
-        """Names of the folders that are kept."""
+        """Names of the kept run folders."""
 
     def advance(self, level: int, starts: Numbers | int) -> Level:
-        """See `Runs`; raises `KeyboardInterrupt` after an interrupt, and `BrokenRun`."""
+        """Continue runs up to a level, as `Runs.advance`; raise `KeyboardInterrupt` or `BrokenRun` as
+        needed.
+        """
         self._level, before, self._stopped = level, self._stopped, []
         found = Counter[str]()
         count = starts if isinstance(starts, int) else len(starts)
@@ -96,7 +98,7 @@ class SplitRuns:
         return Counter(steps=stop.steps, hits=self._ended(summary, seed, stop))
 
     def _ended(self, summary: Mapping[str, Any], seed: SplitSeed, stop: LevelStop) -> bool:
-        """Keep a run that stands at the level; whether it has ended as is asked for."""
+        """Keep a run that stopped at the level, and return whether it ended with the rare outcome."""
         folder = Path(summary["run_dir"])
         if summary["outcome"] == "Cancelled" and stop.near:
             self._stopped.append(Stopped(folder, seed, stop.used))

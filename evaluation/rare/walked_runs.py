@@ -1,4 +1,4 @@
-"""Walks through an action network that are stopped at a level, and taken on from there."""
+"""Walks through an action network that are stopped at a level and continued from there."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ Flags = NDArray[np.bool_]
 
 
 class WalkedRuns:
-    """Runs that are walks; see `Runs`."""
+    """Walks through a network, as `Runs` for splitting."""
 
     def __init__(
         self, network: ActionNetwork, walker: Walker, event: RareEvent, draws: np.random.Generator
     ) -> None:
-        """Nothing is walked yet.
+        """Prepare walks that have not started.
 
         Args:
-            network: which the walker walks in.
-            walker: goes by probabilities.
-            event: what is asked for.
-            draws: decide how actions end.
+            network: the network of the walker.
+            walker: walker with the outcome probabilities.
+            event: the rare event.
+            draws: random generator for the outcomes.
         """
         self._walker, self._event, self._draws = walker, event, draws
         self._attempts = np.array([action.attempts for action in network.actions], dtype=np.int32)
@@ -37,7 +37,7 @@ class WalkedRuns:
         self._after_fail = self._skipped = np.zeros(0, dtype=bool)
 
     def advance(self, level: int, starts: Numbers | int) -> Level:
-        """Walk runs on from their starts until each is at the level or has ended."""
+        """Continue walks from their starts until each has ended or reached the level."""
         self._begin(starts)
         steps = 0
         while (left := np.flatnonzero((self._at >= 0) & (self._importance < level))).size:
@@ -66,7 +66,7 @@ class WalkedRuns:
         self._after_fail, self._skipped = self._after_fail[which], self._skipped[which]
 
     def _nearer(self, importance: Counts, made: Stride) -> Counts:
-        """How near they have come by this action."""
+        """Return the importance of each walk after this action."""
         failed, for_good = made.ends == End.FAIL, made.ends == End.FOR_GOOD
         if self._event.importance == "fails":
             return np.asarray(importance + (failed | for_good), dtype=np.int32)
@@ -74,7 +74,7 @@ class WalkedRuns:
         return np.asarray(np.maximum(importance, used), dtype=np.int32)
 
     def _hits(self) -> Flags:
-        """Which of them have ended as is asked for."""
+        """Return which of the walks have ended with the rare outcome."""
         left_undone = (self._at == GOAL) & self._skipped
         match self._event.outcome:
             case "GiveUp":

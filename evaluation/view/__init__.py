@@ -1,1 +1,1 @@
-"""A run in three dimensions in the browser, recorded or just now."""
+"""Three-dimensional view of a run in the browser, recorded or live."""

@@ -18,7 +18,7 @@ _SIDE = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) / 2
 
 
 def unit_box() -> tuple[NDArray[np.float32], NDArray[np.uint32]]:
-    """Corners (24, 3) and triangles (12, 3) of a box about its middle, sides 1 m long."""
+    """Return corners (24, 3) and triangles (12, 3) of a cube around the origin with sides of 1 m."""
     corners: list[Array] = []
     triangles: list[tuple[int, int, int]] = []
     for axis in range(3):
@@ -40,7 +40,16 @@ def add_boxes(
     colours: Rgb | NDArray[np.uint8],
     opacity: float,
 ) -> None:
-    """Draw boxes that never move: `poses` (n, 7) of their middles, `sizes` (n, 3) in [m]."""
+    """Draw fixed boxes.
+
+    Args:
+        scene: viser's scene.
+        name: name of the node.
+        poses: (n, 7) poses of the boxes' centres in the world.
+        sizes: (n, 3) in [m].
+        colours: one colour for all, or (n, 3).
+        opacity: 0 to 1.
+    """
     if not len(poses):
         return
     corners, triangles = unit_box()

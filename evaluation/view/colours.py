@@ -1,4 +1,4 @@
-"""Colours of what is seen of a run; those of outcomes are told apart by the colour-blind too."""
+"""Colours of the view; colour-blind viewers can distinguish those of outcomes."""
 
 from __future__ import annotations
 
@@ -21,12 +21,14 @@ FLOOR: Rgb = (238, 240, 243)
 
 
 def of_solid(grey: int | None) -> Rgb:
-    """Furniture where nothing else is said."""
+    """Return the colour of a solid by its grey value; without a grey value, that of furniture."""
     return FURNITURE if grey is None else (grey, grey, grey)
 
 
 def of_thing(name: str, grey: int) -> Rgb:
-    """As bright as it is grey, and of a hue of its own, so that neighbours are told apart."""
+    """Return the colour of a thing: brightness by its grey value, hue by its name to distinguish
+    neighbours.
+    """
     number = crc32(name.encode())
     hue, full = (number % 360) / 360.0, 0.22 + 0.28 * ((number >> 12) % 100) / 100.0
     bright = 0.35 + 0.6 * grey / 255.0

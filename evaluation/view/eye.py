@@ -1,4 +1,4 @@
-"""Where the page's camera is at first: the robot is in the middle of what the panel leaves visible."""
+"""Initial camera of the page: the robot is in the middle of the part that the panel leaves visible."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ PANEL_SHARE = 0.5  # of a tall picture's height that the panel covers, below; be
 
 
 class Eye(NamedTuple):
-    """Pose of the camera."""
+    """Pose of the page's camera."""
 
     position: Vector
     """(3,) in the world, in [m]."""
     look_at: Vector
-    """(3,) in the world, in [m]: what is in the middle of the picture."""
+    """(3,) in the world, in [m]: the point in the middle of the picture."""
 
 
 def eye_on(robot: Vector, fov: float, aspect: float, outdoors: bool) -> Eye:
-    """Return the eye from which the robot is in the middle of the part that the panel leaves visible.
+    """Return the camera pose with the robot in the middle of the part that the panel leaves visible.
 
     Args:
-        robot: (3,) where its base is in the world, in [m].
+        robot: (3,) position of the robot's base in the world, in [m].
         fov: vertical angle of view, in [rad].
         aspect: width of the picture over its height.
         outdoors: whether to look from farther away.

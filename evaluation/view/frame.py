@@ -1,4 +1,4 @@
-"""What is drawn at one time."""
+"""Content of the view at one time."""
 
 from __future__ import annotations
 
@@ -16,25 +16,25 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Frame:
-    """A run at one time, with what was sensed last. What is None stays as it is drawn."""
+    """State of a run at one time, with the latest sensor data; a None value leaves its drawing unchanged."""
 
     moment: Moment
     situation: str
     things: Mapping[str, Array | None]
-    """By name: (7,) world_T_thing; None: it isn't there yet. Those left out stay where they are."""
+    """(7,) world_T_thing by name; None: the thing is not there yet. Missing things keep their pose."""
     new: tuple[ThingShape, ...] = ()
-    """Things that weren't drawn before."""
+    """Things that have not been drawn before."""
     rays: Array | None = None
-    """(n, 2, 3) in [m] in the world: from the range sensor to what it hit."""
+    """(n, 2, 3) lidar rays in the world, in [m]: from the lidar to the point that was hit."""
     cloud: Array | None = None
-    """(p, 3) particles: x, y in [m], heading in [rad]."""
+    """(p, 3) particles of the localization: x, y in [m], heading in [rad]."""
     picture: bytes | None = None
-    """JPEG, of the camera."""
+    """Camera picture as JPEG."""
     planned: Array | None = None
-    """(n, 2) in [m]: the path that the action means to drive."""
+    """(n, 2) path that the action plans to drive, in [m]."""
     bumped: Array | None = None
-    """(n, 2) in [m]: where the base ran into something that no sensor shows."""
+    """(n, 2) points where the base hit something that no sensor sees, in [m]."""
     driven: Array | None = None
-    """(n, 2) in [m]: the path up to now."""
+    """(n, 2) path driven so far, in [m]."""
     restored: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=np.bool_))
-    """(n,) which points of `driven` are of a way back."""
+    """(n,) whether each point of `driven` was driven while restoring."""

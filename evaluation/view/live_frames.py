@@ -1,4 +1,4 @@
-"""Frames of a run that goes on."""
+"""Frames of a live run."""
 
 from __future__ import annotations
 
@@ -24,13 +24,16 @@ Array = NDArray[np.float64]
 
 
 class LiveFrames:
-    """What robot and world are like now, once and again.
+    """Source of frames that show the current state of robot and world.
 
-    One that was taken may never be drawn: each has all things, and those that came after the run began.
+    A frame may never be drawn: therefore each contains all things, and all things that appeared since
+    the run began.
     """
 
     def __init__(self, robot: Robot, scene: Scene | None, scenery: Scenery, known: set[str]) -> None:
-        """`known`: names of the things that are drawn already."""
+        """Read the state of a robot and its simulated scene; `known` holds the names of the things already
+        drawn.
+        """
         self._robot, self._scene, self._scenery, self._known = robot, scene, scenery, known
         backend = robot.backend
         self._arm, self._gripper = backend.get(Arm), backend.get(Gripper)  # type: ignore[type-abstract]
@@ -44,11 +47,11 @@ class LiveFrames:
 
     @property
     def time(self) -> float:
-        """The robot's, in [s]."""
+        """Time of the robot, in [s]."""
         return self._robot.time
 
     def now(self, situation: str, action: int, restoring: bool, planned: Array | None) -> Frame:
-        """The run at this period; `planned` (n, 2) in [m], or None."""
+        """Return the frame of this period; `planned` is the planned path (n, 2) in [m], or None."""
         robot, scene = self._robot, self._scene
         with suppress(Exception):  # what a sensor's fault means is for those to say who need the reading
             self._sense()

@@ -1,4 +1,4 @@
-"""A run in the page while it goes on."""
+"""Live view of a run."""
 
 from __future__ import annotations
 
@@ -36,14 +36,15 @@ Array = NDArray[np.float64]
 
 
 class LiveView(RunObserver):
-    """Draws a run onto a page in a thread of its own; what it shows is read between two periods.
+    """Observer that draws a run onto a page in its own thread; its data is read between two periods.
 
-    A simulated run is held back to the speed that the page's buttons say, real time at first; a real robot is
-    never waited for. Nothing is read that the run doesn't read anyway, so it isn't changed.
+    A simulated run is slowed down to the speed chosen on the page, at first real time; a real robot is
+    never slowed down. The view reads nothing that the run does not read anyway, so it does not change
+    the run.
     """
 
     def __init__(self, server: viser.ViserServer, address: str) -> None:
-        """Onto the page of that server, which is at that address."""
+        """Draw onto the page of a server with this address."""
         self._server, self._address = server, address
         self._page: Page | None = None
         self._folder: Path | None = None
@@ -116,7 +117,7 @@ class LiveView(RunObserver):
                 pass
 
     def end(self) -> None:
-        """See `RunObserver`; the page is left as it was last."""
+        """Draw the last frame, which stays on the page."""
         if self._folder is not None:
             forget_address(self._folder)
         if self._drawing is not None:
@@ -151,7 +152,7 @@ class LiveView(RunObserver):
     # The run's own thread
 
     def _take(self) -> None:
-        """Read what is to be drawn next."""
+        """Read the data of the next frame."""
         if self._frames is None:
             return
         self._wanted.clear()

@@ -1,4 +1,4 @@
-"""The action network as the page's panel shows it: a window about where the run is, which is lit."""
+"""Section of the action network around the current situation, for the page's panel."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ BESIDE = 10.0  # of the outermost boxes
 
 
 class NetworkWindow:
-    """A network, laid out once for as many actions as are known."""
+    """Drawing of a network with the outcomes of its actions, from which sections are cut."""
 
     def __init__(self, network: ActionNetwork, actions: Sequence[PastAction]) -> None:
         self._picture = draw_network(network, [(each.index, each.outcome) for each in actions])
 
     def svg(self, situation: str, action: PastAction | None) -> str:
-        """Where the run is, in the middle: a situation, or an action that runs."""
+        """Return the section around the running action, or around the situation, with both highlighted."""
         lit = [self._picture.box(situation=situation)]
         if action is not None:
             lit = [self._picture.box(action=action.index), *lit]
@@ -31,7 +31,7 @@ class NetworkWindow:
 
 
 def _window(picture: NetworkPicture, box: Box) -> str:
-    """As `viewBox` has it: no higher than what is seen in it."""
+    """Return the section around a box as a `viewBox`, no higher than its content."""
     x = min(max(box.x + box.width / 2 - WIDE / 2, 0.0), max(0.0, picture.width - WIDE))
     seen = [each for each in picture.boxes if each.x < x + WIDE and each.x + each.width > x]
     top = min(each.y for each in seen) - BESIDE

@@ -1,4 +1,4 @@
-"""All of the page: the world with the robot in it, and the panel."""
+"""Page of the view: the world with the robot, and the panel."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ ESTIMATE = "where it believes to be"
 
 
 class Page:
-    """What is served: frames are drawn onto it one by one."""
+    """Page on a viser server, onto which frames are drawn one after the other."""
 
     def __init__(
         self,
@@ -53,7 +53,7 @@ class Page:
         server.on_client_connect(self._aim)
 
     def add_layers(self) -> None:
-        """Check boxes for what may be hidden, and whether the eye goes along with the robot."""
+        """Add check boxes for the layers and for following the robot."""
         gui = self._server.gui
         with gui.add_folder("Show", expand_by_default=False):
             for label, names in LAYERS.items():
@@ -73,7 +73,7 @@ class Page:
         span: tuple[float, float],
         at_once: bool = False,
     ) -> None:
-        """Draw a frame; see `Panel.show`."""
+        """Draw a frame; the arguments are those of `Panel.show`."""
         with self._server.atomic():
             self._draw(frame)
             self.panel.show(frame, action, actions, span, at_once)
@@ -104,7 +104,7 @@ class Page:
         self._look(moment.base[:3])
 
     def _look(self, at: Array) -> None:
-        """Aim at the robot at first; later move along with it, where that is wanted."""
+        """Aim at the robot at first; then move with it if following is switched on."""
         if self._at is None:
             camera = self._server.initial_camera
             eye = eye_on(at, camera.fov, WIDE_PICTURE, self._outdoors)
@@ -118,7 +118,7 @@ class Page:
         self._at = at.copy()
 
     def _aim(self, client: viser.ClientHandle) -> None:
-        """Let a browser that connects look at the robot, whatever the form of its window."""
+        """Aim the camera of a newly connected browser at the robot, for the shape of its window."""
         if self._at is None:
             return
         eye = eye_on(self._at, client.camera.fov, client.camera.aspect, self._outdoors)

@@ -1,4 +1,4 @@
-"""The page's panel: what the run is doing, its time line, the camera's picture, the network."""
+"""Panel of the page: current action, time line, camera picture and network."""
 
 from __future__ import annotations
 
@@ -25,15 +25,21 @@ label { color: #495057 !important }
 .mantine-Button-root[data-variant="outline"] { --button-bg: #fff !important;
   --button-color: #00527f !important; --button-bd: 1px solid #00527f !important }
 </style>"""
-"""viser's own grey and blue are too light for many eyes."""
+"""Darker colours than viser's own grey and blue, for sufficient contrast."""
 _HEAD = "font-family:system-ui,sans-serif;padding:0.3em 0.8em;line-height:1.35;color:#1d2733;font-size:0.85em"
 
 
 class Panel:
-    """Its parts, from the top; controls come below what it shows."""
+    """Parts of the panel from top to bottom; the controls are below the time line."""
 
     def __init__(self, server: viser.ViserServer, title: str, ended: str) -> None:
-        """`title` of the task; `ended`: how the run did, in a sentence, or that it goes on."""
+        """Create an empty panel.
+
+        Args:
+            server: of the page.
+            title: title of the task.
+            ended: outcome of the run in a sentence, or that it is still going.
+        """
         gui = server.gui
         self._title, self.ended = title, ended
         self._status = gui.add_html("")
@@ -46,7 +52,7 @@ class Panel:
         self._line_at = -1.0
 
     def know(self, network: ActionNetwork | None, actions: Sequence[PastAction]) -> None:
-        """Lay the network out anew, with what became of its actions."""
+        """Lay out the network again, with the outcomes of its actions."""
         self._window = None if network is None else NetworkWindow(network, actions)
         self._shown = ()
 
@@ -58,14 +64,14 @@ class Panel:
         span: tuple[float, float],
         at_once: bool,
     ) -> None:
-        """A frame.
+        """Show a frame.
 
         Args:
-            frame: with a picture where there is a new one.
-            action: that runs, or ran last.
-            actions: all that are known, for the time line.
-            span: of the time line, in [s].
-            at_once: whether the time line is drawn even if it was just now.
+            frame: with a picture if there is a new one.
+            action: the running action, or the last one.
+            actions: all known actions, for the time line.
+            span: start and end of the time line, in [s].
+            at_once: whether to draw the time line even if it was drawn a moment ago.
         """
         time = frame.moment.time
         runs = action is not None and action.start <= time < action.end

@@ -1,4 +1,4 @@
-"""Rays of a range sensor, as lines in the world."""
+"""Lidar rays as lines in the world."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ HEIGHT = 0.25  # of the sensor above the floor, where the robot's URDF doesn't t
 
 
 def rays_of(robot: RobotShape, ranges: Array, base: Array, height: float) -> Array:
-    """Lines of a scan.
+    """Return the rays of a lidar scan that hit something.
 
     Args:
-        robot: whose sensor it is.
-        ranges: (b,) in [m]; what is no distance hit nothing.
+        robot: shape of the robot, with the lidar's mounting.
+        ranges: (b,) in [m]; an infinite or NaN range hit nothing.
         base: (7,) world_T_base.
-        height: of the sensor above the base's frame, in [m].
+        height: height of the lidar above the base's frame, in [m].
 
     Returns:
-        (n, 2, 3) in [m] in the world: from the sensor to what was hit.
+        (n, 2, 3) in [m] in the world: from the lidar to the point that was hit.
     """
     x, y, heading = robot.base_t_sensor
     hit = np.isfinite(ranges)
@@ -38,7 +38,9 @@ def rays_of(robot: RobotShape, ranges: Array, base: Array, height: float) -> Arr
 
 
 def height_of(urdf: str) -> float:
-    """Of the link `range_sensor` in the link `base`, in [m]."""
+    """Return the height in [m] of the link `range_sensor` above the link `base`; a default without such
+    links.
+    """
     from handcart.robotics.kinematics.urdf_frames import base_T_frame
 
     try:

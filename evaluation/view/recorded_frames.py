@@ -1,4 +1,4 @@
-"""Frames of a run that was recorded."""
+"""Frames of a recorded run."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ EVERY = 0.5  # [s] after which the driven path is drawn anew
 
 
 class RecordedFrames:
-    """One frame after another, at any times: each has what differs from the one before."""
+    """Source of frames at any times; each frame contains the differences to the one before."""
 
     def __init__(self, playback: Playback) -> None:
         self._playback = playback
@@ -30,7 +30,7 @@ class RecordedFrames:
         self._way = _thinned(playback)
 
     def at(self, time: float) -> Frame:
-        """The frame at a time in [s]."""
+        """Return the frame at a time in [s]."""
         playback = self._playback
         moment = playback.at(time)
         driven, restored = self._driven(moment.time)
@@ -49,7 +49,7 @@ class RecordedFrames:
         )
 
     def _moved(self, time: float) -> dict[str, Array | None]:
-        """All things at first, later those that move at all."""
+        """Return the poses of all things at the first call, later only of those that move."""
         tracks = self._moving if self._begun else self._playback.things
         self._begun = True
         return {name: track.at(time) for name, track in tracks.items()}
@@ -71,7 +71,7 @@ class RecordedFrames:
         return np.asarray(self._playback.rows.cloud[number], dtype=np.float64)
 
     def _new_picture(self, time: float) -> bytes | None:
-        """The latest one; before the first, that."""
+        """Return the latest picture if it is new; before the first picture was taken, the first."""
         if not self._playback.pictures:
             return None
         number = self._playback.latest(self._playback.rows.picture_time, time) or 0
@@ -90,7 +90,7 @@ class RecordedFrames:
 
 
 def _thinned(playback: Playback) -> tuple[Array, Array, NDArray[np.bool_]]:
-    """The driven path: times (n,), points (n, 2), which of them are of a way back (n,)."""
+    """Return the driven path at a regular spacing: times (n,), points (n, 2), whether restoring (n,)."""
     rows = playback.rows
     known = np.isfinite(rows.truth[:, 0])
     points = np.where(known[:, None], rows.truth[:, :2], rows.pose[:, :2])

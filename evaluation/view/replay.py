@@ -1,4 +1,4 @@
-"""A recorded run in the page: played, paused, gone through by hand."""
+"""Replay of a recorded run in the page, with play, pause and a time slider."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ STEP = 0.1  # [s] of the slider
 
 
 class Replay:
-    """Owns the controls; who drives it calls `step` again and again."""
+    """Replay with its controls; its caller calls `step` repeatedly."""
 
     def __init__(self, server: viser.ViserServer, playback: Playback) -> None:
-        """Draw the run's beginning."""
+        """Draw the start of the run."""
         self._playback, run = playback, playback.run
         self._frames = RecordedFrames(playback)
         things = [track.shape for track in playback.things.values()]
@@ -43,7 +43,7 @@ class Replay:
 
     @property
     def time(self) -> float:
-        """That is shown, in [s] of the robot's time."""
+        """Shown time of the robot, in [s]."""
         return self._time
 
     def go_to(self, time: float) -> None:
@@ -53,14 +53,14 @@ class Replay:
         self._follow_slider()
 
     def play(self, playing: bool) -> None:
-        """Go on by itself, or stand; at the end it begins anew."""
+        """Start or pause; at the end of the recording, start from its beginning."""
         if playing and self._time >= self._playback.end:
             self.go_to(self._playback.start)
         self._playing = playing
         self._play.label = "Pause" if playing else "Play"
 
     def step(self, passed: float) -> bool:
-        """Let `passed` [s] go by, and draw what has changed; gives whether anything had."""
+        """Advance the replay by `passed` [s] of wall time, and return whether a new frame was drawn."""
         if self._playing:
             self.go_to(self._time + passed * self._factor)
             if self._time >= self._playback.end:
@@ -77,7 +77,7 @@ class Replay:
         return True
 
     def run(self, over: Callable[[], bool]) -> None:
-        """Draw until `over`, which is asked before each frame."""
+        """Draw until `over` returns True; it is called before each frame."""
         before = clock.monotonic()
         while not over():
             clock.sleep(max(0.001, before + 1.0 / FRAMES - clock.monotonic()))
@@ -119,7 +119,7 @@ class Replay:
             self._slider.value = min(max(value, self._slider.min), self._slider.max)  # type: ignore[misc]
 
     def _jump(self, on: bool) -> None:
-        """To the beginning of the next action, or of this one, or of the one before."""
+        """Go to the start of the next action, or back to the last start that is more than 1 s ago."""
         starts = [each.start for each in self._playback.run.actions]
         if on:
             target = min(

@@ -1,4 +1,4 @@
-"""The robot in the page: its URDF's visual bodies, moved by its joints."""
+"""Robot in the page: the visual bodies of its URDF, moved by its joints."""
 
 from __future__ import annotations
 
@@ -24,10 +24,12 @@ FINGERS = ("left_finger", "right_finger")
 
 
 class RobotNodes:
-    """A robot that is drawn once and then only moved."""
+    """Drawing of a robot that is created once and then only moved."""
 
     def __init__(self, server: viser.ViserServer, shape: RobotShape) -> None:
-        """Draw it, its base at the world's origin; a mesh that isn't on this machine is left out."""
+        """Draw the robot with its base at the world's origin; meshes that are not on this machine are
+        omitted.
+        """
         from viser.extras import ViserUrdf
 
         self._shape = shape
@@ -42,8 +44,13 @@ class RobotNodes:
         self._base_T_root: Transform = inverse(self._urdf.get_transform(base))
 
     def move(self, base: Array, joints: Array, width: float) -> None:
-        """Put it where `base` (7,) is world_T_base, its arm's joints (j,) in [rad] or [m], fingers that far
-        apart in [m]."""
+        """Move the robot.
+
+        Args:
+            base: (7,) world_T_base.
+            joints: (j,) joint positions of the arm, in [rad] or [m].
+            width: opening of the gripper, in [m].
+        """
         pose = sevens((transforms(base[None])[0] @ self._base_T_root)[None])[0]
         self._root.position, self._root.wxyz = pose[:3], pose[3:]
         values = dict(zip(self._shape.joints, joints.tolist(), strict=False))
@@ -70,5 +77,5 @@ def _loaded(text: str) -> Any:
 
 
 def _mesh(name: str) -> str:
-    """Where a mesh is."""
+    """Return the path of a mesh file."""
     return str(Path(name.removeprefix("file://")))

@@ -1,4 +1,4 @@
-"""What a run did over time, as the page's panel shows it."""
+"""Time line of a run's actions for the page's panel."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ LETTER = 15.0  # width of a letter of the numbers on it
 
 
 def time_line(actions: Sequence[PastAction], start: float, end: float, now: float) -> str:
-    """Bars as long as the actions took, a line at `now`; all in [s]."""
+    """Return an SVG with a bar for each action's duration and a line at `now`; all times in [s]."""
     span = max(end - start, 1e-9)
     words = [
         f'<svg xmlns="http://www.w3.org/2000/svg" width="100%" viewBox="0 0 {WIDE:.0f} {HIGH:.0f}" '

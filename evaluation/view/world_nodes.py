@@ -1,4 +1,4 @@
-"""The world in the page: solids, things, the map, and what the robot senses, estimates and plans."""
+"""World in the page: solids, things, map, and the robot's scans, estimates and plans."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ RAISED = 0.3  # [m] of what a map shows, where no solids are known
 
 
 class WorldNodes:
-    """What stands around the robot, and lines that change."""
+    """Drawing of the robot's surroundings, and of lines that change."""
 
     def __init__(self, server: viser.ViserServer, scenery: Scenery, things: Iterable[ThingShape]) -> None:
-        """Draw all of it; a thing isn't seen before it has a place."""
+        """Draw the scenery; a thing is invisible until it has a pose."""
         self._server, self._scene = server, server.scene
         self._passing: list[tuple[SolidShape, Any]] = []
         self._things: dict[str, tuple[Any, Array]] = {}
@@ -57,7 +57,7 @@ class WorldNodes:
     # What moves
 
     def add_thing(self, shape: ThingShape) -> None:
-        """Something that hands can carry; it isn't seen yet. One that is there already stays as it is."""
+        """Add an invisible movable thing; an existing thing of this name is unchanged."""
         if shape.name in self._things:
             return
         middle = transforms(np.array([shape.middle]))[0]
@@ -68,7 +68,7 @@ class WorldNodes:
         self._things[shape.name] = (box, middle)
 
     def place(self, poses: Mapping[str, Array | None]) -> None:
-        """Put things where they are: (7,) world_T_thing, None where they aren't there yet."""
+        """Move things to (7,) world_T_thing; None hides a thing that is not there yet."""
         for name, pose in poses.items():
             if name in self._at and _same(self._at[name], pose):
                 continue
@@ -81,14 +81,19 @@ class WorldNodes:
             box.position, box.wxyz, box.visible = at[:3], at[3:], True
 
     def come_and_go(self, world_time: float) -> None:
-        """Show those solids that are there at a time in [s]."""
+        """Show the solids that are present at a time in [s] of the world."""
         for solid, box in self._passing:
             there = solid.appears_s <= world_time < (np.inf if solid.leaves_s is None else solid.leaves_s)
             if box.visible != there:
                 box.visible = there
 
     def estimate(self, pose: Array, covariance: Array) -> None:
-        """Three sigmas of where the base is believed to be: `pose` (3,), `covariance` (3, 3)."""
+        """Draw the ellipse of three standard deviations around the estimated base pose.
+
+        Args:
+            pose: (3,) x, y in [m] and heading in [rad].
+            covariance: (3, 3) of the pose, in [m] and [rad].
+        """
         values, vectors = np.linalg.eigh(covariance[:2, :2].astype(np.float64))
         angle = np.linspace(0.0, 2.0 * np.pi, CIRCLE + 1)
         unit = np.stack((np.cos(angle), np.sin(angle)))
@@ -99,7 +104,7 @@ class WorldNodes:
 
     @staticmethod
     def draw(lines: Any, path: Array, chosen: NDArray[np.bool_] | None = None) -> None:
-        """Let lines follow a path (n, 2) in [m], or those steps of it (n - 1,) that are chosen."""
+        """Draw lines along a path (n, 2) in [m], only along the steps chosen by a mask (n - 1,) if given."""
         points = np.column_stack((path, np.full(len(path), ABOVE)))
         steps = np.stack((points[:-1], points[1:]), axis=1) if len(path) > 1 else np.zeros((0, 2, 3))
         lines.points = (steps if chosen is None else steps[chosen]).astype(np.float32)
@@ -179,7 +184,9 @@ def _same(a: Array | None, b: Array | None) -> bool:
 
 
 def _runs(shape: MapShape, picture: NDArray[np.uint8]) -> tuple[Array, Array]:
-    """Boxes for what a map shows as occupied, a row's neighbours together: poses (n, 7) and sizes (n, 3)."""
+    """Return boxes for the occupied cells of a map, one for each run in a row: poses (n, 7), sizes (n, 3)
+    in [m].
+    """
     cell, (x0, y0), height = shape.resolution_m, shape.origin_m, picture.shape[0]
     poses, sizes = [], []
     for row, cells in enumerate(picture == OCCUPIED):

@@ -1,1 +1,1 @@
-"""Walks through an action network without a robot, thousands side by side: how each action ends is drawn."""
+"""Random walks through an action network without a robot; thousands in parallel, with drawn outcomes."""

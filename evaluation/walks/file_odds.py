@@ -1,4 +1,4 @@
-"""Odds that stand in a task's file."""
+"""Outcome probabilities given in a task's file."""
 
 from __future__ import annotations
 
@@ -12,12 +12,14 @@ from .odds import Codes, End, Floats, Numbers
 
 
 class FileOdds:
-    """Each action's `p`, `p_give_up` and `cost_s`; attempts are independent, and no Fail is for good."""
+    """Odds from each action's `p`, `p_give_up` and `cost_s`; attempts are independent, no Fail is
+    permanent.
+    """
 
     rest_s = 0.0
 
     def __init__(self, task: Task) -> None:
-        """Of a task; raises `FileError` where an action has no probability `p`."""
+        """Read the odds of a task; raise `FileError` if an action has no probability `p`."""
         wrong = "no probability `p`; needed: one for each action, to draw how it ends"
         if missing := missing_chances(task):
             raise FileError(task.document.finding(("actions", number), wrong) for number in missing)

@@ -1,4 +1,4 @@
-"""How actions end on a walk, and how long they take."""
+"""Interface of the outcome probabilities and durations of actions on a walk."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Codes = NDArray[np.int8]
 
 
 class End(IntEnum):
-    """How an action ended, as a number."""
+    """End of an action, as a number."""
 
     SUCCESS = 0
     FAIL = 1
@@ -22,32 +22,32 @@ class End(IntEnum):
     """A Fail that uses up all attempts."""
     GIVE_UP = 3
     UNKNOWN = 4
-    """Nobody knows how it would end; the walk ends there."""
+    """The end of this action is unknown; the walk ends here."""
 
     @property
     def outcome(self) -> str:
-        """As outcomes are called."""
+        """Name of the outcome."""
         return ("Success", "Fail", "Fail", "GiveUp", "GiveUp")[self]
 
 
 class Odds(Protocol):
-    """Draws for many walks at once, (n,) each."""
+    """Random model of actions, evaluated for n walks at once; all arrays are (n,)."""
 
     def ends(self, action: Numbers, context: Numbers, drawn: Floats) -> Codes:
-        """How actions end.
+        """Draw how each action ends.
 
         Args:
-            action: their numbers in the network.
-            context: what was before, see `context_of`.
-            drawn: evenly from 0 to 1.
+            action: (n,) indices of the actions in the network.
+            context: (n,) number of the history, see `context_of`.
+            drawn: (n,) random numbers, uniform in [0, 1).
         """
 
     def seconds(self, action: Numbers, context: Numbers, ends: Codes, drawn: Floats) -> Floats:
-        """How long they take, in [s], with how they end and another draw."""
+        """Return how long each action takes (n,), in [s], given its end and another uniform random number."""
 
     @property
     def rest_s(self) -> float:
-        """What a walk takes beside its actions, in [s]."""
+        """Time that a walk takes in addition to its actions, in [s]."""
 
 
 MOST_FAILS = 2
@@ -55,10 +55,10 @@ CONTEXTS = 2 * (MOST_FAILS + 1)
 
 
 def context_of(fails: Numbers, after_fail: NDArray[np.bool_]) -> Numbers:
-    """What the odds of an action may depend on, as a number from 0 to `CONTEXTS` - 1.
+    """Return the history that an action's odds may depend on, as a number from 0 to `CONTEXTS` - 1.
 
     Args:
-        fails: how often it has failed before; from `MOST_FAILS` on it is all the same.
-        after_fail: whether the action before it has failed, be it itself or another.
+        fails: (n,) number of earlier Fails of the action; more than `MOST_FAILS` count as `MOST_FAILS`.
+        after_fail: (n,) whether the preceding action, the same or another, has failed.
     """
     return np.asarray(2 * np.minimum(fails, MOST_FAILS) + after_fail, dtype=np.int32)

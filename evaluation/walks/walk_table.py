@@ -1,4 +1,4 @@
-"""What the coordinator does in a network, as columns of numbers."""
+"""Decisions of the coordinator in a network, as columns of numbers."""
 
 from __future__ import annotations
 
@@ -19,26 +19,26 @@ Numbers = NDArray[np.int32]
 
 
 class Columns(NamedTuple):
-    """Of each moment at which an action is about to start, by its number."""
+    """Columns with one row for each moment at which an action is about to start."""
 
     action: Numbers
     fails: Numbers
-    """How often it has failed."""
+    """Number of earlier Fails of the action."""
     next: Numbers
-    """The moment after its Success; or `GOAL`."""
+    """The next moment after a Success, or `GOAL`."""
     after_fail: Numbers
-    """The state after its Fail, by that one's number."""
+    """Number of the state after a Fail."""
     for_good: Numbers
-    """The same after a Fail for good."""
+    """Number of the state after a permanent Fail."""
     skip: NDArray[np.bool_]
-    """Whether it only leaves an element of a repeat undone, which can't fail."""
+    """Whether the action only skips an element of a repeat, which cannot fail."""
 
 
 class WalkTable:
-    """Decisions, each worked out when the first walk comes to it: most states are never reached."""
+    """Table of the coordinator's decisions, each computed when a walk first reaches its state."""
 
     def __init__(self, network: ActionNetwork) -> None:
-        """Of a network; nothing is worked out but the beginning."""
+        """Create the table of a network; only the decision at the start is computed."""
         self._network = network
         self._maker = StepMaker(network, True, Effort(math.inf))
         self._states: list[State] = []
@@ -50,7 +50,7 @@ class WalkTable:
         self.start = self.first(np.array([start], dtype=np.int32))[0]
 
     def columns(self) -> Columns:
-        """Of all moments that are known by now; a later call may know more."""
+        """Return the columns of all moments computed so far; a later call may return more."""
         if self._columns is None:
             columns = np.array(self._rows, dtype=np.int32).reshape(-1, 6).T
             action, fails, following, after_fail, for_good, skip = columns
@@ -58,7 +58,9 @@ class WalkTable:
         return self._columns
 
     def first(self, states: Numbers) -> Numbers:
-        """The first moment of each state's plan (n,); `GOAL` there, `NO_WAY` where nothing is left to try."""
+        """Return the first moment of each state's plan (n,); `GOAL` at the goal, `NO_WAY` if no route is
+        left.
+        """
         for number in set(states.tolist()):
             if self._first[number] is None:
                 self._work_out(number)

@@ -1,4 +1,4 @@
-"""Walks through a network, many side by side."""
+"""Walker that takes many walks through a network in parallel."""
 
 from __future__ import annotations
 
@@ -11,67 +11,67 @@ from .odds import Codes, End, Floats, Numbers, Odds, context_of
 from .walk_table import GOAL, NO_WAY, WalkTable
 
 PERSON = -3
-"""In place of a moment's number: a walk ended with a GiveUp."""
+"""Value instead of a moment's number: the walk ended with a GiveUp."""
 NOTHING = -1
-"""In place of an action: the walk was over, or left an element undone."""
+"""Value instead of an action's index: the walk was over, or skipped an element."""
 
 
 class Walked(NamedTuple):
-    """What was walked: `steps` rows, a column for each of n walks."""
+    """Record of n walks, with `steps` rows and a column for each walk."""
 
     action: Numbers
-    """(steps, n) by their numbers in the network; or `NOTHING`."""
+    """(steps, n) indices of the actions in the network, or `NOTHING`."""
     ends: Codes
-    """(steps, n)."""
+    """(steps, n) ends of the actions, as `End`."""
     seconds: Floats
-    """(steps, n)."""
+    """(steps, n) durations of the actions, in [s]."""
     skipped: NDArray[np.bool_]
-    """(n,) whether an element of a repeat was left undone."""
+    """(n,) whether an element of a repeat was skipped."""
     last: Numbers
-    """(n,) `GOAL`, `NO_WAY` or `PERSON`."""
+    """(n,) end of each walk: `GOAL`, `NO_WAY` or `PERSON`."""
     where: Numbers
-    """(n,) a number for where it ended: walks that have `last`, `skipped` and this in common ended alike."""
+    """(n,) number of the end's place: walks with equal `last`, `skipped` and `where` ended alike."""
 
     @property
     def success(self) -> NDArray[np.bool_]:
-        """(n,) whether each reached the goal with nothing left undone."""
+        """(n,) whether each walk reached the goal without a skipped element."""
         return np.asarray((self.last == GOAL) & ~self.skipped)
 
 
 class Stride(NamedTuple):
-    """What n walks do next, (n,) each."""
+    """Next step of n walks; all arrays are (n,)."""
 
     action: Numbers
     fails: Numbers
-    """How often it has failed before."""
+    """Number of earlier Fails of the action."""
     skip: NDArray[np.bool_]
-    """Whether it only leaves an element of a repeat undone."""
+    """Whether the action only skips an element of a repeat."""
     ends: Codes
     seconds: Floats
     after_fail: NDArray[np.bool_]
-    """Whether the last action that was no skip has failed."""
+    """Whether the last action that was not a skip has failed."""
     next: Numbers
-    """The moment that follows; `GOAL`, `NO_WAY` or `PERSON`."""
+    """The next moment, or `GOAL`, `NO_WAY` or `PERSON`."""
 
 
 class Walker:
-    """Walks as the coordinator would, with odds for what happens."""
+    """Walker with the coordinator's decisions and with random outcomes."""
 
     def __init__(self, table: WalkTable, odds: Odds) -> None:
-        """In a network's table, which others may walk in, too."""
+        """Walk in a network's table, which several walkers may share."""
         self._table, self._odds = table, odds
 
     @property
     def start(self) -> int:
-        """The moment at which each walk begins; `GOAL` or `NO_WAY` where it doesn't."""
+        """The moment at which each walk starts; `GOAL` or `NO_WAY` if no walk is possible."""
         return int(self._table.start)
 
     def walk(self, draws: np.random.Generator, count: int) -> Walked:
-        """Walk to all ends.
+        """Take walks until all have ended.
 
         Args:
-            draws: what is drawn; the same gives the same walks.
-            count: how many, n.
+            draws: random generator; the same generator state gives the same walks.
+            count: number of walks, n.
         """
         at = np.full(count, self._table.start, dtype=np.int32)
         after_fail, skipped = np.zeros(count, dtype=bool), np.zeros(count, dtype=bool)
@@ -97,12 +97,12 @@ class Walker:
         )
 
     def stride(self, moment: Numbers, after_fail: NDArray[np.bool_], drawn: Floats) -> Stride:
-        """Take walks on by an action each.
+        """Advance walks by one action each.
 
         Args:
-            moment: where they are (n,), by the table's numbers.
-            after_fail: whether the action before has failed (n,).
-            drawn: evenly from 0 to 1 (2, n).
+            moment: (n,) current moments, by their numbers in the table.
+            after_fail: (n,) whether the preceding action has failed.
+            drawn: (2, n) random numbers, uniform in [0, 1).
         """
         columns = self._table.columns()
         action, skip, fails = columns.action[moment], columns.skip[moment], columns.fails[moment]
@@ -130,7 +130,7 @@ class Walker:
 def _row(
     count: int, left: NDArray[np.intp], action: Numbers, ends: Codes, seconds: Floats
 ) -> tuple[Numbers, Codes, Floats]:
-    """Of all walks, those that are over included."""
+    """Return one row (count,) of actions, ends and seconds for all walks, including those that are over."""
     actions, codes = np.full(count, NOTHING, dtype=np.int32), np.zeros(count, dtype=np.int8)
     times = np.zeros(count)
     actions[left], codes[left], times[left] = action, ends, seconds

@@ -1,1 +1,1 @@
-"""The server behind the page, and who is let in."""
+"""Server of the page, and its access control."""

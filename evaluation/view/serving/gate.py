@@ -1,4 +1,4 @@
-"""Who may see a run in the browser: viser itself answers whoever asks."""
+"""Access control of the page in the browser; viser itself answers every client."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ if TYPE_CHECKING:
 
 Answer = Callable[["ServerConnection", "Request"], "Response | None"]
 WITH = "token."
-"""Before the token, which comes as a subprotocol: no other header of a socket is a script's to set."""
+"""Prefix of the token in the subprotocol, the only header of a WebSocket that a script can set."""
 MISSING = "the token is missing or wrong; it is in the address that was printed"
 
 
 class Gate(OwnPage):
-    """Stands before a server of viser's: sockets need the page's own origin and the token."""
+    """Guard of a viser server: WebSockets need the page's own origin and the token."""
 
     def __init__(self, host: str) -> None:
-        """`host` with its port; until a server is made behind it, nothing is guarded."""
+        """Create a guard for `host`, given with its port; it guards nothing before a server is made."""
         super().__init__([host])
         self.guards = False
         self.policy = (
@@ -34,11 +34,15 @@ class Gate(OwnPage):
             f"connect-src 'self' ws://{host} data: blob:; "
             "object-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
         )
-        """viser's page is one file with all scripts in it; what it may not is reach anything else."""
+        """Content security policy: viser's page is one file with all its scripts, and may reach no other
+        host.
+        """
 
     @contextmanager
     def before_servers(self) -> Iterator[None]:
-        """Servers that are made meanwhile are guarded; viser hands no such option on to its server."""
+        """Guard all servers made in this context, by a patch: viser does not pass such an option to its
+        server.
+        """
         from websockets.asyncio import server
 
         real = server.serve
@@ -55,7 +59,7 @@ class Gate(OwnPage):
             server.serve = real  # type: ignore[misc]
 
     def answer(self, behind: Answer, connection: ServerConnection, request: Request) -> Response | None:
-        """A refusal, or what the server `behind` answers; None: a socket is opened."""
+        """Return a refusal or the answer of the server `behind`; None: a WebSocket is opened."""
         sent = request.headers
 
         def one(name: str) -> str | None:
@@ -82,7 +86,7 @@ class Gate(OwnPage):
         return any(each.startswith(WITH) and self.knows(each.removeprefix(WITH)) for each in given)
 
     def _dressed(self, page: Response) -> Response:
-        """With our script before all others, and the headers that bind it."""
+        """Return the page with our script before all others, and with the headers that restrict it."""
         script = files(__package__).joinpath("before_viser.js").read_bytes()
         page.body = page.body.replace(b"<head>", b"<head><script>" + script + b"</script>", 1)
         del page.headers["Content-Length"]
@@ -96,9 +100,9 @@ class Gate(OwnPage):
 
 
 def _drained(serve: type[serve]) -> type[serve]:
-    """The same server; it leaves no socket open, also none that comes while it ends.
+    """Return a server class that closes all WebSockets on exit, including those that connect meanwhile.
 
-    websockets itself waits ten seconds for connections that say nothing.
+    The class of websockets waits ten seconds for silent connections.
     """
     from websockets.protocol import State
 
@@ -114,7 +118,9 @@ def _drained(serve: type[serve]) -> type[serve]:
 
 
 def _unheard() -> logging.Logger:
-    """Takes what is said of requests that are none, and of headers, in which the token is."""
+    """Return a logger that discards messages about malformed requests and about headers, which hold the
+    token.
+    """
     logger = logging.getLogger(__name__)
     logger.addHandler(logging.NullHandler())
     logger.propagate = False

@@ -1,4 +1,4 @@
-"""The server behind the page: on this machine alone."""
+"""Server of the page, reachable from this machine only."""
 
 from __future__ import annotations
 
@@ -22,27 +22,27 @@ TRIES = 100  # ports from the usual one on
 
 
 class NoView(InputError):
-    """A run can't be shown."""
+    """Error: a run cannot be shown in the browser."""
 
 
 class Opened(NamedTuple):
-    """A server, and where its page is."""
+    """A running server with the address of its page."""
 
     server: viser.ViserServer
     address: str
-    """With the token behind `#`, which no browser sends or logs."""
+    """URL with the token after `#`, a part that browsers neither send nor log."""
 
 
 @contextmanager
 def open_server(port: int | None, title: str) -> Iterator[Opened]:
-    """Serve, to this machine alone, to who has the token, as long as it is wanted.
+    """Serve a page for clients on this machine that have the token, until the context ends.
 
     Args:
-        port: which; None: 8080, or the next one that is free; 0: any.
-        title: over the page's panel.
+        port: the port; None: 8080 or the next free one; 0: any free one.
+        title: title over the page's panel.
 
     Raises:
-        NoView: the port is taken, or the library isn't installed, or can't be guarded.
+        NoView: the port is taken, or viser is not installed or cannot be guarded.
     """
     if wrong := lack("the view", "view"):
         raise NoView(wrong)
