@@ -23,7 +23,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 import orjson
 
-from handcart.networks.operator.socket_path import STOP, socket_path
+from handcart.networks.operator.socket_path import STOP_SOCKET, socket_path
 from tests.browser import DESK, browsing
 
 ROOT = Path(__file__).parents[1]
@@ -113,8 +113,8 @@ def stops(port: int, token: str, folder: Path) -> None:
                 asking.getresponse().read()
 
     heard = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
-    (folder / STOP).unlink(missing_ok=True)
-    with socket_path(folder / STOP) as name:
+    (folder / STOP_SOCKET).unlink(missing_ok=True)
+    with socket_path(folder / STOP_SOCKET) as name:
         heard.bind(name)
     heard.settimeout(10.0)
     others = [threading.Thread(target=bother, args=(number,), daemon=True) for number in range(PAGES)]

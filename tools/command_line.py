@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-COMMANDS = {
+OWN_COMMANDS = {
     "run": ("run_task", "run", "Run a task."),
     "do": ("commands.do_primitive", "do", "Run one primitive alone."),
     "check": ("commands.check_file", "check", "Tell what is wrong with a file, without moving."),
@@ -58,7 +58,7 @@ def all_commands() -> dict[str, tuple[str, str]]:
     """
     from handcart.tasks.domain import BrokenDomain, domains
 
-    own = {name: (f"{__package__}.{at}:{what}", words) for name, (at, what, words) in COMMANDS.items()}
+    own = {name: (f"{__package__}.{at}:{what}", words) for name, (at, what, words) in OWN_COMMANDS.items()}
     try:
         listed = [each for domain in domains() for each in domain.commands.items()]
     except BrokenDomain as broken:
@@ -67,7 +67,7 @@ def all_commands() -> dict[str, tuple[str, str]]:
     return own | {name: (each.function, each.help) for name, each in listed if name not in own}
 
 
-HELP = "Action primitives for mobile manipulators: run, check, draw and count tasks."
+PROGRAM_HELP = "Action primitives for mobile manipulators: run, check, draw and count tasks."
 
 
 class LazyGroup(TyperGroup):
@@ -79,13 +79,13 @@ class LazyGroup(TyperGroup):
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """The command, and what is left to it; some have names of two words."""
-        if (two := " ".join(args[:2])) in COMMANDS:
+        if (two := " ".join(args[:2])) in OWN_COMMANDS:
             return two, self.get_command(ctx, two), args[2:]
         return super().resolve_command(ctx, args)
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
         """The command, imported now."""
-        own = COMMANDS.get(cmd_name)
+        own = OWN_COMMANDS.get(cmd_name)
         known = all_commands() if own is None else {cmd_name: (f"{__package__}.{own[0]}:{own[1]}", own[2])}
         if cmd_name not in known:
             from handcart.files.suggest import suggest
@@ -105,7 +105,7 @@ class LazyGroup(TyperGroup):
 
 app = typer.Typer(
     cls=LazyGroup,
-    help=HELP,
+    help=PROGRAM_HELP,
     no_args_is_help=True,
     add_completion=True,
     rich_markup_mode=None,

@@ -15,13 +15,21 @@ from typing import Any
 
 import numpy as np
 
-from handcart.networks.runs.run_folder import JOURNAL
+from handcart.networks.runs.run_folder import JOURNAL_FILE
 
 from .forging import ODD, change_somewhere, forge_state, reseal
 from .originals import Original
 
 CHECKPOINT = "checkpoint"
-_FILES = (JOURNAL, CHECKPOINT, "summary.json", "telemetry.npz", "error.txt", "evidence", "calibration.yaml")
+_FILES = (
+    JOURNAL_FILE,
+    CHECKPOINT,
+    "summary.json",
+    "telemetry.npz",
+    "error.txt",
+    "evidence",
+    "calibration.yaml",
+)
 _ALSO = ("summary.new", "checkpoint.new", "explained_001.svg", ".new.explained_001.svg", "survey.jsonl")
 
 
@@ -61,7 +69,7 @@ def nothing(scene: Scene) -> None:
 
 def flip_journal(scene: Scene) -> None:
     """A few bits of the journal are others."""
-    _flip(scene, JOURNAL)
+    _flip(scene, JOURNAL_FILE)
 
 
 def flip_checkpoint(scene: Scene) -> None:
@@ -80,16 +88,16 @@ def _flip(scene: Scene, name: str) -> None:
 
 def flip_newline(scene: Scene) -> None:
     """A newline between two records is something else."""
-    content = scene.bytes_of(JOURNAL)
+    content = scene.bytes_of(JOURNAL_FILE)
     ends = [place for place, byte in enumerate(content) if byte == 10]
     if ends:
         content[scene.rng.choice(ends[-4:])] ^= 1 << scene.rng.randrange(8)
-        (scene.folder / JOURNAL).write_bytes(content)
+        (scene.folder / JOURNAL_FILE).write_bytes(content)
 
 
 def truncate(scene: Scene) -> None:
     """A file ends too soon."""
-    name = scene.rng.choice((JOURNAL, JOURNAL, CHECKPOINT, "telemetry.npz", "summary.json"))
+    name = scene.rng.choice((JOURNAL_FILE, JOURNAL_FILE, CHECKPOINT, "telemetry.npz", "summary.json"))
     content = scene.bytes_of(name)
     if content:
         (scene.folder / name).write_bytes(content[: scene.rng.randrange(len(content))])
@@ -97,21 +105,21 @@ def truncate(scene: Scene) -> None:
 
 def cut(scene: Scene) -> None:
     """The journal's last records are missing, its checkpoint is still there."""
-    lines = bytes(scene.bytes_of(JOURNAL)).splitlines(keepends=True)
-    (scene.folder / JOURNAL).write_bytes(b"".join(lines[: scene.rng.randrange(len(lines))]))
+    lines = bytes(scene.bytes_of(JOURNAL_FILE)).splitlines(keepends=True)
+    (scene.folder / JOURNAL_FILE).write_bytes(b"".join(lines[: scene.rng.randrange(len(lines))]))
 
 
 def tail(scene: Scene) -> None:
     """Something follows the journal."""
-    content = bytes(scene.bytes_of(JOURNAL))
+    content = bytes(scene.bytes_of(JOURNAL_FILE))
     last = content.splitlines(keepends=True)[-1]
     more = (b"\0" * 4096, scene.rng.randbytes(100), b"{}\n", last, b"\n\n", last[:-20], b'{"q":1e999}\n')
-    (scene.folder / JOURNAL).write_bytes(content + scene.rng.choice(more))
+    (scene.folder / JOURNAL_FILE).write_bytes(content + scene.rng.choice(more))
 
 
 def swap(scene: Scene) -> None:
     """A file of another run, or of another action, lies there."""
-    name = scene.rng.choice((CHECKPOINT, CHECKPOINT, CHECKPOINT, JOURNAL))
+    name = scene.rng.choice((CHECKPOINT, CHECKPOINT, CHECKPOINT, JOURNAL_FILE))
     other = scene.other(name)
     if other is not None:
         shutil.copyfile(other, scene.folder / name)
@@ -148,18 +156,18 @@ def pickled(scene: Scene) -> None:
         for path in (*scene.folder.rglob("*.npz"), scene.folder / "telemetry.npz"):
             path.write_bytes(kept.getvalue())
     else:
-        (scene.folder / scene.rng.choice((CHECKPOINT, CHECKPOINT, JOURNAL))).write_bytes(payload)
+        (scene.folder / scene.rng.choice((CHECKPOINT, CHECKPOINT, JOURNAL_FILE))).write_bytes(payload)
 
 
 def link(scene: Scene) -> None:
     """A name in the folder leads out of it."""
     name = scene.rng.choice(
-        (*_FILES, *_ALSO, f"{JOURNAL}.torn-{len(scene.bytes_of(JOURNAL))}", "evidence/x.npz")
+        (*_FILES, *_ALSO, f"{JOURNAL_FILE}.torn-{len(scene.bytes_of(JOURNAL_FILE))}", "evidence/x.npz")
     )
     path = scene.folder / name
     targets = ("secret.txt", "folder", "nothing-there", name.split("/")[-1])
     target = scene.outside / scene.rng.choice(targets)
-    if target.name in (JOURNAL, CHECKPOINT) and (scene.folder / target.name).is_file():
+    if target.name in (JOURNAL_FILE, CHECKPOINT) and (scene.folder / target.name).is_file():
         shutil.copyfile(scene.folder / target.name, target)
     _away(path)
     path.parent.mkdir(exist_ok=True)
@@ -168,7 +176,7 @@ def link(scene: Scene) -> None:
     else:
         path.symlink_to(target)
     if scene.rng.random() < 0.3:
-        _flip(scene, JOURNAL)
+        _flip(scene, JOURNAL_FILE)
 
 
 def special(scene: Scene) -> None:
@@ -190,10 +198,12 @@ def huge(scene: Scene) -> None:
     """A file of many gigabytes, or one that unpacks to them; lists in lists in lists."""
     kind = scene.rng.randrange(4)
     if kind == 0:
-        with (scene.folder / scene.rng.choice((JOURNAL, CHECKPOINT))).open("r+b" if kind else "ab") as file:
+        with (scene.folder / scene.rng.choice((JOURNAL_FILE, CHECKPOINT))).open(
+            "r+b" if kind else "ab"
+        ) as file:
             file.truncate(scene.rng.choice((10**9, 10**11)))
     elif kind == 1:
-        with (scene.folder / JOURNAL).open("ab") as file:
+        with (scene.folder / JOURNAL_FILE).open("ab") as file:
             file.write(b'{"q":' + b"[" * 100_000 + b"]" * 100_000 + b"}\n")
     elif kind == 2:
         reseal(scene.folder, lambda records: records[-1].update(deep=_deep(200)))
@@ -304,7 +314,7 @@ def forged_engine(scene: Scene) -> None:
 def damaged_evidence(scene: Scene) -> None:
     """Pictures, readings or notes beside the journal are damaged."""
     for path in [*scene.folder.rglob("*.npz"), *scene.folder.rglob("*.png"), *scene.folder.glob("*.jsonl")]:
-        if path.name == JOURNAL or scene.rng.random() < 0.5:
+        if path.name == JOURNAL_FILE or scene.rng.random() < 0.5:
             continue
         content = bytearray(path.read_bytes())
         match scene.rng.randrange(4):

@@ -25,7 +25,7 @@ from handcart.networks.journal.past_run import read_run
 from handcart.networks.operator.acknowledging import acknowledge
 from handcart.networks.operator.control import ask
 from handcart.networks.run_options import RunOptions
-from handcart.networks.runs.calibration import NAME, Calibration
+from handcart.networks.runs.calibration import CALIBRATION_FILE, Calibration
 from handcart.networks.runs.resuming import task_of
 from handcart.networks.runs.run_folder import check_folder
 from handcart.networks.task.preparing import Prepared
@@ -274,7 +274,7 @@ class _Tried:
 
     def _adopt(self) -> None:
         check_folder(self._folder)
-        path = self._folder / NAME
+        path = self._folder / CALIBRATION_FILE
         if path.is_file():
             load(path, Calibration)
 

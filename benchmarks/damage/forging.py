@@ -11,8 +11,8 @@ import numpy as np
 import orjson
 
 from handcart.backends.saved_state import digest, pack, unpack
-from handcart.networks.journal.journal_record import FIRST, read_journal, seal
-from handcart.networks.runs.run_folder import JOURNAL
+from handcart.networks.journal.journal_record import FIRST_CHECKSUM, read_journal, seal
+from handcart.networks.runs.run_folder import JOURNAL_FILE
 
 ODD: tuple[Any, ...] = (
     *(None, True, False, 0, -1, 1, 7, 2**31, 2**63 - 1, -(2**63), 0.0, -0.5, 1e300, -1e300, 3.25),
@@ -36,9 +36,9 @@ _ARRAYS: tuple[Callable[[np.ndarray], Any], ...] = (
 
 def reseal(folder: Path, change: Callable[[list[dict[str, Any]]], None]) -> None:
     """Change a journal's records, and chain them anew."""
-    records = [dict(each) for each in read_journal(folder / JOURNAL).records]
+    records = [dict(each) for each in read_journal(folder / JOURNAL_FILE).records]
     change(records)
-    lines, last = [], FIRST
+    lines, last = [], FIRST_CHECKSUM
     for number, record in enumerate(records):
         wall = record.pop("wall", {})
         wall = {key: value for key, value in wall.items() if key != "crc"} if isinstance(wall, dict) else {}
@@ -46,7 +46,7 @@ def reseal(folder: Path, change: Callable[[list[dict[str, Any]]], None]) -> None
         fields = {key: value for key, value in record.items() if key not in ("q", "p")}
         line, last = seal(orjson.dumps({"q": number, "p": last, **fields}), wall)
         lines.append(line)
-    (folder / JOURNAL).write_bytes(b"".join(lines))
+    (folder / JOURNAL_FILE).write_bytes(b"".join(lines))
 
 
 def change_somewhere(rng: random.Random, tree: Any, depth: int = 0) -> None:

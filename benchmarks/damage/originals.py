@@ -18,7 +18,7 @@ from handcart.networks.coordination.events import Ended, Event
 from handcart.networks.journal.journal import Journal
 from handcart.networks.run_observer import RunObserver
 from handcart.networks.run_options import RunOptions
-from handcart.networks.runs.run_folder import JOURNAL, read_run_journal
+from handcart.networks.runs.run_folder import JOURNAL_FILE, read_run_journal
 from handcart.networks.task.preparing import Prepared
 
 LEFT, OVER, GAVE_UP = "left", "over", "gave up"
@@ -133,7 +133,7 @@ def _give_up(folder: Path) -> None:
     do, source, target, *_ = rows[index]
     action = {"index": index, "do": do, "from": source, "to": target, "with": {}}
     last = contents.records[-1]["t"]
-    with Journal.go_on(folder / JOURNAL, contents) as journal:
+    with Journal.go_on(folder / JOURNAL_FILE, contents) as journal:
         journal.append("START", last, {"n": done + 1, "action": action})
         fields = {"n": done + 1, "outcome": "GiveUp", "reason": "it fell", "residuals": {}}
         journal.append("RESULT", last, fields)
@@ -160,9 +160,9 @@ def true_state(original: Original, scratch: Path) -> str:
     folder = scratch / "state"
     shutil.rmtree(folder, ignore_errors=True)
     shutil.copytree(original.folder, folder)
-    lines = (folder / JOURNAL).read_bytes().splitlines(keepends=True)
+    lines = (folder / JOURNAL_FILE).read_bytes().splitlines(keepends=True)
     ends = 0 if original.kind == LEFT else 1 if original.kind == OVER else 3
-    (folder / JOURNAL).write_bytes(b"".join(lines[: len(lines) - ends]))
+    (folder / JOURNAL_FILE).write_bytes(b"".join(lines[: len(lines) - ends]))
     header, prepared = prepare_again(folder)
     with prepared:
         put_back(folder, header, prepared)

@@ -25,7 +25,7 @@ import numpy as np
 
 from benchmarks.campaigns.walk import walk
 from handcart.evaluation.trials.running import run_task
-from handcart.networks.operator.socket_path import STOP, socket_path
+from handcart.networks.operator.socket_path import STOP_SOCKET, socket_path
 from handcart.networks.run_options import RunOptions
 
 HOST = "127.0.0.1"
@@ -71,8 +71,8 @@ def main() -> None:
 def crowded_stops(folder: Path, port: int, token: str, chosen: argparse.Namespace) -> np.ndarray:
     """How long each stop took, in [s]; infinity for one that did not arrive."""
     heard = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
-    (folder / STOP).unlink(missing_ok=True)
-    with socket_path(folder / STOP) as name:
+    (folder / STOP_SOCKET).unlink(missing_ok=True)
+    with socket_path(folder / STOP_SOCKET) as name:
         heard.bind(name)
     heard.settimeout(2.0 * ALLOWED_S)
     context, end = get_context("spawn"), time.monotonic() + chosen.longest_s

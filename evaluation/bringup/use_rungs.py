@@ -19,7 +19,7 @@ from handcart.evaluation.trials.running import run_task
 from handcart.files.whole_file import write_whole
 from handcart.networks.graph.planner import NoWay, Planner
 from handcart.networks.run_options import RunOptions
-from handcart.networks.runs.calibration import NAME, Calibration, rounded
+from handcart.networks.runs.calibration import CALIBRATION_FILE, Calibration, rounded
 from handcart.networks.runs.robot_claim import claimed
 from handcart.networks.task.preparing import prepare
 from handcart.primitives.contract.calibrated import Calibrated
@@ -56,7 +56,7 @@ class CalibrationRung(Rung):
             self._radius(site, backend, found, facts)
             self._tread(site, backend, found, facts)
             self._ranges(site, backend, found, facts)
-        file = site.folder / NAME
+        file = site.folder / CALIBRATION_FILE
         kind = "can" + (f" --bench {site.bench}" if site.bench else "")
         calibration = Calibration(
             format="handcart-calibration/1", robot=site.name, backend=kind, found=rounded(found)

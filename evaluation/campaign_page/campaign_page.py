@@ -24,7 +24,7 @@ from handcart.evaluation.campaigns.trial import Trial
 from handcart.evaluation.report.report import NAME, write_report
 from handcart.files.errors import HandcartError
 from handcart.files.whole_file import write_whole
-from handcart.networks.runs.run_names import USUAL
+from handcart.networks.runs.run_names import GENERIC_STEM
 
 from .plots import histogram, share_axis
 from .trial_table import TrialTable, constant, short
@@ -108,7 +108,7 @@ class CampaignPage:
     @property
     def _name(self) -> str:
         task = PurePath(self._arguments["task"])
-        return task.parent.name or task.stem if task.stem == USUAL else task.stem
+        return task.parent.name or task.stem if task.stem == GENERIC_STEM else task.stem
 
     def _sentence(self) -> str:
         """What came out."""

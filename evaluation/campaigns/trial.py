@@ -69,9 +69,9 @@ class Trial:
         """True if a signal stopped the trial or arrived at its end; the whole campaign then stops."""
         if self.signalled or not self.cancelled:
             return self.signalled
-        from handcart.networks.coordination.supervision import INTERRUPTED
+        from handcart.networks.coordination.supervision import INTERRUPTED_REASON
 
-        return bool(self.summary["reason"] == INTERRUPTED)
+        return bool(self.summary["reason"] == INTERRUPTED_REASON)
 
     @property
     def untrue(self) -> Sequence[str]:

@@ -11,11 +11,11 @@ from typing import Any
 
 from handcart.files.errors import HandcartError, InputError
 from handcart.networks.graph.hindsight import Choice, Option, Way, choice_of
-from handcart.networks.journal.evidence_files import FOLDER
+from handcart.networks.journal.evidence_files import EVIDENCE_FOLDER
 from handcart.networks.journal.journal_record import JournalError
 from handcart.networks.journal.past_run import PastAction, PastRun
-from handcart.networks.runs.flight_recorder import END, SUFFIX
-from handcart.networks.runs.run_folder import JOURNAL
+from handcart.networks.runs.flight_recorder import END_STEM, READINGS_SUFFIX
+from handcart.networks.runs.run_folder import JOURNAL_FILE
 
 FRAMES = "_frames.log"
 
@@ -106,13 +106,13 @@ def relying_on_the_journal(run: PastRun) -> Iterator[None]:
         raise
     except (LookupError, TypeError, ValueError, ArithmeticError, AttributeError) as error:
         words = f"what it says makes no sense: {type(error).__name__}: {error}"
-        raise JournalError(run.folder / JOURNAL, words) from None
+        raise JournalError(run.folder / JOURNAL_FILE, words) from None
 
 
 def _explained(run: PastRun, number: int | None) -> Explanation:
     action = run.last_fail if number is None else _numbered(run, number)
     if action is None:
-        readings, frames = _kept(run, f"{END}{SUFFIX}"), _kept(run, f"{END}{FRAMES}")
+        readings, frames = _kept(run, f"{END_STEM}{READINGS_SUFFIX}"), _kept(run, f"{END_STEM}{FRAMES}")
         return Explanation(run, None, None, (), (), None, None, readings, None, frames)
     relied_on = tuple(_relied_on(run, action))
     points = [_kept(run, f"{_stem(each)}.npz") for each in (action, *(who for _, who in relied_on[::-1]))]
@@ -124,7 +124,7 @@ def _explained(run: PastRun, number: int | None) -> Explanation:
         _residuals(action),
         _picture(run, action),
         next((path for path in points if path is not None), None),
-        _kept(run, f"{_stem(action)}{SUFFIX}") or _at_the_end(run, action, SUFFIX),
+        _kept(run, f"{_stem(action)}{READINGS_SUFFIX}") or _at_the_end(run, action, READINGS_SUFFIX),
         _kept(run, f"{_stem(action)}.svg"),
         _kept(run, f"{_stem(action)}{FRAMES}") or _at_the_end(run, action, FRAMES),
     )
@@ -170,17 +170,19 @@ def _picture(run: PastRun, action: PastAction) -> Path | None:
     named = action.result.get("picture")
     if named:
         return _kept(run, f"{_stem(action)}_{named}.png")
-    pictures = [path for path in (run.folder / FOLDER).glob(f"{action.number:03d}_*.png") if path.is_file()]
+    pictures = [
+        path for path in (run.folder / EVIDENCE_FOLDER).glob(f"{action.number:03d}_*.png") if path.is_file()
+    ]
     return max(pictures, key=lambda path: (path.stat().st_mtime_ns, path.name), default=None)
 
 
 def _at_the_end(run: PastRun, action: PastAction, suffix: str) -> Path | None:
     """Return a file of the run's end if the action was interrupted there, otherwise None."""
-    return _kept(run, f"{END}{suffix}") if action is run.actions[-1] and not action.outcome else None
+    return _kept(run, f"{END_STEM}{suffix}") if action is run.actions[-1] and not action.outcome else None
 
 
 def _kept(run: PastRun, name: str) -> Path | None:
-    path = run.folder / FOLDER / name
+    path = run.folder / EVIDENCE_FOLDER / name
     # A journal that somebody made may name anything.
     return path if path.name == name and path.is_file() else None
 

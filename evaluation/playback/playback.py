@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import ValidationError
 
-from handcart.networks.journal.evidence_files import FOLDER as EVIDENCE
+from handcart.networks.journal.evidence_files import EVIDENCE_FOLDER as EVIDENCE
 from handcart.networks.journal.past_run import PastAction, PastRun, read_run
-from handcart.networks.runs.flight_recorder import SUFFIX, load_arrays
+from handcart.networks.runs.flight_recorder import READINGS_SUFFIX, load_arrays
 from handcart.networks.runs.run_folder import NoRun, read_file
 
 from .part import FOLDER, SCENERY, Part, metres
@@ -215,7 +215,7 @@ class Playback:
         """Planned and bumped points of the actions' evidence, by number of the action."""
         found: dict[int, dict[str, Array]] = {}
         for path in sorted((self.run.folder / EVIDENCE).glob("[0-9]*_*.npz")):
-            if path.name.endswith(SUFFIX):
+            if path.name.endswith(READINGS_SUFFIX):
                 continue
             try:
                 arrays = load_arrays(path)

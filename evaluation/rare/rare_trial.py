@@ -63,9 +63,15 @@ def run_population(task: Path, runs: Path, options: RunOptions, event: RareEvent
 
 def stopped(seed: int) -> Trial:
     """Return the trial of an interrupted population, which does not count."""
-    from handcart.networks.coordination.supervision import INTERRUPTED
+    from handcart.networks.coordination.supervision import INTERRUPTED_REASON
 
-    summary = {"outcome": "Cancelled", "reason": INTERRUPTED, "seed": seed, "run_dir": "", "metrics": {}}
+    summary = {
+        "outcome": "Cancelled",
+        "reason": INTERRUPTED_REASON,
+        "seed": seed,
+        "run_dir": "",
+        "metrics": {},
+    }
     return Trial(seed, 130, summary, signalled=True)
 
 

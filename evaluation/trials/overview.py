@@ -24,9 +24,9 @@ from handcart.evaluation.drawing.palette import (
     VERMILION,
 )
 from handcart.evaluation.drawing.place_arrows import draw_places
-from handcart.networks.journal.evidence_files import FOLDER
+from handcart.networks.journal.evidence_files import EVIDENCE_FOLDER
 from handcart.networks.journal.journal_record import read_journal
-from handcart.networks.runs.flight_recorder import SUFFIX
+from handcart.networks.runs.flight_recorder import READINGS_SUFFIX
 from handcart.networks.runs.telemetry import Track, load_track
 from handcart.primitives.knowledge.place import Place
 from handcart.robotics.navigation.maps.grid_map import GridMap
@@ -277,7 +277,7 @@ def _draw_fail(run_dir: Path, stretch: Stretch, grid: GridMap, track: Track, rad
     axis.set_xlim(x - 2.0, x + 2.0)
     axis.set_ylim(y - 2.0, y + 2.0)
     add_legend(axis, fontsize=8)
-    save_figure(figure, run_dir / FOLDER / f"{name}.svg")
+    save_figure(figure, run_dir / EVIDENCE_FOLDER / f"{name}.svg")
 
 
 def _named(run_dir: Path, name: str) -> list[NDArray[np.float64]]:
@@ -287,8 +287,8 @@ def _named(run_dir: Path, name: str) -> list[NDArray[np.float64]]:
 
 def _points(run_dir: Path) -> dict[str, dict[str, NDArray[np.float64]]]:
     found = {}
-    for path in sorted((run_dir / FOLDER).glob("*.npz")):
-        if path.name.endswith(SUFFIX):
+    for path in sorted((run_dir / EVIDENCE_FOLDER).glob("*.npz")):
+        if path.name.endswith(READINGS_SUFFIX):
             continue
         with np.load(path) as arrays:
             found[path.stem] = dict(arrays)
@@ -299,7 +299,7 @@ def _last_picture(run_dir: Path, shown: Collection[str]) -> tuple[str, NDArray[n
     """Return name and pixels (RGB, reduced) of the last picture, preferably by one of the primitives
     `shown`.
     """
-    every = sorted((run_dir / FOLDER).glob("*.png"))
+    every = sorted((run_dir / EVIDENCE_FOLDER).glob("*.png"))
     paths = [path for path in every if any(f"_{name}" in path.name for name in shown)] or every
     if not paths:
         return None

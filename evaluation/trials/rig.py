@@ -18,7 +18,7 @@ from handcart.files.yaml.yaml_document import Document
 from handcart.files.yaml.yaml_node import Node
 from handcart.networks.task.preparing import nowhere
 from handcart.networks.task.task_file import Task
-from handcart.networks.task.task_knowledge import ORIGIN, TaskKnowledge, domain_keys, read_sections
+from handcart.networks.task.task_knowledge import MAP_ORIGIN, TaskKnowledge, domain_keys, read_sections
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.contract.attempt import attempt
 from handcart.primitives.contract.outcome import Outcome
@@ -125,7 +125,7 @@ def build_rig(
     known = places.value.places if places else {}
     if files.start and files.start not in known:
         raise NoSuchPlace(f"no place {files.start!r} to start at{suggest(files.start, known)}")
-    start = known[files.start].pose if files.start else ORIGIN
+    start = known[files.start].pose if files.start else MAP_ORIGIN
     where = Document(str(files.world), b"", Node({}, str(files.world), 1, 1, 1, 1))
     knowledge = TaskKnowledge(places, read_sections(files.knowledge, start, where, findings), start)
     findings.raise_all()

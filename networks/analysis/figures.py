@@ -8,14 +8,14 @@ from typing import Any
 
 from handcart.networks.chains.chance import Chance
 from handcart.networks.chains.effort import Effort, TooMuch
-from handcart.networks.chains.policy import WORK, TooLarge
+from handcart.networks.chains.policy import DEFAULT_MAX_STEPS, TooLarge
 from handcart.networks.chains.stage import Stage
 from handcart.networks.task.task_file import Task
 from handcart.networks.task.task_model import ActionEntry
 
 from .forecast import Change, Forecast, Forecaster
 
-ASSUMPTION = "attempts are independent of each other, and no Fail is for good"
+FORECAST_ASSUMPTION = "attempts are independent of each other, and no Fail is for good"
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class Figures:
 
     def for_programs(self) -> dict[str, Any]:
         """What `handcart check --json` gives."""
-        forecast = {"assumption": ASSUMPTION, **_named(self.forecast)}
+        forecast = {"assumption": FORECAST_ASSUMPTION, **_named(self.forecast)}
         return {**forecast, "actions": [_row(each) for each in self.influences]}
 
 
@@ -73,10 +73,10 @@ def figures(task: Task, effort: Effort | None = None, more: Effort | None = None
     """
     known = {number: Chance(each.p or 0.0, each.p_give_up) for number, each in enumerate(task.file.actions)}
     chances = [None if entry is None else known[entry] for entry in task.entries]
-    forecaster = Forecaster(task.network, chances, effort or Effort(WORK))
+    forecaster = Forecaster(task.network, chances, effort or Effort(DEFAULT_MAX_STEPS))
     now = forecaster.forecast()
     starts, slopes = forecaster.starts(), forecaster.slopes()
-    changed = _Changes(forecaster, more or Effort(WORK))
+    changed = _Changes(forecaster, more or Effort(DEFAULT_MAX_STEPS))
     copies: dict[int, list[int]] = {number: [] for number in known}
     for number, entry in enumerate(task.entries):
         if entry is not None:

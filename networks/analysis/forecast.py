@@ -9,13 +9,13 @@ from itertools import accumulate
 
 from handcart.networks.chains.effort import Effort
 from handcart.networks.chains.ends import AT_GOAL, Ends
-from handcart.networks.chains.policy import WORK, Policy, policy
+from handcart.networks.chains.policy import DEFAULT_MAX_STEPS, Policy, policy
 from handcart.networks.chains.policy_chain import Chain, Chances, policy_chain
 from handcart.networks.chains.stage import Stage
 from handcart.networks.chains.stages import stages
 from handcart.networks.graph.network import ActionNetwork
 
-STAGE = 20
+STAGE_STEPS = 20
 """Steps that a stage counts for whose chain is known."""
 Change = Callable[[Stage, Collection[int]], Stage]
 """A stage with something changed about those of its actions."""
@@ -61,7 +61,7 @@ class Forecaster:
             effort: budget of all forecasts together; None: `WORK`.
         """
         self._chances = chances
-        self._effort = effort or Effort(WORK)
+        self._effort = effort or Effort(DEFAULT_MAX_STEPS)
         self._stages = stages(network)
         self._stage_of = {number: at for at, each in enumerate(self._stages) for number in each.numbers}
         self._policies: dict[object, Policy] = {}
@@ -88,7 +88,7 @@ class Forecaster:
             return _forecast_of(self._behind[0])
         ends, effort = self._before[changed[0]], effort or self._effort
         for at in range(changed[0], changed[-1] + 1):
-            effort.spend(STAGE)
+            effort.spend(STAGE_STEPS)
             ends = ends.then(self._chain(self._stages[at], change, numbers, effort).ends)
         return _forecast_of(ends.then(self._behind[changed[-1] + 1]))
 

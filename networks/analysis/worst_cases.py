@@ -9,7 +9,7 @@ from itertools import groupby
 from typing import NamedTuple
 
 from handcart.networks.chains.effort import Effort
-from handcart.networks.chains.policy import WORK, Policy, State, TooLarge, policy
+from handcart.networks.chains.policy import DEFAULT_MAX_STEPS, Policy, State, TooLarge, policy
 from handcart.networks.chains.stage import Stage
 from handcart.networks.chains.stages import stages
 from handcart.networks.graph.network import Action, ActionNetwork
@@ -63,7 +63,7 @@ def worst_cases(network: ActionNetwork, effort: Effort | None = None) -> WorstCa
         network: the network.
         effort: budget of the computation; None: `WORK`.
     """
-    effort = effort or Effort(WORK)
+    effort = effort or Effort(DEFAULT_MAX_STEPS)
     known: dict[object, _Piece | TooLarge] = {}
     longest, used = Longest(0.0, -math.inf), set[int]()
     short: list[NoWayLeft] = []

@@ -6,18 +6,18 @@ from typing import NamedTuple
 
 from .moments import Moments, certain
 
-NEVER = Moments(0.0)
+NEVER_REACHED = Moments(0.0)
 
 
 class Ends(NamedTuple):
     """Ends that exclude each other: each with its probability and what it costs to come to it."""
 
-    goal: Moments = NEVER
-    skipped: Moments = NEVER
+    goal: Moments = NEVER_REACHED
+    skipped: Moments = NEVER_REACHED
     """The goal is reached, but elements of a repeat were left undone."""
-    no_way: Moments = NEVER
+    no_way: Moments = NEVER_REACHED
     """Nothing is left to try."""
-    give_up: Moments = NEVER
+    give_up: Moments = NEVER_REACHED
     """A person is needed."""
 
     def after(self, step: Moments) -> Ends:
@@ -35,7 +35,7 @@ class Ends(NamedTuple):
 
     def with_a_skip(self) -> Ends:
         """Return these ends after an element was left undone."""
-        return Ends(NEVER, self.goal + self.skipped, self.no_way, self.give_up)
+        return Ends(NEVER_REACHED, self.goal + self.skipped, self.no_way, self.give_up)
 
     def total(self) -> Moments:
         """All of them together: the cost of a run, whatever its end."""

@@ -13,7 +13,7 @@ from handcart.networks.graph.network import Action, ActionNetwork
 
 from .effort import Effort, TooMuch
 
-WORK = 500_000
+DEFAULT_MAX_STEPS = 500_000
 """Steps that a question may take: one or two seconds' work."""
 
 
@@ -76,7 +76,9 @@ def policy(
     """
     steps: dict[State, Step] = {}
     try:
-        return _whole(network, start or State(network.start, ()), for_good, effort or Effort(WORK), steps)
+        return _whole(
+            network, start or State(network.start, ()), for_good, effort or Effort(DEFAULT_MAX_STEPS), steps
+        )
     except TooMuch:
         raise TooLarge(network, len(steps)) from None
 

@@ -18,7 +18,7 @@ from .policy import Policy, State
 Chances = Sequence[Chance | None]
 """Outcome probabilities of each action by its number; None for a skip, which always succeeds."""
 Floats = NDArray[np.float64]
-SMALL = 100
+DENSE_MAX_ROWS = 100
 """Rows up to which a full matrix is faster than a sparse one."""
 
 
@@ -149,7 +149,7 @@ class _Table:
         size = len(self._action)
         rows, to, p = zip(*(*self._succeeds, *self._fails, *more, (0, 0, 0.0)), strict=True)
         follows = csc_array((p, (rows, to)), shape=(size, size))
-        return _Dense(follows) if size <= SMALL else _Sparse(follows)
+        return _Dense(follows) if size <= DENSE_MAX_ROWS else _Sparse(follows)
 
     def _moments(self, solver: _Solver, into: Floats) -> Floats:
         """Return moments of the cost by rows and ends: probability, E[C; end], E[C²; end]."""

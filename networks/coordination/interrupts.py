@@ -8,7 +8,7 @@ from collections.abc import Callable
 from types import FrameType
 from typing import Any
 
-KINDS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 class Interrupts:
@@ -40,7 +40,7 @@ class Interrupts:
 
     def __enter__(self) -> Interrupts:
         if threading.current_thread() is threading.main_thread():
-            self._before = {kind: signal.signal(kind, self._heard) for kind in KINDS}
+            self._before = {kind: signal.signal(kind, self._heard) for kind in STOP_SIGNALS}
         return self
 
     def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:

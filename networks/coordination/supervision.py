@@ -40,21 +40,21 @@ class Request(Enum):
     """Restore what the running action changed, count that as its Fail, and continue."""
 
 
-INTERRUPTED = "interrupted"
+INTERRUPTED_REASON = "interrupted"
 """Why a run ended that a signal stopped."""
 _STOPS = (Request.STOP, Request.INTERRUPT)
 _ENDING = {
     Request.STOP: "stopped by request",
-    Request.INTERRUPT: INTERRUPTED,
+    Request.INTERRUPT: INTERRUPTED_REASON,
     Request.CANCEL: "cancelled by request",
 }
 
 
-MOST = 64
+MAX_REQUESTS = 64
 """Requests that may wait to be honoured."""
 MAX_UNAPPLIED = 20
 """Requests that came too late, of which the words are kept."""
-CHECK = "supervision"
+CHECK_NAME = "supervision"
 """Name of the check in the journal that finds requests from outside."""
 
 
@@ -117,7 +117,7 @@ class Supervision:
             return ""
         if wrong := self._misaddressed(request, number):
             return wrong
-        if len(self._requests) >= MOST:
+        if len(self._requests) >= MAX_REQUESTS:
             return "too much is asked for at once; allowed: to wait until it is done, and to stop"
         meant = self.running if request is Request.RESTORE else number
         self._requests.append(Asked(request, self._robot.time, meant))
@@ -263,7 +263,7 @@ def come_to_rest(robot: Robot) -> Generator[None, None, None]:
 
 
 def _call_back(attempt: Attempt, discrepancy: Discrepancy) -> Periods:
-    discrepancy.check = CHECK
+    discrepancy.check = CHECK_NAME
     try:
         attempt.throw(discrepancy)
     except StopIteration as end:

@@ -78,7 +78,7 @@ def to_pdf(network: ActionNetwork, title: str = "") -> bytes:
     return written(draw_network(network, title=title))
 
 
-FORMATS: dict[str, Callable[[ActionNetwork, str], str | bytes]] = {
+WRITER_BY_SUFFIX: dict[str, Callable[[ActionNetwork, str], str | bytes]] = {
     ".svg": to_svg,
     ".png": to_png,
     ".pdf": to_pdf,

@@ -8,16 +8,16 @@ from typing import Any
 from .layers import Point
 from .network_picture import Box, Frame, Link, NetworkPicture, Text
 from .styles import style_of_box, style_of_link
-from .text_width import FAMILY
+from .text_width import FONT_FAMILY
 
-INCH = 72.0  # [px]: a letter's size in [px] is then that in points
-DENSE = 144.0  # [dots per inch] of PNG
-MOST = 20_000.0  # dots on a side
+PX_PER_INCH = 72.0  # [px]: a letter's size in [px] is then that in points
+PNG_DOTS_PER_INCH = 144.0  # [dots per inch] of PNG
+MAX_SIDE_DOTS = 20_000.0
 
 
 def to_png(picture: NetworkPicture) -> bytes:
     """The picture as PNG, at twice its size unless it is very large."""
-    dense = min(DENSE, INCH * MOST / max(picture.width, picture.height))
+    dense = min(PNG_DOTS_PER_INCH, PX_PER_INCH * MAX_SIDE_DOTS / max(picture.width, picture.height))
     return _saved(picture, format="png", dpi=dense)
 
 
@@ -30,7 +30,7 @@ def figure_of(picture: NetworkPicture) -> Any:
     """The picture as a matplotlib figure."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(picture.width / INCH, picture.height / INCH), dpi=INCH)
+    figure = Figure(figsize=(picture.width / PX_PER_INCH, picture.height / PX_PER_INCH), dpi=PX_PER_INCH)
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
     axes.set(xlim=(0.0, picture.width), ylim=(picture.height, 0.0))
     axes.set_axis_off()
@@ -84,7 +84,7 @@ def _draw_text(axes: Any, text: Text) -> None:
         text.x,
         text.y,
         text.words,
-        fontfamily=FAMILY,
+        fontfamily=FONT_FAMILY,
         fontsize=text.size,
         fontweight="bold" if text.bold else "normal",
         color="#1d2733",

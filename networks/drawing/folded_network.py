@@ -12,7 +12,7 @@ import networkx as nx
 
 from handcart.networks.graph.network import Action, ActionNetwork, Situation
 
-LONGEST = 40  # of a line of words, in letters
+MAX_LINE_CHARS = 40
 
 
 @dataclass(frozen=True)
@@ -149,7 +149,7 @@ def _said(value: object) -> str:
 
 def shortened(words: str) -> str:
     """A line of words, cut where it is too long to be drawn."""
-    return words if len(words) <= LONGEST else f"{words[: LONGEST - 1]}…"
+    return words if len(words) <= MAX_LINE_CHARS else f"{words[: MAX_LINE_CHARS - 1]}…"
 
 
 def _parts(network: ActionNetwork, of: Mapping[str, Spot]) -> dict[str, Part]:
@@ -179,7 +179,7 @@ def _title(elements: Sequence[str], outer: int) -> str:
         return f"{len(elements)} times"
     values = [one["value"] for one in found if one and one["value"] is not None]
     listed = ", ".join(values)
-    if len(listed) > LONGEST:
+    if len(listed) > MAX_LINE_CHARS:
         listed = shortened(f"{values[0]}, {values[1]} … {values[-1]}")
     times = f"{len(elements)} time{'' if len(elements) == 1 else 's'}{' in all' if outer else ''}"
     assert found[0] is not None

@@ -12,8 +12,8 @@ from typing import NamedTuple
 import networkx as nx
 
 GAP, DOWN, LANE = 46.0, 16.0, 12.0  # between columns; between boxes; of a passing link; in [px]
-SWEEPS = 12  # times that the columns are sorted by their neighbours, to the right and back
-STRAIGHT = 6.0  # how much straighter a passing link is to be than one at a box
+SORTING_SWEEPS = 12  # times that the columns are sorted by their neighbours, to the right and back
+LANE_WEIGHT = 6.0  # how much straighter a passing link is to be than one at a box
 Key = Hashable
 
 
@@ -153,7 +153,7 @@ class _Placing:
         for edge, chain in zip(edges, chains, strict=True):
             for a, b in pairwise(chain):
                 out = edge.leave if a == edge.source else LANE / 2
-                weight = STRAIGHT if isinstance(a, _Lane) and isinstance(b, _Lane) else 1.0
+                weight = LANE_WEIGHT if isinstance(a, _Lane) and isinstance(b, _Lane) else 1.0
                 self._near[a].append((b, out, sizes[b].enter, weight))
                 self._near[b].append((a, sizes[b].enter, out, weight))
         self._column = {cell: number for number, column in enumerate(columns) for cell in column}
@@ -164,7 +164,7 @@ class _Placing:
         for column in self._columns:
             tops |= self._placed(column, dict.fromkeys(column, 0.0))
         for sort in (True, False):
-            for sweep in range(SWEEPS):
+            for sweep in range(SORTING_SWEEPS):
                 right = sweep % 2 == 0
                 for column in self._columns if right else reversed(self._columns):
                     # At last both sides count, so that no column leans to one of them.

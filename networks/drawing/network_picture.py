@@ -16,8 +16,8 @@ from .text_width import text_width
 
 NAME, SMALL = 12.0, 11.0  # sizes of letters, all in [px]
 LINE, PAD, LEAST, MARGIN = 16.0, 9.0, 60.0, 14.0
-ENDS = {"Success": "Success", "Fail": "Fail", "GiveUp": "GiveUp", "": "no end"}
-LEGEND = (
+OUTCOME_WORDS = {"Success": "Success", "Fail": "Fail", "GiveUp": "GiveUp", "": "no end"}
+LEGEND_LINES = (
     "Rounded: situations with their facts. Square: actions with cost and parameters.",
     "Dashed: where a Fail leads whose knowledge differs; any other Fail leaves the situation as it is.",
     "Framed: done once for each element.",
@@ -128,7 +128,7 @@ def draw_network(
     head = [] if title is None else [Text(MARGIN, MARGIN + NAME, shortened_to(title), 15.0, True, False)]
     top = MARGIN + (LINE + 2 * PAD if head else 0.0)
     moved = drawn.moved(MARGIN, top)
-    legend = () if title is None else LEGEND
+    legend = () if title is None else LEGEND_LINES
     feet = [
         Text(MARGIN, top + drawn.height + LINE * number + PAD, words, SMALL, False, False)
         for number, words in enumerate(legend, start=1)
@@ -301,7 +301,9 @@ class _Drawing:
         below += way.parameters
         if self._ended is not None:
             counts = [
-                f"{self._count(way, end)} {said}" for end, said in ENDS.items() if self._count(way, end)
+                f"{self._count(way, end)} {said}"
+                for end, said in OUTCOME_WORDS.items()
+                if self._count(way, end)
             ]
             below.append(", ".join(counts) or "not tried")
         return _box(self._kind(way), way.do, below, way)
@@ -313,7 +315,7 @@ class _Drawing:
         return "travelled" if went == tried else "mixed" if went else "failed"
 
     def _tried(self, way: Way) -> int:
-        return sum(self._count(way, end) for end in ENDS)
+        return sum(self._count(way, end) for end in OUTCOME_WORDS)
 
     def _count(self, way: Way, outcome: str) -> int:
         return sum(self._ended[number, outcome] for number in way.members) if self._ended else 0

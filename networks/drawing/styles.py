@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from .network_picture import Box, Link
 
-LIT = "#ffd84d"
+HIGHLIGHT_COLOUR = "#ffd84d"
 
 
 class BoxStyle(NamedTuple):

@@ -6,9 +6,9 @@ from collections.abc import Collection
 from html import escape
 
 from .network_picture import Box, Frame, Link, NetworkPicture, Text
-from .styles import LIT, style_of_box, style_of_link
+from .styles import HIGHLIGHT_COLOUR, style_of_box, style_of_link
 
-FAMILY = "'DejaVu Sans', Helvetica, Arial, sans-serif"
+SVG_FONT_FAMILY = "'DejaVu Sans', Helvetica, Arial, sans-serif"
 
 
 def to_svg(picture: NetworkPicture, lit: Collection[Box] = (), window: str | None = None) -> str:
@@ -23,7 +23,7 @@ def to_svg(picture: NetworkPicture, lit: Collection[Box] = (), window: str | Non
     seen = window or f"0 0 {picture.width:.0f} {picture.height:.0f}"
     head = (
         f'<svg xmlns="http://www.w3.org/2000/svg" {size} '
-        f'viewBox="{seen}" font-family="{FAMILY}" fill="#1d2733">'
+        f'viewBox="{seen}" font-family="{SVG_FONT_FAMILY}" fill="#1d2733">'
         f'<rect class="paper" width="{picture.width:.0f}" height="{picture.height:.0f}" fill="#fff"/>'
     )
     parts = [
@@ -60,7 +60,9 @@ def _link(link: Link) -> str:
 
 def _box(box: Box, *, lit: bool) -> str:
     style = style_of_box(box)
-    fill, stroke, width = (LIT, "#1d2733", 2.5) if lit else (style.fill, style.colour, style.width)
+    fill, stroke, width = (
+        (HIGHLIGHT_COLOUR, "#1d2733", 2.5) if lit else (style.fill, style.colour, style.width)
+    )
     dash = f' stroke-dasharray="{style.dash[0]:g} {style.dash[1]:g}"' if style.dash else ""
     shape = (
         f'<rect class="{box.kind}" x="{box.x:.1f}" y="{box.y:.1f}" width="{box.width:.1f}" '

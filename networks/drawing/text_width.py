@@ -11,7 +11,7 @@ from unicodedata import east_asian_width
 if TYPE_CHECKING:
     from PIL.ImageFont import FreeTypeFont
 
-FAMILY = "DejaVu Sans"
+FONT_FAMILY = "DejaVu Sans"
 """Font that is measured and requested: wider than Helvetica and Arial, its usual substitutes."""
 _UNITS = 100  # of a letter's height in which is measured
 

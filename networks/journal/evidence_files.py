@@ -18,7 +18,7 @@ from handcart.primitives.contract.calibrated import Calibrated
 from handcart.primitives.contract.evidence import Evidence
 from handcart.primitives.contract.outcome import Outcome, Success
 
-FOLDER = "evidence"
+EVIDENCE_FOLDER = "evidence"
 
 
 def stem(number: int, do: str, outcome: Outcome) -> str:
@@ -36,7 +36,7 @@ class EvidenceFiles(RunObserver):
 
     def __init__(self, run_dir: Path, keep_calibrated: Callable[[Mapping[str, Calibrated]], None]) -> None:
         """Create an observer for a run's folder; `keep_calibrated` receives values found for the robot."""
-        self._folder, self._keep_calibrated = run_dir / FOLDER, keep_calibrated
+        self._folder, self._keep_calibrated = run_dir / EVIDENCE_FOLDER, keep_calibrated
         self.lost: str | None = None
         """Reason why nothing more is kept after the disk refused a write; the run continues."""
 

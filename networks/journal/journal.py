@@ -16,10 +16,10 @@ from pydantic import BaseModel
 from handcart.files.errors import InputError
 from handcart.files.printable import printable
 
-from .journal_record import FIRST, JournalContents, JournalError, seal
+from .journal_record import FIRST_CHECKSUM, JournalContents, JournalError, seal
 from .syncing import DiskSync, Sync
 
-SCHEMA = "handcart-journal/2"
+JOURNAL_SCHEMA = "handcart-journal/2"
 
 _FLAGS = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_APPEND | os.O_CLOEXEC | os.O_NOFOLLOW
 _AGAIN = os.O_WRONLY | os.O_APPEND | os.O_CLOEXEC | os.O_NOFOLLOW
@@ -54,7 +54,7 @@ class Journal:
         self.path = path
         self._clock = clock
         self._next = 0
-        self._last = FIRST
+        self._last = FIRST_CHECKSUM
         self._poisoned: str | None = None
         try:
             self._file = os.open(path, _FLAGS, 0o600)
@@ -83,7 +83,7 @@ class Journal:
         self = cls.__new__(cls)
         self.path, self._clock, self._poisoned = path, clock, None
         self._next = len(contents.records)
-        self._last = contents.records[-1]["h"] if contents.records else FIRST
+        self._last = contents.records[-1]["h"] if contents.records else FIRST_CHECKSUM
         try:
             self._file = os.open(path, _AGAIN)
         except OSError as error:

@@ -19,7 +19,7 @@ from handcart.files.printable import printable
 _BEGINS, _ENDS = re.compile(rb'\{"q":'), re.compile(rb'"crc":"[0-9a-f]{8}"\}\}')
 MAX_JOURNAL = 128 * 2**20
 """[bytes]; no run writes as many."""
-FIRST = ""
+FIRST_CHECKSUM = ""
 """Checksum that the first record names as that of the record before it."""
 
 
@@ -81,7 +81,7 @@ def read_journal(path: Path) -> JournalContents:
 def parse_journal(path: Path, content: bytes) -> JournalContents:
     """Parse and check the bytes of the journal at `path`; see `read_journal`."""
     records: list[dict[str, Any]] = []
-    offset, last = 0, FIRST
+    offset, last = 0, FIRST_CHECKSUM
     while offset < len(content):
         end = content.find(b"\n", offset) + 1 or len(content)
         record = _checked(content[offset:end])

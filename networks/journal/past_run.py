@@ -11,14 +11,14 @@ from typing import Any
 from zipfile import BadZipFile
 
 from handcart.networks.graph.journaled_network import JournaledNetwork, network_of
-from handcart.networks.runs.run_folder import JOURNAL, read_file, read_run_journal
+from handcart.networks.runs.run_folder import JOURNAL_FILE, read_file, read_run_journal
 from handcart.networks.runs.run_folder import NoRun as NoRun
 from handcart.networks.runs.telemetry import Track, load_track
 
-from .journal import SCHEMA
+from .journal import JOURNAL_SCHEMA
 from .journal_record import JournalError
 
-TELEMETRY = "telemetry.npz"
+TELEMETRY_FILE = "telemetry.npz"
 MAX_TELEMETRY = 256 * 2**20
 Record = Mapping[str, Any]
 
@@ -83,13 +83,13 @@ class PastRun:
         Raises:
             NoRun: the file does not hold a track.
         """
-        content = read_file(self.folder, TELEMETRY, MAX_TELEMETRY, missing=True)
+        content = read_file(self.folder, TELEMETRY_FILE, MAX_TELEMETRY, missing=True)
         if content is None:
             return None
         try:
             return load_track(BytesIO(content))
         except (LookupError, ValueError, OSError, BadZipFile) as error:
-            raise NoRun(self.folder, f"{TELEMETRY} in it is no track ({error})") from None
+            raise NoRun(self.folder, f"{TELEMETRY_FILE} in it is no track ({error})") from None
 
     @property
     def last_fail(self) -> PastAction | None:
@@ -117,11 +117,11 @@ def read_run(folder: Path | str) -> PastRun:
     folder = Path(folder)
     contents = read_run_journal(folder)
     if not contents.records:
-        raise NoRun(folder, f"{JOURNAL} holds no whole record")
+        raise NoRun(folder, f"{JOURNAL_FILE} holds no whole record")
     header = contents.records[0]
-    if header["kind"] != "RUN" or header.get("schema") != SCHEMA:
+    if header["kind"] != "RUN" or header.get("schema") != JOURNAL_SCHEMA:
         said = header.get("schema", header["kind"])
-        raise NoRun(folder, f"{JOURNAL} is no journal of the format {SCHEMA}, but {said!r}")
+        raise NoRun(folder, f"{JOURNAL_FILE} is no journal of the format {JOURNAL_SCHEMA}, but {said!r}")
     record: Record = header
     try:
         kept = header.get("plan_on")
@@ -134,7 +134,7 @@ def read_run(folder: Path | str) -> PastRun:
                 actions.append(action)
     except (LookupError, TypeError, ValueError, AttributeError) as error:
         wrong = f"record {record['q']} ({record['kind']}) makes no sense: {type(error).__name__}: {error}"
-        raise JournalError(folder / JOURNAL, wrong) from None
+        raise JournalError(folder / JOURNAL_FILE, wrong) from None
     return PastRun(folder, header, contents.records, tuple(actions), network, contents.torn_at)
 
 

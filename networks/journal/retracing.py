@@ -15,7 +15,7 @@ from handcart.primitives.restoring.snapshot import Snapshot
 
 from .measured import snapshot_of
 
-TORN = "TORN"
+TORN_RECORD = "TORN"
 """Name of a damaged last record in an ACK."""
 _OF_ONE = ("INTENT", "PNR", "RESTORE", "RESULT")
 Record = Mapping[str, Any]
@@ -144,7 +144,7 @@ def _look(found: RunPosition, record: Record) -> None:
 
 def _acknowledge(found: RunPosition, record: Record) -> None:
     found.gave_up, found.over, found.in_doubt = None, None, None
-    if record["of"] == TORN and not found.route.planned:
+    if record["of"] == TORN_RECORD and not found.route.planned:
         return
     if record.get("of") != "END":
         found.fails += 1

@@ -13,7 +13,7 @@ from handcart.backends.description.robot_file import RobotFile
 from handcart.networks.graph.network import Action, ActionNetwork
 from handcart.networks.task.preparing import Prepared
 
-from .journal import SCHEMA
+from .journal import JOURNAL_SCHEMA
 
 _KEYS = ("do", "from", "to", "on_fail", "cost_s", "attempts", "uses", "permit", "time_out_s", "with")
 _BOOT = Path("/proc/sys/kernel/random/boot_id")
@@ -23,7 +23,7 @@ def header(prepared: Prepared) -> dict[str, Any]:
     """The fields of the record RUN: task, network, robot, backend, seed; equal in two runs of one seed."""
     task = prepared.task
     return {
-        "schema": SCHEMA,
+        "schema": JOURNAL_SCHEMA,
         "handcart": version("handcart"),
         "task": task.file.title,
         "task_path": str(Path(task.document.file).resolve()),

@@ -228,7 +228,7 @@ class _Common(TypedDict):
     wall: _Wall
 
 
-RECORDS: dict[str, TypeAdapter[Any]] = {
+RECORD_VALIDATORS: dict[str, TypeAdapter[Any]] = {
     "RUN": TypeAdapter(Run),
     "PLAN": TypeAdapter(Planned),
     "START": TypeAdapter(Start),
@@ -251,9 +251,9 @@ _COMMON = TypeAdapter(_Common)
 
 def makes_sense(record: dict[str, Any]) -> str:
     """What is wrong in a record; empty where it can be relied on."""
-    kind = RECORDS.get(record["kind"]) if isinstance(record["kind"], str) else None
+    kind = RECORD_VALIDATORS.get(record["kind"]) if isinstance(record["kind"], str) else None
     if kind is None:
-        return f"no such kind; allowed: {', '.join(RECORDS)}"
+        return f"no such kind; allowed: {', '.join(RECORD_VALIDATORS)}"
     if (record["kind"] == "RUN") is not (record["q"] == 0):
         return "a journal begins with RUN, and has one"
     try:

@@ -7,9 +7,9 @@ from pathlib import Path
 from handcart.files.errors import InputError
 from handcart.networks.journal.journal import Journal
 from handcart.networks.journal.journal_record import JournalContents
-from handcart.networks.journal.retracing import TORN
+from handcart.networks.journal.retracing import TORN_RECORD
 from handcart.networks.journal.waiting import Record, waiting
-from handcart.networks.runs.run_folder import JOURNAL, read_run_journal
+from handcart.networks.runs.run_folder import JOURNAL_FILE, read_run_journal
 
 
 class NothingToAcknowledge(InputError):
@@ -40,7 +40,7 @@ def acknowledge(folder: Path, record: int, cause: str | None = None) -> str:
         raise NothingToAcknowledge(
             f"record {record} isn't the one that was read; allowed: its cause's checksum"
         )
-    with Journal.go_on(folder / JOURNAL, contents, "always") as journal:
+    with Journal.go_on(folder / JOURNAL_FILE, contents, "always") as journal:
         fields = {"record": record, "of": of["kind"], "cause": of["h"], "reason": waits[record]}
         journal.append("ACK", contents.records[-1]["t"], fields)
     return waits[record]
@@ -50,4 +50,4 @@ def cause_of(contents: JournalContents, record: int) -> Record:
     """The `kind` and checksum `h` of a record that waits; of a damaged one, the checksum before it."""
     if record < len(contents.records):
         return contents.records[record]
-    return {"kind": TORN, "h": contents.records[-1]["h"]}
+    return {"kind": TORN_RECORD, "h": contents.records[-1]["h"]}

@@ -18,9 +18,9 @@ from handcart.files.errors import HandcartError, InputError
 from handcart.files.printable import clipped, printable
 from handcart.networks.journal.journal_record import JournalError, read_journal
 
-from .socket_path import CONTROL, STOP, socket_path
+from .socket_path import CONTROL_SOCKET, STOP_SOCKET, socket_path
 
-PATIENCE = 5.0  # [s] that the other end gets for an answer
+ANSWER_TIMEOUT_S = 5.0
 LONGEST_ANSWER = 65_536  # [bytes]
 _PAUSE = 0.02  # [s] between two tries
 _JOURNAL = "journal.jsonl"
@@ -38,7 +38,7 @@ class NotAnswering(HandcartError):
     """A run is alive in the folder, but does not answer: its state is unknown."""
 
 
-def ask(folder: Path, message: Mapping[str, Any], patience: float = PATIENCE) -> dict[str, Any]:
+def ask(folder: Path, message: Mapping[str, Any], patience: float = ANSWER_TIMEOUT_S) -> dict[str, Any]:
     """Send a message to the run that is alive in a folder, and return its answer.
 
     Raises:
@@ -71,7 +71,10 @@ def tell_to_stop(folder: Path) -> None:
         NotAnswering: the run is alive, but cannot be reached.
     """
     try:
-        with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as line, socket_path(folder / STOP) as name:
+        with (
+            socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as line,
+            socket_path(folder / STOP_SOCKET) as name,
+        ):
             line.setblocking(False)
             line.sendto(b"stop", name)
     except BlockingIOError:
@@ -115,7 +118,7 @@ def _answer(folder: Path, message: bytes, end: float) -> bytes:
 
 def _connect(line: socket.socket, folder: Path, end: float) -> None:
     """Connect, waiting for a place in the queue where many want to."""
-    with socket_path(folder / CONTROL) as name:
+    with socket_path(folder / CONTROL_SOCKET) as name:
         while True:
             line.settimeout(_left(end))
             try:

@@ -17,12 +17,12 @@ from handcart.files.errors import InputError
 
 from .asking import NotAlive as NotAlive
 from .asking import ask as ask
-from .control_line import LONGEST, ControlLine
-from .socket_path import CONTROL, STOP, socket_path
+from .control_line import MAX_MESSAGE_BYTES, ControlLine
+from .socket_path import CONTROL_SOCKET, STOP_SOCKET, socket_path
 
-MOST = 64  # lines that are open at once
+MAX_CONNECTIONS = 64
 MOST_NEW = 16  # of them that are taken in a period
-SILENT = 60.0  # [s] after which a line is closed on which nothing comes or goes
+SILENCE_TIMEOUT_S = 60.0  # after which an idle connection is closed
 
 Message = Mapping[str, Any]
 Answer = Callable[[Message], Message]
@@ -54,7 +54,7 @@ class Control:
         """
         self._answer, self._stop, self._clock = answer, stop, clock
         self._lines: dict[socket.socket, ControlLine] = {}
-        self._paths = (folder / CONTROL, folder / STOP)
+        self._paths = (folder / CONTROL_SOCKET, folder / STOP_SOCKET)
         self._selector = selectors.DefaultSelector()
         self._listening = _bound(self._paths[0], socket.SOCK_STREAM)
         try:
@@ -62,7 +62,7 @@ class Control:
         except InputError:
             self._listening.close()
             raise
-        self._listening.listen(MOST)
+        self._listening.listen(MAX_CONNECTIONS)
         self._selector.register(self._listening, selectors.EVENT_READ)
         self._selector.register(self._stopping, selectors.EVENT_READ)
 
@@ -96,7 +96,7 @@ class Control:
     def _hear_stop(self) -> None:
         self._stop()
         with suppress(OSError):
-            for _ in range(MOST):
+            for _ in range(MAX_CONNECTIONS):
                 self._stopping.recv(1)
 
     def _take(self) -> None:
@@ -105,7 +105,7 @@ class Control:
                 other, _address = self._listening.accept()
             except OSError:  # no more of them, or no descriptor left for one
                 return
-            if len(self._lines) >= MOST:
+            if len(self._lines) >= MAX_CONNECTIONS:
                 self._drop(min(self._lines.values(), key=lambda line: line.moved))
             line = ControlLine(other, self._clock())
             self._lines[other] = line
@@ -115,14 +115,14 @@ class Control:
         line.exchange(now)
         if line.waits:
             line.answer(self._reply(line.message()), now)
-        if line.over or now - line.moved > SILENT:
+        if line.over or now - line.moved > SILENCE_TIMEOUT_S:
             self._drop(line)
         else:
             self._selector.modify(line.socket, line.interest)
 
     def _reply(self, message: bytes | None) -> bytes:
         if message is None:
-            return _refusal(f"a message of more than {LONGEST} bytes")
+            return _refusal(f"a message of more than {MAX_MESSAGE_BYTES} bytes")
         try:
             request = orjson.loads(message)
         except orjson.JSONDecodeError as error:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import selectors
 import socket
 
-LONGEST = 4096  # of a message [bytes]
+MAX_MESSAGE_BYTES = 4096
 
 
 class ControlLine:
@@ -62,11 +62,11 @@ class ControlLine:
 
     @property
     def _too_long(self) -> bool:
-        return len(self._came.partition(b"\n")[0]) > LONGEST
+        return len(self._came.partition(b"\n")[0]) > MAX_MESSAGE_BYTES
 
     def _receive(self, now: float) -> None:
         try:
-            new = self.socket.recv(LONGEST)
+            new = self.socket.recv(MAX_MESSAGE_BYTES)
         except BlockingIOError:
             return
         except OSError:

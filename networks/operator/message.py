@@ -10,15 +10,15 @@ from handcart.networks.coordination.supervision import Request
 
 Message = Mapping[str, Any]
 
-REQUESTS = {
+REQUEST_BY_WORD = {
     "pause": Request.PAUSE,
     "continue": Request.RESUME,
     "stop": Request.STOP,
     "cancel": Request.CANCEL,
     "restore": Request.RESTORE,
 }
-WORDS = (*REQUESTS, "permit", "refuse", "step", "break", "status")
-KEYS: Mapping[str, Collection[str]] = {
+COMMAND_WORDS = (*REQUEST_BY_WORD, "permit", "refuse", "step", "break", "status")
+KEYS_BY_WORD: Mapping[str, Collection[str]] = {
     "pause": ("number",),
     "continue": ("number",),
     "cancel": ("number",),
@@ -33,7 +33,7 @@ KEYS: Mapping[str, Collection[str]] = {
 `number`: of the action that is meant, as `status` gives it under `acting`; without it the run is meant, or
 for `restore` the action that runs.
 """
-COMMON = ("do", "by", "nonce")
+COMMON_KEYS = ("do", "by", "nonce")
 """Keys of all messages. `by`: the sender; `nonce`: unique text, so that a repeated message acts once."""
 LONGEST_WORD = 80
 
@@ -46,10 +46,10 @@ def fault_of(message: Message, situations: Collection[str]) -> str:
     word = message.get("do")
     if word == "stop":
         return ""
-    if not isinstance(word, str) or word not in WORDS:
+    if not isinstance(word, str) or word not in COMMAND_WORDS:
         wrong = f"unknown word {shown(word)}" if "do" in message else "the key 'do' is missing"
-        return f"{wrong}; allowed: {', '.join(WORDS)}"
-    known = {*COMMON, *KEYS.get(word, ())}
+        return f"{wrong}; allowed: {', '.join(COMMAND_WORDS)}"
+    known = {*COMMON_KEYS, *KEYS_BY_WORD.get(word, ())}
     if unknown := message.keys() - known:
         return f"unknown key {shown(min(unknown))}; allowed: {', '.join(sorted(known))}"
     for key in ("action", "ask", "number"):

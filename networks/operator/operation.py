@@ -18,14 +18,14 @@ from handcart.networks.graph.network import Action
 from handcart.networks.run_observer import RunObserver
 
 from .control import Control
-from .message import KEYS, REQUESTS, Message, fault_of
+from .message import KEYS_BY_WORD, REQUEST_BY_WORD, Message, fault_of
 from .permits import Permits
 
 _IDLE = (RunState.WAITING_FOR_PERMISSION, RunState.PAUSED_WHILE_ACTING, RunState.PAUSED_WHILE_RESTORING)
-SHOWN = 20
+MAX_LISTED_COMMANDS = 20
 """Number of the latest commands that the status lists."""
 _KEPT = 1000  # nonces
-NOBODY = "the terminal"
+DEFAULT_SENDER = "the terminal"
 
 
 class Operation(RunObserver):
@@ -67,7 +67,7 @@ class Operation(RunObserver):
             case "status":
                 pass
             case word:
-                wrong = self._coordinator.ask(REQUESTS[word], message.get("number"))
+                wrong = self._coordinator.ask(REQUEST_BY_WORD[word], message.get("number"))
         if wrong:
             return _refused(wrong)
         self._heard.note(message, self._robot.time)
@@ -119,7 +119,7 @@ class _Heard:
 
     def __init__(self) -> None:
         """Nothing was said yet."""
-        self._commands: deque[dict[str, Any]] = deque(maxlen=SHOWN)
+        self._commands: deque[dict[str, Any]] = deque(maxlen=MAX_LISTED_COMMANDS)
         self._nonces: deque[str] = deque(maxlen=_KEPT)
         self._count = 0
 
@@ -134,8 +134,8 @@ class _Heard:
         if message["do"] == "status":
             return
         self._count += 1
-        more = {key: message[key] for key in KEYS.get(message["do"], ()) if key in message}
-        by = printable(clipped(str(message.get("by") or NOBODY)))
+        more = {key: message[key] for key in KEYS_BY_WORD.get(message["do"], ()) if key in message}
+        by = printable(clipped(str(message.get("by") or DEFAULT_SENDER)))
         said = {"number": self._count, "do": message["do"], **more, "by": by}
         self._commands.append({**said, "sim_time_s": round(time, 3)})
 

@@ -7,7 +7,7 @@ import secrets
 from collections.abc import Collection
 from typing import NamedTuple
 
-HEADERS = {
+SECURITY_HEADERS = {
     "X-Content-Type-Options": "nosniff",
     "Referrer-Policy": "no-referrer",
     "Cross-Origin-Opener-Policy": "same-origin",

@@ -7,9 +7,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-CONTROL = "control"
+CONTROL_SOCKET = "control"
 """Messages go in, answers come out."""
-STOP = "control.stop"
+STOP_SOCKET = "control.stop"
 """Whatever arrives stops the run."""
 
 

@@ -9,25 +9,25 @@ from handcart.files.errors import HandcartError
 from handcart.files.whole_file import write_whole
 from handcart.networks.runs.run_folder import read_file
 
-NAME = "view_address"
-MOST = 100  # [bytes]
+ADDRESS_FILE = "view_address"
+MAX_ADDRESS_BYTES = 100
 _OURS = re.compile(r"http://127\.0\.0\.1:\d{1,5}/#token=[\w-]+", re.ASCII)
 
 
 def note_address(folder: Path, address: str) -> None:
     """Write it down for its owner alone, with its token; raises `OSError` where the disk takes no more."""
-    write_whole(folder / NAME, address, private=True)
+    write_whole(folder / ADDRESS_FILE, address, private=True)
 
 
 def forget_address(folder: Path) -> None:
     """The page is served no longer."""
-    (folder / NAME).unlink(missing_ok=True)
+    (folder / ADDRESS_FILE).unlink(missing_ok=True)
 
 
 def view_address(folder: Path) -> str | None:
     """Return the noted address; None if it is missing, or is not a page of this machine."""
     try:
-        content = read_file(folder, NAME, MOST, missing=True)
+        content = read_file(folder, ADDRESS_FILE, MAX_ADDRESS_BYTES, missing=True)
     except HandcartError:
         return None
     words = (content or b"").decode("ascii", errors="replace")

@@ -18,7 +18,7 @@ from handcart.files.models.model import FileModel
 from handcart.files.whole_file import write_whole
 from handcart.primitives.contract.calibrated import Calibrated
 
-NAME = "calibration.yaml"
+CALIBRATION_FILE = "calibration.yaml"
 _DIGITS = 3  # of a standard deviation: rounding then adds nothing to it
 _HEAD = """\
 # What a run found of the robot. `handcart adopt` shows what that changes in the robot's file, and writes it.
@@ -94,7 +94,7 @@ def _length(value: float | tuple[float, ...]) -> int:
 
 def calibration_path(run: Path) -> Path:
     """Return the path of the file in a run's folder, or the given file itself."""
-    return run / NAME if run.is_dir() else run
+    return run / CALIBRATION_FILE if run.is_dir() else run
 
 
 def keep_calibrated(run: Path, robot: str, backend: str, calibrated: Mapping[str, Calibrated]) -> None:
@@ -109,7 +109,7 @@ def keep_calibrated(run: Path, robot: str, backend: str, calibrated: Mapping[str
     Raises:
         OSError: the disk takes no more.
     """
-    path = run / NAME
+    path = run / CALIBRATION_FILE
     before = dict(load(path, Calibration).found) if path.exists() else {}
     by_path = robot.endswith((".yaml", ".yml"))
     whole = Calibration(

@@ -12,12 +12,12 @@ from handcart.backends.saved_state import MAX_BYTES, NotAState, digest, pack, un
 from handcart.files.errors import HandcartError
 from handcart.files.printable import printable
 from handcart.networks.journal.journal import plain_json
-from handcart.networks.journal.run_records import RECORDS
+from handcart.networks.journal.run_records import RECORD_VALIDATORS
 from handcart.networks.task.preparing import Prepared
 
 from .run_folder import read_file
 
-NAME = "checkpoint"
+CHECKPOINT_FILE = "checkpoint"
 _FORMAT = "handcart-checkpoint/8"
 _KEYS = {"format", "after", "result", "time_s", "backend", "robot", "model"}
 
@@ -97,9 +97,11 @@ def keep_checkpoint(
         }
     )
     try:
-        _replace(folder / NAME, content, durable)
+        _replace(folder / CHECKPOINT_FILE, content, durable)
     except OSError as error:
-        raise NotKeptError(printable(f"{folder / NAME} can't be written: {error.strerror}")) from None
+        raise NotKeptError(
+            printable(f"{folder / CHECKPOINT_FILE} can't be written: {error.strerror}")
+        ) from None
     return digest(content)
 
 
@@ -122,7 +124,7 @@ def load_checkpoint(folder: Path) -> Checkpoint | None:
         NotAState: the file is not a valid checkpoint.
         NoRun: it is not a readable file.
     """
-    bytes_ = read_file(folder, NAME, MAX_BYTES, missing=True)
+    bytes_ = read_file(folder, CHECKPOINT_FILE, MAX_BYTES, missing=True)
     if bytes_ is None:
         return None
     try:
@@ -132,9 +134,9 @@ def load_checkpoint(folder: Path) -> Checkpoint | None:
         if (written := kept.pop("format")) != _FORMAT:
             wrong = f"is of the format {str(written)[:40]!r}, which another version of handcart wrote"
             raise NotAState(f"{wrong}; allowed: {_FORMAT}, or the run is begun anew")
-        kept["result"] = RECORDS["RESULT"].validate_python(kept["result"])
+        kept["result"] = RECORD_VALIDATORS["RESULT"].validate_python(kept["result"])
     except ValueError as error:
-        raise NotAState(printable(f"{folder / NAME}: {str(error).splitlines()[0]}")) from None
+        raise NotAState(printable(f"{folder / CHECKPOINT_FILE}: {str(error).splitlines()[0]}")) from None
     if not isinstance(kept["time_s"], float) or not isinstance(kept["after"], str):
-        raise NotAState(printable(f"{folder / NAME}: no checkpoint: its time is no number"))
+        raise NotAState(printable(f"{folder / CHECKPOINT_FILE}: no checkpoint: its time is no number"))
     return Checkpoint(digest(bytes_), **kept)

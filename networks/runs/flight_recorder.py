@@ -20,15 +20,15 @@ from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.robot.robot import Robot
 from handcart.files.whole_file import write_whole
 from handcart.networks.coordination.events import Ended, Event, Restoring, Started
-from handcart.networks.journal.evidence_files import FOLDER, stem
+from handcart.networks.journal.evidence_files import EVIDENCE_FOLDER, stem
 from handcart.networks.run_observer import RunObserver
 from handcart.primitives.contract.outcome import Success
 
 MAX_ARRAYS = 256 * 2**20  # bytes
-SECONDS = 10.0  # of the robot's time
-END = "end"
+KEPT_TIME_S = 10.0  # of the robot's time
+END_STEM = "end"
 """The stem of the file with the run's last seconds."""
-SUFFIX = "_readings.npz"
+READINGS_SUFFIX = "_readings.npz"
 
 Row = dict[str, Any]
 Readings = Mapping[str, NDArray[Any]]
@@ -49,9 +49,9 @@ class FlightRecorder(RunObserver):
     often it is taken, so the run is not changed. Names end in the unit.
     """
 
-    def __init__(self, run_dir: Path, robot: Robot, seconds: float = SECONDS) -> None:
+    def __init__(self, run_dir: Path, robot: Robot, seconds: float = KEPT_TIME_S) -> None:
         """Nothing is read yet; the last `seconds` of the robot's time are kept."""
-        self._folder = run_dir / FOLDER
+        self._folder = run_dir / EVIDENCE_FOLDER
         self._rows: deque[Row] = deque(maxlen=max(1, round(seconds / robot.period)))
         self._decided: list[Row] = []
         self._same: Row = {"footprint_m": robot.spec.footprint_radius_m}
@@ -118,7 +118,7 @@ class FlightRecorder(RunObserver):
     def end(self) -> None:
         self._decided = []
         if self._time > self._kept:
-            self._keep(END)
+            self._keep(END_STEM)
 
     def _keep(self, name: str) -> None:
         after = self._decided[-1]["time_s"] if self._decided else -1.0
@@ -130,7 +130,7 @@ class FlightRecorder(RunObserver):
             self._scanned(rows)
             packed = BytesIO()
             np.savez_compressed(packed, **_columns(rows), **self._same)
-            write_whole(self._folder / f"{name}{SUFFIX}", packed.getvalue(), sync=False)
+            write_whole(self._folder / f"{name}{READINGS_SUFFIX}", packed.getvalue(), sync=False)
             self._kept = self._time
         except OSError as error:
             self.lost = error.strerror

@@ -10,11 +10,11 @@ from typing_extensions import override
 from handcart.backends.recording import Recording
 from handcart.backends.robot.robot import Robot
 from handcart.networks.coordination.events import Ended, Event, Restoring
-from handcart.networks.journal.evidence_files import FOLDER, stem
+from handcart.networks.journal.evidence_files import EVIDENCE_FOLDER, stem
 from handcart.networks.run_observer import RunObserver
 from handcart.primitives.contract.outcome import Success
 
-from .flight_recorder import END
+from .flight_recorder import END_STEM
 
 if TYPE_CHECKING:
     from handcart.networks.task.preparing import Prepared
@@ -34,7 +34,7 @@ class RecordingKeeper(RunObserver):
 
     def begin(self, prepared: Prepared, run_dir: Path) -> None:
         """Open the recording in the run's folder, and write what has passed up to now."""
-        self._folder = run_dir / FOLDER
+        self._folder = run_dir / EVIDENCE_FOLDER
         self._recording.open(run_dir)
 
     def period(self, robot: Robot) -> None:
@@ -54,5 +54,5 @@ class RecordingKeeper(RunObserver):
     @override
     def end(self) -> None:
         self._recording.mark()
-        self._recording.keep(self._folder / END)
+        self._recording.keep(self._folder / END_STEM)
         self._recording.close()

@@ -13,13 +13,13 @@ from handcart.files.errors import InputError
 from handcart.files.printable import printable
 from handcart.networks.graph.network import ActionNetwork
 from handcart.networks.graph.planner import NoWay
-from handcart.networks.journal.journal import SCHEMA, check_not_alive
+from handcart.networks.journal.journal import JOURNAL_SCHEMA, check_not_alive
 from handcart.networks.journal.journal_record import JournalContents
 from handcart.networks.journal.retracing import NeedsOperator, RunPosition, standing
 from handcart.networks.journal.waiting import may_have_begun
 
-from .checkpoint import NAME, Checkpoint, load_checkpoint
-from .run_folder import JOURNAL, read_run_journal
+from .checkpoint import CHECKPOINT_FILE, Checkpoint, load_checkpoint
+from .run_folder import JOURNAL_FILE, read_run_journal
 
 if TYPE_CHECKING:
     from handcart.backends.robot.robot import Robot
@@ -117,7 +117,8 @@ class Past:
         for at in (self.standing.at, *self.standing.seen.values()):
             if at is not None and (at.joints.size, at.joint_command.size) != (joints, joints):
                 wrong = (
-                    f"{self.folder / JOURNAL} tells of {at.joints.size} joints, and the robot has {joints}"
+                    f"{self.folder / JOURNAL_FILE} tells of {at.joints.size} joints, "
+                    f"and the robot has {joints}"
                 )
                 raise NeedsOperator(printable(wrong))
 
@@ -181,7 +182,7 @@ def _recovered(
         )
         words = f"the checkpoint in {folder} is not the one that its journal names: {difference}"
         if not contents.records[0].get("simulated", True):
-            words += f"; if the robot may go on without what it had learned: rm {folder / NAME}"
+            words += f"; if the robot may go on without what it had learned: rm {folder / CHECKPOINT_FILE}"
         raise NeedsOperator(words)
     return checkpoint.result
 
@@ -211,10 +212,10 @@ def task_of(folder: Path) -> Mapping[str, Any]:
     records = read_run_journal(folder).records
     check_not_alive(folder)
     if not records or not records[0].keys() >= _NEEDED:
-        raise NeedsOperator(f"{folder / JOURNAL} doesn't tell which task was run")
+        raise NeedsOperator(f"{folder / JOURNAL_FILE} doesn't tell which task was run")
     header = records[0]
     for what, said, ours in (
-        ("journal is of the format", header["schema"], SCHEMA),
+        ("journal is of the format", header["schema"], JOURNAL_SCHEMA),
         ("run is one of handcart", header["handcart"], version("handcart")),
     ):
         if said != ours:

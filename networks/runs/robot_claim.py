@@ -15,7 +15,7 @@ from handcart.networks.journal.journal_record import JournalError
 from handcart.networks.journal.retracing import NeedsOperator
 from handcart.networks.journal.waiting import waiting
 
-from .run_folder import JOURNAL, NoRun, read_run_journal
+from .run_folder import JOURNAL_FILE, NoRun, read_run_journal
 
 _FLAGS = os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW
 
@@ -79,7 +79,7 @@ class RobotClaim:
         run = self._noted()
         if run is None or (own is not None and run == own.resolve()):
             return
-        if not os.path.lexists(run / JOURNAL):
+        if not os.path.lexists(run / JOURNAL_FILE):
             how = f"if it may move: rm {self.path}"
             raise NeedsOperator(f"the robot's last run, {run}, is not over, and its journal is gone; {how}")
         open_ends = waiting(read_run_journal(run))
@@ -118,7 +118,7 @@ class RobotClaim:
         self.close()
 
     def _waits(self, run: Path) -> bool:
-        if not (run / JOURNAL).exists():  # this process has made none: nothing has moved
+        if not (run / JOURNAL_FILE).exists():  # this process has made none: nothing has moved
             return False
         try:
             return bool(waiting(read_run_journal(run)))

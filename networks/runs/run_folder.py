@@ -11,10 +11,10 @@ from handcart.files.errors import InputError
 from handcart.files.printable import printable
 from handcart.networks.journal.journal_record import MAX_JOURNAL, JournalContents, JournalError, parse_journal
 from handcart.networks.journal.run_records import makes_sense
-from handcart.networks.operator.socket_path import CONTROL, STOP
+from handcart.networks.operator.socket_path import CONTROL_SOCKET, STOP_SOCKET
 
-JOURNAL = "journal.jsonl"
-SOCKETS = (CONTROL, STOP)
+JOURNAL_FILE = "journal.jsonl"
+SOCKET_NAMES = (CONTROL_SOCKET, STOP_SOCKET)
 """Over which a run hears its operator: no files, and all that may be there beside them."""
 _MOST = 50_000  # files of a run
 _DEEPEST = 4  # folders in it
@@ -72,12 +72,12 @@ def _inside(folder: Path, levels: int) -> Iterator[tuple[Path, os.stat_result]]:
 def _check(folder: Path, path: Path, status: os.stat_result) -> None:
     name = path.relative_to(folder)
     if stat.S_ISDIR(status.st_mode):
-        if str(name) in (JOURNAL, "checkpoint", "summary.json", "telemetry.npz"):
+        if str(name) in (JOURNAL_FILE, "checkpoint", "summary.json", "telemetry.npz"):
             raise NoRun(folder, f"{name} in it is a folder; a run has a file of that name")
     elif stat.S_ISREG(status.st_mode):
         if status.st_nlink > 1:
             raise NoRun(folder, f"{name} in it has another name elsewhere (a hard link)")
-    elif not (stat.S_ISSOCK(status.st_mode) and str(name) in SOCKETS):
+    elif not (stat.S_ISSOCK(status.st_mode) and str(name) in SOCKET_NAMES):
         kind = next(words for test, words in _KINDS if test(status.st_mode))
         raise NoRun(folder, f"{name} in it is {kind}")
 
@@ -115,13 +115,13 @@ def read_run_journal(folder: Path) -> JournalContents:
         JournalError: it is damaged inside, or its records make no sense.
     """
     check_folder(folder)
-    content = read_file(folder, JOURNAL, MAX_JOURNAL)
+    content = read_file(folder, JOURNAL_FILE, MAX_JOURNAL)
     assert content is not None
-    contents = parse_journal(folder / JOURNAL, content)
+    contents = parse_journal(folder / JOURNAL_FILE, content)
     for record in contents.records:
         wrong = makes_sense(record)
         if wrong:
             kind = str(record["kind"])[:40]
             words = f"record {record['q']} ({kind}) makes no sense: {wrong}"
-            raise JournalError(folder / JOURNAL, words)
+            raise JournalError(folder / JOURNAL_FILE, words)
     return contents

@@ -9,12 +9,12 @@ from pathlib import Path
 
 import orjson
 
-from .run_folder import JOURNAL, NoRun, read_file
+from .run_folder import JOURNAL_FILE, NoRun, read_file
 
-LATEST = "latest"
+LATEST_LINK = "latest"
 """A link beside the runs to the one that was begun last."""
-SUMMARY = "summary.json"
-USUAL = "task"
+SUMMARY_FILE = "summary.json"
+GENERIC_STEM = "task"
 """Stem of a task's file that says less than its folder's name."""
 _HEADER = 16 * 2**20  # of a journal, in [bytes]: a header holds its task's network
 
@@ -37,7 +37,7 @@ class ListedRun:
 def name_of(task: Path, seed: int) -> str:
     """`FILE-SEED`; a file called `task.yaml` goes by its folder's name."""
     path = task.resolve()
-    return f"{path.parent.name if path.stem == USUAL else path.stem}-{seed}"
+    return f"{path.parent.name if path.stem == GENERIC_STEM else path.stem}-{seed}"
 
 
 def point_latest(folder: Path) -> None:
@@ -45,8 +45,8 @@ def point_latest(folder: Path) -> None:
 
     Systems without links get no link.
     """
-    link = folder.with_name(LATEST)
-    new = folder.with_name(f".{LATEST}.{os.getpid()}.new")
+    link = folder.with_name(LATEST_LINK)
+    new = folder.with_name(f".{LATEST_LINK}.{os.getpid()}.new")
     with suppress(OSError):
         os.symlink(folder.name, new)
         try:
@@ -62,11 +62,11 @@ def latest_run(runs: Path) -> Path:
         NoRun: none is known there.
     """
     try:
-        name = os.readlink(runs / LATEST)
+        name = os.readlink(runs / LATEST_LINK)
     except OSError:
-        raise NoRun(runs / LATEST, "no run is known to be the latest") from None
+        raise NoRun(runs / LATEST_LINK, "no run is known to be the latest") from None
     if Path(name).name != name:
-        raise NoRun(runs / LATEST, "it leads out of its folder")
+        raise NoRun(runs / LATEST_LINK, "it leads out of its folder")
     return runs / name
 
 
@@ -80,9 +80,9 @@ def list_runs(runs: Path) -> list[ListedRun]:
 
 def _listed(folder: Path) -> ListedRun | None:
     try:
-        with (folder / JOURNAL).open("rb") as stream:
+        with (folder / JOURNAL_FILE).open("rb") as stream:
             header = orjson.loads(stream.readline(_HEADER))
-        summary = read_file(folder, SUMMARY, _HEADER, missing=True)
+        summary = read_file(folder, SUMMARY_FILE, _HEADER, missing=True)
         outcome = orjson.loads(summary)["outcome"] if summary else ""
         begun = float(header["wall"]["unix_s"])
         return ListedRun(

@@ -17,7 +17,7 @@ from handcart.primitives.restoring.snapshot import Snapshot, limits, residuals, 
 
 from .resuming import Past
 
-LOOK = 40  # periods at rest in which a base that was pushed is found again
+SETTLING_PERIODS = 40  # at rest, in which a base that was pushed is found again
 _BY_SCANS = ("base_mm", "base_deg", "base_unsure_mm", "base_unsure_deg")
 
 
@@ -71,7 +71,7 @@ def standing_as_left(prepared: Prepared, past: Past) -> Prepared:
 
 def check_state(robot: Robot, past: Past) -> StateCheck:
     """Hold still, read all sensors again and compare with the journal; nothing is commanded."""
-    for _ in range(LOOK):
+    for _ in range(SETTLING_PERIODS):
         robot.step()
     for _ in settle(robot):
         robot.step()

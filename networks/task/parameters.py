@@ -14,11 +14,11 @@ from handcart.files.yaml.yaml_node import KeyPath, Node
 
 from .repetition import Element, UnknownElement, found_in
 
-SECTION = "parameters"
-REPEAT = "repeat"
-LARGEST = 50_000
+PARAMETERS_KEY = "parameters"
+REPEAT_KEY = "repeat"
+MAX_VALUES = 50_000
 """Maximum number of values in a file after substitution: two lists of references can expand to millions."""
-DEEPEST = 32
+MAX_DEPTH = 32
 """Maximum depth of lists and mappings, and of parameters that refer to each other."""
 
 
@@ -31,24 +31,24 @@ def with_parameters(document: Document, findings: Findings) -> Document:
     root = document.root
     if not isinstance(root.content, dict):
         return document
-    section = root.content.get(SECTION)
+    section = root.content.get(PARAMETERS_KEY)
     given = section.content if section and isinstance(section.content, dict) else {}
     values = ParameterValues(given, findings)
-    whole = replace(root, content={key: part for key, part in root.content.items() if key != SECTION})
+    whole = replace(root, content={key: part for key, part in root.content.items() if key != PARAMETERS_KEY})
     put_in = values.put_in(whole).content
     assert isinstance(put_in, dict)
     parts = dict(put_in)
     if section is not None:
-        parts[SECTION] = section
+        parts[PARAMETERS_KEY] = section
     return replace(document, root=replace(root, content=parts))
 
 
 def with_listed_repeats(document: Document) -> Document:
     """The document with its repeats as a list, also where there is only one."""
-    node = document.root.child(REPEAT)
+    node = document.root.child(REPEAT_KEY)
     if node is None or not isinstance(node.content, dict):
         return document
-    return document.with_value((REPEAT,), replace(node, content=[node]))
+    return document.with_value((REPEAT_KEY,), replace(node, content=[node]))
 
 
 def with_all(document: Document, entry: str, names: Collection[object]) -> Document:
@@ -68,13 +68,13 @@ def goes_over_unknown(document: Document) -> bool:
 
 def repeat_count(document: Document) -> int:
     """Return the number of entries under `repeat`, valid or not."""
-    repeats = document.root.child(REPEAT)
+    repeats = document.root.child(REPEAT_KEY)
     return len(repeats.content) if repeats and isinstance(repeats.content, list) else 0
 
 
 def _overs(document: Document) -> list[KeyPath]:
     """Return the paths of the lists that the document's repeats go over."""
-    return [(REPEAT, number, "over") for number in range(repeat_count(document))]
+    return [(REPEAT_KEY, number, "over") for number in range(repeat_count(document))]
 
 
 def with_element(node: Node, element: Element | None, root: Node, findings: Findings) -> Node:
@@ -162,18 +162,18 @@ class ParameterValues:
             return (
                 f"the parameter {name!r} stands for itself: {', '.join(circle)}; allowed: a value in the end"
             )
-        if len(self._under_way) >= DEEPEST:
-            return f"more than {DEEPEST} parameters stand for each other; allowed: fewer"
+        if len(self._under_way) >= MAX_DEPTH:
+            return f"more than {MAX_DEPTH} parameters stand for each other; allowed: fewer"
         return ""
 
     def _whole(self, node: Node, content: Any, parts: list[_Value]) -> _Value:
         size = 1 + sum(part.size for part in parts)
         depth = 1 + max((part.depth for part in parts), default=0)
-        if size > LARGEST:
-            wrong = f"with its parameters put in this holds more than {LARGEST} values; allowed: fewer"
+        if size > MAX_VALUES:
+            wrong = f"with its parameters put in this holds more than {MAX_VALUES} values; allowed: fewer"
             raise FileError([_at(node, wrong)])
-        if depth > DEEPEST:
-            wrong = f"with its parameters put in this is deeper than {DEEPEST} levels; allowed: flatter"
+        if depth > MAX_DEPTH:
+            wrong = f"with its parameters put in this is deeper than {MAX_DEPTH} levels; allowed: flatter"
             raise FileError([_at(node, wrong)])
         return _Value(replace(node, content=content), size, depth)
 

@@ -24,7 +24,7 @@ from handcart.robotics.navigation.routes.ways import Way, Ways
 from .primitive_parameters import named_entry
 from .task_file import Task
 
-PLACES = "places"
+PLACES_KEY = "places"
 
 
 @dataclass(frozen=True)
@@ -121,7 +121,7 @@ def place_rooms(task: Task, robot: RobotFile, model: WorldModel, start: Pose2) -
         PlaceRoom(
             name,
             ways.to(place.pose, place.front if place.docks else None),
-            loaded.document.key_position((PLACES, name))[0],
+            loaded.document.key_position((PLACES_KEY, name))[0],
             named.any or name in named.names or name == _start_of(task),
             name in driven.names,
         )
@@ -139,7 +139,7 @@ def _warnings(
             continue
         if not each.used:
             words = f"no action uses the place {each.name!r}; {each.way.reason}"
-            yield loaded.finding((PLACES, each.name), words, at_key=True)
+            yield loaded.finding((PLACES_KEY, each.name), words, at_key=True)
         elif not each.driven_to and (any_driven or not each.way.fits):
             yield _cant(loaded, each, task)
 
@@ -153,7 +153,7 @@ def _cant(loaded: Loaded[Places], room: PlaceRoom, task: Task) -> Finding:
             f"no way leads to the place {room.name!r}{f' from {start!r}' if start else ''}: {room.way.reason}"
         )
         words += "" if ";" in words or "needed" in words else "; needed: a way on the map"
-    return loaded.finding((PLACES, room.name), words, at_key=True)
+    return loaded.finding((PLACES_KEY, room.name), words, at_key=True)
 
 
 def _start_of(task: Task) -> str | None:
@@ -168,7 +168,9 @@ def _named(actions: Collection[Action], driving: bool = False) -> _Named:
         if action.binding is None or (driving and Base not in action.binding.kind.needs):
             continue
         binding = action.binding
-        asked = [name for name, field in binding.kind.model_fields.items() if named_entry(field) == PLACES]
+        asked = [
+            name for name, field in binding.kind.model_fields.items() if named_entry(field) == PLACES_KEY
+        ]
         late = late or any(name in binding.late for name in asked)
         names |= {str(binding.fixed.get(name)) for name in asked}
     return _Named(names, late)

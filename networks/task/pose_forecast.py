@@ -24,12 +24,12 @@ from handcart.robotics.navigation.localization.localizer import ScanLocalizer
 from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
 from handcart.robotics.navigation.localization.start_search import Beams, map_ranges
 
-from .place_room import PLACES, PlaceRoom
+from .place_room import PLACES_KEY, PlaceRoom
 from .task_file import Task
 
 MIN_STEP_M = 0.3  # between two scans of the forecast
 MAX_SCANS = 100
-USUAL = PoseNeed(ARRIVED_MM / 1e3, math.radians(ARRIVED_DEG))
+USUAL_NEED = PoseNeed(ARRIVED_MM / 1e3, math.radians(ARRIVED_DEG))
 MIN_RANGE_SIGMA_M = 0.01
 
 Array = NDArray[np.float64]
@@ -68,7 +68,7 @@ def pose_findings(
         if forecast.found is not None:
             where = f"{forecast.blind_m:.1f} of {forecast.route_m:.1f} m of the way there are as uncertain"
             words = f"place {room.name!r}: {forecast.found.words}, by a lidar of {lidar.reach_m:g} m reach"
-            yield loaded.finding((PLACES, room.name), f"{words}; {where}", at_key=True)
+            yield loaded.finding((PLACES_KEY, room.name), f"{words}; {where}", at_key=True)
 
 
 def forecast_pose(
@@ -103,7 +103,7 @@ def forecast_pose(
         localizer.predict(way, way)
         localizer.correct(_expected(field, robot, lidar, pose).points)
         spread = repeatability_of(localizer.covariance, localizer.map_error)
-        blind += way if undetermined(spread, USUAL) is not None else 0.0
+        blind += way if undetermined(spread, USUAL_NEED) is not None else 0.0
         before = pose
     spread = repeatability_of(localizer.covariance, localizer.map_error)
     return PoseForecast(undetermined(spread, need), blind, length)

@@ -29,7 +29,7 @@ from handcart.robotics.navigation.maps.keepout import with_keepout
 
 from .place_room import PlaceRoom, PlaceRooms, place_findings, place_rooms
 from .pose_forecast import pose_findings
-from .task_file import MASK, Primitives, Task, load_task
+from .task_file import SPEED_MASK_KEYS, Primitives, Task, load_task
 
 T = TypeVar("T")
 
@@ -270,7 +270,11 @@ def _stated_start(task: Task, model: WorldModel) -> Pose2 | None:
 def load_model(task: Task) -> tuple[WorldModel, tuple[str, ...]]:
     """Return the robot's prior knowledge, and warnings on it; raises `FileError` with every finding."""
     findings, named = Findings(), task.knowledge.places
-    chart, keepout, mask = task.path("knowledge", "map"), task.path("knowledge", "keepout"), task.path(*MASK)
+    chart, keepout, mask = (
+        task.path("knowledge", "map"),
+        task.path("knowledge", "keepout"),
+        task.path(*SPEED_MASK_KEYS),
+    )
     loaded = _collected(findings, lambda: load_map(chart)) if chart else (nowhere(), None)
     zones = _collected(findings, lambda: read_occupancy(keepout).grid) if keepout else None
     spec = task.file.knowledge.speed_limits if task.file.knowledge else None

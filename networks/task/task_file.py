@@ -34,12 +34,12 @@ from .primitive_parameters import ParameterReader
 from .repeat_faults import Situations, element_facts, repeat_faults
 from .repeating import Copied, Copies, repeated
 from .repetition import NotRepeated, repetitions
-from .task_knowledge import PLACES, TaskKnowledge, domain_keys, read_knowledge
+from .task_knowledge import PLACES_KIND, TaskKnowledge, domain_keys, read_knowledge
 from .task_model import ActionEntry, GivenFact, Repeat, TaskFile
 from .unwritten import unwritten
 
-MASK = ("knowledge", "speed_limits", "mask")
-MAPS: tuple[KeyPath, ...] = (("world",), ("knowledge", "map"), ("knowledge", "keepout"), MASK)
+SPEED_MASK_KEYS = ("knowledge", "speed_limits", "mask")
+MAP_KEYS: tuple[KeyPath, ...] = (("world",), ("knowledge", "map"), ("knowledge", "keepout"), SPEED_MASK_KEYS)
 """Keys of files that may be maps, which may be in any folder."""
 M = TypeVar("M", bound=FileModel)
 Primitives = Callable[[str], type[ActionPrimitive]]
@@ -116,8 +116,8 @@ class _Reader:
         self._names = self._knowledge.names()
         places = self._knowledge.places
         self._place_names = None if places is None else list(places.value.places)
-        no_places = None if self._document.root.deepest(("knowledge", PLACES))[1] else ()
-        listed = {**self._names, PLACES: self._place_names or no_places}
+        no_places = None if self._document.root.deepest(("knowledge", PLACES_KIND))[1] else ()
+        listed = {**self._names, PLACES_KIND: self._place_names or no_places}
         for kind, names in listed.items():
             if names is not None:  # None: their file is wrong, or missing
                 self._document = with_all(self._document, kind, names)
@@ -280,8 +280,8 @@ class _Reader:
             self._add(("robot",), f"unknown robot {name!r}{allowed}, or the path of a robot's YAML file")
 
     def _check_files(self) -> None:
-        named = [("knowledge", name) for name in ("map", "keepout", PLACES, *domain_keys())]
-        for key in (("world",), *named, MASK):
+        named = [("knowledge", name) for name in ("map", "keepout", PLACES_KIND, *domain_keys())]
+        for key in (("world",), *named, SPEED_MASK_KEYS):
             try:
                 path = _resolved(self._document, key)
             except UnsafePath as unsafe:
@@ -333,7 +333,7 @@ def _resolved(document: Document, key: KeyPath) -> Path | None:
         return Path(node.content)
     folder = document.folder.resolve()
     # Neighbouring tasks may share a world.
-    find = map_path if key in MAPS else resolve_inside
+    find = map_path if key in MAP_KEYS else resolve_inside
     return find(folder.parent, node.content, start=folder)
 
 

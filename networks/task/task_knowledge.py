@@ -17,8 +17,8 @@ from handcart.primitives.knowledge.sections import section_class
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.tasks.domain import domains
 
-PLACES = "places"
-ORIGIN = Pose2(0.0, 0.0, 0.0)
+PLACES_KIND = "places"
+MAP_ORIGIN = Pose2(0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class TaskKnowledge:
     """Places of the map; None if no file names them."""
     sections: Mapping[str, Section]
     """Sections of the domains, by the domains' names."""
-    start: Pose2 = ORIGIN
+    start: Pose2 = MAP_ORIGIN
     """map_T_base at first: at the place that the task names, or at the map's origin."""
 
     def names(self) -> dict[str, Collection[object]]:
@@ -38,7 +38,7 @@ class TaskKnowledge:
         for section in self.sections.values():
             found |= section.names()
         if self.places is not None or self._more_places():
-            found[PLACES] = list(self.all_places())
+            found[PLACES_KIND] = list(self.all_places())
         return found
 
     def all_places(self) -> dict[str, Place]:
@@ -68,7 +68,7 @@ def read_knowledge(
             return None
         return found if found is not None and found.is_file() else None
 
-    places = _places(path(PLACES), findings)
+    places = _places(path(PLACES_KIND), findings)
     start = _start(document, places)
     paths = {key: found for key in domain_keys() if (found := path(key)) is not None}
     return TaskKnowledge(places, read_sections(paths, start, document, findings), start)
@@ -108,7 +108,7 @@ def _start(document: Document, places: Loaded[Places] | None) -> Pose2:
     node, there = document.root.deepest(("knowledge", "start"))
     known = places.value.places if places else {}
     name = node.content if there and isinstance(node.content, str) else ""
-    return known[name].pose if name in known else ORIGIN
+    return known[name].pose if name in known else MAP_ORIGIN
 
 
 def domain_keys() -> list[str]:

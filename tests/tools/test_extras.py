@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from handcart.files.extras import EXTRAS, lack
-from handcart.tools.terminal.libraries import MODULES, Requirement, check_libraries, required
+from handcart.tools.terminal.libraries import IMPORT_NAMES, Requirement, check_libraries, required
 from tests.tools.conftest import Said
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -48,7 +48,7 @@ def test_the_extras_are_those_of_the_project() -> None:
         names = [re.split("[>;]", each)[0] for each in extras[extra]]
         assert {modules.get(each, each) for each in names} == set(brought)
     assert f"handcart[{','.join((*EXTRAS, 'docs'))}]" in extras["dev"]
-    assert MODULES["python-fcl"] == "fcl"
+    assert IMPORT_NAMES["python-fcl"] == "fcl"
 
 
 def test_a_base_drives_without_the_libraries_of_arms_and_labels(tmp_path: Path) -> None:

@@ -16,7 +16,7 @@ import pytest
 
 from handcart.backends.can.can_backend import CanBackend
 from handcart.networks.runs.robot_claim import RobotClaim, state_folder
-from handcart.tools.command_line import COMMANDS
+from handcart.tools.command_line import OWN_COMMANDS
 from tests.tools.conftest import Said
 
 ON_CAN = ("--robot", "cart", "--backend", "can")
@@ -147,7 +147,7 @@ def test_every_command_names_libraries_that_are_too_old_or_missing(
     lines = "".join(f"Requires-Dist: {each}\n" for each in needs)
     (handcart_itself / "METADATA").write_text(f"Name: handcart\n{lines}\nRequires-Dist: text>=1\n")
     monkeypatch.syspath_prepend(tmp_path)
-    for command in COMMANDS:
+    for command in OWN_COMMANDS:
         said = handcart(*command.split(), "--help")
         assert said.status == 2
         assert "the library numpy is 1.26.4; needed: >=2.0; " in said.err

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from handcart.evaluation.campaign_report.walk_tally import WalkTally
     from handcart.evaluation.learned.learned import Learned
 
-LEVELS: Mapping[str, Level] = {"run": "run", "fitted": "fitted", "network": "network"}
+CAMPAIGN_LEVELS: Mapping[str, Level] = {"run": "run", "fitted": "fitted", "network": "network"}
 
 
 class NotPossible(InputError):
@@ -95,8 +95,8 @@ class AskedCampaign:
 
     def _check(self) -> None:
         walks = self.level != "run"
-        if self.level not in LEVELS:
-            raise NotPossible(f"--level {self.level}; allowed: {', '.join(LEVELS)}")
+        if self.level not in CAMPAIGN_LEVELS:
+            raise NotPossible(f"--level {self.level}; allowed: {', '.join(CAMPAIGN_LEVELS)}")
         if (self.level == "fitted") != bool(self.learned_from):
             raise NotPossible("--level fitted and --learned-from; needed: both of them, or none")
         if self.learned_from and self.vary is not None:
@@ -167,7 +167,7 @@ class AskedCampaign:
             self.settings,
             worlds,
             runs,
-            LEVELS[self.level],
+            CAMPAIGN_LEVELS[self.level],
             varied,
             every,
             self.faults,

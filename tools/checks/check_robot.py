@@ -22,10 +22,10 @@ if TYPE_CHECKING:
     from handcart.evaluation.robot_report.report import Contents, RobotReport
     from handcart.robotics.kinematics.urdf_contents import JointFacts
 
-WIDTH = 110
-MOST = 3  # links that are named as heavy
-PAIRS = 5  # links that touch each other, that are named
-PICTURES = (".svg", ".png", ".pdf")
+TABLE_WIDTH_CHARS = 110
+MAX_HEAVY_LINKS = 3
+MAX_TOUCHING_PAIRS = 5
+PICTURE_SUFFIXES = (".svg", ".png", ".pdf")
 
 
 class NoSuchPicture(InputError):
@@ -63,8 +63,8 @@ def robot_facts(
     from .check_backend import build_in_empty_world, engine_remarks
     from .check_bus import bus_figures, bus_of, bus_tables
 
-    if picture is not None and picture.suffix not in PICTURES:
-        raise NoSuchPicture(f"{picture}: no picture ends like that; allowed: {', '.join(PICTURES)}")
+    if picture is not None and picture.suffix not in PICTURE_SUFFIXES:
+        raise NoSuchPicture(f"{picture}: no picture ends like that; allowed: {', '.join(PICTURE_SUFFIXES)}")
     robot = load_robot(str(file))
     if backend is not None:
         build_in_empty_world(robot, backend)
@@ -97,7 +97,7 @@ def contents_lines(contents: Contents, chosen: Collection[str], every: bool) -> 
     rows = [_joint(each) for each in contents.joints if each.name in chosen]
     others = Counter(each.kind for each in contents.joints if each.name not in chosen)
     weighed = sorted(((each.mass_kg or 0.0, each.name) for each in contents.links), reverse=True)
-    heaviest = ", ".join(f"{name} {mass:.3g} kg" for mass, name in weighed[:MOST] if mass > 0.0)
+    heaviest = ", ".join(f"{name} {mass:.3g} kg" for mass, name in weighed[:MAX_HEAVY_LINKS] if mass > 0.0)
     kinds = ", ".join(f"{count} {kind}" for kind, count in sorted(others.items()))
     parts: list[Any] = [_joint_table(rows), ""] if rows else []
     parts += [f"other joints that move: {kinds}"] if others else []
@@ -112,8 +112,15 @@ def _lines(report: RobotReport, every: bool) -> list[str]:
     parts: list[Any] = []
     if report.contact is not None:
         pairs = report.contact.pairs
-        parts += [report.contact.words, *(f"  {each}" for each in (pairs if every else pairs[:PAIRS]))]
-        parts += [f"  and {len(pairs) - PAIRS} pairs more"] if len(pairs) > PAIRS and not every else []
+        parts += [
+            report.contact.words,
+            *(f"  {each}" for each in (pairs if every else pairs[:MAX_TOUCHING_PAIRS])),
+        ]
+        parts += (
+            [f"  and {len(pairs) - MAX_TOUCHING_PAIRS} pairs more"]
+            if len(pairs) > MAX_TOUCHING_PAIRS and not every
+            else []
+        )
     if report.reach is not None:
         parts += [_reach_words(report.reach), *_domain_tables(report), ""]
     if report.camera is not None:
@@ -129,7 +136,7 @@ def _lines_of(*parts: Any) -> list[str]:
     from rich.console import Console
     from rich.text import Text
 
-    console = Console(file=io.StringIO(), width=WIDTH, color_system=None)
+    console = Console(file=io.StringIO(), width=TABLE_WIDTH_CHARS, color_system=None)
     for each in parts:
         # A maker's name may look like markup.
         console.print(Text(each) if isinstance(each, str) else each)

@@ -12,9 +12,9 @@ if TYPE_CHECKING:
 
 Watch = Callable[[float], None]
 """Hears now and then how much is done, 0 to 1."""
-MOST = 30
+MAX_PRINTED_LINES = 30
 """Lines of one kind that are printed."""
-SHORT = (
+SHORT_HEADING = (
     "where a run may end short of the goal, with the fewest Fails (another way or more attempts would help):"
 )
 
@@ -33,7 +33,7 @@ def task_facts(task: Task, watch: Watch = lambda share: None) -> dict[str, Any]:
     from handcart.networks.analysis.task_findings import short_findings, task_findings, unused_findings
     from handcart.networks.analysis.worst_cases import worst_cases
     from handcart.networks.chains.effort import Effort
-    from handcart.networks.chains.policy import WORK
+    from handcart.networks.chains.policy import DEFAULT_MAX_STEPS
 
     network = task.network
     facts: dict[str, Any] = {
@@ -42,7 +42,7 @@ def task_facts(task: Task, watch: Watch = lambda share: None) -> dict[str, Any]:
         "actions": len(network.actions),
     }
     warnings = task_findings(task)
-    cases = worst_cases(network, Effort(WORK, lambda share: watch(share / 3.0)))
+    cases = worst_cases(network, Effort(DEFAULT_MAX_STEPS, lambda share: watch(share / 3.0)))
     if cases.too_large:
         facts["worst cases"] = f"not known: {'; '.join(sorted({str(each) for each in cases.too_large}))}"
     warnings += unused_findings(task, cases)
@@ -55,21 +55,21 @@ def task_facts(task: Task, watch: Watch = lambda share: None) -> dict[str, Any]:
         "warnings": list(map(str, warnings)),
         "short": short,
         **figures,
-        "lines": [*([SHORT] if short else []), *_first([f"  {each}" for each in short]), *lines],
+        "lines": [*([SHORT_HEADING] if short else []), *_first([f"  {each}" for each in short]), *lines],
     }
 
 
 def _first(lines: list[str]) -> list[str]:
     """Return as many lines as a person reads."""
-    left = len(lines) - MOST
-    return [*lines[:MOST], f"  and {left} more (`--json` has them all)"] if left > 0 else lines
+    left = len(lines) - MAX_PRINTED_LINES
+    return [*lines[:MAX_PRINTED_LINES], f"  and {left} more (`--json` has them all)"] if left > 0 else lines
 
 
 def _figures(task: Task, watch: Watch) -> tuple[dict[str, Any], list[str]]:
     """Return how runs end, if the file gives all probabilities, as fields and as lines of text."""
     from handcart.networks.analysis.figures import figures, missing_chances
     from handcart.networks.chains.effort import Effort
-    from handcart.networks.chains.policy import WORK, TooLarge
+    from handcart.networks.chains.policy import DEFAULT_MAX_STEPS, TooLarge
 
     missing = missing_chances(task)
     if len(missing) == len(task.file.actions):
@@ -84,8 +84,8 @@ def _figures(task: Task, watch: Watch) -> tuple[dict[str, Any], list[str]]:
     try:
         found = figures(
             task,
-            Effort(WORK, lambda share: watch((1.0 + share) / 3.0)),
-            Effort(WORK, lambda share: watch((2.0 + share) / 3.0)),
+            Effort(DEFAULT_MAX_STEPS, lambda share: watch((1.0 + share) / 3.0)),
+            Effort(DEFAULT_MAX_STEPS, lambda share: watch((2.0 + share) / 3.0)),
         )
     except TooLarge as large:
         return {"how runs end": f"not known: {large}"}, []
@@ -93,7 +93,7 @@ def _figures(task: Task, watch: Watch) -> tuple[dict[str, Any], list[str]]:
 
 
 def _lines(found: Figures) -> list[str]:
-    from handcart.networks.analysis.figures import ASSUMPTION
+    from handcart.networks.analysis.figures import FORECAST_ASSUMPTION
 
     now = found.forecast
     undone = f", elements left undone {now.left_undone:.5f}" if now.left_undone else ""
@@ -102,7 +102,7 @@ def _lines(found: Figures) -> list[str]:
     )
     head = f"  {'action':<48}{'line':>5}{'p':>7}{'starts':>9}{'slope':>9}"
     return [
-        f"how runs end, if {ASSUMPTION}:",
+        f"how runs end, if {FORECAST_ASSUMPTION}:",
         f"  {ends}",
         f"  expected cost {now.cost_s:.1f} s, standard deviation {now.cost_sigma_s:.1f} s",
         "what P(goal) depends on (slope by p), and what more tries would change in P(goal) and cost:",

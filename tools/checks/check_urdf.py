@@ -14,8 +14,8 @@ if TYPE_CHECKING:
 
     from handcart.evaluation.robot_report.drafting.outline import Outline
 
-CHAINS = 4  # that are told
-JOINTS = 3  # that are named of many
+MAX_CHAINS = 4
+MAX_NAMED_JOINTS = 3
 
 
 def urdf_facts(file: Path, every: bool = False, draft: Path | None = None) -> dict[str, Any]:
@@ -74,7 +74,7 @@ def _outline_lines(outline: Outline) -> list[str]:
         radius = "unknown" if wheels.radius is None else f"{wheels.radius:.3f} m"
         sides = f"left {', '.join(wheels.left)}; right {', '.join(wheels.right)}"
         lines.append(f"  drive: {sides}; radius {radius}, tread {wheels.tread:.3f} m")
-    for number, chain in enumerate(outline.chains[:CHAINS]):
+    for number, chain in enumerate(outline.chains[:MAX_CHAINS]):
         lines.append(f"  {'arm' if number == 0 else 'or'}: {', '.join(chain)}")
     if not outline.chains:
         lines.append("  arm: nothing moves but wheels")
@@ -92,7 +92,7 @@ def _outline_lines(outline: Outline) -> list[str]:
 
 
 def _some(names: Sequence[str]) -> str:
-    return ", ".join(names[:JOINTS]) + (" ..." if len(names) > JOINTS else "")
+    return ", ".join(names[:MAX_NAMED_JOINTS]) + (" ..." if len(names) > MAX_NAMED_JOINTS else "")
 
 
 def _figures(outline: Outline) -> dict[str, Any]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-STATUS = {"Success": 0, "Fail": 3, "GiveUp": 4}
+EXIT_STATUS = {"Success": 0, "Fail": 3, "GiveUp": 4}
 
 
 def dry_run(
@@ -50,4 +50,4 @@ def dry_run(
         print("\n".join(places), end="\n" if places else "")
         for doubt in doubts:
             print(f"warning: {doubt}")
-    return STATUS[imagined.outcome]
+    return EXIT_STATUS[imagined.outcome]

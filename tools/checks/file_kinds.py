@@ -8,7 +8,7 @@ from typing import Any
 
 from handcart.tasks.domain import domains, imported
 
-MOST = 20  # files beside a URDF that are looked at
+MAX_NEIGHBOUR_FILES = 20  # next to a URDF
 
 _GENERAL = {
     "task": "handcart.networks.task.task_model:TaskFile",
@@ -40,7 +40,7 @@ def robots_beside(urdf: Path) -> list[Path]:
     from handcart.files.yaml.yaml_document import read_document
 
     found = []
-    for path in sorted((*urdf.parent.glob("*.yaml"), *urdf.parent.glob("*.yml")))[:MOST]:
+    for path in sorted((*urdf.parent.glob("*.yaml"), *urdf.parent.glob("*.yml")))[:MAX_NEIGHBOUR_FILES]:
         try:
             data = read_document(path).data
         except (InputError, OSError, YAMLError):

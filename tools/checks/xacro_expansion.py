@@ -9,12 +9,12 @@ from pathlib import Path
 from handcart.files.errors import FileError, Finding, UnsafePath
 from handcart.files.extras import lack
 
-SUFFIX = ".xacro"
+XACRO_SUFFIX = ".xacro"
 
 
 def is_xacro(file: Path) -> bool:
     """Return whether a file is a xacro file, by its suffix."""
-    return file.suffix.lower() == SUFFIX
+    return file.suffix.lower() == XACRO_SUFFIX
 
 
 def expanded(file: Path) -> str:

@@ -57,7 +57,7 @@ def adopt(
 def _calibration(run: Path) -> Calibration:
     from handcart.files.errors import InputError
     from handcart.files.models.loading import load
-    from handcart.networks.runs.calibration import NAME, Calibration, calibration_path
+    from handcart.networks.runs.calibration import CALIBRATION_FILE, Calibration, calibration_path
     from handcart.networks.runs.run_folder import check_folder
 
     if run.is_dir():
@@ -65,7 +65,8 @@ def _calibration(run: Path) -> Calibration:
     path = calibration_path(run)
     if not path.is_file():
         raise InputError(
-            f"{run}: there is no {NAME}; allowed: the folder of a run that calibrated something to its end"
+            f"{run}: there is no {CALIBRATION_FILE}; "
+            "allowed: the folder of a run that calibrated something to its end"
         )
     return load(path, Calibration)
 

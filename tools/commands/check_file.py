@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from handcart.files.errors import FileError, Finding, InputError
     from handcart.networks.task.task_file import Task
 
-MOST = 12  # lines of faults beyond which those that are alike are told in one
+MAX_FINDING_LINES = 12  # more are grouped by kind
 
 
 class Asked(NamedTuple):
@@ -111,12 +111,15 @@ def _tell_grouped(error: FileError) -> None:
     from handcart.evaluation.robot_report.remark import grouped_findings
 
     lines = grouped_findings(error.findings)
-    if len(error.findings) <= MOST:
+    if len(error.findings) <= MAX_FINDING_LINES:
         return
-    for line in lines[:MOST]:
+    for line in lines[:MAX_FINDING_LINES]:
         print(line, file=sys.stderr)
-    if len(lines) > MOST:
-        print(f"and {counted(len(lines) - MOST, 'more kind')} of faults; --all shows them", file=sys.stderr)
+    if len(lines) > MAX_FINDING_LINES:
+        print(
+            f"and {counted(len(lines) - MAX_FINDING_LINES, 'more kind')} of faults; --all shows them",
+            file=sys.stderr,
+        )
     sys.exit(error.exit_status)
 
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from handcart.evaluation.conformance.kit import KitSetting
 
 BROKEN_PROMISE = 5
-SELDOM = 30.0  # [s] between two lines of progress, at least
+PROGRESS_INTERVAL_S = 30.0  # minimum, between two lines
 
 
 def conformance(
@@ -85,7 +85,7 @@ def _seldom(console: Console) -> Callable[[int, int], None]:
     def tell(done: int, count: int) -> None:
         nonlocal last
         now = time.monotonic()
-        if done == count or now - last >= SELDOM:
+        if done == count or now - last >= PROGRESS_INTERVAL_S:
             last = now
             console.print(f"{done} of {count} jobs done after {now - start:.0f} s")
 

@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from handcart.networks.task.task_knowledge import TaskKnowledge
     from handcart.primitives.contract.action_primitive import ActionPrimitive
 
-DEFAULT = "librarian"
-STATUS = {"Success": 0, "Fail": 3, "GiveUp": 4}
+DEFAULT_ROBOT = "librarian"
+OUTCOME_STATUS = {"Success": 0, "Fail": 3, "GiveUp": 4}
 
 
 def do(
@@ -48,7 +48,7 @@ def do(
     own = RigFiles() if task is None else RigFiles.of(task)
     given = {"world": world, "map": map, "places": places, "start": start}
     files = replace(own, **{name: value for name, value in given.items() if value is not None})  # type: ignore[arg-type]
-    whose = robot or (DEFAULT if task is None else task.robot)
+    whose = robot or (DEFAULT_ROBOT if task is None else task.robot)
     with (
         announced(f"running {primitive}"),
         build_rig(files, whose, backend, seed, put_at_start=start is not None) as rig,
@@ -61,7 +61,7 @@ def do(
     facts = outcome.evidence if isinstance(outcome, Success) else {**made.facts, **outcome.residuals}
     for name, value in facts.items():
         print(f"  {name}: {value:.4g}" if isinstance(value, float) else f"  {name}: {value}")
-    sys.exit(STATUS[word])
+    sys.exit(OUTCOME_STATUS[word])
 
 
 def _task(knowledge: Path | None, settings: list[str]) -> Task | None:

@@ -14,13 +14,15 @@ def draw(
 ) -> None:
     """Draw a task's action network: as SVG, PNG, PDF, Mermaid or dot, by the file's ending."""
     from handcart.files.suggest import suggest
-    from handcart.networks.drawing.drawing import FORMATS
+    from handcart.networks.drawing.drawing import WRITER_BY_SUFFIX
     from handcart.networks.task.task_file import load_task
     from handcart.tasks.task_names import task_path
     from handcart.tools.terminal.writing import write_text
 
-    if output.suffix not in FORMATS:
-        raise typer.BadParameter(f"no drawing for {output.suffix!r}{suggest(output.suffix, FORMATS)}")
+    if output.suffix not in WRITER_BY_SUFFIX:
+        raise typer.BadParameter(
+            f"no drawing for {output.suffix!r}{suggest(output.suffix, WRITER_BY_SUFFIX)}"
+        )
     loaded = load_task(task_path(task))
-    write_text(output, FORMATS[output.suffix](loaded.network, loaded.file.title))
+    write_text(output, WRITER_BY_SUFFIX[output.suffix](loaded.network, loaded.file.title))
     print(f"drawn into {output}")

@@ -12,11 +12,11 @@ if TYPE_CHECKING:
     from handcart.evaluation.replay.replay import Replayed
     from handcart.robotics.navigation.outdoors.field_noise import FieldNoise
 
-BAGS = (".bag", ".db3", ".mcap")
-PACKED_BAGS = tuple(f"{suffix}{packed}" for suffix in BAGS for packed in (".zstd", ".zst"))
-STAMPS = ("header", "receive")
+BAG_SUFFIXES = (".bag", ".db3", ".mcap")
+PACKED_BAGS = tuple(f"{suffix}{packed}" for suffix in BAG_SUFFIXES for packed in (".zstd", ".zst"))
+STAMP_KINDS = ("header", "receive")
 RUN_LOG = "drive.csv"
-PICTURES = (".svg", ".png", ".pdf")
+TRACK_PICTURE_SUFFIXES = (".svg", ".png", ".pdf")
 
 
 def localize(
@@ -77,12 +77,14 @@ def localize(
     from handcart.tools.terminal.first_use import announced
     from handcart.tools.terminal.share_shown import share_shown
 
-    if localizer not in KINDS:
-        raise typer.BadParameter(f"no localizer {localizer!r}{suggest(localizer, KINDS)}")
-    if output is not None and output.suffix not in PICTURES:
-        raise typer.BadParameter(f"no picture for {output.suffix!r}{suggest(output.suffix, PICTURES)}")
-    if stamps not in STAMPS:
-        raise typer.BadParameter(f"no stamps {stamps!r}{suggest(stamps, STAMPS)}")
+    if localizer not in LOCALIZER_KINDS:
+        raise typer.BadParameter(f"no localizer {localizer!r}{suggest(localizer, LOCALIZER_KINDS)}")
+    if output is not None and output.suffix not in TRACK_PICTURE_SUFFIXES:
+        raise typer.BadParameter(
+            f"no picture for {output.suffix!r}{suggest(output.suffix, TRACK_PICTURE_SUFFIXES)}"
+        )
+    if stamps not in STAMP_KINDS:
+        raise typer.BadParameter(f"no stamps {stamps!r}{suggest(stamps, STAMP_KINDS)}")
     with announced(f"reading {log}"):
         played = _read(log, nmea, reference, stamps, columns)
         whose = robot or _robot_of(log)
@@ -115,7 +117,7 @@ def localize(
         print(orjson.dumps(found, option=orjson.OPT_INDENT_2).decode())
 
 
-KINDS = ("gps_filter", "particle", "beacons")
+LOCALIZER_KINDS = ("gps_filter", "particle", "beacons")
 
 
 def _robot_of(log: Path) -> str | None:
@@ -147,7 +149,7 @@ def _read(log: Path, nmea: Path | None, reference: str | None, stamps: str, colu
     """The log, whatever it is; of a run's folder, the one in it."""
     if (log / RUN_LOG).is_file():
         log = log / RUN_LOG
-    if log.is_dir() or log.name.endswith((*BAGS, *PACKED_BAGS)):
+    if log.is_dir() or log.name.endswith((*BAG_SUFFIXES, *PACKED_BAGS)):
         from handcart.evaluation.replay.bags.bag_log import read_bag_log
 
         if nmea is not None:
@@ -159,7 +161,7 @@ def _read(log: Path, nmea: Path | None, reference: str | None, stamps: str, colu
 
     if reference is not None:
         raise typer.BadParameter("--reference is a bag's topic; a CSV file has true_x and true_y")
-    if stamps != STAMPS[0]:
+    if stamps != STAMP_KINDS[0]:
         raise typer.BadParameter("--stamps goes with a bag; a CSV file has one column `time`")
     played = read_csv_log(log, columns)
     if nmea is None:

@@ -15,7 +15,7 @@ Number = Annotated[
     int | None, typer.Option("--number", help="of the action that is meant, as `handcart status` tells it")
 ]
 Off = Annotated[bool, typer.Option("--off", help="no more of it")]
-SOON = 10.0  # [s] in which a run that is told to stop ends
+STOP_TIMEOUT_S = 10.0  # in which a run has to end after a stop
 
 
 def pause(run: Run, as_json: Json = False, number: Number = None) -> None:
@@ -131,7 +131,7 @@ def _wait_for_end(run: Path) -> None:
 
     from handcart.networks.operator.asking import goes_on
 
-    end = time.monotonic() + SOON
+    end = time.monotonic() + STOP_TIMEOUT_S
     while goes_on(run):
         if time.monotonic() > end:
             print(f"the run in {run} was told to stop, and is not over yet", file=sys.stderr)

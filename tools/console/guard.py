@@ -11,14 +11,14 @@ from handcart.networks.operator.own_page import OwnPage
 
 Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
 
-POLICY = (
+PAGE_POLICY = (
     "default-src 'self'; img-src 'self' blob:; object-src 'none'; base-uri 'none'; form-action 'none'; "
     "frame-ancestors 'none'"
 )
-HEADERS = {"Content-Security-Policy": POLICY, **own_page.HEADERS}
-OPEN = ("/", "/console.js", "/console.css", "/favicon.ico")
+PAGE_HEADERS = {"Content-Security-Policy": PAGE_POLICY, **own_page.SECURITY_HEADERS}
+OPEN_PATHS = ("/", "/console.js", "/console.css", "/favicon.ico")
 """Paths without secrets: the page itself, which asks for the token."""
-TICKETS = "/ticket/"
+TICKETS_PATH = "/ticket/"
 """Below it are files that a ticket opens once, instead of the token."""
 
 
@@ -40,7 +40,7 @@ class Guard(OwnPage):
         except Exception as error:  # the page tells it to who asked
             answer = said(500, f"a fault in handcart: {type(error).__name__}: {error}")
         if not answer.prepared:
-            for name, value in HEADERS.items():
+            for name, value in PAGE_HEADERS.items():
                 answer.headers.setdefault(name, value)
         return answer
 
@@ -51,7 +51,7 @@ class Guard(OwnPage):
             return said(*refused)
         if request.headers.get(hdrs.UPGRADE):
             return said(403, "there are no sockets here")
-        if request.path in OPEN or request.path.startswith(TICKETS):
+        if request.path in OPEN_PATHS or request.path.startswith(TICKETS_PATH):
             return None if request.method == "GET" else said(405, "only GET")
         if not self.has_token(request):
             return said(401, "the token is missing or wrong; it is in the address that was printed")
@@ -70,4 +70,4 @@ class Guard(OwnPage):
 def said(status: int, words: str) -> web.Response:
     """An answer in words."""
     body = {"ok": status < 400, "error": words}
-    return web.json_response(body, status=status, headers=HEADERS)
+    return web.json_response(body, status=status, headers=PAGE_HEADERS)

@@ -15,13 +15,13 @@ from handcart.files.errors import HandcartError
 from handcart.files.printable import clipped, printable
 from handcart.networks.operator.acknowledging import acknowledge
 from handcart.networks.operator.asking import ask, tell_to_stop
-from handcart.networks.operator.message import LONGEST_WORD, WORDS
+from handcart.networks.operator.message import COMMAND_WORDS, LONGEST_WORD
 from handcart.networks.runs.run_folder import read_file
 
-from .guard import TICKETS, said
+from .guard import TICKETS_PATH, said
 from .kept_details import KeptDetails
 from .lease import Lease
-from .run_details import EVIDENCE, PAGES, PICTURES, RunDetails
+from .run_details import EVIDENCE_PATH, EVIDENCE_SUFFIXES, RUN_PAGES, RunDetails
 from .tickets import Tickets
 from .watcher import Watcher
 
@@ -29,9 +29,9 @@ MOST_BODY = 16_384  # of a command, in [bytes]
 PATIENCE_S = 5.0  # [s] for a command's body
 BEAT_S = 2.0  # [s] after which who listens hears something, even if nothing is new
 MOST_FILE = 64 * 2**20
-TAB = "X-Console-Tab"
+TAB_HEADER = "X-Console-Tab"
 """Header with a word of its own of each open page."""
-SANDBOX = (
+SANDBOX_POLICY = (
     "sandbox allow-scripts; default-src 'none'; img-src data:; style-src 'unsafe-inline'; "
     "script-src 'unsafe-inline'"
 )
@@ -58,7 +58,7 @@ class Handlers:
             web.post("/api/runs/{run}/acknowledge", self.acknowledge),
             web.post("/api/runs/{run}/ticket", self.ticket),
             web.post("/api/lease", self.lease),
-            web.get(TICKETS + "{word}", self.page),
+            web.get(TICKETS_PATH + "{word}", self.page),
         ]
 
     async def events(self, request: web.Request) -> web.StreamResponse:
@@ -102,9 +102,9 @@ class Handlers:
         """A picture that the robot took."""
         folder, name = self._folder(request), request.match_info["file"]
         where, _, file = name.rpartition("/")
-        if where != EVIDENCE or not file.endswith(PICTURES):
+        if where != EVIDENCE_PATH or not file.endswith(EVIDENCE_SUFFIXES):
             return said(404, "there is no such picture")
-        content = await self._away(lambda: read_file(folder / EVIDENCE, file, MOST_FILE))
+        content = await self._away(lambda: read_file(folder / EVIDENCE_PATH, file, MOST_FILE))
         kind = mimetypes.guess_type(file)[0] or "application/octet-stream"
         return content if isinstance(content, web.Response) else web.Response(body=content, content_type=kind)
 
@@ -113,7 +113,7 @@ class Handlers:
         folder, message = self._folder(request), await _body(request)
         if not self._lease.holds(_tab(request)):
             return said(423, f"{self._lease.holder()['name'] or 'nobody'} commands; take the command first")
-        if message.get("do") not in WORDS:
+        if message.get("do") not in COMMAND_WORDS:
             return said(400, f"unknown command {printable(clipped(repr(message.get('do'))))}")
         many = message.pop("places", None)
         named = {**message, "by": self._lease.holder()["name"]}
@@ -151,7 +151,7 @@ class Handlers:
         word, tab = await _body(request), _tab(request)
         name = word.get("name")
         if not tab:
-            return said(400, f"the header {TAB} is missing")
+            return said(400, f"the header {TAB_HEADER} is missing")
         if word.get("take") is not True:
             self._lease.release(tab)
         elif not isinstance(name, str) or not 0 < len(name.strip()) <= LONGEST_WORD:
@@ -164,9 +164,9 @@ class Handlers:
     async def ticket(self, request: web.Request) -> web.Response:
         """Opens one of a run's own pages once."""
         folder, word = self._folder(request), await _body(request)
-        if word.get("page") not in PAGES:
-            return said(404, f"there is no such page; allowed: {', '.join(PAGES)}")
-        return _json({"ok": True, "url": TICKETS + self._tickets.give(folder, str(word["page"]))})
+        if word.get("page") not in RUN_PAGES:
+            return said(404, f"there is no such page; allowed: {', '.join(RUN_PAGES)}")
+        return _json({"ok": True, "url": TICKETS_PATH + self._tickets.give(folder, str(word["page"]))})
 
     async def page(self, request: web.Request) -> web.Response:
         """The page that a ticket opens."""
@@ -176,7 +176,7 @@ class Handlers:
         content = await self._away(lambda: read_file(ticket.folder, ticket.name, MOST_FILE))
         if isinstance(content, web.Response):
             return content
-        headers = {"Content-Security-Policy": SANDBOX}
+        headers = {"Content-Security-Policy": SANDBOX_POLICY}
         return web.Response(body=content, content_type="text/html", charset="utf-8", headers=headers)
 
     def _folder(self, request: web.Request) -> Path:
@@ -210,9 +210,9 @@ def _each(folder: Path, message: dict[str, Any], places: object) -> dict[str, An
 
 def _tab(request: web.Request) -> str:
     """The word of the page that asks; empty where it says none."""
-    tab = request.headers.get(TAB, "")
+    tab = request.headers.get(TAB_HEADER, "")
     if len(tab) > LONGEST_WORD or not (tab.isascii() and tab.isprintable()):
-        raise web.HTTPBadRequest(reason=f"the header {TAB} is too long, or no plain text")
+        raise web.HTTPBadRequest(reason=f"the header {TAB_HEADER} is too long, or no plain text")
     return tab
 
 

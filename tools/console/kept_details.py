@@ -9,11 +9,11 @@ from typing import Any
 
 import orjson
 
-from handcart.networks.operator.view_address import NAME as ADDRESS
+from handcart.networks.operator.view_address import ADDRESS_FILE as ADDRESS
 
-from .run_details import EVIDENCE, PAGES, RunDetails
+from .run_details import EVIDENCE_PATH, RUN_PAGES, RunDetails
 
-MOST = 32
+MAX_KEPT_RUNS = 32
 Away = Callable[[Callable[[], Any]], Awaitable[Any]]
 
 
@@ -34,7 +34,7 @@ class KeptDetails:
             away: executes slow work outside the event loop; its error response is returned if reading
                 fails.
         """
-        written = ("journal.jsonl", EVIDENCE, ADDRESS, *PAGES)
+        written = ("journal.jsonl", EVIDENCE_PATH, ADDRESS, *RUN_PAGES)
         mark = alive, situation, *(_mark(folder / name) for name in written)
         known = self._kept.get(folder)
         if known is None or known[0] != mark:
@@ -43,7 +43,7 @@ class KeptDetails:
             )
             self._kept.pop(folder, None)
             self._kept[folder] = known = mark, reading
-            if len(self._kept) > MOST:
+            if len(self._kept) > MAX_KEPT_RUNS:
                 del self._kept[next(iter(self._kept))]
         return await asyncio.shield(known[1])
 

@@ -21,9 +21,9 @@ from handcart.networks.operator.view_address import view_address
 from handcart.networks.runs.run_folder import read_run_journal
 from handcart.networks.task.task_file import load_task
 
-EVIDENCE = "evidence"
-PICTURES = (".png", ".jpg", ".jpeg")
-PAGES = ("report.html",)
+EVIDENCE_PATH = "evidence"
+EVIDENCE_SUFFIXES = (".png", ".jpg", ".jpeg")
+RUN_PAGES = ("report.html",)
 MOST_ACTIONS = 500
 """The last ones; a run of more is read in its report."""
 
@@ -53,7 +53,7 @@ class RunDetails:
             "waits": [] if self._alive else self._waits(),
             "moved": self._moved(),
             "pictures": self._pictures(),
-            "pages": [name for name in PAGES if (self._folder / name).is_file()],
+            "pages": [name for name in RUN_PAGES if (self._folder / name).is_file()],
             "view": view_address(self._folder) if self._alive else None,
             "view_command": f"handcart view {shlex.quote(str(self._folder))}",
             "resume": f"handcart resume {shlex.quote(str(self._folder))}",
@@ -120,12 +120,16 @@ class RunDetails:
 
     def _pictures(self) -> list[dict[str, Any]]:
         """The robot's, the newest last, each with the number of its action."""
-        folder = self._folder / EVIDENCE
+        folder = self._folder / EVIDENCE_PATH
         if not folder.is_dir() or folder.is_symlink():
             return []
-        names = [each.name for each in folder.iterdir() if each.suffix in PICTURES and not each.is_symlink()]
+        names = [
+            each.name
+            for each in folder.iterdir()
+            if each.suffix in EVIDENCE_SUFFIXES and not each.is_symlink()
+        ]
         numbered = [(int(name[:3]) if name[:3].isdigit() else 0, name) for name in names]
-        return [{"action": number, "file": f"{EVIDENCE}/{name}"} for number, name in sorted(numbered)]
+        return [{"action": number, "file": f"{EVIDENCE_PATH}/{name}"} for number, name in sorted(numbered)]
 
 
 def _action(action: Any) -> dict[str, Any]:

@@ -20,7 +20,7 @@ from .guard import Guard, Handler
 from .handlers import MOST_BODY, Handlers
 from .watcher import Watcher
 
-LOOPBACK = ("127.0.0.1", "::1")
+LOOPBACK_ADDRESSES = ("127.0.0.1", "::1")
 _EVERY = ("", "0.0.0.0", "::")
 PORT, TRIES = 8090, 100
 KEPT_S = 15.0
@@ -52,7 +52,7 @@ class Server:
             wrong = "pages of any name would reach it"
             raise NoConsole(f"--host {host}: {wrong}; allowed: one address of this machine, or its name")
         self._runs = runs
-        self._sockets = _sockets((host,) if host else LOOPBACK, port)
+        self._sockets = _sockets((host,) if host else LOOPBACK_ADDRESSES, port)
         self.port = int(self._sockets[0].getsockname()[1])
         names = [host] if host else ["127.0.0.1", "localhost", "::1"]
         shown = [f"[{each}]" if ":" in each else each for each in names]
@@ -136,7 +136,7 @@ def _sockets(hosts: Sequence[str], port: int | None) -> list[socket.socket]:
             for host in hosts:
                 opened.append(_opened(host, opened[0].getsockname()[1] if opened else chosen))
         except OSError as error:
-            if opened and hosts == LOOPBACK and not _has_ipv6():
+            if opened and hosts == LOOPBACK_ADDRESSES and not _has_ipv6():
                 return opened
             for each in opened:
                 each.close()
@@ -165,7 +165,7 @@ def _opened(host: str, port: int) -> socket.socket:
 def _has_ipv6() -> bool:
     try:
         with socket.socket(socket.AF_INET6) as tried:
-            tried.bind((LOOPBACK[1], 0))
+            tried.bind((LOOPBACK_ADDRESSES[1], 0))
     except OSError:
         return False
     return True

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 VALID_S = 30.0
-MOST = 100
+MAX_TICKETS = 100
 
 
 class Ticket(NamedTuple):
@@ -28,7 +28,7 @@ class Tickets:
 
     def give(self, folder: Path, name: str) -> str:
         """One for a file in a folder."""
-        while len(self._given) >= MOST:
+        while len(self._given) >= MAX_TICKETS:
             del self._given[next(iter(self._given))]
         word = secrets.token_urlsafe(24)
         self._given[word] = Ticket(folder, name, time.monotonic() + VALID_S)

@@ -11,16 +11,16 @@ from typing import Any
 
 from handcart.files.errors import HandcartError
 from handcart.networks.operator.asking import NotAnswering, ask
-from handcart.networks.operator.socket_path import CONTROL
+from handcart.networks.operator.socket_path import CONTROL_SOCKET
 from handcart.networks.runs.run_names import ListedRun, list_runs
 
-from .run_details import PAGES
+from .run_details import RUN_PAGES
 
 LOOKS_S = 0.2
 """Time between two looks at running runs, in [s]."""
-LISTS = 5
+LOOKS_PER_LISTING = 5
 """Looks between two at which runs there are."""
-MOST = 200
+MAX_SHOWN_RUNS = 200
 """Runs that are shown, the newest."""
 PATIENCE_S = 1.0
 """[s] for which a run may keep the watcher waiting."""
@@ -44,7 +44,7 @@ class Watcher:
         count = 0
         while True:
             before = self.states()
-            if count % LISTS == 0:
+            if count % LOOKS_PER_LISTING == 0:
                 self._listed = await self.away(self._list)
             await asyncio.gather(*(self._look(name) for name in self._listed))
             count += 1
@@ -92,7 +92,7 @@ class Watcher:
         self._pool.shutdown(wait=False, cancel_futures=True)
 
     def _list(self) -> dict[str, ListedRun]:
-        return {each.folder.name: each for each in list_runs(self.folder)[:MOST]}
+        return {each.folder.name: each for each in list_runs(self.folder)[:MAX_SHOWN_RUNS]}
 
     async def _look(self, name: str) -> None:
         """Ask a run that may be running for its status.
@@ -101,7 +101,7 @@ class Watcher:
         """
         folder = self._listed[name].folder
         try:
-            status = (folder / CONTROL).stat()
+            status = (folder / CONTROL_SOCKET).stat()
         except OSError:
             self._live.pop(name, None)
             return
@@ -127,7 +127,7 @@ class Watcher:
             "alive": live is not None,
         }
         if live is None:
-            pages = [page for page in PAGES if (listed.folder / page).is_file()]  # written after the end
+            pages = [page for page in RUN_PAGES if (listed.folder / page).is_file()]  # written after the end
             return {**head, "state": listed.outcome or "broken off", "pages": pages}
         rest = {key: value for key, value in live.items() if key != "ok"}
         return {**head, **rest}

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from handcart.evaluation.robot_report.postures import HandAim
 
 ONE_OF = "what is the posture? allowed: either --joints, --hand or --from-posture"
-PAIRS = 3  # links that touch each other, that are named
-WAYS = {
+MAX_NAMED_PAIRS = 3  # of touching links
+DIRECTION_BY_WORD = {
     "ahead": (1.0, 0.0, 0.0),
     "back": (-1.0, 0.0, 0.0),
     "left": (0.0, 1.0, 0.0),
@@ -88,9 +88,9 @@ def _aim(hand: str | None, way: str, roll: float | None) -> HandAim:
     place = _triple(hand)
     if place is None:
         raise typer.BadParameter(f"{hand!r} is no place; allowed: X,Y,Z in metres")
-    direction = WAYS.get(way) or _triple(way)
+    direction = DIRECTION_BY_WORD.get(way) or _triple(way)
     if direction is None or not any(direction):
-        hint = suggest(way, WAYS) if direction is None else "; allowed: not all 0"
+        hint = suggest(way, DIRECTION_BY_WORD) if direction is None else "; allowed: not all 0"
         raise typer.BadParameter(f"{way!r} is no direction{hint}, or X,Y,Z in the base frame")
     if roll is not None and not math.isfinite(roll):
         raise typer.BadParameter(f"a roll of {roll} deg; allowed: a finite number")
@@ -117,7 +117,7 @@ def _found(spec: RobotFile, aim: HandAim) -> list[float]:
     if not found.reached:
         reach = "what `handcart check` tells of its reach, or another --pointing"
         raise typer.BadParameter(f"no posture has {at}, pointing that way; allowed: {reach}")
-    pairs = "; ".join(touching_words(*each) for each in found.touching[:PAIRS])
+    pairs = "; ".join(touching_words(*each) for each in found.touching[:MAX_NAMED_PAIRS])
     wrong = f"none of {found.reached} postures that have {at} is free of the robot itself: {pairs}"
     raise typer.BadParameter(f"{wrong}; allowed: another place, or `handcart check --allow`")
 

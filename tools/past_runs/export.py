@@ -21,7 +21,7 @@ def export(
     from handcart.files.printable import printable
     from handcart.tools.terminal.writing import NotWritable
 
-    write = FORMATS.get(file.suffix)
+    write = EXPORT_BY_SUFFIX.get(file.suffix)
     if write is None:
         raise NotWritable(file, f"nothing is written with the suffix {file.suffix!r}", "*.mcap, *.parquet")
     try:
@@ -48,5 +48,5 @@ def _parquet(folder: Path, file: Path) -> str:
     return counted(len(trials), "trial")
 
 
-FORMATS: Mapping[str, Callable[[Path, Path], str]] = {".mcap": _mcap, ".parquet": _parquet}
+EXPORT_BY_SUFFIX: Mapping[str, Callable[[Path, Path], str]] = {".mcap": _mcap, ".parquet": _parquet}
 """Writers of recorded runs, by file suffix."""

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from handcart.robotics.numerics.compiled import hearing_of_compiling
 from handcart.robotics.numerics.compiling_ahead import compiling_ahead
 
-COMPILING = "compiling inner loops: only once after installing"
+COMPILING_MESSAGE = "compiling inner loops: only once after installing"
 SILENT_TIME_S = 1.0
 
 
@@ -26,8 +26,8 @@ def announced(what: str) -> Iterator[None]:
 
     def heard(compiling: bool) -> None:
         if compiling and not said:
-            said.append(COMPILING)
-            _say(COMPILING)
+            said.append(COMPILING_MESSAGE)
+            _say(COMPILING_MESSAGE)
 
     timer.start()
     try:

@@ -13,7 +13,7 @@ from typing import NamedTuple
 from handcart.files.errors import InputError
 from handcart.files.extras import EXTRAS, extra_of, is_there
 
-MODULES = {
+IMPORT_NAMES = {
     "opencv-python-headless": "cv2",
     "pin": "pinocchio",
     "python-fcl": "fcl",
@@ -124,7 +124,7 @@ def _plain(name: str) -> str:
 
 
 def _module(name: str) -> str:
-    return MODULES.get(_plain(name), _plain(name).replace("-", "_"))
+    return IMPORT_NAMES.get(_plain(name), _plain(name).replace("-", "_"))
 
 
 def _fits(version: str, wanted: str) -> bool:

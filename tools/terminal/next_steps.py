@@ -7,15 +7,20 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-PAGE = "report.html"
+REPORT_PAGE = "report.html"
 EXPLAIN, VIEW = "handcart explain {}", "handcart view {}"
-RESUME = "handcart resume {}"
-STEPS = {"Success": (VIEW,), "Fail": (EXPLAIN, VIEW), "GiveUp": (EXPLAIN, RESUME), "Cancelled": (RESUME,)}
+RESUME_COMMAND = "handcart resume {}"
+STEPS_BY_OUTCOME = {
+    "Success": (VIEW,),
+    "Fail": (EXPLAIN, VIEW),
+    "GiveUp": (EXPLAIN, RESUME_COMMAND),
+    "Cancelled": (RESUME_COMMAND,),
+}
 
 
 def next_steps(summary: Mapping[str, Any]) -> list[str]:
     """Commands, and the run's page, by the summary of a run that has ended."""
     folder = Path(str(summary["run_dir"]))
     run = shlex.quote(str(folder))
-    steps = [step.format(run) for step in STEPS.get(str(summary["outcome"]), (EXPLAIN,))]
-    return [*steps, str(folder / PAGE)] if (folder / PAGE).is_file() else steps
+    steps = [step.format(run) for step in STEPS_BY_OUTCOME.get(str(summary["outcome"]), (EXPLAIN,))]
+    return [*steps, str(folder / REPORT_PAGE)] if (folder / REPORT_PAGE).is_file() else steps

@@ -22,10 +22,10 @@ from handcart.networks.run_observer import RunObserver
 from handcart.networks.task.preparing import Prepared
 from handcart.primitives.contract.outcome import Fail, GiveUp, Success
 from handcart.robotics.numerics.compiled import hearing_of_compiling
-from handcart.tools.terminal.first_use import COMPILING as COMPILING
+from handcart.tools.terminal.first_use import COMPILING_MESSAGE as COMPILING_MESSAGE
 
-LOADING = "loading"
-COLOURS = {"Success": "green", "Fail": "yellow", "GiveUp": "red"}
+LOADING_MESSAGE = "loading"
+COLOUR_BY_OUTCOME = {"Success": "green", "Fail": "yellow", "GiveUp": "red"}
 
 
 class Progress(RunObserver):
@@ -36,8 +36,8 @@ class Progress(RunObserver):
 
     def __init__(self) -> None:
         self._console = Console(stderr=True, highlight=False, soft_wrap=True)
-        self._status = self._console.status(LOADING)
-        self._now, self._next = LOADING, 0.0
+        self._status = self._console.status(LOADING_MESSAGE)
+        self._now, self._next = LOADING_MESSAGE, 0.0
         self._begun, self._cost, self._rest = 0.0, 0.0, 0.0
         """When the action began, how long it is thought to take, and all that comes after it [s]."""
         self._way: tuple[Action, ...] = ()
@@ -139,15 +139,15 @@ class Progress(RunObserver):
         return f"[dim]  {time - self._begun:.0f} of about {self._cost:.0f} s{after}[/dim]"
 
     def _compiling(self, begins: bool) -> None:
-        self._status.update(COMPILING if begins else self._now)
+        self._status.update(COMPILING_MESSAGE if begins else self._now)
         if begins and not self._compiled and not self._console.is_terminal:
-            self._print(COMPILING)
+            self._print(COMPILING_MESSAGE)
         self._compiled = True
 
     def _ended(self, time: float, number: int, what: str, outcome: Success | Fail | GiveUp) -> None:
         word = type(outcome).__name__
         reason = "" if isinstance(outcome, Success) else f": {outcome.reason}"
-        self._line(time, f"{number}. {what}: {word}{reason}", COLOURS[word])
+        self._line(time, f"{number}. {what}: {word}{reason}", COLOUR_BY_OUTCOME[word])
 
     def _line(self, time: float, words: str, colour: str = "default") -> None:
         self._print(f"[dim]{time:8.1f} s[/dim]  [{colour}]{escape(words)}[/{colour}]")

@@ -10,7 +10,7 @@ from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
 from handcart.networks.operator.accepting import accept_no_more
-from handcart.networks.operator.own_page import HEADERS, OwnPage
+from handcart.networks.operator.own_page import SECURITY_HEADERS, OwnPage
 
 if TYPE_CHECKING:
     from websockets.asyncio.server import ServerConnection, serve
@@ -91,7 +91,7 @@ class Gate(OwnPage):
         page.body = page.body.replace(b"<head>", b"<head><script>" + script + b"</script>", 1)
         del page.headers["Content-Length"]
         for name, value in {
-            **HEADERS,
+            **SECURITY_HEADERS,
             "Content-Security-Policy": self.policy,
             "Content-Length": str(len(page.body)),
         }.items():

@@ -17,7 +17,7 @@ from handcart.evaluation.view.network_window import NetworkWindow
 from handcart.evaluation.view.rays import rays_of
 from handcart.evaluation.view.recorded_frames import STEP, RecordedFrames
 from handcart.evaluation.view.time_line import WIDE, time_line
-from handcart.networks.drawing.styles import LIT
+from handcart.networks.drawing.styles import HIGHLIGHT_COLOUR
 from handcart.networks.graph.journaled_network import NamedBinding
 from handcart.networks.graph.network import Action, ActionNetwork, Situation
 from handcart.networks.journal.past_run import PastAction
@@ -56,9 +56,9 @@ def test_the_network_is_lit_where_the_run_is() -> None:
     )
     window = NetworkWindow(network, ())
     still, running = window.svg("there[2]", None), window.svg("here", an_action(1, "here", "there[1]", 0, 1))
-    assert still.count(LIT) == 1
-    assert re.search(rf"{LIT}[^/]*/>\s*<text[^>]*>there", still)
-    assert running.count(LIT) == 2
+    assert still.count(HIGHLIGHT_COLOUR) == 1
+    assert re.search(rf"{HIGHLIGHT_COLOUR}[^/]*/>\s*<text[^>]*>there", still)
+    assert running.count(HIGHLIGHT_COLOUR) == 2
     assert "&lt;done&gt;" in still
     assert "<done>" not in still
 

@@ -14,7 +14,7 @@ from handcart.networks.coordination.coordinator import Coordinator
 from handcart.networks.coordination.events import Event, LeftOut, Planned
 from handcart.networks.coordination.run_end import RunEnd
 from handcart.networks.coordination.run_life import RunState
-from handcart.networks.coordination.supervision import MAX_UNAPPLIED, MOST, Request
+from handcart.networks.coordination.supervision import MAX_REQUESTS, MAX_UNAPPLIED, Request
 from handcart.networks.graph.network import Action, ActionNetwork, Binding, Situation
 from handcart.networks.journal.journal import Journal
 from handcart.networks.journal.journal_record import read_journal
@@ -187,8 +187,8 @@ def test_after_a_cancel_no_further_action_starts(stand: Stand) -> None:
 
 def test_requests_that_wait_are_limited_to_a_number(stand: Stand) -> None:
     run = Coordinator(drive_network(stand, stand.Drive()), stand.robot, stand.model)
-    answers = [run.ask(Request.PAUSE) for _ in range(MOST + 1)]
-    assert answers[:-1] == [""] * MOST
+    answers = [run.ask(Request.PAUSE) for _ in range(MAX_REQUESTS + 1)]
+    assert answers[:-1] == [""] * MAX_REQUESTS
     assert answers[-1] == "too much is asked for at once; allowed: to wait until it is done, and to stop"
     assert not run.request(Request.PAUSE)
     assert run.request(Request.STOP)

@@ -5,7 +5,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from handcart.networks.drawing.drawing import FORMATS
+from handcart.networks.drawing.drawing import WRITER_BY_SUFFIX
 from handcart.networks.graph.network import Action, ActionNetwork, Binding, Situation
 from tests.networks.conftest import Stand
 
@@ -38,22 +38,22 @@ def network(stand: Stand) -> ActionNetwork:
 
 @pytest.mark.parametrize("suffix", [".svg", ".mmd", ".dot"])
 def test_everything_is_drawn(network: ActionNetwork, suffix: str) -> None:
-    text = FORMATS[suffix](network, "")
+    text = WRITER_BY_SUFFIX[suffix](network, "")
     assert isinstance(text, str)
     for situation in network.situations:
         assert situation in text
     assert "2.5 s" in text
     assert "SKIP" in text
-    assert FORMATS[suffix](network, "") == text
+    assert WRITER_BY_SUFFIX[suffix](network, "") == text
 
 
 def test_a_declared_fail_is_drawn_once(network: ActionNetwork) -> None:
     for suffix, words in ((".mmd", "THINK fails"), (".dot", "THINK fails"), (".svg", "stroke-dasharray")):
-        assert str(FORMATS[suffix](network, "")).count(words) == 1
+        assert str(WRITER_BY_SUFFIX[suffix](network, "")).count(words) == 1
 
 
 def test_svg_is_xml(network: ActionNetwork) -> None:
-    root = ElementTree.fromstring(FORMATS[".svg"](network, "a < b"))
+    root = ElementTree.fromstring(WRITER_BY_SUFFIX[".svg"](network, "a < b"))
     kinds = [element.get("class", "") for element in root.iter()]
     assert sum(kinds.count(kind) for kind in ("situation", "start", "goal")) == 5
     assert kinds.count("action") == 8
@@ -62,7 +62,7 @@ def test_svg_is_xml(network: ActionNetwork) -> None:
 
 @pytest.mark.parametrize(("suffix", "begin"), [(".png", b"\x89PNG"), (".pdf", b"%PDF")])
 def test_pictures_are_the_same_each_time(network: ActionNetwork, suffix: str, begin: bytes) -> None:
-    picture = FORMATS[suffix](network, "think")
+    picture = WRITER_BY_SUFFIX[suffix](network, "think")
     assert isinstance(picture, bytes)
     assert picture.startswith(begin)
-    assert FORMATS[suffix](network, "think") == picture
+    assert WRITER_BY_SUFFIX[suffix](network, "think") == picture

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from handcart.networks.journal.run_records import RECORDS, makes_sense
+from handcart.networks.journal.run_records import RECORD_VALIDATORS, makes_sense
 
 AT = {"base": [0.0, 1.0, 2.0], "base_sigma": [0.1, None]}
 ACTION = {"index": 0, "do": "MOVE_TO", "from": "a", "to": "b"}
@@ -37,7 +37,7 @@ def record(kind: str, **more: Any) -> dict[str, Any]:
 
 
 def test_the_least_of_each_kind_makes_sense_and_nothing_less() -> None:
-    assert LEAST.keys() == RECORDS.keys()
+    assert LEAST.keys() == RECORD_VALIDATORS.keys()
     for kind, fields in LEAST.items():
         whole = record(kind)
         assert makes_sense(whole) == "", kind

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from handcart.networks.journal.run_records import RECORDS, makes_sense
+from handcart.networks.journal.run_records import RECORD_VALIDATORS, makes_sense
 
 STOP = {
     "q": 3,
@@ -43,6 +43,6 @@ def test_a_record_that_lacks_what_all_have_is_named(change: dict[str, Any], wron
     assert makes_sense({**STOP, **change}).startswith(wrong)
 
 
-@pytest.mark.parametrize("kind", sorted(RECORDS))
+@pytest.mark.parametrize("kind", sorted(RECORD_VALIDATORS))
 def test_no_kind_of_record_does_without_its_time(kind: str) -> None:
     assert makes_sense({"q": 0 if kind == "RUN" else 1, "kind": kind}) == "t: Field required"

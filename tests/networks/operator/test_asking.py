@@ -21,7 +21,7 @@ from handcart.networks.operator.asking import (
     tell_to_stop,
 )
 from handcart.networks.operator.message import LONGEST_WORD, fault_of
-from handcart.networks.operator.own_page import HEADERS, OwnPage
+from handcart.networks.operator.own_page import SECURITY_HEADERS, OwnPage
 from handcart.networks.operator.socket_path import socket_path
 
 
@@ -146,4 +146,4 @@ def test_a_page_answers_its_own_requests_alone() -> None:
     assert not page.knows("\udcff")
     assert len(page.token) == 32
     assert OwnPage([]).token != page.token
-    assert HEADERS["Cache-Control"] == "no-store"
+    assert SECURITY_HEADERS["Cache-Control"] == "no-store"

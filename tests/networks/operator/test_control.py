@@ -17,11 +17,11 @@ import pytest
 
 from benchmarks.damage.fuzzed_messages import fuzzed_messages
 from handcart.networks.coordination.coordinator import Coordinator
-from handcart.networks.coordination.supervision import MOST as REQUESTS_THAT_WAIT
+from handcart.networks.coordination.supervision import MAX_REQUESTS as REQUESTS_THAT_WAIT
 from handcart.networks.graph.network import Action
 from handcart.networks.journal.journal import Journal
 from handcart.networks.operator.asking import ClosedToYou, NotAlive, NotAnswering, ask, goes_on, tell_to_stop
-from handcart.networks.operator.control import MOST, SILENT, Control
+from handcart.networks.operator.control import MAX_CONNECTIONS, SILENCE_TIMEOUT_S, Control
 from handcart.networks.operator.operation import Operation
 from handcart.networks.operator.permits import Permits
 from tests.conftest import Clock
@@ -161,7 +161,7 @@ def test_what_is_wrong_with_a_message(run: Any, message: dict[str, Any], words: 
 
 def test_a_stop_waits_behind_nothing(run: Any, lines: Callable[[], Line], folder: Path) -> None:
     """U9: more idle lines than there may be, half messages, floods, and a queue full of other wishes."""
-    idle = [lines() for _ in range(MOST)]
+    idle = [lines() for _ in range(MAX_CONNECTIONS)]
     run.look()
     for each in idle[::2]:
         each.send(b'{"do":"sta')
@@ -177,7 +177,7 @@ def test_a_stop_waits_behind_nothing(run: Any, lines: Callable[[], Line], folder
 
 def test_a_stop_on_the_line_is_heard_beside_idle_ones(run: Any, lines: Callable[[], Line]) -> None:
     """U8, U11: eight that say nothing made `handcart stop` say that no run is alive."""
-    for _ in range(3 * MOST):
+    for _ in range(3 * MAX_CONNECTIONS):
         lines()
         run.look()
     asking = lines()
@@ -250,7 +250,7 @@ def test_a_line_on_which_nothing_comes_is_closed(
     for _ in range(3):
         busy.send(b"{}\n")
         control.poll()
-        clock.now += 0.4 * SILENT
+        clock.now += 0.4 * SILENCE_TIMEOUT_S
     control.poll()
     assert (idle.hung_up, half.hung_up) == (True, True)
     busy.send(b"{}\n")
@@ -263,7 +263,7 @@ def test_of_too_many_lines_the_one_that_was_silent_longest_is_closed(
 ) -> None:
     """U11: active clients keep their connection."""
     many = []
-    for _ in range(MOST):
+    for _ in range(MAX_CONNECTIONS):
         many.append(lines())
         control.poll()
     clock.now += 1.0
@@ -273,7 +273,7 @@ def test_of_too_many_lines_the_one_that_was_silent_longest_is_closed(
     clock.now += 1.0
     last = lines()
     control.poll()
-    assert [len(each.answers()) for each in many] == [1] * 20 + [0] + [1] * (MOST - 21)
+    assert [len(each.answers()) for each in many] == [1] * 20 + [0] + [1] * (MAX_CONNECTIONS - 21)
     assert [number for number, each in enumerate(many) if each.hung_up] == [20]
     last.send(b"{}\n")
     control.poll()
@@ -367,7 +367,7 @@ def test_a_run_that_is_over_broke_off_or_does_not_answer(folder: Path) -> None:
 def test_a_queue_that_is_full_is_no_run_that_is_over(folder: Path, lines: Callable[[], Line]) -> None:
     """The run computes, and reads no waiting messages."""
     with Journal(folder / "journal.jsonl"), Control(folder, dict, lambda: None):
-        for _ in range(2 * MOST):
+        for _ in range(2 * MAX_CONNECTIONS):
             try:
                 lines()
             except BlockingIOError:

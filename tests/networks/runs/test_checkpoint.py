@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from handcart.backends.saved_state import NotAState, digest, pack, unpack
-from handcart.networks.runs.checkpoint import NAME, NotKeptError, keep_checkpoint, load_checkpoint
+from handcart.networks.runs.checkpoint import CHECKPOINT_FILE, NotKeptError, keep_checkpoint, load_checkpoint
 
 SUCCESS = {"n": 4, "outcome": "Success"}
 WHOLE: Mapping[str, Any] = {
@@ -48,15 +48,15 @@ def prepared(simulated: bool = True, backend: object = WHOLE["backend"]) -> Any:
 
 def test_checkpoint_comes_back_as_it_was_kept(tmp_path: Path) -> None:
     name = keep_checkpoint(tmp_path, prepared(), False, SUCCESS, "abc")
-    content = (tmp_path / NAME).read_bytes()
+    content = (tmp_path / CHECKPOINT_FILE).read_bytes()
     assert unpack(content) == WHOLE
     kept = load_checkpoint(tmp_path)
     assert kept is not None
     assert name == kept.digest == digest(content)
     assert (kept.after, kept.result, kept.time_s) == ("abc", SUCCESS, 2.5)
     assert (kept.backend, kept.robot, kept.model) == (WHOLE["backend"], WHOLE["robot"], WHOLE["model"])
-    assert [path.name for path in tmp_path.iterdir()] == [NAME]
-    assert (tmp_path / NAME).stat().st_mode & 0o777 == 0o600
+    assert [path.name for path in tmp_path.iterdir()] == [CHECKPOINT_FILE]
+    assert (tmp_path / CHECKPOINT_FILE).stat().st_mode & 0o777 == 0o600
 
 
 @pytest.mark.parametrize("durable", [True, False])
@@ -68,7 +68,7 @@ def test_checkpoint_is_on_the_disk_before_it_replaces_the_last(
     replace = os.replace
 
     def sync(file: int) -> None:
-        new = tmp_path / f"{NAME}.new"
+        new = tmp_path / f"{CHECKPOINT_FILE}.new"
         assert os.path.samestat(os.fstat(file), new.stat())
         done.append(("sync", unpack(new.read_bytes())["after"]))
 
@@ -87,7 +87,7 @@ def test_checkpoint_is_on_the_disk_before_it_replaces_the_last(
 
 @pytest.mark.parametrize("left", ["a file", "a link"])
 def test_what_a_crash_left_half_written_is_no_obstacle(tmp_path: Path, left: str) -> None:
-    new, elsewhere = tmp_path / f"{NAME}.new", tmp_path / "elsewhere"
+    new, elsewhere = tmp_path / f"{CHECKPOINT_FILE}.new", tmp_path / "elsewhere"
     elsewhere.write_text("mine")
     new.symlink_to(elsewhere) if left == "a link" else new.write_bytes(b"half")
     assert keep_checkpoint(tmp_path, prepared(), False, SUCCESS, "x")
@@ -143,12 +143,12 @@ def test_a_real_robot_only_learns_and_a_world_is_not_put_there(tmp_path: Path) -
     ],
 )
 def test_what_is_no_checkpoint_is_refused(tmp_path: Path, change: dict[str, Any], words: str) -> None:
-    (tmp_path / NAME).write_bytes(pack({**WHOLE, **change}))
+    (tmp_path / CHECKPOINT_FILE).write_bytes(pack({**WHOLE, **change}))
     with pytest.raises(NotAState, match=words):
         load_checkpoint(tmp_path)
 
 
 def test_a_list_is_no_checkpoint(tmp_path: Path) -> None:
-    (tmp_path / NAME).write_bytes(pack([1, 2]))
+    (tmp_path / CHECKPOINT_FILE).write_bytes(pack([1, 2]))
     with pytest.raises(NotAState, match="no checkpoint of the format"):
         load_checkpoint(tmp_path)

@@ -23,11 +23,17 @@ from handcart.networks.journal.journal_record import read_journal
 from handcart.networks.journal.retracing import NeedsOperator, standing
 from handcart.networks.journal.waiting import waiting
 from handcart.networks.run_options import RunOptions
-from handcart.networks.runs.checkpoint import NAME, keep_checkpoint, load_checkpoint
+from handcart.networks.runs.checkpoint import CHECKPOINT_FILE, keep_checkpoint, load_checkpoint
 from handcart.networks.runs.resuming import NothingToResume, Past, read_past, task_of
 from handcart.networks.runs.run import execute
 from handcart.networks.runs.run_folder import read_run_journal
-from handcart.networks.runs.state_check import LOOK, StateCheck, check_state, gone_on, standing_as_left
+from handcart.networks.runs.state_check import (
+    SETTLING_PERIODS,
+    StateCheck,
+    check_state,
+    gone_on,
+    standing_as_left,
+)
 from handcart.networks.task.preparing import Prepared
 from handcart.networks.task.task_file import load_task
 from handcart.primitives.restoring.snapshot import STILL
@@ -77,7 +83,7 @@ class Run:
             journal.append(kind, 9.0, fields)
 
     def forget(self) -> None:
-        (self.folder / NAME).unlink()
+        (self.folder / CHECKPOINT_FILE).unlink()
 
     def past(self) -> Past:
         return read_past(self.folder, self.network)
@@ -224,7 +230,7 @@ def test_a_look_waits_until_the_robot_rests(run: Run, monkeypatch: pytest.Monkey
 
     def rolling(*paused: bool) -> None:
         stepped[0] += 1
-        if LOOK < stepped[0] <= LOOK + rolls:
+        if SETTLING_PERIODS < stepped[0] <= SETTLING_PERIODS + rolls:
             left, right = wheels.travel
             wheels.travel = WheelTravel(left + 0.01, right + 0.01)
         step(*paused)
@@ -232,7 +238,7 @@ def test_a_look_waits_until_the_robot_rests(run: Run, monkeypatch: pytest.Monkey
     monkeypatch.setattr(robot, "step", rolling)
     monkeypatch.setattr(wheels, "drive", lambda *_: pytest.fail("nothing is commanded"))
     check = check_state(robot, past)
-    assert stepped == [LOOK + rolls + STILL]
+    assert stepped == [SETTLING_PERIODS + rolls + STILL]
     assert check.measured.pose.x == pytest.approx(0.1 + 0.01 * rolls, abs=1e-3)
     assert check.expected is past.standing.at
 
@@ -321,12 +327,12 @@ def test_what_is_not_known_is_not_in_place(run: Run) -> None:
 
 def test_a_give_up_leaves_the_checkpoint_before_it(run: Run) -> None:
     """The person who acknowledges it has put everything back as it was before that action."""
-    before = (run.folder / NAME).read_bytes()
+    before = (run.folder / CHECKPOINT_FILE).read_bytes()
     keep = partial(keep_checkpoint, run.folder, run.prepare(), False)
     assert keep({"n": 4, "outcome": "GiveUp", "reason": "stuck"}, "x") is None
-    assert (run.folder / NAME).read_bytes() == before
+    assert (run.folder / CHECKPOINT_FILE).read_bytes() == before
     assert keep({"n": 4, "outcome": "Success"}, "x")
-    assert (run.folder / NAME).read_bytes() != before
+    assert (run.folder / CHECKPOINT_FILE).read_bytes() != before
 
 
 def test_a_fail_for_good_is_for_good_after_a_resume_too(run: Run) -> None:

@@ -14,7 +14,7 @@ from handcart.networks.analysis.figures import figures
 from handcart.networks.analysis.task_findings import task_findings
 from handcart.networks.coordination.coordinator import Coordinator
 from handcart.networks.coordination.events import Event, Started
-from handcart.networks.drawing.drawing import FORMATS
+from handcart.networks.drawing.drawing import WRITER_BY_SUFFIX
 from handcart.networks.graph.network import Action
 from handcart.networks.task.preparing import beginning_at
 from handcart.networks.task.task_file import Task
@@ -230,7 +230,7 @@ def test_what_check_tells_is_of_both_parts(load: Callable[..., Task]) -> None:
 def test_drawings_show_both_parts_once(load: Callable[..., Task]) -> None:
     network = load(TWICE).network
     for suffix in (".svg", ".mmd", ".dot"):
-        picture = FORMATS[suffix](network, "")
+        picture = WRITER_BY_SUFFIX[suffix](network, "")
         assert "for each word, 2 times: one, two" in picture
         assert "for each word, 3 times: three, four, five" in picture
         assert "[2]" not in picture

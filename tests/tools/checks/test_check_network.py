@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from handcart.networks.analysis.figures import ASSUMPTION
+from handcart.networks.analysis.figures import FORECAST_ASSUMPTION
 from tests.tools.conftest import Said
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -18,7 +18,7 @@ def test_probabilities_give_figures_with_their_assumption(handcart: Callable[...
     tour.write_text(tour.read_text().replace("cost_s: 30,", "cost_s: 30, p: 0.9,"))
     said = handcart("check", tour)
     assert said.status == 0
-    assert ASSUMPTION in said.out
+    assert FORECAST_ASSUMPTION in said.out
     assert "P(goal) 0.99900" in said.out
     figures = json.loads(handcart("check", tour, "--json").out)["figures"]
     assert figures["cost_s"] == pytest.approx(33.3)

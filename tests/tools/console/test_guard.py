@@ -15,7 +15,7 @@ import orjson
 import pytest
 
 from handcart.tools.console import connections, server
-from handcart.tools.console.guard import POLICY
+from handcart.tools.console.guard import PAGE_POLICY
 from handcart.tools.console.server import NoConsole, Server
 from tests.tools.conftest import Said
 from tests.tools.console.conftest import LIVE, OVER, LiveRun, Served
@@ -100,8 +100,8 @@ def test_u5_the_token_is_never_in_what_a_browser_sends_as_address(served: Served
 def test_every_answer_says_what_may_run_on_the_page(served: Served, path: str) -> None:
     """U10: nothing but what the console itself serves."""
     headers = served.ask("GET", path).headers
-    assert headers["Content-Security-Policy"] == POLICY
-    assert "unsafe" not in POLICY
+    assert headers["Content-Security-Policy"] == PAGE_POLICY
+    assert "unsafe" not in PAGE_POLICY
     assert headers["X-Content-Type-Options"] == "nosniff"
     assert headers["Cache-Control"] == "no-store"
 

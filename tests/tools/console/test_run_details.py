@@ -124,10 +124,10 @@ def test_details_are_read_once_until_something_is_new(read: Reader, tmp_path: Pa
 def test_details_of_thirty_two_runs_are_kept_the_last_asked_for(read: Reader, tmp_path: Path) -> None:
     async def ask_all() -> None:
         kept = KeptDetails()
-        for number in range(module.MOST):
+        for number in range(module.MAX_KEPT_RUNS):
             await kept.of(tmp_path / str(number), False, None, read.away)
         await kept.of(tmp_path / "0", False, None, read.away)
-        assert read.count == module.MOST == 32
+        assert read.count == module.MAX_KEPT_RUNS == 32
         await kept.of(tmp_path / "one more", False, None, read.away)
         await kept.of(tmp_path / "1", False, None, read.away)
         assert read.count == 33

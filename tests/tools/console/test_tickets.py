@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from handcart.tools.console.tickets import MOST, Tickets
+from handcart.tools.console.tickets import MAX_TICKETS, Tickets
 from tests.conftest import Clock
 
 
@@ -36,7 +36,7 @@ def test_a_ticket_expires_after_half_a_minute(tickets: Tickets, clock: Clock) ->
 
 
 def test_tickets_beyond_a_hundred_push_the_oldest_out(tickets: Tickets) -> None:
-    words = [tickets.give(Path("a"), str(number)) for number in range(MOST + 2)]
-    assert MOST == 100
+    words = [tickets.give(Path("a"), str(number)) for number in range(MAX_TICKETS + 2)]
+    assert MAX_TICKETS == 100
     kept = [word for word in words if tickets.take(word)]
     assert kept == words[2:]

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from handcart.tools.terminal import first_use
-from handcart.tools.terminal.first_use import COMPILING, announced
+from handcart.tools.terminal.first_use import COMPILING_MESSAGE, announced
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -46,7 +46,7 @@ def test_first_check_says_that_it_compiles(tmp_path: Path) -> None:
     env = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
     ended = subprocess.run(words, cwd=ROOT, env=env, capture_output=True, text=True, check=False)
     assert ended.returncode == 0
-    assert ended.stderr.count(COMPILING) == 1
+    assert ended.stderr.count(COMPILING_MESSAGE) == 1
 
 
 def test_announcing_does_not_import_numba(tmp_path: Path) -> None:

@@ -16,7 +16,7 @@ import pytest
 
 from handcart.robotics.numerics.compiled import compiled, hearing_of_compiling
 from handcart.tools.terminal.next_steps import next_steps
-from handcart.tools.terminal.progress import COMPILING, Progress
+from handcart.tools.terminal.progress import COMPILING_MESSAGE, Progress
 from tests.tools.conftest import Said
 
 
@@ -86,7 +86,7 @@ def test_compiling_is_told_once_and_never_of_what_is_compiled_already(
     with Progress():
         for again in (added, doubled):
             again(cast(float, np.float32(1.0)))  # of another type: compiled anew
-    assert capsys.readouterr().err.count(COMPILING) == 1
+    assert capsys.readouterr().err.count(COMPILING_MESSAGE) == 1
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from handcart.tools.terminal.first_use import COMPILING
+from handcart.tools.terminal.first_use import COMPILING_MESSAGE
 
 ROOT = Path(__file__).resolve().parents[3]
 LIBRARY = ROOT / "tasks" / "return_book"
@@ -16,7 +16,7 @@ LIBRARY = ROOT / "tasks" / "return_book"
 
 def unannounced(stderr: str) -> list[str]:
     """The lines of stderr but for what a command says of itself that takes long."""
-    return [line for line in stderr.splitlines() if not line.endswith(" ...") and line != COMPILING]
+    return [line for line in stderr.splitlines() if not line.endswith(" ...") and line != COMPILING_MESSAGE]
 
 
 def say(*words: object, strict: bool = True) -> subprocess.CompletedProcess[str]:
