@@ -79,9 +79,10 @@ class GeneratorBehaviour(Behaviour):
 
 
 def leaves(steps: Mapping[str, Step]) -> list[Behaviour]:
-    """A leaf for each step, by its name.
+    """Return a leaf for each named step.
 
-    In a composite with memory they take as long as one generator would: as one ends, the next begins.
+    In a composite with memory they take as long as one generator: when one ends, the next begins in that
+    period.
     """
     return [GeneratorBehaviour(name, step) for name, step in steps.items()]
 
@@ -91,7 +92,7 @@ def ticked(root: Behaviour, now: Callable[[], float]) -> Periods:
 
     Args:
         root: a new tree.
-        now: returns the robot's time, in [s]: what the tree sees in place of the wall clock.
+        now: returns the robot's time, in [s], which replaces the wall clock inside the tree.
 
     Raises:
         Discrepancy: the tree failed.

@@ -1,4 +1,4 @@
-"""What MOVE_TO and MODIFY share: planning a drive, and seeing what stands in its way."""
+"""Common parts of MOVE_TO and MODIFY: planning a drive, and detecting obstacles on the route."""
 
 from __future__ import annotations
 
@@ -38,20 +38,22 @@ TURNING = 1.05  # of the turning circle that the steering allows: planned with s
 
 
 def plan_drive(robot: Robot, model: ModelView, goal: Place) -> Way:
-    """The way on the reduced generalized Voronoi graph, for the footprint with arm and load, past what
-    the map shows and what was sensed; or why there is none."""
+    """Plan a route on the reduced generalized Voronoi graph, for the footprint with arm and load.
+
+    It avoids everything on the map and all sensed points. Without a route, the result holds the reason.
+    """
     ways = Ways(model.map, robot.spec.footprint_radius_m, robot.pose, avoided_points(robot, model))
     return ways.to(goal.pose, goal.front if goal.docks else None)
 
 
 def no_way(name: str, way: Way) -> Discrepancy:
-    """That no way leads to a place, for good, and why."""
+    """Return the permanent Discrepancy that no route leads to a place, with its reason."""
     words = f"no way leads to {name}" if way.fits else f"the base can't stand at {name}"
     return Discrepancy(f"{words}: {way.reason}", permanent=True, measured=_shortage(way))
 
 
 def _shortage(way: Way) -> Measured | None:
-    """What is too little."""
+    """Return the clearance or width that was too small."""
     if not way.fits:
         return Measured("Base", "from the place to what is nearest", way.clearance, way.needed, "m")
     return Measured("Base", "width of the way", way.width, way.width_needed, "m") if way.narrow else None
@@ -60,13 +62,13 @@ def _shortage(way: Way) -> Measured | None:
 def plan_tracker(
     robot: Robot, model: ModelView, place: str, goal: Pose2, tolerance: PoseTolerance, reverse: bool = False
 ) -> Generator[None, None, tuple[PathTracker | CarTracker, NDArray[np.float64]]]:
-    """What follows a route to a place, and the route's points (n, 2) in [m].
+    """Return a tracker for a route to a place, and the route's points (n, 2) in [m].
 
-    That is the detour that was planned for the place, or a new route on the map. For a car it is always a new
-    one, from where it stands, past what is known and what was sensed. With `reverse` the rear leads.
+    The route is the planned detour to the place, or a new route on the map. A car always gets a new one
+    from its current pose, past known and sensed obstacles. With `reverse` the rear leads.
 
     Raises:
-        Discrepancy: there is none; or a car is to go backwards.
+        Discrepancy: there is no route, or a car would have to reverse.
     """
     if robot.spec.drive.kind == "ackermann":
         if reverse:
@@ -88,7 +90,7 @@ def plan_tracker(
 
 
 def plan_car_drive(robot: Robot, model: ModelView, goal: Pose2) -> CarPath | None:
-    """A car's way past what is known to stand there and what was sensed, or None."""
+    """Return a car's path past known and sensed obstacles, or None."""
     rocks = model.discs
     known = rocks + np.array([0.0, 0.0, ASTRAY]) if len(rocks) else rocks
     discs = np.vstack([known, point_discs(avoided_points(robot, model))])
@@ -104,7 +106,7 @@ def goal_pose(model: ModelView, place: str) -> Pose2:
 
 
 def make_monitor(robot: Robot, model: ModelView) -> ObstacleMonitor | FieldObstacleMonitor:
-    """What watches the way of this robot."""
+    """Return the obstacle monitor for this robot."""
     radius = robot.spec.footprint_radius_m
     if robot.spec.drive.kind == "ackermann":
         return FieldObstacleMonitor(radius)
@@ -112,10 +114,10 @@ def make_monitor(robot: Robot, model: ModelView) -> ObstacleMonitor | FieldObsta
 
 
 class FieldObstacleMonitor:
-    """Watches a car's path for whatever stands there, known or not: outdoors a map isn't that exact."""
+    """Watches a car's path for any obstacle, known or not, because outdoor maps are inexact."""
 
     def __init__(self, radius: float) -> None:
-        """For a robot whose footprint has `radius`, in [m]."""
+        """Watch for a footprint of `radius`, in [m]."""
         self._radius = radius + WATCHED_ROOM
 
     def unexpected(self, robot: Robot) -> NDArray[np.float64]:
@@ -140,7 +142,9 @@ class FieldObstacleMonitor:
     def obstacle(
         self, route: NDArray[np.float64], sensed: NDArray[np.float64]
     ) -> tuple[float, NDArray[np.float64]] | None:
-        """How far the way is free, in [m], and the point (2,) in it; None if nothing is near."""
+        """Return the free distance along the route, in [m], and the obstacle's point (2,); None if the route
+        is free.
+        """
         return path_blocked(route, sensed, self._radius, HORIZON)
 
 
@@ -148,7 +152,7 @@ class ObstacleMonitor:
     """Watches a route for what the map doesn't show."""
 
     def __init__(self, grid: GridMap, radius: float) -> None:
-        """For a robot whose footprint has `radius`, in [m]."""
+        """Watch for a footprint of `radius`, in [m]."""
         self._field = LikelihoodField(grid)
         self._radius = radius + WATCHED_ROOM
 
@@ -162,9 +166,9 @@ class ObstacleMonitor:
         return sensed
 
     def around(self, robot: Robot, blocking: NDArray[np.float64]) -> NDArray[np.float64]:
-        """(n, 2) what this period's scan shows around a point (2,) that the base would touch, in [m].
+        """Return (n, 2) points of this period's scan around a point (2,) that the base would touch, in [m].
 
-        What stands close to a wall of the map is told from it by lying a cell before it.
+        Obstacles close to a mapped wall are distinguished from it by lying a cell in front of it.
         """
         points = robot.pose.apply(robot.surroundings())
         near = points[np.hypot(*(points - blocking).T) < BESIDE_IT]
@@ -174,5 +178,7 @@ class ObstacleMonitor:
     def obstacle(
         self, route: NDArray[np.float64], sensed: NDArray[np.float64]
     ) -> tuple[float, NDArray[np.float64]] | None:
-        """How far the way is free, in [m], and the point (2,) in it; None if nothing is near."""
+        """Return the free distance along the route, in [m], and the obstacle's point (2,); None if the route
+        is free.
+        """
         return path_blocked(route, sensed, self._radius, HORIZON)

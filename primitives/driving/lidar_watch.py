@@ -86,10 +86,11 @@ class LidarWatch:
             )
 
     def _compare_sectors(self, scan: Scan, walls: ExpectedEchoes, expected: NDArray[np.bool_]) -> None:
-        """Raise `NeedsPerson` where a part of the lidar shows nothing of walls that other beams saw.
+        """Raise `NeedsPerson` if a sector of the lidar misses walls that other beams saw.
 
-        Only walls that returned an echo to a beam of this drive count: what hangs above the scan plane, black
-        and glass never do. A covered part is the same in the sensor frame, wherever the robot is.
+        Only walls that returned an echo to a beam of this drive count, so objects above the scan plane,
+        black surfaces and glass never do. A covered sector is the same in the sensor frame, wherever the
+        robot is.
         """
         returned = np.isfinite(scan.ranges)
         turned = np.degrees(scan.angles) % 360.0

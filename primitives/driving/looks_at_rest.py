@@ -1,4 +1,4 @@
-"""Where a base that drives by its wheels alone stands to look where it is."""
+"""Stops at which a base that drives by its wheels alone measures its pose."""
 
 from __future__ import annotations
 
@@ -12,12 +12,14 @@ class LooksAtRest:
     """Stops that a scan needs: wheels that are worse than the robot's file says would lead it astray."""
 
     def __init__(self, localization: Localization) -> None:
-        """Of a robot that sets out."""
+        """Begin for a robot that sets out."""
         self._localization = localization
         self._due = False
 
     def due(self, remaining: float) -> bool:
-        """Return whether the base is to stand; `remaining` is the way ahead, in [m]. Ask once a period."""
+        """Return whether the base should stop; `remaining` is the distance ahead, in [m]. Call once a
+        period.
+        """
         added = self._localization.added_sigma
         limit = LAST_SIGMA if remaining < LAST_WAY else REST_SIGMA
         self._due = added > 0.0 and (self._due or added > limit)

@@ -20,13 +20,13 @@ from .driving import goal_pose, no_way, plan_car_drive, plan_drive
 
 
 class Modify(ActionPrimitive):
-    """Plan another path to a place, clear of everything that was sensed or run into and is not on the map.
+    """Plan another path to a place, clear of all unmapped obstacles that were sensed or run into.
 
-    Only knowledge changes. Where there is no other way, it Fails for good.
+    Only knowledge changes. Without another path, it fails permanently.
     """
 
     place: PlaceName
-    """Where the path leads."""
+    """Goal of the path."""
 
     needs: ClassVar = (RangeSensor,)
     reads: ClassVar = ("map", "places", "obstacles", "bumps", "arm_bumps", "discs")

@@ -59,17 +59,18 @@ NEAR = 0.05  # [m] before the goal, where it turns and comes to stand
 
 
 class MoveTo(ActionPrimitive):
-    """Drive the base to a named place along the Voronoi graph, and dock before what has a straight front.
+    """Drive the base to a named place along the Voronoi graph, and dock in front of an object with a straight
+    front.
 
-    Odometry is corrected by comparing scans with the map. A car drives arcs and straight lines past the rocks
-    of its field, by what tells it outdoors where it is. What the map doesn't show and stands in the way is
-    waited for, then it is a Fail and what was sensed is kept.
+    Odometry is corrected by comparing scans with the map. A car drives arcs and straight lines past the
+    rocks of its field, with its outdoor localization. MOVE_TO waits for an unmapped obstacle on the path;
+    if it stays, the outcome is Fail, and the sensed points are kept.
     """
 
     place: PlaceName
-    """Where to."""
+    """Goal."""
     wait_s: Annotated[float, Field(ge=0.0, le=600.0)] = 5.0
-    """How long to wait for a passer-by to leave the way."""
+    """Time to wait for a passer-by to leave the path."""
     reverse: bool = False
     """The base drives backwards: where turning around would sweep its rear over something."""
     together: bool = False
@@ -94,7 +95,9 @@ class MoveTo(ActionPrimitive):
         return not self.together
 
     def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
-        """Return that the arm is to move along and there is none, or nothing for it to do."""
+        """Return a message if the arm should move along and the robot has none, or the place gives it no
+        motion.
+        """
         if not self.together:
             return ""
         if robot.backend.get(Arm) is None or robot.backend.get(Gripper) is None:  # type: ignore[type-abstract]
@@ -124,24 +127,28 @@ class MoveTo(ActionPrimitive):
             model.detour = None
 
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
-        """The base stands at the place, as exactly as the place needs it, along every direction."""
+        """Check that the base is at the place within its tolerance, along every direction."""
         self._check_determined(robot, model.places[self.place], self._need(robot, model))
         return True
         yield
 
     def _need(self, robot: Robot, model: ModelView) -> PoseNeed:
-        """How exactly this base has to stand at the place."""
+        """Return the required accuracy of this base's pose at the place."""
         return model.places[self.place].need_of(robot.spec.drive.kind)
 
     def _arrived(self, robot: Robot, model: ModelView) -> PoseTolerance:
-        """Where regulating ends: what is left of the place's tolerance is for the uncertainty."""
+        """Return the tolerance of the regulator; the rest of the place's tolerance is left for the
+        uncertainty.
+        """
         need = self._need(robot, model)
         return PoseTolerance(
             min(ARRIVED.position, 0.5 * need.strictest), min(ARRIVED.heading, 0.5 * need.heading)
         )
 
     def _come_closer(self, robot: Robot, place: Place, need: PoseNeed) -> Periods:
-        """Stand more exactly where the uncertainty leaves less room than the base came to stand in."""
+        """Approach more exactly if the uncertainty leaves less room than the base's distance from the
+        place.
+        """
         pose, off = robot.localization.repeatability, difference(robot.pose, place.pose)
         if undetermined(pose, need.scaled(CLOSER), off) is None or undetermined(pose, need) is not None:
             return
@@ -164,7 +171,7 @@ class MoveTo(ActionPrimitive):
         raise Discrepancy(f"not determined: at {self.place} {found.words}", True, measured, NOT_DETERMINED)
 
     def _arm(self, robot: Robot, model: ModelView, remaining: Callable[[], float]) -> Iterator[None]:
-        """What the arm does meanwhile."""
+        """Return the arm's motion during the drive."""
         companion = model.companion(robot, self.place) if self.together else None
         return iter(()) if companion is None else companion.motion(remaining)
 
@@ -209,18 +216,20 @@ class MoveTo(ActionPrimitive):
             yield from self._follow(robot, model, tracker)
 
     def _held_by_map(self, robot: Robot, model: ModelView) -> bool:
-        """Whether it came off its route, towards a wall: another one leads away from there first."""
+        """Return whether the base came off its route towards a wall, so that another route must lead away
+        first.
+        """
         detour = model.detour is not None and model.detour.goal == self.place
         return robot.held is not None and robot.held.shown_by == "map" and not detour
 
     def _patience(self, robot: Robot, tracker: PathTracker | CarTracker) -> float:
-        """How long the base may not get on, in [s]."""
+        """Return the maximum time without progress, in [s]."""
         if robot.held is not None:
             return max(STUCK, self.wait_s)
         return STUCK if tracker.remaining > NEAR else LONGEST_REACH
 
     def _stuck(self, robot: Robot, model: ModelView, seconds: float, rolled: float) -> Discrepancy:
-        """Why the base doesn't get on; what the scan shows in its way is kept."""
+        """Return the reason for the missing progress; scanned obstacles on the path are kept."""
         held = robot.held
         if held is None:
             stood = Measured("Base", "time without getting on", seconds, STUCK, "s")
@@ -267,7 +276,7 @@ class MoveTo(ActionPrimitive):
 
     @property
     def _way(self) -> str:
-        """Which way is watched, in words."""
+        """Return the name of the watched path, for messages."""
         return "the way back" if self._restores else f"the path to {self.place}"
 
     def meant_contacts(self, model: WorldModel) -> Sequence[MeantContact]:
@@ -275,7 +284,7 @@ class MoveTo(ActionPrimitive):
         return model.contacts_on_the_way(self.place) if self.together else ()
 
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
-        """Drive back the way it came; what stands there now is waited for."""
+        """Drive back the way the base came; wait for obstacles that are there now."""
         self._blocked_since, self._restores = None, True
         behind = np.array([[moment.pose.x, moment.pose.y] for moment in trace.moments])[::-1]
         way_back = retrace(robot, start, trace, model.speed_limits)
@@ -287,7 +296,9 @@ class MoveTo(ActionPrimitive):
             yield
 
     def _check_front(self, front: FrontLine, need: PoseNeed) -> None:
-        """Raise `Discrepancy` where the front does not determine that the base stands before it as needed."""
+        """Raise `Discrepancy` if the front does not determine the base's pose in front of it within the
+        need.
+        """
         sizes = 1e3 * SURE * front.distance_std, math.degrees(SURE * front.angle_std)
         limits = 1e3 * need.position, math.degrees(need.heading)
         for size, limit, unit in zip(sizes, limits, ("mm", "deg"), strict=True):
@@ -299,7 +310,7 @@ class MoveTo(ActionPrimitive):
                 )
 
     def _dock(self, robot: Robot, place: Place, need: PoseNeed) -> Periods:
-        """Correct the pose by the front until it stands square before it."""
+        """Correct the pose by the front until the base is square in front of it."""
         for _ in range(DOCKINGS):
             yield from settle(robot)
             scans = []

@@ -17,14 +17,14 @@ SLOWS = 0.05  # [m/s] below which the base is let stop
 
 
 class Orient(ActionPrimitive):
-    """Drive straight ahead until fixes tell which way the robot heads, where nobody told it.
+    """Drive straight ahead until fixes determine an unknown heading.
 
-    Nothing moves where that is known. What the range sensor shows keeps the base off, as everywhere; a base
-    that Fails has driven back the way it came.
+    Nothing moves if the heading is known. The lidar keeps the base off obstacles; after a Fail the base
+    has driven back the way it came.
     """
 
     longest_m: Annotated[float, Field(gt=0.0, le=200.0)] = 30.0
-    """How far at most."""
+    """Maximum distance."""
 
     needs: ClassVar = (Base,)
     arm_inside: ClassVar = True

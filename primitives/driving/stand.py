@@ -1,4 +1,4 @@
-"""STAND: stand still for a while."""
+"""STAND: stay at rest for a while."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from handcart.primitives.knowledge.world_model import ModelView
 
 
 class Stand(ActionPrimitive):
-    """Stand still: outdoors the gyros' bias is learned so, and where the robot is gets better known."""
+    """Stay at rest: outdoors this measures the gyros' bias and improves the estimate of the pose."""
 
     seconds: Annotated[float, Field(gt=0.0, le=3600.0)]
-    """How long."""
+    """Duration."""
 
     needs: ClassVar = (Base,)
 

@@ -1,4 +1,4 @@
-"""Where a base can stand, and whether the arm is free there: what those ask who choose places."""
+"""Free poses of base and arm around some work, for planners that choose places."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ Masks = NDArray[np.bool_]
 
 
 class StandingRoom:
-    """What stands around some work, for one robot."""
+    """Obstacles around some work, for one robot."""
 
     def __init__(
         self,
@@ -74,7 +74,7 @@ class StandingRoom:
         return tuple(np.ascontiguousarray(each).tobytes() for each in known)
 
     def blocked(self, bases: Floats) -> Masks:
-        """Which of base poses (b, 3) leave the base no room, or no way leads to, by the map."""
+        """Return which of base poses (b, 3) have no room, or no route, by the map."""
         no_way = ~self._floor.leads_to(bases, self._reached)
         no_way |= self._clearances.at(bases[:, :2]) < self._radius
         for each in self._avoided:
@@ -82,7 +82,9 @@ class StandingRoom:
         return no_way
 
     def free(self, base: Floats, angles: Floats) -> bool:
-        """Whether robot and arm touch nothing from a base pose (3,), at home and at the angles (p, n)."""
+        """Return whether robot and arm touch nothing from a base pose (3,), at home and at the angles (p,
+        n).
+        """
         bodies = self._arm.link_shapes(self._home)
         if not stands_clear(base[None], bodies, self._boxes)[0]:
             return False
@@ -91,7 +93,9 @@ class StandingRoom:
         return not any(collision.in_collision(q) for q in angles[::EVERY])
 
     def _way_out(self, here: Pose2) -> Masks:
-        """(h, w) cells that ways lead to from near by: the base stands where it does, not where it should."""
+        """Return (h, w) cells connected by routes to poses near `here`, because the base's actual pose is not
+        the planned one.
+        """
         turns = np.linspace(0.0, 2.0 * math.pi, 16, endpoint=False)
         for away in np.linspace(0.0, OFF, 7):
             x, y = here.x + away * np.cos(turns), here.y + away * np.sin(turns)

@@ -1,1 +1,1 @@
-"""What the robot knows: a map, places, and a section for each domain."""
+"""World model of the robot: a map, places, and a section for each domain."""

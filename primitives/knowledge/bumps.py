@@ -1,4 +1,4 @@
-"""Where the base ran into something that no sensor shows: noted, and kept off from then on."""
+"""Places where the base ran into an obstacle that no sensor shows, and how it keeps off them."""
 
 from __future__ import annotations
 
@@ -65,10 +65,10 @@ def _arm_outlines(robot: Robot) -> list[Floats]:
 
 
 def keep_off_bumps(robot: Robot, model: WorldModel, returns: bool = False) -> None:
-    """Have the base keep off every place where it ran into something.
+    """Let the base keep off every place where it ran into an obstacle.
 
-    Where the base is now, nothing is taken to be. One that `returns` to where it came from keeps off only
-    what is straight ahead of the place where it was stopped: it may have slid along the thing.
+    The footprint's current place counts as free. A base that `returns` to its start keeps off only the
+    region straight ahead of the place where it was stopped, because it may have slid along the obstacle.
     """
     radius = robot.spec.footprint_radius_m
     felt = bump_fronts(model.bumps, radius)

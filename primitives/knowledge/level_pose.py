@@ -19,12 +19,12 @@ class LevelPose(FileModel):
     x_m: float
     y_m: float
     height_m: Annotated[float, Field(ge=0.0, le=3.0)]
-    """Of the surface."""
+    """Height of the surface."""
     heading_deg: float = 0.0
 
     @property
     def floor(self) -> Pose2:
-        """The same without its height."""
+        """Pose without its height."""
         return Pose2(self.x_m, self.y_m, math.radians(self.heading_deg))
 
     @property
@@ -33,5 +33,5 @@ class LevelPose(FileModel):
         return self.floor.lift(self.height_m)
 
     def body(self, size: tuple[float, float, float], name: str) -> Box:
-        """A box that stands there, `size` along its x, y and z in [m]."""
+        """Return a box resting there, with `size` along its x, y and z in [m]."""
         return Box(self.floor.lift(self.height_m + size[2] / 2), size, name)

@@ -18,12 +18,14 @@ from .place import Places
 
 
 class SpeedMask(FileModel):
-    """A mask whose cells, from 0 to 100, limit the base's speed: base + multiplier * value; 0 is no limit."""
+    """Mask whose cells, from 0 to 100, limit the base's speed: base + multiplier * value; 0 means
+    unlimited.
+    """
 
     mask: str
     """A file in ROS format, usually with `mode: scale`."""
     type: Literal["percent", "absolute"] = "percent"
-    """Whether a limit is in percent of the robot's top speed (nav2's type 1) or in m/s (type 2)."""
+    """Unit of the limit: percent of the robot's top speed (nav2's type 1) or m/s (type 2)."""
     base: float = 0.0
     multiplier: float = 1.0
 
@@ -36,7 +38,7 @@ def load_speed_limits(path: Path, spec: SpeedMask) -> SpeedLimits:
 
 
 def keepout_findings(places: Loaded[Places], grid: GridMap, zones: GridMap, mask: Path) -> Iterator[Finding]:
-    """Places that lie in a zone to keep out of; `mask` is the file that tells the zones."""
+    """Yield a finding for each place inside a keepout zone; `mask` is the file of the zones."""
     barred = keepout_cells(grid, zones)
     for name, place in places.value.places.items():
         point = place.pose.lift()[None, :2, 3]

@@ -38,20 +38,20 @@ class Shelf(FileModel):
     """
 
     distance_m: Positive
-    """From the base's centre, standing at the place, to the shelf's front, straight ahead."""
+    """Distance from the base's centre at the place to the shelf's front, straight ahead."""
     width_m: Positive
     """Between the side panels."""
     board_m: Positive
-    """Height of the board that the books stand on."""
+    """Height of the board that carries the books."""
     front_m: Positive
     """Width of the front that the range sensor sees."""
 
 
 class DirectedTolerance(FileModel):
-    """How far a base may be from a place, by direction."""
+    """Tolerance of a base's position at a place, by direction."""
 
     along: Positive
-    """In the direction of the place's heading, ahead or behind, in [mm]."""
+    """Tolerance in the direction of the place's heading, ahead or behind, in [mm]."""
     across: Positive
     """At right angles to it, in [mm]."""
 
@@ -64,12 +64,11 @@ class Place(FileModel):
     heading_deg: float
     shelf: Shelf | None = None
     tolerance_mm: Positive | DirectedTolerance | None = None
-    """How far the base may be from there, measured with 3 sigma: in any direction, or along and across.
-
+    """Tolerance of the base's position, which includes 3 sigma: in any direction, or along and across.
     (default: 40; 24 where it docks; 1500 for a car)
     """
     tolerance_deg: Positive | None = None
-    """The same of its heading. (default: 1; 20 for a car)"""
+    """Tolerance of the base's heading, which includes 3 sigma. (default: 1; 20 for a car)"""
 
     @property
     def pose(self) -> Pose2:
@@ -78,14 +77,14 @@ class Place(FileModel):
 
     @property
     def docks(self) -> bool:
-        """Whether the base docks there: something with a straight front stands before it."""
+        """True if the base docks there, in front of an object with a straight front."""
         return self.shelf is not None
 
     def need_of(self, drive: str) -> PoseNeed:
-        """Return how exactly a base has to stand there.
+        """Return the required accuracy of a base's pose at the place.
 
         Args:
-            drive: its kind; a car's usual tolerances are larger.
+            drive: kind of the drive; a car's default tolerances are larger.
         """
         usual_mm, usual_deg = DOCKED_MM if self.docks else ARRIVED_MM, ARRIVED_DEG
         if drive == CAR:

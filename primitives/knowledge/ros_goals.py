@@ -13,21 +13,21 @@ from handcart.files.yaml.yaml_document import Document
 from handcart.files.yaml.yaml_node import Node
 
 LISTS = ("waypoints", "goals", "poses")
-"""Under which key the goals stand: rviz's panel, NavigateThroughPoses, nav_msgs/Path and PoseArray."""
+"""Keys that hold goals: rviz's panel, NavigateThroughPoses, nav_msgs/Path and PoseArray."""
 FRAMES = ("map", "/map", "")
 UPRIGHT = math.radians(5.0)
 UNIT = 0.02  # by which the length of a quaternion may differ from 1: ROS prints few digits
 
 
 def goals_as_places(document: Document) -> Document:
-    """The same file as one of places, every value where it stood.
+    """Return a file of goals as a file of places; every value keeps its line and column.
 
-    A goal is a PoseStamped or a Pose (`position` and `orientation` with x, y, z, w), as rviz's panel saves it
-    (`pose: [x, y, z]`, `orientation: [w, x, y, z]`), `x`, `y` and `yaw` (or `theta`) in rad, or a list
-    `[x, y, theta]`. It is called by its key, by its `name`, or goal_1, goal_2 ...
+    A goal is a PoseStamped or a Pose (`position` and `orientation` with x, y, z, w), a pose of rviz's
+    panel (`pose: [x, y, z]`, `orientation: [w, x, y, z]`), `x`, `y` and `yaw` (or `theta`) in rad, or a
+    list `[x, y, theta]`. Its name is its key, its `name`, or goal_1, goal_2 ...
 
     Raises:
-        FileError: with every goal that can't be read, is tilted, or is told in another frame than the map's.
+        FileError: lists every goal that is unreadable, tilted, or in another frame than the map's.
     """
     root, findings = document.root, Findings()
     listed = root if isinstance(root.content, list) else _listed(root)
@@ -71,7 +71,7 @@ def _named(listed: Node) -> Iterator[tuple[str, Node]]:
 
 
 def _place(entry: Node) -> Node:
-    """x_m, y_m and heading_deg, each where it is told."""
+    """Return the keys x_m, y_m and heading_deg of a goal, each with its line and column."""
     if wrong := [*_frame(entry)]:
         raise FileError(wrong)
     if isinstance(entry.content, list) and len(entry.content) != 3:

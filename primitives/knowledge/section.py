@@ -1,4 +1,4 @@
-"""What a robot knows of one domain."""
+"""Knowledge about one domain."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class NamedFiles:
     """The files that a task names for a section, by their keys under `knowledge:`."""
 
     paths: Mapping[str, Path]
-    """Of those that are there."""
+    """Paths of the named files."""
     start: Pose2
     """map_T_base at first."""
     document: Document
@@ -42,7 +42,9 @@ class NamedFiles:
     """What is wrong is added here."""
 
     def read(self, key: str, reader: Callable[[Path], T]) -> T | None:
-        """What is in a file; None where the task names none, or it is wrong: then that is added."""
+        """Return the content of a file; None if the task names none, or if it is invalid, which adds
+        findings.
+        """
         if key not in self.paths:
             return None
         try:
@@ -57,16 +59,16 @@ class NamedFiles:
 
 
 class Companion(Protocol):
-    """What the arm does while the base drives to a place."""
+    """Motion of the arm while the base drives to a place."""
 
     def motion(self, remaining: Callable[[], float]) -> Iterator[None]:
-        """One period of it for each of the base's.
+        """Yield once for each period of the base's motion.
 
         Args:
-            remaining: tells how far the base still has to go, in [m].
+            remaining: returns the base's remaining distance, in [m].
 
         Raises:
-            Discrepancy: it can't be done.
+            Discrepancy: the motion is impossible.
         """
         ...
 
@@ -84,7 +86,7 @@ class Section:
     LEARNED: ClassVar[tuple[str, ...]] = ()
     """Entries that a run finds out: a checkpoint keeps them, by their annotated types."""
     ELEMENT: ClassVar[tuple[str, ...]] = ()
-    """Of these, those that are forgotten (None) when an element of a repeat is left."""
+    """Entries of `LEARNED` that are cleared (None) when an element of a repeat ends."""
 
     @classmethod
     def load(cls, files: NamedFiles) -> Self:
@@ -93,8 +95,9 @@ class Section:
         return cls(**{key: found for key, found in read.items() if found is not None})
 
     def names(self) -> Mapping[str, Collection[object]]:
-        """What can be named: parameters marked with `Names(KIND)` are held against it, and `{all: KIND}` in a
-        task file goes over it."""
+        """Return the known names by kind: parameters marked with `Names(KIND)` are checked against them, and
+        `{all: KIND}` in a task file lists them.
+        """
         return {}
 
     def places(self) -> Mapping[str, Place]:
@@ -102,23 +105,23 @@ class Section:
         return {}
 
     def discs(self) -> NDArray[np.float64]:
-        """(n, 3) x, y, radius in [m] of what is known to stand where a base plans without a map."""
+        """Return (n, 3) x, y, radius in [m] of known obstacles for a base that plans without a map."""
         return np.empty((0, 3))
 
     def faults(self, robot: RobotFile) -> Iterator[Finding]:
-        """What a robot can't do there, known before anything moves."""
+        """Yield the domain's requirements that a robot does not meet, known before anything moves."""
         return iter(())
 
     def companion(self, robot: Robot, place: str) -> Companion | None:
-        """What the arm does while the base drives to a place of this domain; None where nothing is known."""
+        """Return the arm's motion while the base drives to a place of this domain; None if there is none."""
         return None
 
     def contacts_on_the_way(self, place: str) -> Sequence[MeantContact]:
-        """What the companion means to touch."""
+        """Return the intended contacts of the companion."""
         return ()
 
     def noted(self) -> dict[str, Any]:
-        """What is known now, ready for JSON: the journal has what has changed. As it is, what was learned."""
+        """Return the learned knowledge, ready for JSON; the journal records its changes."""
         return {name: getattr(self, name) for name in self.LEARNED}
 
     @classmethod

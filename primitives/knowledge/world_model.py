@@ -1,4 +1,4 @@
-"""What the robot knows: told beforehand, seen and learned."""
+"""World model: the robot's given, seen and learned knowledge."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Declares(Protocol):
 
     @classmethod
     def label(cls) -> str:
-        """What it is called."""
+        """Return its name."""
         ...
 
 
@@ -58,9 +58,9 @@ S = TypeVar("S", bound=Section)
 
 @dataclass
 class WorldModel:
-    """The robot's knowledge: where it can be and what stands there, and a section for each domain.
+    """Knowledge of the robot: map, places, obstacles, and a section for each domain.
 
-    What an element of a repeat learned is forgotten with `clear_element`.
+    Knowledge about an element of a repeat is cleared by `clear_element`.
     """
 
     map: GridMap
@@ -78,9 +78,9 @@ class WorldModel:
     in_hand: str = ""
     """Name of the thing in the hand, by the primitive that took it; empty where nothing or nothing known."""
     speed_limits: SpeedLimits | None = None
-    """How fast the base may drive where."""
+    """Speed limits by place on the map."""
     sections: dict[str, Section] = dataclass_field(default_factory=dict)
-    """By the names of their domains; others are empty, and made when they are asked for."""
+    """Sections by the names of their domains; missing ones are created empty on first use."""
 
     LEARNED: ClassVar = {
         "places": dict[str, Place],
@@ -90,7 +90,7 @@ class WorldModel:
         "detour": Detour | None,
         "in_hand": str,
     }
-    """What a checkpoint keeps beside the sections' own, with the types."""
+    """Entries that a checkpoint keeps in addition to those of the sections, with their types."""
     ENTRIES: ClassVar = (
         "map",
         "places",
@@ -107,7 +107,7 @@ class WorldModel:
 
     @property
     def discs(self) -> NDArray[np.float64]:
-        """(n, 3) x, y, radius in [m] of what is known to stand where a base plans without a map."""
+        """(n, 3) x, y, radius in [m] of known obstacles for a base that plans without a map."""
         return np.vstack([np.empty((0, 3)), *(each.discs() for each in self.sections.values())])
 
     def of(self, kind: type[S]) -> S:
@@ -134,12 +134,12 @@ class WorldModel:
         return ModelView(self, primitive)
 
     def companion(self, robot: Robot, place: str) -> Companion | None:
-        """What the arm does while the base drives to a place; None where no domain knows anything."""
+        """Return the arm's motion while the base drives to a place; None if no domain has one."""
         found = (each.companion(robot, place) for each in self.sections.values())
         return next((each for each in found if each is not None), None)
 
     def contacts_on_the_way(self, place: str) -> Sequence[MeantContact]:
-        """What it means to touch."""
+        """Return the intended contacts of the companions."""
         return [each for section in self.sections.values() for each in section.contacts_on_the_way(place)]
 
     def lookup(self, path: str) -> Any:
@@ -172,16 +172,16 @@ class WorldModel:
 
     @classmethod
     def unknown_at_first(cls) -> set[str]:
-        """Entries that are None until a file or a primitive tells them."""
+        """Return the entries that are None until a file or a primitive sets them."""
         kinds: list[type[WorldModel] | type[Section]] = [cls, *sections().values()]
         return {each.name for kind in kinds for each in fields(kind) if each.default is None}
 
     @classmethod
     def type_of(cls, path: str) -> Any:
-        """The type that `lookup` will give.
+        """Return the type of the value that `lookup` will return.
 
         Raises:
-            UnknownFact: there is no such entry; the message lists what there is.
+            UnknownFact: no such entry; the message lists the known ones.
         """
         known = cls.entry_types()
         kind: Any = None
@@ -195,15 +195,15 @@ class WorldModel:
         return kind
 
     def state(self) -> dict[str, Any]:
-        """What was learned so far, for a checkpoint, as plain data."""
+        """Return the learned knowledge for a checkpoint, as plain data."""
         own = {name: attributes(each, each.learned_types()) for name, each in self.sections.items()}
         return {**attributes(self, self.LEARNED), "sections": own}
 
     def set_state(self, state: object) -> None:
-        """Take over what `state` gave.
+        """Restore the knowledge returned by `state`.
 
         Raises:
-            NotAState: it is something else.
+            NotAState: the data is not such a state.
         """
         if not isinstance(state, dict) or not isinstance(state.get("sections"), dict):
             raise NotAState("no state of a world model; needed: sections")
@@ -221,7 +221,7 @@ class WorldModel:
         self._noted = self._now()
 
     def taken_changes(self) -> dict[str, Any]:
-        """What was learned or forgotten since the last call, ready for JSON."""
+        """Return the knowledge learned or cleared since the last call, ready for JSON."""
         now = self._now()
         changes = {name: value for name, value in now.items() if value != self._noted.get(name)}
         self._noted = now
@@ -244,7 +244,7 @@ def _hints(kind: Any) -> Mapping[str, Any]:
 
 
 class ModelView:
-    """The world model through one primitive's eyes: what it didn't declare it can neither read nor write."""
+    """World model as one primitive sees it: undeclared entries can be neither read nor written."""
 
     if TYPE_CHECKING:
         map: GridMap

@@ -1,1 +1,1 @@
-"""How everything comes back to where it was, measured."""
+"""Restoring everything to its earlier state, measured."""

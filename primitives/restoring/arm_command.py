@@ -42,7 +42,7 @@ def hold_measured(robot: Robot) -> Generator[None, None, None]:
 
 
 def moves_fingers(robot: Robot, moment: Moment) -> bool:
-    """Whether they were commanded otherwise in that moment than they are now."""
+    """Return whether the fingers' command at that moment differs from the current one."""
     gripper = robot.backend.get(Gripper)  # type: ignore[type-abstract]
     return gripper is not None and abs(gripper.command() - moment.grip) > 1e-6
 
