@@ -33,7 +33,7 @@ OF_SUMMARY = {
 }
 """Columns that are taken from a trial's summary, with their types."""
 METRIC, VARIED = "metrics.", "varied."
-"""What stands before the names of such columns."""
+"""Prefixes of the columns of metrics and of varied parameters."""
 Column = tuple[str, str, Callable[[Trial], Any]]
 """Name and type of a column, and its value in a trial; None where the trial has no value."""
 

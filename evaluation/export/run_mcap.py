@@ -27,12 +27,12 @@ if TYPE_CHECKING:
     from foxglove.messages import FrameTransforms, Grid, JointStates, LaserScan
 
 CAMERA, SENSOR = "camera", "range_sensor"
-"""Names of frames; the base's is that of the URDF's root."""
+"""Names of the sensors' frames; the frame of the base is the URDF's root link."""
 FINGERS = ("left_finger", "right_finger")
 """Finger joints, each at half the gripper's opening, if the URDF has them."""
 MOST = 64 * 2**20  # of a summary, in [bytes]
 FREE, OCCUPIED, UNKNOWN = 0, 100, -1
-"""In the cells of the map, as elsewhere in robotics."""
+"""Cell values of an occupancy grid, as in ROS."""
 
 
 def write_mcap(recorded: Playback, path: Path) -> dict[str, int]:

@@ -18,7 +18,7 @@ SCENERY = "scenery.json"
 NAME = "{:05d}.npz"
 """File name of a part, by its number from 1."""
 NOTHING, FAR = 65535, 65534
-"""[mm] of a range that is no number, and of one where nothing came back."""
+"""Stored values of an invalid range and of a range without an echo."""
 Array = NDArray[np.float64]
 SHAPES = TypeAdapter(list[ThingShape])
 

@@ -1,1 +1,1 @@
-"""Recorded logs of wheels, gyros and satellites, played to the robot's outdoor localization."""
+"""Replay of recorded logs of wheels, gyros and GNSS to the robot's outdoor localization."""

@@ -1,4 +1,4 @@
-"""The columns of a CSV file of any tool, as the command line names them."""
+"""Columns of any CSV file, as named on the command line."""
 
 from __future__ import annotations
 
@@ -25,12 +25,13 @@ SETTINGS = ("tread_m", "wheelbase_m")
 
 
 def named_columns(text: str) -> Loaded[LogHeader]:
-    """Return the header that `QUANTITY=COLUMN[:UNIT],...` stands for.
+    """Return the header given by `QUANTITY=COLUMN[:UNIT],...`.
 
-    Without a unit a column is in the first unit of its quantity: s, m, m/s, rad/s, deg for places.
+    Without a unit, a column is in the first unit of its quantity: s, m, m/s, rad/s, deg for latitudes
+    and longitudes.
 
     Raises:
-        FileError: a part that isn't of this form, or an unknown quantity.
+        FileError: a part does not have this form, or names an unknown quantity.
     """
     findings, columns, settings = list[Finding](), list[str](), list[str]()
     for part in filter(None, (part.strip() for part in text.split(","))):
@@ -56,5 +57,5 @@ def named_columns(text: str) -> Loaded[LogHeader]:
 
 
 def _quoted(word: str) -> str:
-    """Return a word as YAML quotes it."""
+    """Return a word with YAML's single quotes."""
     return "'" + word.replace("'", "''") + "'"

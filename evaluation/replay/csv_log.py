@@ -1,4 +1,4 @@
-"""Reading a recorded log in CSV with a header in YAML."""
+"""Reading of a recorded log in CSV with a header in YAML."""
 
 from __future__ import annotations
 
@@ -32,14 +32,15 @@ Array = NDArray[np.float64]
 
 
 def read_csv_log(path: Path, columns: str | None = None) -> DriveLog:
-    """Return the log in a file.
+    """Read the log in a CSV file.
 
     Args:
-        path: a CSV file with a header in YAML, or with a line of titles alone.
-        columns: of a file without a header: `QUANTITY=COLUMN[:UNIT]` for each quantity, with commas between.
+        path: a CSV file with a header in YAML, or only with a line of titles.
+        columns: for a file without a header: `QUANTITY=COLUMN[:UNIT]` for each quantity, separated by
+            commas.
 
     Raises:
-        FileError: with everything that is wrong in header and table.
+        FileError: header or table have faults; lists all of them.
     """
     text = decode_text(read_regular_file(path, MAX_BYTES).removeprefix(BYTE_ORDER_MARK), str(path))
     lines = text.splitlines()
@@ -73,13 +74,13 @@ def _read_table(
 
 
 def _delimiter(lines: list[str]) -> str:
-    """Return which of the usual characters divides the titles."""
+    """Return the usual delimiter that occurs most often in the line of titles."""
     title = lines[0] if lines else ""
     return max(",;\t", key=title.count)
 
 
 def _scales(header: Loaded[LogHeader]) -> dict[str, float]:
-    """By which each column's numbers are multiplied to have them in SI units."""
+    """Return the factor that converts each column to SI units."""
     findings, scales, quantities = Findings(), {}, header.value.quantities
     for quantity, column in header.value.columns.items():
         if quantity not in quantities:
@@ -99,7 +100,7 @@ def _scales(header: Loaded[LogHeader]) -> dict[str, float]:
 
 
 def _needed(header: LogHeader) -> list[tuple[str, str]]:
-    """What is missing."""
+    """Return what is missing in the header, each with the columns that would provide it."""
     has, missing = header.columns.keys(), []
     if "time" not in has:
         missing.append(("no times", "time"))
@@ -118,7 +119,9 @@ def _needed(header: LogHeader) -> list[tuple[str, str]]:
 def _table(
     path: Path, lines: list[str], first: int, header: Loaded[LogHeader], delimiter: str
 ) -> dict[str, Array]:
-    """(n,) of each quantity, in the column's unit; `first` is the number of the table's first line."""
+    """Return the values (n,) of each quantity in the column's unit; `first` is the number of the first
+    line.
+    """
     rows = csv.reader(lines, delimiter=delimiter)
     titles = [title.strip() for title in next(rows, [])]
     findings, places = Findings(), {}
@@ -195,7 +198,7 @@ def _log(values: dict[str, Array], header: LogHeader) -> DriveLog:
 
 
 def _wheel_turns(values: dict[str, Array], header: LogHeader, wheels: Array, steps: Array) -> Array | None:
-    """Return (n,) the turn rate by the two wheels; None without them."""
+    """Return the turn rate (n,) by the two wheels, in [rad/s]; None without both wheels and their tread."""
     if header.tread_m is None or not {"wheel_left", "wheel_right"} <= values.keys():
         return None
     turned = (wheels[:, 1] - wheels[:, 0]) / header.tread_m
@@ -210,7 +213,9 @@ def _ranges(values: dict[str, Array], header: LogHeader, nothing: Array) -> Beac
 
 
 def _take_out_held(values: dict[str, Array], header: LogHeader) -> None:
-    """Make NaN of what a recorder only wrote again; of a place, where neither of its two is new."""
+    """Replace repeated values of columns marked `held` by NaN; of a pair of coordinates, only if both
+    repeat.
+    """
     paired = {name for names in _PLACES for name in names}
     for names in (*_PLACES, *((name,) for name in values if name not in paired)):
         held = [values[name] for name in names if name in values and header.columns[name].held]
@@ -226,7 +231,9 @@ _STILL = (("x", 0.0), ("y", 0.0), ("z", GRAVITY))  # what accelerometers that ar
 
 
 def _travel(values: dict[str, Array], header: LogHeader, steps: Array) -> Array:
-    """(n, 2) of each wheel since the row before, in [m]; a speed holds until the next one."""
+    """Return the travel (n, 2) of each wheel since the previous row, in [m]; a speed holds until the next
+    one.
+    """
     travel = []
     for name in ("wheel_left", "wheel_right"):
         name = name if name in values else "speed"
@@ -236,13 +243,15 @@ def _travel(values: dict[str, Array], header: LogHeader, steps: Array) -> Array:
 
 
 def held_on(values: Array) -> Array:
-    """(n,) with each NaN as the number before it; nothing before the first one."""
+    """Return values (n,) with each NaN replaced by the last number before it, or by 0 before the first."""
     latest = np.maximum.accumulate(np.where(np.isfinite(values), np.arange(len(values)), 0))
     return np.nan_to_num(values[latest], posinf=0.0, neginf=0.0)
 
 
 def _rates(values: dict[str, Array], header: LogHeader, wheels: Array, steps: Array) -> tuple[Array, bool]:
-    """(n, 3) in [rad/s], and whether steering or wheels tell them instead of a gyro."""
+    """Return turn rates (n, 3) in [rad/s], and whether they come from steering or wheels instead of a
+    gyro.
+    """
     across = [values.get(f"gyro_{axis}", np.zeros(len(steps))) for axis in "xy"]
     if "gyro_z" in values:
         return np.stack([*across, values["gyro_z"]], axis=1), False
@@ -257,7 +266,7 @@ def _rates(values: dict[str, Array], header: LogHeader, wheels: Array, steps: Ar
 
 
 def _fixes(values: dict[str, Array], nothing: Array) -> Array:
-    """(n, 2) east and north in [m]; latitude and longitude about the first fix."""
+    """Return fixes (n, 2) east and north in [m]; latitude and longitude are relative to the first fix."""
     if "gps_east" in values:
         return np.stack([values["gps_east"], values["gps_north"]], axis=1)
     if "latitude" not in values:
@@ -267,13 +276,13 @@ def _fixes(values: dict[str, Array], nothing: Array) -> Array:
 
 
 def first_place(latitudes: Array, longitudes: Array) -> tuple[float, float] | None:
-    """The first that is known of latitudes and longitudes (n,), in [deg]; None where none is."""
+    """Return the first known pair of latitudes and longitudes (n,), in [deg]; None if no pair is known."""
     known = np.flatnonzero(np.isfinite(latitudes) & np.isfinite(longitudes))
     return None if not len(known) else (float(latitudes[known[0]]), float(longitudes[known[0]]))
 
 
 def plane(latitudes: Array, longitudes: Array, origin: tuple[float, float] | None) -> Array:
-    """(n, 2) east and north of an origin in [m], of latitudes and longitudes (n,); degrees all of them."""
+    """Convert latitudes and longitudes (n,) in [deg] to east and north (n, 2) of an origin, in [m]."""
     found = np.full((len(latitudes), 2), math.nan)
     if origin is not None:
         known = np.isfinite(latitudes) & np.isfinite(longitudes)

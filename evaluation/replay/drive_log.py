@@ -1,4 +1,4 @@
-"""What a robot's sensors read on a drive outdoors, as it was recorded."""
+"""Recorded sensor readings of an outdoor drive."""
 
 from __future__ import annotations
 
@@ -14,49 +14,53 @@ Array = NDArray[np.float64]
 
 
 class BeaconLog(NamedTuple):
-    """What radio beacons told."""
+    """Recorded ranges to radio beacons."""
 
     errors: BeaconErrors
-    """Where they are, and how wrong."""
+    """Positions of the beacons, and the errors of their ranges."""
     ranges: Array
-    """(n, k) in [m]."""
+    """(n, k) ranges to k beacons, in [m]."""
 
 
 class DriveLog(NamedTuple):
-    """Readings in the order of time; NaN where nothing new came.
+    """Sensor readings in order of time; NaN where a row has no new reading.
 
     World is x east, y north; base is x forward, y left, z up.
     """
 
     times: Array
-    """(n,) in [s], rising."""
+    """(n,) in [s], increasing."""
     rates: Array
-    """(n, 3) of the gyros, in [rad/s]."""
+    """(n, 3) turn rates of the gyros, in [rad/s]."""
     accelerations: Array
-    """(n, 3) in [m/s²]."""
+    """(n, 3) accelerations, in [m/s²]."""
     wheels: Array
-    """(n, 2) travel of the left and right wheel since the row before, in [m]."""
+    """(n, 2) travel of the left and right wheel since the previous row, in [m]."""
     fixes: Array
-    """(n, 2) of the antenna, east and north in [m]."""
+    """(n, 2) positions of the antenna, east and north in [m]."""
     sigmas: Array
-    """(n,) what the receiver says of a fix, an axis, in [m]; NaN where it doesn't."""
+    """(n,) standard deviation of a fix per axis that the receiver states, in [m]; NaN if it states none."""
     reference: Array
-    """(n, 3) where the base really was: x, y in [m], heading in [rad]; NaN where that isn't known."""
+    """(n, 3) true pose of the base: x, y in [m], heading in [rad]; NaN where it is unknown."""
     start: tuple[float, float, float]
-    """x, y in [m], heading in [rad] of the base before the first row; NaN where nobody knows."""
+    """Pose of the base before the first row: x, y in [m], heading in [rad]; NaN where it is unknown."""
     antenna: tuple[float, float, float] | None
-    """In the base frame, in [m]; None: as the robot's file says."""
+    """Position of the antenna in the base frame, in [m]; None: as in the robot's file."""
     steered: bool = False
-    """Whether `rates` are those of a steering angle: there is no gyro."""
+    """Whether `rates` come from steering or wheels, without a gyro."""
     beacons: BeaconLog | None = None
-    """None where there were none."""
+    """Ranges to beacons; None without beacons."""
     odometry_turns: Array | None = None
-    """(n,) turn rate by the wheels' odometry, in [rad/s]; NaN where nothing new came; None without one."""
+    """(n,) turn rate by the wheels' odometry, in [rad/s]; NaN without a new reading; None without
+    odometry.
+    """
     notes: tuple[str, ...] = ()
-    """What is wrong with the log and can be lived with, in words."""
+    """Messages about tolerable faults of the log."""
 
     def thinned(self, period: float) -> DriveLog:
-        """With fixes about `period` [s] apart at least: those in between mostly err alike."""
+        """Return the log with fixes at least about `period` [s] apart: the errors of closer fixes are
+        correlated.
+        """
         fixes, latest = self.fixes.copy(), -np.inf
         for row in np.flatnonzero(np.isfinite(fixes).all(axis=1)):
             if self.times[row] < latest + NEARLY * period:
@@ -66,7 +70,9 @@ class DriveLog(NamedTuple):
         return self._replace(fixes=fixes)
 
     def one_row_a_time(self) -> DriveLog:
-        """Rows of the same time put together: the latest of each reading, and all of the travel."""
+        """Return the log with rows of equal time merged: the latest of each reading, and the sum of the
+        travel.
+        """
         if (np.diff(self.times) > 0.0).all():
             return self
         starts = np.flatnonzero(np.diff(self.times, prepend=-np.inf) > 0.0)
@@ -85,7 +91,7 @@ _READINGS = ("rates", "accelerations", "fixes", "sigmas", "reference")
 
 
 def _latest(values: Array, starts: NDArray[np.int64], ends: NDArray[np.int64]) -> Array:
-    """The last row between each start and end that tells anything; NaN where none does."""
+    """Return the last known row between each start and end; NaN if none is known."""
     known = np.isfinite(values) if values.ndim == 1 else np.isfinite(values).all(axis=1)
     rows = np.maximum.accumulate(np.where(known, np.arange(len(values)), -1))[ends - 1]
     found = values[rows]

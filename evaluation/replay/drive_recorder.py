@@ -1,4 +1,4 @@
-"""What wheels, gyros and receiver read in a run, as a log for `handcart localize`."""
+"""Recorder of wheels, gyros and GNSS receiver in a run, as a log for `handcart localize`."""
 
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ COLUMNS = {
     "true_y": "m",
     "true_heading": "rad",
 }
-"""By name: its unit."""
+"""Units of the columns, by name."""
 
 
 class DriveRecorder(RunObserver):
-    """Writes a row a period into the run's folder, for a robot that is outdoors; simulated: with the truth.
+    """Observer that writes one row per period for an outdoor robot; in simulation also the true pose.
 
-    A disk that takes no more ends the log, not the run.
+    A write error, for example a full disk, ends the log and not the run.
     """
 
     def __init__(self) -> None:
@@ -46,7 +46,7 @@ class DriveRecorder(RunObserver):
         self._noted = 0.0
 
     def begin(self, prepared: Prepared, run_dir: Path) -> None:
-        """See `RunObserver`; the log of a run that goes on goes on from there."""
+        """Open the log; that of a continued run is cut at the time of its continuation and extended."""
         robot = prepared.robot
         if robot.localization.sensed is None:
             return
@@ -62,12 +62,12 @@ class DriveRecorder(RunObserver):
         self._note(robot)
 
     def event(self, event: Event) -> None:
-        """See `RunObserver`: a run that is killed goes on from what it had at an action's end."""
+        """Write the log to disk at each event: a killed run continues from the end of an action."""
         if self._robot is not None:
             self._note(self._robot, whole=True)
 
     def _note(self, robot: Robot, whole: bool = False) -> None:
-        """Write what was sensed last, once; `whole`: all of the log is handed to the system."""
+        """Write the latest readings, once; `whole`: also flush the file."""
         if self._file is None:
             return
         try:
@@ -102,7 +102,7 @@ def _row(robot: Robot) -> str:
 
 
 def _kept(path: Path, time: float) -> list[str]:
-    """Lines of a log up to the moment from which its run goes on, in [s]."""
+    """Return the lines of a log up to the time in [s] from which its run continues."""
     lines = path.read_text(encoding="utf-8", errors="replace").splitlines(keepends=True)
     table = next((k for k, line in enumerate(lines) if line.startswith("time,")), len(lines) - 1) + 1
     whole = [line for line in lines[table:] if line.endswith("\n")]
@@ -110,7 +110,7 @@ def _kept(path: Path, time: float) -> list[str]:
 
 
 def _header(robot: Robot) -> str:
-    """In YAML, and the table's first line."""
+    """Return the YAML header and the line of titles."""
     start, antenna = robot.pose, robot.spec.antenna
     sigma = float(np.sqrt(robot.localization.covariance[2, 2]))
     heading = f", heading_deg: {math.degrees(start.theta):.4f}" if sigma < 1.0 else ""

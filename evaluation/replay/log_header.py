@@ -1,4 +1,4 @@
-"""The header of a recorded log in CSV: what its columns are."""
+"""Header of a recorded log in CSV, which describes its columns."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ UNITS: dict[str, dict[str, float]] = {
     "angle": {"rad": 1.0, "deg": math.radians(1.0)},
     "degrees": {"deg": 1.0},
 }
-"""How many SI units one of each is, by what is measured."""
+"""Factors that convert units to SI, by physical dimension and unit."""
 
 QUANTITIES: dict[str, tuple[str, ...]] = {
     "time": ("time",),
@@ -42,24 +42,26 @@ QUANTITIES: dict[str, tuple[str, ...]] = {
     "true_latitude": ("degrees",),
     "true_longitude": ("degrees",),
 }
-"""What a column may hold, and what of that is measured; a wheel's length is its travel since the last row."""
+"""Quantities that a column may hold, with their physical dimensions; the length of a wheel is its travel
+since the previous row.
+"""
 
 
 class Column(FileModel):
     """A column of the table."""
 
     unit: str
-    """See docs/how_to/localize.md; SI units, and those in use beside them."""
+    """Unit of the numbers: SI or a common other unit, see docs/how_to/localize.md."""
     name: str | None = None
-    """What the table calls it; left out: as the quantity is called."""
+    """Title of the column in the table (default: the name of the quantity)."""
     factor: float = 1.0
-    """By which its numbers are multiplied first: -1 for an axis that points the other way."""
+    """Factor applied to the numbers before the unit; -1 for a reversed axis."""
     held: bool = False
-    """The recorder writes the last value again until there is a new one: what repeats tells nothing new."""
+    """Whether the recorder repeats the last value until there is a new one; repetitions are ignored."""
 
 
 class Start(FileModel):
-    """Where the base is before the first row; what is left out isn't known."""
+    """Pose of the base before the first row; omitted values are unknown."""
 
     x_m: float | None = None
     y_m: float | None = None
@@ -67,23 +69,23 @@ class Start(FileModel):
 
 
 class LogHeader(FileModel):
-    """Stands between two lines `---` at the beginning of a log, before the table."""
+    """Header at the beginning of a log, between two lines `---` before the table."""
 
     format: Literal["handcart-log/1"]
     columns: Annotated[dict[str, Column], Field(min_length=2)]
     start: Start = Start()
     antenna_m: tuple[float, float, float] | None = None
-    """Of the receiver in the base frame; left out: as in the robot's file."""
+    """Position of the receiver's antenna in the base frame (default: as in the robot's file)."""
     tread_m: Positive | None = None
-    """Between left and right wheel: needed where there is no vertical gyro."""
+    """Distance between left and right wheel; required without a vertical gyro."""
     wheelbase_m: Positive | None = None
-    """Between front and rear axle: needed for `steering`."""
+    """Distance between front and rear axle; required for `steering`."""
     beacons: BeaconsSpec | None = None
-    """Needed for ranges; as in a robot's file."""
+    """Beacons as in a robot's file; required for ranges."""
 
     @property
     def range_columns(self) -> tuple[str, ...]:
-        """What columns of ranges are called, in the order of the beacons."""
+        """Names of the columns of ranges, in the order of the beacons."""
         return () if self.beacons is None else tuple(f"range_{name}" for name in self.beacons.places_m)
 
     @property

@@ -1,4 +1,4 @@
-"""Fixes from a receiver's own log beside a log of wheels and gyros."""
+"""Import of fixes from a receiver's NMEA log into a log of wheels and gyros."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ NEAR = 2.0  # [s] between a GGA and the GST that belongs to it
 
 
 def with_nmea(log: DriveLog, path: Path) -> DriveLog:
-    """A log with the fixes of a file of NMEA 0183 sentences (GGA, GST) instead of its own.
+    """Return a log with the fixes of a file of NMEA 0183 sentences (GGA, GST) instead of its own.
 
-    The receiver's clock is UTC. Where the log's times are seconds since 1970 or of the day, its clock is
-    taken to be UTC too; else the first fix is taken to have come with the first row. Damaged sentences are
-    left out.
+    The receiver's clock is UTC. If the log's times are seconds since 1970 or of the day, they are taken
+    as UTC too; otherwise the first fix is assumed to coincide with the first row. Damaged sentences are
+    skipped.
 
     Raises:
-        FileError: it can't be read, or holds no fix.
+        FileError: the file cannot be read, or contains no fix.
     """
     positions, accuracies, others = [], {}, Counter[int]()
     for line in read_regular_file(path, MAX_BYTES).splitlines():
@@ -67,7 +67,7 @@ def with_nmea(log: DriveLog, path: Path) -> DriveLog:
 
 
 def _skipped(others: Counter[int]) -> list[str]:
-    """Return a note for each quality whose places are not satellite fixes."""
+    """Return a note for each quality whose positions are not satellite fixes."""
     return [
         f"skipped {counted(count, 'place')} of quality {quality}: "
         + NO_SATELLITE_FIXES.get(quality, "unknown in NMEA 0183")
@@ -77,7 +77,7 @@ def _skipped(others: Counter[int]) -> list[str]:
 
 
 def _first(log: DriveLog, utc: float) -> float:
-    """When the first fix came, by the log's clock, in [s]."""
+    """Return the time of the first fix on the log's clock, in [s]."""
     begun = float(log.times[0])
     of_day = begun % DAY
     if begun < DAY and not begun <= utc <= float(log.times[-1]):

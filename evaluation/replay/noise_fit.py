@@ -1,4 +1,4 @@
-"""Which noise a recorded log speaks for."""
+"""Maximum-likelihood fit of the noise to a recorded log."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ SURE = 3.0  # by which a logarithm of likelihood has to grow: less is chance
 
 
 class Knob(NamedTuple):
-    """Figures that are scaled together."""
+    """A group of noise parameters that are scaled together."""
 
     words: str
     turned: Callable[[FieldNoise, float], FieldNoise]
@@ -28,14 +28,14 @@ class Knob(NamedTuple):
 
 
 class Fitted(NamedTuple):
-    """The noise under which a log's fixes are likeliest."""
+    """The noise with the largest likelihood of a log's fixes."""
 
     noise: FieldNoise
     before: float
-    """Logarithm of the fixes' likelihood by the noise that was told."""
+    """Log-likelihood of the fixes with the given noise."""
     after: float
     changed: dict[str, float]
-    """By what each knob was turned, from what was told or any vehicle's; those left alone aren't in it."""
+    """Factor of each changed knob, relative to the given noise or to that of any vehicle."""
 
 
 def _wheels(noise: FieldNoise, factor: float) -> FieldNoise:
@@ -78,12 +78,12 @@ KNOBS = (
 
 
 def fit_noise(log: DriveLog, given: FieldNoise, passed: Callable[[float], None] | None = None) -> Fitted:
-    """Turn one knob after the other while the fixes get likelier (coordinate ascent).
+    """Change one knob after the other while the likelihood of the fixes increases (coordinate ascent).
 
     Args:
         log: a drive with fixes, kilometres rather than metres.
-        given: where to begin.
-        passed: hears now and then which share of it is done.
+        given: initial noise.
+        passed: called from time to time with the completed share.
     """
     noise, best = given, _likelihood(log, given)
     before, changed = best, dict[str, float]()
@@ -118,12 +118,12 @@ def _of_any_vehicle(given: FieldNoise) -> FieldNoise:
 
 
 def _likelihood(log: DriveLog, noise: FieldNoise) -> float:
-    """Of all fixes by a filter that supposes nothing else."""
+    """Return the log-likelihood of all fixes for a filter with this noise as its only hypothesis."""
     return replay(log, localizer_for(log, noise, alone=True)).log_likelihood
 
 
 def in_yaml(noise: FieldNoise) -> str:
-    """The figures as a robot's file has them."""
+    """Return the noise in the YAML format of a robot's file."""
     deg = math.degrees
     return "\n".join(
         [

@@ -1,4 +1,4 @@
-"""What is found out about a foreign log, and put right, before it is played."""
+"""Checks and corrections of a foreign log before it is replayed."""
 
 from __future__ import annotations
 
@@ -19,25 +19,26 @@ AUTO = "auto"
 
 
 class Prepared(NamedTuple):
-    """A log that can be played, and what is supposed of its vehicle."""
+    """A log that is ready for replay, and the assumed noise of its vehicle."""
 
     log: DriveLog
     noise: FieldNoise
 
 
 def prepare(path: Path, log: DriveLog, noise: FieldNoise, is_known: bool, imu_axes: str | None) -> Prepared:
-    """Check axes and accuracies, and add what is found to the log's notes.
+    """Check axes and accuracies of a log, and add the findings to its notes.
 
     Args:
-        path: of the log, for findings.
-        log: as it was read.
-        noise: what is believed of its vehicle.
-        is_known: whether that is its robot's file: then it is believed as it is.
-        imu_axes: which of the unit's axes point forward, left and up; `auto`: as they seem to; None: they
-            have to be the base's.
+        path: path of the log, for findings.
+        log: the log as read.
+        noise: assumed noise of its vehicle.
+        is_known: whether `noise` is from the robot's file: then it is used unchanged.
+        imu_axes: the IMU's axes that point forward, left and up; `auto`: as estimated; None: they must
+            be
+            those of the base.
 
     Raises:
-        FileError: the unit isn't mounted like the base, or the axes are no frame.
+        FileError: the IMU is not mounted in the base's axes, or the given axes are not a frame.
     """
     log = _with_axes(path, log, imu_axes)
     log, contradictions = check_readings(log)
@@ -52,7 +53,7 @@ def prepare(path: Path, log: DriveLog, noise: FieldNoise, is_known: bool, imu_ax
 
 
 def _with_axes(path: Path, log: DriveLog, imu_axes: str | None) -> DriveLog:
-    """Return the log with the unit's readings in the base's axes."""
+    """Return the log with the IMU's readings in the base's axes."""
     if imu_axes not in (None, AUTO):
         turned = axes_rotation(imu_axes or "")
         if turned is None:

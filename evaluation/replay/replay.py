@@ -1,4 +1,4 @@
-"""Playing a recorded log to a robot's outdoor localization."""
+"""Replay of a recorded log to a robot's outdoor localization."""
 
 from __future__ import annotations
 
@@ -33,50 +33,50 @@ STEERED: dict[str, Any] = {
     "gyro_bias": math.radians(0.2),
     "gyro_scale": 0.05,
 }
-"""What is supposed of turns where wheels or steering tell them, and no gyro."""
+"""Noise of turn rates that come from wheels or steering instead of a gyro."""
 Array = NDArray[np.float64]
 
 
 class NoRanges(InputError):
-    """A log that beacons tell nothing of."""
+    """Error: a log lacks the ranges or the start pose that localization by beacons needs."""
 
 
 class ReplayedFix(NamedTuple):
-    """A fix, and what became of it."""
+    """A fix, and whether the localizer accepted it."""
 
     time: float
-    """[s]"""
+    """Time of the fix, in [s]."""
     position: tuple[float, float]
     """East and north, in [m]."""
     believed: bool
     why: str
-    """It wasn't believed, or the filter was not; in words."""
+    """Reason why the fix, or the filter's own estimate, was rejected; empty otherwise."""
 
 
 class Replayed(NamedTuple):
-    """What the localization made of a log."""
+    """Result of the localization of a log."""
 
     times: Array
     """(k,) in [s]."""
     poses: Array
-    """(k, 3): x, y in [m], heading in [rad]."""
+    """(k, 3) estimated poses: x, y in [m], heading in [rad]."""
     covariances: Array
-    """(k, 3, 3) of them."""
+    """(k, 3, 3) covariances of the poses."""
     known: NDArray[np.bool_]
-    """(k,) whether it could be said which way the robot headed."""
+    """(k,) whether the heading was known."""
     truth: Array
-    """(k, 3) by the log's reference; NaN where that says nothing."""
+    """(k, 3) reference poses of the log; NaN where they are unknown."""
     fixes: list[ReplayedFix]
     log_likelihood: float
-    """Of the fixes; NaN for a localizer that doesn't tell."""
+    """Log-likelihood of the fixes; NaN for a localizer that does not compute it."""
     clouds: list[tuple[float, Array]]
-    """Particles (3, n) at some instants [s], of a localizer that has any."""
+    """Particles (3, n) at some instants in [s], for a localizer with particles."""
     ranges: tuple[int, int] = (0, 0)
-    """Ranges to beacons that were played to a localizer that takes them, and how many of those it refused."""
+    """Numbers of the ranges that a localizer by beacons received, and of those that it rejected."""
 
     @property
     def errors(self) -> Array:
-        """(k, 3) estimate less reference, in [m] and [rad]."""
+        """(k, 3) difference of estimate and reference, in [m] and [rad]."""
         away = self.poses - self.truth
         away[:, 2] = (away[:, 2] + math.pi) % (2.0 * math.pi) - math.pi
         return away
@@ -85,13 +85,13 @@ class Replayed(NamedTuple):
 def localizer_for(
     log: DriveLog, noise: FieldNoise, kind: str = "gps_filter", alone: bool = False
 ) -> FieldLocalizer:
-    """A localizer of that kind which starts as the log says, or as its first fix does.
+    """Create a localizer that starts at the log's start pose, or at its first fix.
 
     Args:
-        log: what will be played.
-        noise: what to believe of wheels, gyros and receiver.
+        log: the log to be replayed.
+        noise: assumed noise of wheels, gyros and receiver.
         kind: `gps_filter`, `particle` or `beacons`.
-        alone: `gps_filter` supposes that noise and nothing else.
+        alone: whether a `gps_filter` has this noise as its only hypothesis.
     """
     if log.antenna is not None:
         noise = noise._replace(antenna=log.antenna)
@@ -115,14 +115,15 @@ def localizer_for(
 
 
 def particle_errors(noise: FieldNoise, position: float) -> ParticleErrors:
-    """Return what the particle filter supposes of a vehicle.
+    """Return the assumed errors of a vehicle for the particle filter.
 
-    It has no states for what lasts. So a gyro's bias and slipping wheels are random walks that grow as far
-    within `LASTS_S`, and slow errors of the fixes count as white ones of that size.
+    The filter has no states for lasting errors. So a gyro's bias and slipping wheels are random walks
+    that grow to the same size within `LASTS_S`, and slow errors of the fixes count as white ones of
+    their size.
 
     Args:
-        noise: of wheels, gyros and GPS.
-        position: sigma of the start, an axis, in [m].
+        noise: noise of wheels, gyros and GPS.
+        position: standard deviation of the start position per axis, in [m].
     """
     usual = ParticleErrors()
     bias = math.hypot(noise.gyro_bias, noise.gyro_warm_up)
@@ -139,7 +140,11 @@ def particle_errors(noise: FieldNoise, position: float) -> ParticleErrors:
 
 
 def _by_beacons(log: DriveLog, noise: FieldNoise, start: Pose2, position: float) -> BeaconFilter:
-    """Raises `NoRanges` where there are none, or nobody knows where the log begins."""
+    """Create a localizer by beacons.
+
+    Raises:
+        NoRanges: the log has no ranges, or its start heading is unknown.
+    """
     if log.beacons is None:
         raise NoRanges("the log has no ranges; needed: `beacons` in its header, and columns range_NAME")
     if math.isinf(noise.start_heading):
@@ -154,16 +159,17 @@ def replay(
     period: float = 0.0,
     white: float | None = None,
 ) -> Replayed:
-    """Play a log.
+    """Replay a log to a localizer.
 
     Args:
-        log: what was recorded, with all fixes.
-        localizer: a new one.
-        passed: hears now and then which share of it is done.
-        period: fixes that come earlier after the one before, in [s], aren't given to the localizer; those of
-            them that jump are listed all the same.
-        white: error of a fix, an axis, in [m], with which jumps are looked for; None: they are left to the
-            localizer.
+        log: the log with all fixes.
+        localizer: a new localizer.
+        passed: called from time to time with the completed share.
+        period: minimum time between fixes for the localizer, in [s]; earlier fixes are skipped, but
+            those that jump are listed.
+        white: error of a fix per axis, in [m], for the detection of jumps; None: no detection before
+            the
+            localizer's own.
     """
     log = log.one_row_a_time()
     gate, latest = None if white is None else JumpGate(white), -math.inf

@@ -1,4 +1,4 @@
-"""A replay as a picture."""
+"""Chart of a replay."""
 
 from __future__ import annotations
 
@@ -24,15 +24,15 @@ SIGMAS = 3.0
 
 
 def draw_replay(replayed: Replayed, path: Path, title: str) -> None:
-    """The track with claims, fixes and reference; particles, if there are any; errors against claims.
+    """Draw track, claimed uncertainty, fixes, reference and particles, and the errors over time.
 
     Args:
-        replayed: what is drawn.
+        replayed: the replay.
         path: an .svg, .png or .pdf file.
-        title: stands above it.
+        title: title of the chart.
 
     Raises:
-        OSError: it can't be written.
+        OSError: the file cannot be written.
     """
     tall, rows = _tallness(replayed), ["track"] * max(1, len(replayed.clouds))
     panels = [rows, ["errors"] * len(rows)]
@@ -67,7 +67,7 @@ def _draw_fixes(axes: Axes, replayed: Replayed) -> None:
 
 
 def _draw_claims(axes: Axes, replayed: Replayed) -> None:
-    """Ellipses of three claimed sigma, where the heading is known."""
+    """Draw ellipses of three claimed standard deviations where the heading is known."""
     for row in np.unique(np.linspace(0, len(replayed.times) - 1, ELLIPSES).astype(int)):
         if not replayed.known[row]:
             continue
@@ -82,14 +82,14 @@ def _draw_claims(axes: Axes, replayed: Replayed) -> None:
 
 
 def _tallness(replayed: Replayed) -> float:
-    """Height of the track's panel, in widths of the picture."""
+    """Return the height of the track's panel, in widths of the picture."""
     places = np.array([fix.position for fix in replayed.fixes] or replayed.poses[:, :2])
     width, height = (float(np.quantile(axis, 0.99) - np.quantile(axis, 0.01)) + 1.0 for axis in places.T)
     return min(0.9, max(0.25, 0.8 * height / width))
 
 
 def _draw_cloud(axes: Axes, replayed: Replayed, number: int) -> None:
-    """Particles at an instant about where they are on average, as figure 3 of Ohki et al. (2012) has them."""
+    """Draw the particles at an instant around their mean, as in figure 3 of Ohki et al. (2012)."""
     time, (x, y, _) = replayed.clouds[number]
     axes.plot(x - x.mean(), y - y.mean(), ".", color=PARTICLES, markersize=1)
     row = int(np.argmin(np.abs(replayed.times - time)))

@@ -1,4 +1,4 @@
-"""What a replay showed, in words and figures."""
+"""Result of a replay as text and numbers."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ SHOWN = 12  # refused fixes that are told one by one
 
 
 def figures(replayed: Replayed) -> dict[str, Any]:
-    """Plain data: fixes, what is claimed, and how far it is from the log's reference, if it has one."""
+    """Return the numbers of a replay: fixes, claimed uncertainty, and errors if the log has a reference."""
     claimed = np.sqrt(np.trace(replayed.covariances[:, :2, :2], axis1=1, axis2=2))
     refused = [fix for fix in replayed.fixes if not fix.believed]
     found: dict[str, Any] = {
@@ -46,7 +46,7 @@ def figures(replayed: Replayed) -> dict[str, Any]:
 
 
 def in_words(replayed: Replayed) -> str:
-    """For a person."""
+    """Return the result of a replay as text."""
     found = figures(replayed)
     refused = [fix for fix in replayed.fixes if not fix.believed]
     lines = [
@@ -71,7 +71,7 @@ def in_words(replayed: Replayed) -> str:
 
 
 def _heard(replayed: Replayed) -> str:
-    """What was heard from outside, and how much of it was refused."""
+    """Return the numbers of fixes and ranges, and of those that were rejected, as text."""
     refused = sum(not fix.believed for fix in replayed.fixes)
     said = [f"{len(replayed.fixes)} fixes, {refused} of them refused"] if replayed.fixes else []
     if replayed.ranges[0]:
@@ -80,7 +80,7 @@ def _heard(replayed: Replayed) -> str:
 
 
 def _kind(why: str) -> str:
-    """A reason without its figures."""
+    """Return the kind of a rejection, by its reason without the numbers."""
     for start, kind in (
         ("fixes before", "after others that were off"),
         ("the last", "off with those before"),
@@ -92,7 +92,7 @@ def _kind(why: str) -> str:
 
 
 def _known_after(replayed: Replayed) -> float | None:
-    """[s] from the beginning; None if never."""
+    """Return the time in [s] from the start until the heading is known; None if it never is."""
     if not replayed.known.any():
         return None
     return round(float(replayed.times[int(np.argmax(replayed.known))] - replayed.times[0]), 1)

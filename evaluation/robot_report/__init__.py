@@ -1,1 +1,1 @@
-"""What can be known about a robot from its files, without moving it."""
+"""Report about a robot from its files, without moving it."""

@@ -1,4 +1,4 @@
-"""What a domain tells of a robot."""
+"""Facts about a robot that a domain reports."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ class FactTable(NamedTuple):
 
 
 class DomainFacts(NamedTuple):
-    """What a domain tells of a robot that is to work in it."""
+    """Facts about a robot that is to work in a domain."""
 
     remarks: Sequence[str] = ()
-    """What the robot lacks for it, each "what is missing: who needs it"."""
+    """Things that the robot lacks for the domain, each as "missing thing: who needs it"."""
     figures: Mapping[str, Any] = {}
-    """For programs."""
+    """The facts as JSON values."""
     tables: Sequence[FactTable] = ()

@@ -1,4 +1,4 @@
-"""Whether the masses in a URDF can be those of the links."""
+"""Check of the plausibility of the masses in a URDF."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ OUTSIDE = 0.03  # [m] beside its bodies that a middle of mass may lie
 
 
 def mass_faults(link: LinkFacts, bodies: Sequence[Shape], moves: bool = False) -> list[str]:
-    """What is implausible about a link's mass and inertia, in words.
+    """Return messages about implausible mass and inertia of a link.
 
     Args:
-        link: as its URDF has it.
+        link: the link in its URDF.
         bodies: its collision bodies, in its frame.
         moves: whether a joint moves it.
     """
@@ -60,7 +60,9 @@ def _body_faults(link: LinkFacts, mass: float, bodies: Sequence[Shape]) -> list[
 
 
 def corners_of(shape: Shape) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
-    """Points (n, 3) whose convex hull holds a body (a round one to 2 %), in the frame of its pose."""
+    """Return points (n, 3) whose convex hull is a body (a round one to 2 %), in the frame of its pose, in
+    [m].
+    """
     match shape:
         case Hull():
             points = shape.points
@@ -76,7 +78,7 @@ def corners_of(shape: Shape) -> np.ndarray[tuple[int, int], np.dtype[np.float64]
 
 
 def volume_of(shape: Shape) -> float:
-    """[m³]."""
+    """Return the volume of a body, in [m³]."""
     match shape:
         case Hull():
             return float(ConvexHull(shape.points).volume)

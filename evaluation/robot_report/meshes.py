@@ -1,4 +1,4 @@
-"""Whether the meshes that a URDF names are there, and how much of their convex hull they fill."""
+"""Check that the meshes of a URDF exist, and how much of their convex hull they fill."""
 
 from __future__ import annotations
 
@@ -14,22 +14,22 @@ CONVEX = 0.9  # share of its hull that a mesh fills that counts as convex
 
 @dataclass(frozen=True)
 class MeshRow:
-    """One mesh."""
+    """Result of the check of one mesh."""
 
     link: str
     kind: str
-    """collision or visual."""
+    """Either `collision` or `visual`."""
     file: str
     found: bool
     corners: int = 0
     filled: float | None = None
-    """Share of its convex hull that it fills; of collision meshes, where they are closed."""
+    """Share of its convex hull that it fills; None for visual meshes and for meshes that are not closed."""
     hint: str = ""
-    """Of one that is missing, the file that may be meant."""
+    """Name of a similar file, for a missing mesh."""
 
     @property
     def fault(self) -> str | None:
-        """What is wrong with it, in words."""
+        """Message about a missing or concave mesh; None if it is sound."""
         if not self.found:
             return f"missing{self.hint}"
         if self.filled is None or self.filled >= CONVEX:
@@ -38,7 +38,7 @@ class MeshRow:
 
 
 def mesh_row(use: MeshUse) -> MeshRow:
-    """Look at a mesh; visual ones are only looked for."""
+    """Check a mesh; of a visual mesh only its existence."""
     path, name = Path(use.file), Path(use.file).name
     if not path.is_file():
         meant = did_you_mean(path).rstrip(" ")

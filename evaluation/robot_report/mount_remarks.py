@@ -1,4 +1,4 @@
-"""Whether the lidar sees the surroundings from where it is mounted, and whether the base stands by itself."""
+"""Checks of the lidar's mounting and of the stability of the base."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ Points = NDArray[np.float64]
 
 
 def mount_remarks(robot: RobotFile) -> list[Remark]:
-    """Return what is doubtful about the lidar's mount and about what the base stands on."""
+    """Return remarks about the lidar's mounting and about the ground contact of the base."""
     urdf = robot.urdf_text()
     if "base" not in link_names(urdf):
         return []
@@ -62,9 +62,10 @@ def _lidar_remarks(robot: RobotFile, urdf: str) -> Iterator[Remark]:
 
 
 def hidden_links(robot: RobotFile) -> list[tuple[str, tuple[float, float]]]:
-    """Return the links fixed on the base that its lidar sees, with the sector of each in [rad].
+    """Return the links fixed to the base that its lidar sees, with the sector of each in [rad].
 
-    The arm is left out, because it moves. So is a link that encloses the lidar, such as its own housing.
+    The arm is not included, because it moves, and neither is a link that encloses the lidar, such as
+    its housing.
     """
     urdf = robot.urdf_text()
     if robot.range_sensor is None or not {"base", LIDAR} <= set(link_names(urdf)):
@@ -75,19 +76,21 @@ def hidden_links(robot: RobotFile) -> list[tuple[str, tuple[float, float]]]:
 
 
 def whole_degrees(sector: tuple[float, float]) -> tuple[int, int]:
-    """Return a sector in [rad] as `masked_deg` has it: rounded outwards to degrees, its end at most 180."""
+    """Return a sector in [rad] in the format of `masked_deg`: rounded outwards to degrees, its end at most
+    180.
+    """
     start, end = math.floor(math.degrees(sector[0])), math.ceil(math.degrees(sector[1]))
     return start, end if end <= 180 else end - 360
 
 
 def hidden_sector(points: Points) -> tuple[float, float] | None:
-    """Return the bearings in [rad] between which a convex outline hides what is behind it.
+    """Return the bearings in [rad] between which a convex outline hides the surroundings.
 
     Args:
         points: (n, 2) in the sensor frame, whose convex hull is the outline.
 
     Returns:
-        Counter-clockwise, from and to; None where the sensor is inside the outline.
+        Start and end, counter-clockwise; None if the sensor is inside the outline.
     """
     bearings = np.sort(np.arctan2(points[:, 1], points[:, 0]))
     gaps = np.diff(np.append(bearings, bearings[0] + 2.0 * math.pi))
@@ -99,7 +102,9 @@ def hidden_sector(points: Points) -> tuple[float, float] | None:
 
 
 def _slices(robot: RobotFile, urdf: str, mount: Transform) -> Iterator[tuple[str, Points]]:
-    """Links fixed on the base with the outline (n, 2) of a body in the lidar's plane, in the sensor frame."""
+    """Yield links fixed to the base, each with a body's outline (n, 2) in the lidar's plane, in the sensor
+    frame.
+    """
     own = {*(robot.arm.joints if robot.arm else ()), "left_finger", "right_finger"}
     poses, sensor_T_base = link_poses(urdf), inverse(mount)
     base_T_root = inverse(poses["base"])
@@ -116,7 +121,7 @@ def _slices(robot: RobotFile, urdf: str, mount: Transform) -> Iterator[tuple[str
 
 
 def _is_seen(robot: RobotFile, sector: tuple[float, float]) -> bool:
-    """Whether a beam that isn't masked meets a sector."""
+    """Return whether a beam that is not masked meets a sector."""
     assert robot.range_sensor is not None
     angles = robot.range_sensor.angles()
     looking = angles[~robot.range_sensor.masked(angles)]
@@ -134,7 +139,7 @@ def _sector_words(link: str, sector: tuple[float, float]) -> str:
 
 
 def _standing_remarks(urdf: str) -> Iterator[Remark]:
-    """Whether the base tips over where gravity counts."""
+    """Yield a remark if the base tips over in simulations with gravity."""
     names = [joint.name for joint in joints_of(urdf)]
     wheels = set(driven_wheels(names).all)
     feet = _feet(urdf, {joint.child for joint in joints_of(urdf) if joint.name in wheels})
@@ -148,7 +153,9 @@ def _standing_remarks(urdf: str) -> Iterator[Remark]:
 
 
 def _feet(urdf: str, wheels: set[str]) -> Points | None:
-    """(n, 2) in [m] where bodies stand on the floor, in the base frame; None where wheels have no body."""
+    """Return the points (n, 2) where bodies touch the floor, in [m] in the base frame; None without wheel
+    bodies.
+    """
     poses = link_poses(urdf)
     lowest: list[tuple[str, Points]] = []
     for body in bodies_of(urdf):
@@ -164,7 +171,9 @@ def _feet(urdf: str, wheels: set[str]) -> Points | None:
 
 
 def _middle_of_mass(urdf: str) -> Points | None:
-    """(2,) in [m] of the robot, all joints at zero; None where no link has a mass."""
+    """Return the robot's centre of mass (2,) in [m] in the base frame, joints at zero; None without any
+    mass.
+    """
     poses = link_poses(urdf)
     masses = [(link.mass, poses[link.name], link.middle) for link in links_of(urdf) if link.mass]
     if not masses:
@@ -175,7 +184,7 @@ def _middle_of_mass(urdf: str) -> Points | None:
 
 
 def _stands(feet: Points, middle: Sequence[float] | Points) -> bool:
-    """Whether a point is inside the convex hull of the feet (n, 2)."""
+    """Return whether a point is inside the convex hull of the feet (n, 2)."""
     try:
         hull = ConvexHull(feet)
     except QhullError:  # on a line

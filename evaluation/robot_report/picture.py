@@ -1,4 +1,4 @@
-"""A robot from the side and from above, in its postures, with what its hand reaches."""
+"""Picture of a robot from the side and from above, in its postures, with the reach of its hand."""
 
 from __future__ import annotations
 
@@ -28,16 +28,16 @@ VIEWS = {"from the side": (0, 2), "from above": (0, 1)}
 
 
 def draw_robot(path: Path, robot: RobotFile, reach: Reach | None) -> None:
-    """Draw it into a file; its ending (svg, png, pdf) says how.
+    """Draw a robot into a file; the suffix (svg, png, pdf) selects the format.
 
     Args:
         path: the file.
-        robot: as its file has it.
-        reach: of its arm.
+        robot: the robot's file.
+        reach: reach of its arm; None: it is not drawn.
 
     Raises:
-        OSError: the file can't be written.
-        ValueError: no picture ends like that.
+        OSError: the file cannot be written.
+        ValueError: the suffix is not that of a picture.
     """
     from matplotlib.figure import Figure
 
@@ -55,7 +55,7 @@ def draw_robot(path: Path, robot: RobotFile, reach: Reach | None) -> None:
 
 
 def _columns(robot: RobotFile) -> dict[str, Sequence[Shape]]:
-    """The bodies in the base frame, by posture; each different one once."""
+    """Return the bodies in the base frame by posture, with equal postures merged."""
     if robot.arm is None:
         return {"": bodies_of(robot.urdf_text())}
     arm = robot.arm_model()
@@ -67,7 +67,7 @@ def _columns(robot: RobotFile) -> dict[str, Sequence[Shape]]:
 
 
 def _still(robot: RobotFile) -> set[str]:
-    """Names of the links that the arm doesn't move."""
+    """Return the names of the links that the arm does not move."""
     if robot.arm is None:
         return {each.name for each in bodies_of(robot.urdf_text())}
     arm = robot.arm_model()
@@ -106,7 +106,7 @@ def _draw(
 
 
 def _shade(axes: Axes, points: NDArray[np.float64]) -> None:
-    """Cells in which the hand was, seen from one side."""
+    """Shade the cells that the hand reached, projected into the view."""
     low = np.floor(points.min(axis=0) / CELL).astype(int) - 1
     cells = np.floor(points / CELL).astype(int) - low
     counts = np.zeros(cells.max(axis=0) + 2)

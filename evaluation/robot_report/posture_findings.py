@@ -1,4 +1,4 @@
-"""Whether a robot's named postures touch anything of it, and stand out over its footprint."""
+"""Check of a robot's named postures for self-collisions and for parts beyond its footprint."""
 
 from __future__ import annotations
 
@@ -24,21 +24,21 @@ ROUNDING = 1e-3  # [m]
 
 
 class PostureFacts(NamedTuple):
-    """A named posture, the fingers open."""
+    """Facts about a named posture, with open fingers."""
 
     name: str
     touching: tuple[tuple[str, str], ...]
-    """Pairs of links."""
+    """Pairs of links that touch."""
     reach: float
-    """How far from the base's axis anything of the arm is, in [m]."""
+    """Largest distance of the arm from the base's axis, in [m]."""
     farthest: str
-    """The link that is."""
+    """Link with that distance."""
     travels: bool
-    """Whether the base drives with it."""
+    """Whether the base drives in this posture."""
 
 
 def posture_facts(robot: RobotFile) -> list[PostureFacts]:
-    """Look at all postures of a robot's file; nothing where it has no arm."""
+    """Return facts about all postures of a robot's file; empty without an arm."""
     if robot.arm is None:
         return []
     arm = opened_arm(robot)
@@ -48,11 +48,11 @@ def posture_facts(robot: RobotFile) -> list[PostureFacts]:
 
 
 def posture_findings(robot_name: str, robot: RobotFile) -> Iterator[Finding]:
-    """What is doubtful about them, at their lines in the robot's file.
+    """Yield findings about doubtful postures, at their lines in the robot's file.
 
     Args:
-        robot_name: of a shipped robot, or the path of its file.
-        robot: by that file.
+        robot_name: name of a shipped robot, or path of its file.
+        robot: the robot's file.
     """
     facts = posture_facts(robot)
     if not facts:
@@ -70,7 +70,7 @@ def posture_findings(robot_name: str, robot: RobotFile) -> Iterator[Finding]:
 
 
 def opened_arm(robot: RobotFile) -> ArmModel:
-    """Return the robot's arm, its fingers open."""
+    """Return the robot's arm with open fingers."""
     arm = robot.arm_model()
     if robot.gripper is None:
         return arm
@@ -81,7 +81,7 @@ def opened_arm(robot: RobotFile) -> ArmModel:
 
 
 def moved_links(arm: ArmModel) -> set[str]:
-    """Return the links that the arm's joints move, of those with collision bodies."""
+    """Return the links with collision bodies that the arm's joints move."""
     here = 0.5 * (arm.lower + arm.upper)
     names = [shape.name for shape in arm.link_shapes(here)]
     poses = zip(names, arm.link_poses(here), arm.link_poses(here + 0.1), strict=True)

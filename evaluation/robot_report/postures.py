@@ -1,4 +1,4 @@
-"""Finding a posture that has the hand at some place, pointing some way."""
+"""Search of a posture with a given position and direction of the hand."""
 
 from __future__ import annotations
 
@@ -28,17 +28,17 @@ Vector = NDArray[np.float64]
 
 
 class HandAim(NamedTuple):
-    """Where the hand is to be, in the base frame, and which way it is to point."""
+    """Wanted position of the hand in the base frame, and its direction."""
 
     place: tuple[float, float, float]
-    """[m]"""
+    """Position, in [m]."""
     direction: tuple[float, float, float] = (1.0, 0.0, 0.0)
-    """Of its x axis."""
+    """Direction of the hand's x axis."""
     roll_deg: float | None = None
-    """About that; None: upright, or any where it points up or down."""
+    """Rotation about this direction; None: upright, or any if the direction is vertical."""
 
     def poses(self) -> Iterator[Transform]:
-        """Yield base_T_hand (4, 4) for each roll that will do."""
+        """Yield base_T_hand (4, 4) for each allowed roll."""
         x, y, z = self.direction
         is_vertical = abs(z) > VERTICAL * math.sqrt(x * x + y * y + z * z)
         rolls = [self.roll_deg or 0.0]
@@ -49,24 +49,26 @@ class HandAim(NamedTuple):
 
 
 class PostureSearch(NamedTuple):
-    """What came of a search for a posture."""
+    """Result of a search for a posture."""
 
     angles: list[float] | None
-    """[deg], or [mm] for joints that slide; None: no free posture was found."""
+    """Joint positions in [deg], or [mm] for prismatic joints; None: no collision-free posture was found."""
     reached: int
-    """Postures that have the hand there."""
+    """Number of found postures with the wanted hand pose, including those in collision."""
     touching: Sequence[tuple[Pair, float]]
-    """Pairs of links that touch in these, with the share of postures, the most frequent first."""
+    """Pairs of links that touch in these postures, with their share of the postures, the most frequent
+    first.
+    """
 
 
 def posture_at(robot: RobotFile, aim: HandAim) -> PostureSearch:
-    """Search a posture that has the hand somewhere, the arm free of itself and of the robot.
+    """Search a posture with the hand at the wanted pose and without collisions of the robot with itself.
 
-    Of several such postures the one most like `home` is taken; where that isn't known, the one that keeps
+    Among several postures the one most similar to `home` is chosen; without `home`, the one that stays
     closest to the base's axis.
 
     Raises:
-        ValueError: the robot has no arm, or the direction no length.
+        ValueError: the robot has no arm, or the direction has no length.
     """
     arm = robot.arm_model()
     free = CollisionModel(arm, margin=MARGIN)
@@ -81,7 +83,7 @@ def posture_at(robot: RobotFile, aim: HandAim) -> PostureSearch:
 
 
 def _reaching(arm: ArmModel, poses: Sequence[Transform]) -> Iterator[Vector]:
-    """Postures that have the hand at one of some poses, by descents from random ones."""
+    """Yield postures with the hand at one of some poses, by inverse kinematics from random starts."""
     count = STARTS if len(poses) == 1 else FEWER_STARTS
     starts = np.random.default_rng(0).uniform(arm.lower, arm.upper, (count, arm.dof))
     starts[: count // 2] *= 0.5
@@ -96,6 +98,8 @@ def _touching(model: CollisionModel, postures: Sequence[Vector]) -> list[tuple[P
 
 
 def _extent(arm: ArmModel, q: Vector) -> float:
-    """How far from the base's axis anything of the robot reaches, in [m]; of equals the least bent one."""
+    """Return the robot's largest distance from the base's axis in [m], with a small penalty for bent
+    joints.
+    """
     out = max((float(np.hypot(*corners_of(each)[:, :2].T).max()) for each in arm.link_shapes(q)), default=0.0)
     return round(out, 2) + 1e-3 * float(np.abs(q).max())

@@ -1,4 +1,4 @@
-"""How far an arm reaches, by trying."""
+"""Estimate of an arm's reach by random postures."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ FAR = 0.15  # [m] from all random places of the hand: out of reach
 
 
 class Reach:
-    """Where the frame `hand` gets, the arm free of itself and the robot.
+    """Reach of the frame `hand`, with the arm free of collisions with itself and the robot.
 
     Attributes:
-        points: (n, 3) places of it in the base frame in [m], of random joint angles.
+        points: (n, 3) positions of the hand in the base frame in [m], for random joint angles.
     """
 
     def __init__(self, arm: ArmModel, free: CollisionModel, points: NDArray[np.float64]) -> None:
@@ -35,23 +35,27 @@ class Reach:
         self._starts = starts
 
     def figures(self) -> dict[str, Any]:
-        """The same for programs."""
+        """Return the reach as JSON values."""
         return {"radii_m": self.radii, "heights_m": self.heights}
 
     @property
     def radii(self) -> tuple[float, float]:
-        """Least and largest distance from the base's axis, in [m]."""
+        """Smallest and largest distance of the hand from the base's axis, in [m]."""
         out = np.hypot(self.points[:, 0], self.points[:, 1])
         return float(out.min()), float(out.max())
 
     @property
     def heights(self) -> tuple[float, float]:
-        """Least and largest height above the floor, in [m]."""
+        """Smallest and largest height of the hand above the floor, in [m]."""
         return float(self.points[:, 2].min()), float(self.points[:, 2].max())
 
     def reached(self, places: Sequence[tuple[float, float, float]]) -> list[bool]:
-        """For each place of a line, in the base frame in [m], whether some free posture has the hand there,
-        upright and pointing ahead."""
+        """Return for each position of a line whether a collision-free posture reaches it, upright and
+        pointing ahead.
+
+        Args:
+            places: positions of the hand in the base frame, in [m], each near the one before.
+        """
         found, last = [], self._starts[:1]
         for place in places:
             posture = self._posture(place, last)
@@ -62,7 +66,7 @@ class Reach:
     def _posture(
         self, place: tuple[float, float, float], last: NDArray[np.float64]
     ) -> NDArray[np.float64] | None:
-        """By descents from the last posture and from random ones."""
+        """Search a posture by inverse kinematics, from the last posture and from random ones."""
         if self._near.query(place)[0] > FAR:
             return None
         tried = (self._arm.inverse(transform(place), start, restarts=0) for start in (*last, *self._starts))
@@ -73,12 +77,12 @@ def reach_of(robot: RobotFile, arm: ArmModel, seed: int = 0) -> Reach | None:
     """Try random postures.
 
     Args:
-        robot: by its file.
-        arm: its arm.
-        seed: of what is random.
+        robot: the robot's file.
+        arm: the robot's arm.
+        seed: seed of the random postures.
 
     Returns:
-        None where no posture was found that is free and has the hand above the floor.
+        The reach; None if no collision-free posture with the hand above the floor was found.
     """
     free = CollisionModel(arm)
     rng = np.random.default_rng(seed)

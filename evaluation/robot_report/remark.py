@@ -1,4 +1,4 @@
-"""What is doubtful about a robot, each at its place, and many of a kind in one line."""
+"""Remarks about a robot, each with its place in a file; similar remarks are grouped in one line."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ _SHOWN = 4
 
 
 class Remark(NamedTuple):
-    """Something that a person should know of, though nothing refuses it."""
+    """A doubtful property that a person should know of, but that is not an error."""
 
     subject: str
-    """Such as `link 'base'`; empty: the robot."""
+    """Subject such as `link 'base'`; empty: the robot."""
     what: str
     place: Finding | None = None
-    """Where that stands, where a file tells; its own message doesn't count."""
+    """Place in a file, if it is known; the finding's own message is ignored."""
 
     def __str__(self) -> str:
         words = f"{self.subject}: {self.what}" if self.subject else self.what
@@ -27,7 +27,7 @@ class Remark(NamedTuple):
 
 
 def grouped(remarks: Iterable[Remark]) -> list[str]:
-    """A line for each kind of remark: the first one, and of what else the same is true."""
+    """Return a line for each kind of remark: the first one, and the other subjects it applies to."""
     kinds: dict[tuple[str, str], list[Remark]] = {}
     for each in remarks:
         kinds.setdefault((each.subject.split(" ")[0], _DIFFERS.sub("", each.what)), []).append(each)
@@ -35,7 +35,9 @@ def grouped(remarks: Iterable[Remark]) -> list[str]:
 
 
 def grouped_findings(findings: Sequence[Finding]) -> list[str]:
-    """The same for findings: how many more lines of a file have the same fault."""
+    """Return a line for each kind of finding: the first one, and the other lines of the file it applies
+    to.
+    """
     kinds: dict[tuple[str, str], list[Finding]] = {}
     for each in findings:
         kinds.setdefault((each.file, _DIFFERS.sub("", each.message)), []).append(each)

@@ -1,4 +1,4 @@
-"""All that `handcart check` tells about a robot."""
+"""Complete report of `handcart check` about a robot."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ AWAY = 0.3  # [m] from the camera: where it reads labels
 
 @dataclass(frozen=True)
 class LinkRow:
-    """A link's mass, and what is implausible about it."""
+    """Mass of a link, with messages about implausible values."""
 
     name: str
     mass_kg: float | None
@@ -39,18 +39,18 @@ class LinkRow:
 
 @dataclass(frozen=True)
 class CameraFacts:
-    """What the camera sees."""
+    """Field of view and resolution of the camera."""
 
     across_deg: float
-    """Angle of view, left to right."""
+    """Horizontal angle of view."""
     upright_deg: float
     px_per_mm: float
-    """On something `AWAY` before it, straight ahead."""
+    """Resolution at the distance `AWAY`, straight ahead."""
 
 
 @dataclass(frozen=True)
 class Contents:
-    """What stands in a robot's URDF."""
+    """Content of a robot's URDF."""
 
     joints: Sequence[JointFacts]
     links: Sequence[LinkRow]
@@ -58,7 +58,7 @@ class Contents:
     remarks: Sequence[Remark]
 
     def figures(self) -> dict[str, Any]:
-        """The same for programs."""
+        """Return the content as JSON values."""
         return {
             "joints": [each._asdict() for each in self.joints],
             "links": [asdict(each) for each in self.links],
@@ -68,7 +68,7 @@ class Contents:
 
 @dataclass(frozen=True)
 class RobotReport:
-    """A robot by its files."""
+    """Report about a robot, made from its files."""
 
     contents: Contents
     arm: Sequence[str]
@@ -77,16 +77,16 @@ class RobotReport:
     contact: SelfContact | None
     reach: Reach | None
     domains: Mapping[str, DomainFacts]
-    """What domains tell of it, by their names."""
+    """Facts that the domains report, by name of the domain."""
     remarks: Sequence[Remark]
 
     @property
     def warnings(self) -> list[str]:
-        """All that is doubtful, in words."""
+        """All remarks as text."""
         return [str(each) for each in self.remarks]
 
     def figures(self) -> dict[str, Any]:
-        """The same for programs."""
+        """Return the report as JSON values."""
         reach, contact = self.reach, self.contact
         return {
             **self.contents.figures(),
@@ -98,10 +98,10 @@ class RobotReport:
 
 
 def contents_of(whole: RobotUrdf) -> Contents:
-    """Look at what stands in a URDF.
+    """Check the content of a URDF.
 
     Raises:
-        ValueError: something in it can't be read.
+        ValueError: a part of it cannot be read.
     """
     bodies = bodies_of(whole.text)
     joints = joints_of(whole.text)
@@ -123,14 +123,14 @@ def contents_of(whole: RobotUrdf) -> Contents:
 
 
 def report_of(robot: RobotFile, tried: bool = True) -> RobotReport:
-    """Look at a robot whose file is right.
+    """Check a robot whose file is valid.
 
     Args:
-        robot: by its file.
-        tried: whether its reach is tried, which takes a few seconds.
+        robot: the robot's file.
+        tried: whether to estimate the reach, which takes a few seconds.
 
     Raises:
-        ValueError: something in the URDF can't be read.
+        ValueError: a part of the URDF cannot be read.
     """
     contents = contents_of(robot.whole)
     arm = robot.arm_model() if tried and robot.arm is not None else None
@@ -156,7 +156,7 @@ def report_of(robot: RobotFile, tried: bool = True) -> RobotReport:
 
 
 def _reach(robot: RobotFile, arm: ArmModel, contact: SelfContact) -> Reach | None:
-    """What the arm reaches, if pairs that always touch may."""
+    """Return the reach of the arm, with contacts of pairs that always touch allowed."""
     allowed = ArmModel(robot.urdf_text(), arm.joint_names, allowed=arm.allowed | set(contact.always))
     return reach_of(robot, allowed)
 
@@ -196,7 +196,7 @@ def _of_meshes(meshes: Sequence[MeshRow], whole: RobotUrdf) -> list[Remark]:
 
 
 def _of_drives(robot: RobotFile) -> list[Remark]:
-    """What its drives lack, and its file accepts."""
+    """Return remarks about monitoring that the robot's CAN drives lack."""
     if robot.can is None:
         return []
     from handcart.backends.can.devices.lacks import not_watched

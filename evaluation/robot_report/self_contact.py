@@ -1,4 +1,4 @@
-"""Which of a robot's links touch each other, however its arm stands."""
+"""Estimate of the links that touch each other, by random postures of the arm."""
 
 from __future__ import annotations
 
@@ -13,44 +13,46 @@ from handcart.robotics.manipulation.motions.collision_model import CollisionMode
 
 SAMPLES = 200
 ALWAYS = 0.95
-"""Share of random postures in which a pair "always" touches: the default of MoveIt's Setup Assistant."""
+"""Share of random postures from which a pair counts as always touching: the default of MoveIt's Setup
+Assistant.
+"""
 
 Pair = tuple[str, str]
 
 
 @dataclass(frozen=True)
 class SelfContact:
-    """What random postures of an arm touch: the robot itself, or the arm."""
+    """Self-contacts of a robot in random postures of its arm."""
 
     tried: int
     free: int
-    """Postures that touch nothing."""
+    """Number of postures without contact."""
     always: Sequence[Pair]
-    """Pairs that touch in all but 5 % of the postures: their bodies overlap by the way they are drawn."""
+    """Pairs that touch in at least 95 % of the postures: their collision bodies overlap by design."""
     often: Sequence[tuple[Pair, float]]
     """Other pairs, with the share of postures in which they touch, the most frequent first."""
     always_shares: Sequence[float] = ()
-    """Of postures in which the pairs of `always` touch."""
+    """Share of the postures in which each pair of `always` touches."""
 
     @property
     def words(self) -> str:
-        """In one line."""
+        """The number of postures with contact, as one line of text."""
         return f"{self.tried - self.free} of {self.tried} random postures touch the robot itself"
 
     @property
     def pairs(self) -> list[str]:
-        """Each pair that touches, with its share of the postures, in words; the most frequent first."""
+        """Text for each pair that touches, with its share of the postures; the most frequent first."""
         always = zip(self.always, self.always_shares, strict=True)
         return [touching_words(pair, share) for pair, share in (*always, *self.often)]
 
 
 def touching_words(pair: Pair, share: float) -> str:
-    """How often two links touch, as people read it."""
+    """Return how often two links touch, as text."""
     return f"{pair[0]} touches {pair[1]} in {100.0 * share:.0f} % of postures"
 
 
 def self_contact(arm: ArmModel, seed: int = 0) -> SelfContact:
-    """Try `SAMPLES` postures, even over the joints' limits."""
+    """Try `SAMPLES` random postures, uniformly distributed within the joints' limits."""
     checked = CollisionModel(arm)
     drawn = np.random.default_rng(seed).uniform(arm.lower, arm.upper, (SAMPLES, arm.dof))
     touching: Counter[Pair] = Counter()

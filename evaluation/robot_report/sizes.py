@@ -1,4 +1,4 @@
-"""Bodies of a size that no robot has, and meshes that are slow to load."""
+"""Check for bodies of implausible size and for meshes that are slow to load."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ MILLIMETRES = 1e3
 
 
 def size_remarks(bodies: Sequence[Shape], meshes: Sequence[MeshUse], whole: RobotUrdf) -> Iterator[Remark]:
-    """Yield bodies beyond some metres, and mesh files beyond some megabytes, each once."""
+    """Yield remarks about bodies longer than some metres and mesh files beyond some megabytes, each once."""
     for body in bodies:
         size = float(np.ptp(corners_of(body), axis=0).max())
         if size > LARGEST_BODY_M:

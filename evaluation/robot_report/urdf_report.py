@@ -1,4 +1,4 @@
-"""All that `handcart check` tells about a URDF that no robot's file names yet."""
+"""Complete report of `handcart check` about a URDF without a robot's file."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ from .report import Contents, contents_of
 
 @dataclass(frozen=True)
 class UrdfReport:
-    """A URDF, and what it lets one guess."""
+    """Content of a URDF, and the outline guessed from it."""
 
     contents: Contents
     outline: Outline
     text: str
-    """Its meshes named by absolute paths."""
+    """The URDF with meshes named by absolute paths."""
 
 
 def urdf_report(path: Path) -> UrdfReport:
-    """Look at a URDF.
+    """Check a URDF.
 
     Raises:
-        FileError: something is wrong in it.
-        UrdfError: it isn't there.
+        FileError: the URDF has a fault.
+        UrdfError: the file does not exist.
     """
     part = read_part(path.name, path.parent)
     places = {key: SourcePlace(part.file, *spot) for key, spot in part.places.items()}

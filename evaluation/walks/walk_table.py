@@ -13,7 +13,7 @@ from handcart.networks.chains.policy import State, StepMaker
 from handcart.networks.graph.network import ActionNetwork
 
 GOAL, NO_WAY = -1, -2
-"""In place of a moment's number: where a walk ends."""
+"""Values instead of a moment's number, at the end of a walk."""
 
 Numbers = NDArray[np.int32]
 

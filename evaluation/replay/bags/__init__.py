@@ -1,1 +1,1 @@
-"""Reading ROS bags, also damaged ones, as recorded logs."""
+"""Reading of ROS bags, including damaged ones, as recorded logs."""

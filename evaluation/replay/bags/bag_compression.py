@@ -1,4 +1,4 @@
-"""Unpack bags that rosbag2 compressed: whole storage files, or each message (zstd, RFC 8878)."""
+"""Decompression of rosbag2 bags: complete storage files, or single messages (zstd, RFC 8878)."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ PACKED_SUFFIXES = (".zstd", ".zst")
 MAGIC = b"\x28\xb5\x2f\xfd"
 """First bytes of a zstd frame; CDR begins with 00."""
 MAX_BYTES = 1 << 36
-"""Of an unpacked file."""
+"""Maximum size of an unpacked file, in bytes."""
 PIECE = 1 << 20
 
 
 def is_packed(path: Path) -> bool:
-    """Return whether a file is compressed as a whole, by its name."""
+    """Return whether a file is compressed as a whole, by its suffix."""
     return path.suffix in PACKED_SUFFIXES
 
 
@@ -22,11 +22,11 @@ def unpacked_file(packed: Path, folder: Path) -> tuple[Path, str]:
     """Unpack a file into a folder, up to the first damage.
 
     Args:
-        packed: such as `drive_0.db3.zstd`.
-        folder: in which the unpacked file is written, under its name without the last suffix.
+        packed: file such as `drive_0.db3.zstd`.
+        folder: folder for the unpacked file, which is named like `packed` without its last suffix.
 
     Returns:
-        The unpacked file, and in words what was wrong (empty if nothing).
+        The path of the unpacked file, and a message about the damage; empty if there is none.
     """
     from zstandard import ZstdError
 
@@ -43,7 +43,7 @@ def _copy_unpacked(source: IO[bytes], sink: IO[bytes]) -> None:
     """Copy the content of all frames.
 
     Raises:
-        ValueError: the last frame is cut off, or more than `MAX_BYTES` come out.
+        ValueError: the last frame is truncated, or the content has more than `MAX_BYTES`.
         zstandard.ZstdError: a frame is damaged.
     """
     from zstandard import ZstdDecompressor
@@ -65,7 +65,7 @@ def _copy_unpacked(source: IO[bytes], sink: IO[bytes]) -> None:
 
 
 def unpacked_message(data: bytes) -> bytes:
-    """Return a message's bytes, unpacked where they are a zstd frame.
+    """Return a message's bytes, unpacked if they are a zstd frame.
 
     Raises:
         zstandard.ZstdError: the frame is damaged.

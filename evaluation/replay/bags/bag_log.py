@@ -1,4 +1,4 @@
-"""Reading a ROS bag (rosbag2 with SQLite or MCAP, and rosbag1) as a recorded log."""
+"""Reading of a ROS bag (rosbag2 with SQLite or MCAP, and rosbag1) as a recorded log."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ NO_FIX = -1  # of NavSatFix.status
 MAX_UNREADABLE = 0.5  # share of a topic's messages: more, and it is of another type
 MIN_SIGMA_M = 1e-3  # a receiver that states less states nothing
 LIMITS = {"rates": 100.0, "accelerations": 1000.0, "speed": 150.0, "turn": 100.0, "reference": 1e7}
-"""Beyond which a reading is damaged, in SI units."""
+"""Largest plausible readings, in SI units."""
 Stamps = Literal["header", "receive"]
 Array = NDArray[np.float64]
 
 
 class _Row(NamedTuple):
-    """A message: when, and what it holds; NaN for the rest."""
+    """Time and content of a message; quantities that it does not hold are NaN."""
 
     time: float
     topic: str
@@ -45,19 +45,20 @@ class _Row(NamedTuple):
 
 
 def read_bag_log(path: Path, reference: str | None = None, stamps: Stamps = "header") -> DriveLog:
-    """Return the log in a bag: its first Odometry topic, and its first Imu and NavSatFix topic if it has one.
+    """Read the log in a bag: its first Odometry topic, and its first Imu and NavSatFix topics if present.
 
-    The inertial unit's axes are taken to be the base's, and Odometry's twist its speed and turn rate. Without
-    an Imu topic the base turns as the twist says.
+    The IMU's axes are assumed to be the base's, and Odometry's twist to be its speed and turn rate.
+    Without an Imu topic the turn rate of the twist is used.
 
     Args:
         path: a folder of rosbag2, or a .mcap, .db3 or .bag file.
         reference: a topic with the true poses (Odometry, PoseStamped, PoseWithCovarianceStamped).
-        stamps: whether a message's time is that of its header, or when it was recorded.
+        stamps: whether a message's time is that of its header, or that of its recording.
 
     Raises:
-        InputError: the extra `bags` isn't installed.
-        FileError: it can't be read, lacks what is needed, or its stamps are no times.
+        InputError: the extra `bags` is not installed.
+        FileError: the bag cannot be read, lacks a required topic, or its stamps are not usable as
+            times.
     """
     missing = lack("a ROS bag", "bags")
     if missing is not None:
@@ -76,7 +77,7 @@ def read_bag_log(path: Path, reference: str | None = None, stamps: Stamps = "hea
 
 
 def _chosen(path: Path, topics: dict[str, str], reference: str | None) -> dict[str, str]:
-    """Return the type of each topic that is played."""
+    """Return the used topics with their types."""
     found = {
         kind: next((topic for topic, each in topics.items() if each == kind and topic != reference), None)
         for kind in (IMU, ODOMETRY, FIX)
@@ -100,10 +101,10 @@ def _count(messages: list[BagMessage], topic: str) -> int:
 
 
 def _readable(path: Path, bag: Bag, messages: list[BagMessage], chosen: dict[str, str]) -> list[str]:
-    """Return notes on messages that can't be decoded.
+    """Return notes about messages that cannot be decoded.
 
     Raises:
-        FileError: most of a topic's can't, or it has none.
+        FileError: a topic has no messages, or most of its messages cannot be decoded.
     """
     notes, wrong = list[str](), list[str]()
     for topic, kind in chosen.items():
@@ -122,10 +123,10 @@ def _readable(path: Path, bag: Bag, messages: list[BagMessage], chosen: dict[str
 def _timed(
     path: Path, messages: list[BagMessage], stamps: Stamps, notes: list[str]
 ) -> list[tuple[float, BagMessage]]:
-    """Return each message with its time; those whose stamp is none are left out.
+    """Return each message with its time, without messages whose stamp is unusable.
 
     Raises:
-        FileError: the header stamps of a topic are no times.
+        FileError: the header stamps of a topic are not usable as times.
     """
     if stamps == "receive":
         notes.append("played by the times at which the messages were recorded, not by their header stamps")
@@ -157,10 +158,10 @@ def _stamp(message: Any) -> float:
 
 
 def _plausible(path: Path, rows: list[_Row], notes: list[str]) -> list[_Row]:
-    """Return the readings that a vehicle can have given.
+    """Return the rows whose readings are plausible for a vehicle.
 
     Raises:
-        FileError: most of a topic's are beyond `LIMITS`.
+        FileError: most readings of a topic exceed `LIMITS`.
     """
     beyond = np.zeros(len(rows), dtype=bool)
     for name, limit in LIMITS.items():

@@ -1,4 +1,4 @@
-"""Open a bag of any kind, complete or damaged, and decode the messages of some topics."""
+"""Reader of bags of all kinds, complete or damaged, that decodes the messages of some types."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ ALLOWED = "allowed: rosbag2 (SQLite, MCAP; also with .zstd), rosbag1"
 
 
 class BagError(Exception):
-    """A bag that can't be read; the message says why."""
+    """Error: a bag cannot be read; the message gives the reason."""
 
 
 class BagMessage(NamedTuple):
@@ -27,32 +27,32 @@ class BagMessage(NamedTuple):
     topic: str
     kind: str
     received: float
-    """When it was recorded, in [s]."""
+    """Time of recording, in [s]."""
     content: Any
 
 
 class Bag(NamedTuple):
-    """What a bag holds."""
+    """Content of a bag."""
 
     topics: dict[str, str]
-    """The type of each topic, in the bag's order."""
+    """Type of each topic, in the bag's order."""
     messages: list[BagMessage]
-    """Of the topics that were asked for, in the order of recording."""
+    """Messages of the requested types, in the order of recording."""
     unreadable: dict[str, int]
-    """How many messages of each topic can't be decoded."""
+    """Number of messages that cannot be decoded, by topic."""
     notes: list[str]
-    """What is wrong with the bag itself, in words."""
+    """Messages about faults of the bag itself."""
 
 
 def read_bag(path: Path, kinds: Collection[str]) -> Bag:
     """Read the messages of some types.
 
-    A bag whose index or end is missing, or that lacks metadata.yaml, is read from its storage files up to
-    the first damage.
+    A bag without an index, without its end or without metadata.yaml is read from its storage files, up
+    to the first damage.
 
     Args:
-        path: a folder of rosbag2, or a .mcap, .db3 or .bag file, also compressed (.zstd).
-        kinds: message types, as `sensor_msgs/msg/Imu`.
+        path: a folder of rosbag2, or a .mcap, .db3 or .bag file, optionally compressed (.zstd).
+        kinds: message types, such as `sensor_msgs/msg/Imu`.
 
     Raises:
         BagError: nothing can be read.
@@ -78,7 +78,7 @@ def has_bag_suffix(path: Path) -> bool:
 
 
 def _unpacked(files: list[Path], folder: Path, notes: list[str]) -> list[Path]:
-    """Return the storage files, those that are compressed as a whole unpacked into a folder."""
+    """Return the storage files, with compressed ones replaced by files unpacked into a folder."""
     found = list[Path]()
     for file in files:
         words = ""
@@ -90,10 +90,10 @@ def _unpacked(files: list[Path], folder: Path, notes: list[str]) -> list[Path]:
 
 
 def _storage_files(path: Path) -> tuple[list[Path], list[str]]:
-    """Return the storage files of a bag, and what is unusual about it.
+    """Return the storage files of a bag, and notes about unusual ones.
 
     Raises:
-        BagError: there are none.
+        BagError: the folder contains no storage file.
     """
     if not path.is_dir():
         return [path], []

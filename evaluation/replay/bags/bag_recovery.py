@@ -1,4 +1,4 @@
-"""Read what is left of a damaged bag: MCAP and SQLite of rosbag2, and rosbag1, up to the damage."""
+"""Reader of damaged bags, MCAP and SQLite of rosbag2 and rosbag1, up to the damage."""
 
 from __future__ import annotations
 
@@ -15,23 +15,23 @@ CHUNK, CONNECTION, MESSAGE = 5, 7, 2  # rosbag1, the header field `op`
 
 
 class RawMessage(NamedTuple):
-    """A message, not decoded yet."""
+    """A message before decoding."""
 
     topic: str
     kind: str
-    """Its type as rosbags names it, such as `sensor_msgs/msg/Imu`."""
+    """Message type in the notation of rosbags, such as `sensor_msgs/msg/Imu`."""
     received: float
-    """When it was recorded, in [s]."""
+    """Time of recording, in [s]."""
     data: bytes
     is_ros1: bool
-    """How it is serialized: by ROS 1, or as CDR."""
+    """Whether it is serialized by ROS 1, otherwise as CDR."""
 
 
 def recovered(path: Path) -> Iterator[RawMessage]:
-    """Yield the messages of a storage file from its begin until something can't be read.
+    """Yield the messages of a storage file from its start until the first damage.
 
     Raises:
-        Exception: what the format's reader raises at the damage.
+        Exception: the error that the format's reader raises at the damage.
     """
     if path.suffix == ".mcap":
         return _from_mcap(path)
@@ -86,7 +86,7 @@ def _from_rosbag1(path: Path) -> Iterator[RawMessage]:
 def _message_of(
     header: dict[str, bytes], data: bytes, topics: dict[int, tuple[str, str]]
 ) -> Iterator[RawMessage]:
-    """Yield a record's message; note the topic of a record that is a connection."""
+    """Yield the message of a record; for a connection record, store its topic."""
     operation = header.get("op", b"")
     if operation == bytes([CONNECTION]):
         kind = _fields(data)["type"].decode()
@@ -99,7 +99,7 @@ def _message_of(
 
 
 def _records(content: bytes, at: int, also_cut: bool = False) -> Iterator[tuple[dict[str, bytes], bytes]]:
-    """Yield header and data of each complete record of rosbag1; of one that is cut, the data that is left."""
+    """Yield header and data of each complete record of rosbag1; of a truncated record, its remaining data."""
     while at + 4 <= len(content):
         parts = []
         for is_data in (False, True):

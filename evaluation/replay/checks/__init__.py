@@ -1,1 +1,1 @@
-"""What is wrong with the times, the fixes and the axes of a recorded log."""
+"""Checks of the times, fixes and axes of a recorded log."""

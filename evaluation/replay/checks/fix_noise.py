@@ -1,4 +1,4 @@
-"""Estimate how wrong the fixes of a log are, by how well they agree with wheels and gyros."""
+"""Estimate of a log's fix errors, from their agreement with wheels and gyros."""
 
 from __future__ import annotations
 
@@ -24,20 +24,20 @@ Array = NDArray[np.float64]
 
 
 class SupposedNoise(NamedTuple):
-    """What is supposed of a vehicle of which nothing is known."""
+    """Assumed noise of an unknown vehicle."""
 
     noise: FieldNoise
     log: DriveLog
-    """As given; without the stated accuracies if they aren't believed."""
+    """The log, without the stated accuracies if they are not credible."""
     notes: list[str]
 
 
 def suppose_noise(log: DriveLog, given: FieldNoise) -> SupposedNoise:
-    """Estimate the receiver's errors where a log states none, or none that can be believed.
+    """Estimate the receiver's errors if a log states none, or none that are credible.
 
     Args:
-        log: with all fixes.
-        given: what is supposed of any vehicle.
+        log: log with all fixes.
+        given: noise assumed for any vehicle.
     """
     stated = log.sigmas[np.isfinite(log.fixes).all(axis=1) & (log.sigmas > 0.0)]
     seen = white_error(log.thinned(given.gps_period), given.gps_period)
@@ -61,21 +61,24 @@ def suppose_noise(log: DriveLog, given: FieldNoise) -> SupposedNoise:
 
 
 def white_error(log: DriveLog, period: float) -> float | None:
-    """Lay windows of the odometry's track over the fixes (Umeyama, 1991), and return what is left of them.
+    """Fit windows of the odometry's track to the fixes (Umeyama, 1991), and return the remaining error.
 
     Args:
-        log: with fixes about `period` [s] apart.
-        period: in [s].
+        log: log with fixes about `period` apart.
+        period: time between fixes, in [s].
 
     Returns:
-        Sigma of a fix, an axis, in [m]; None where there are too few, or the base hardly moves.
+        Standard deviation of a fix per axis, in [m]; None if there are too few fixes or the base hardly
+            moves.
     """
     found = _left(*odometry_track(log), max(WINDOW_S, MIN_FIXES * period))
     return None if found is None else max(LEAST_M, found)
 
 
 def odometry_track(log: DriveLog) -> tuple[Array, Array, Array]:
-    """Return times (m,), where odometry has the base (m, 2), and the fixes (m, 2)."""
+    """Return the times (m,) in [s] of the fixes, the positions (m, 2) by odometry and the fixes (m, 2), in
+    [m].
+    """
     odometry, ways, rows = GyroOdometry(Pose2(0.0, 0.0, 0.0)), list[tuple[float, float]](), list[int]()
     log = log.one_row_a_time()
     steps = np.diff(log.times, prepend=log.times[0])
@@ -90,7 +93,9 @@ def odometry_track(log: DriveLog) -> tuple[Array, Array, Array]:
 
 
 def _left(times: Array, ways: Array, fixes: Array, window: float) -> float | None:
-    """Return the median over all windows of what is left of the fixes, an axis, in [m]."""
+    """Return the median over all windows of the fixes' remaining error per axis, in [m]; None for few
+    windows.
+    """
     found = []
     for begin in np.arange(times[0], times[-1] - 0.5 * window, 0.5 * window) if len(times) else ():
         inside = np.flatnonzero(np.logical_and(times >= begin, times < begin + window))
@@ -100,7 +105,7 @@ def _left(times: Array, ways: Array, fixes: Array, window: float) -> float | Non
 
 
 def _misfit(ways: Array, fixes: Array) -> float:
-    """Return the error of fixes (n, 2) about a track (n, 2) that is turned and shifted to fit, an axis."""
+    """Return the error per axis of fixes (n, 2) relative to a track (n, 2), rotated and shifted to fit."""
     a, b = ways - ways.mean(axis=0), fixes - fixes.mean(axis=0)
     turn = math.atan2(float((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum()), float((a * b).sum()))
     cos, sin = math.cos(turn), math.sin(turn)

@@ -1,4 +1,4 @@
-"""Refuse fixes that jump against what wheels and gyros say between them."""
+"""Rejection of fixes that jump relative to wheels and gyros."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ Array = NDArray[np.float64]
 
 
 class JumpGate:
-    """Compares each fix with the latest good ones, carried on by odometry.
+    """Comparison of each fix with the latest good fixes, propagated by odometry.
 
-    Slow errors of the fixes cancel in such a difference, so it shows jumps that are small against them. All
-    fixes take part, also those that a localizer isn't given because they come too often. Until the heading is
-    known only the length of the way counts: no vehicle is faster than its wheels.
+    Slow errors of the fixes cancel in this difference, so jumps that are small against them are
+    visible. All fixes take part, including those that are too frequent for the localizer. While the
+    heading is unknown, only the length of the motion is compared: no vehicle is faster than its wheels.
     """
 
     def __init__(self, sigma: float) -> None:
-        """Suppose a white error of `sigma` [m] an axis until enough fixes have shown it."""
+        """Assume a white error of `sigma` [m] per axis until it can be estimated from enough fixes."""
         self._sigma = sigma
         self._good = deque[tuple[float, Array, Pose2, float]](maxlen=AVERAGED)
         self._steps = deque[float](maxlen=SEEN)
@@ -46,16 +46,18 @@ class JumpGate:
         sigma: float,
         heading_sigma: float = 0.0,
     ) -> str:
-        """Return why a fix isn't believed, in words; empty if it is.
+        """Return the reason why a fix is rejected; empty if it is accepted.
 
         Args:
-            time: in [s].
+            time: time of the fix, in [s].
             position: (2,) in [m].
             odometry: pose by wheels and gyros alone.
-            way: that the wheels have driven so far, in [m].
-            heading: world's, in [rad]; None while it is open.
-            sigma: what the receiver says, an axis, in [m]; NaN if nothing.
-            heading_sigma: of the world's heading, in [rad]: it turns the way since the latest good fix aside.
+            way: distance driven by the wheels so far, in [m].
+            heading: heading in the world, in [rad]; None while it is unknown.
+            sigma: standard deviation per axis that the receiver states, in [m]; NaN if it states none.
+            heading_sigma: standard deviation of the heading, in [rad], which adds a sideways error to
+                the
+                motion since the latest good fix.
         """
         turn = None if heading is None else wrap(heading - odometry.theta)
         if not self._good:
@@ -75,7 +77,7 @@ class JumpGate:
         return ""
 
     def _off(self, position: Array, odometry: Pose2, way: float, turn: float | None) -> float:
-        """Return how far a fix is from where the good ones before it expect it, in [m]."""
+        """Return the distance in [m] between a fix and its prediction from the good fixes before it."""
         if turn is None:
             _, last, _, before = self._good[-1]
             return max(0.0, float(np.hypot(*(position - last))) - abs(way - before))
@@ -96,12 +98,12 @@ class JumpGate:
         self._steps.append(float(np.hypot(*(position - last - _moved(odometry, then, turn)))))
 
     def _lasts(self, time: float) -> bool:
-        """Return whether the fixes have been off for so long that they are right."""
+        """Return whether the fixes have differed for so long that they must be right."""
         self._since = time if self._since is None else self._since
         return time - self._since > PATIENCE_S
 
 
 def _moved(now: Pose2, then: Pose2, turn: float) -> Array:
-    """Return the way (2,) between two poses of odometry, turned into the world."""
+    """Return the motion (2,) in [m] between two poses of odometry, rotated into the world."""
     x, y = now.x - then.x, now.y - then.y
     return np.array([math.cos(turn) * x - math.sin(turn) * y, math.sin(turn) * x + math.cos(turn) * y])

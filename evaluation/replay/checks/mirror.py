@@ -1,4 +1,4 @@
-"""Find fixes whose axes are exchanged: they are the mirror image of the way that wheels and gyros say."""
+"""Detection of fixes with exchanged axes: they are the mirror image of the odometry's track."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ Array = NDArray[np.float64]
 
 
 def check_mirror(log: DriveLog, period: float) -> str:
-    """Return in words that the fixes are mirrored; empty if they aren't, or the way is too straight to tell.
+    """Return a message if the fixes are mirrored; empty if they are not, or if the track is too straight.
 
     Args:
-        log: with all fixes.
-        period: in [s], about which fixes are taken.
+        log: log with all fixes.
+        period: approximate time between the fixes that are used, in [s].
     """
     times, ways, fixes = odometry_track(log.thinned(period))
     votes = []
@@ -37,7 +37,9 @@ def check_mirror(log: DriveLog, period: float) -> str:
 
 
 def _vote(ways: Array, fixes: Array) -> list[bool]:
-    """Return whether a window's fixes are mirrored; nothing if it doesn't show."""
+    """Return whether a window's fixes are mirrored, as the only element; empty if the window does not show
+    it.
+    """
     a, b = ways - ways.mean(axis=0), fixes - fixes.mean(axis=0)
     if np.linalg.svd(a, compute_uv=False)[1] / np.sqrt(len(a)) < 0.5 * MIN_WIDTH_M:
         return []

@@ -1,4 +1,4 @@
-"""Find out how an inertial unit is mounted, by gravity and by how the wheels turn."""
+"""Estimate of an IMU's mounting, from gravity and from the turns of the wheels' odometry."""
 
 from __future__ import annotations
 
@@ -23,18 +23,18 @@ Array = NDArray[np.float64]
 
 
 class Mount(NamedTuple):
-    """How a unit seems to be mounted."""
+    """Estimated mounting of an IMU."""
 
     base_R_imu: Array
-    """(3, 3)"""
+    """(3, 3) rotation from the IMU's to the base's frame."""
     axes: str
-    """Which of its axes point forward, left and up, as `--imu-axes` takes them."""
+    """The IMU's axes that point forward, left and up, in the notation of `--imu-axes`."""
     words: str
-    """Why it isn't mounted like the base; empty if it is."""
+    """Evidence that it is not mounted in the base's axes; empty if it is."""
 
 
 def check_mount(log: DriveLog) -> Mount:
-    """Compare the unit's axes with gravity and with the turns of the wheels' odometry."""
+    """Compare the IMU's axes with gravity and with the turns of the wheels' odometry."""
     force = np.nanmedian(log.accelerations, axis=0)
     alike = _correlations(log)
     up, why = _up(force, alike)
@@ -46,12 +46,12 @@ def check_mount(log: DriveLog) -> Mount:
 
 
 def mounted(log: DriveLog, base_R_imu: Array) -> DriveLog:
-    """Return a log with the unit's readings in the base's axes."""
+    """Return a log with the IMU's readings rotated into the base's axes."""
     return log._replace(rates=log.rates @ base_R_imu.T, accelerations=log.accelerations @ base_R_imu.T)
 
 
 def axes_rotation(axes: str) -> Array | None:
-    """Return base_R_imu (3, 3) of axes such as `z,-x,y`; None if they are no right-handed frame."""
+    """Return base_R_imu (3, 3) for axes such as `z,-x,y`; None if they are not a right-handed frame."""
     rows = []
     for axis in axes.split(","):
         name = axis.strip().removeprefix("-")
@@ -63,7 +63,7 @@ def axes_rotation(axes: str) -> Array | None:
 
 
 def _up(force: Array, alike: Array | None) -> tuple[Array, str]:
-    """Return which way is up in the unit's axes (3,), and why that isn't its z axis."""
+    """Return the upward direction (3,) in the IMU's frame, and the evidence that this is not its z axis."""
     size, up, by_force = float(np.linalg.norm(force)), np.array([0.0, 0.0, 1.0]), ""
     if size > MIN_FORCE:
         up = force / size
@@ -95,7 +95,7 @@ def _named(up: Array) -> str:
 
 
 def _correlations(log: DriveLog) -> Array | None:
-    """Return (3,) of each gyro with the odometry's turns; None if those say nothing."""
+    """Return the correlation (3,) of each gyro axis with the odometry's turns; None without usable turns."""
     if log.odometry_turns is None or log.steered:
         return None
     turns = _smooth(log.times, held_on(log.odometry_turns))
@@ -108,14 +108,16 @@ def _correlations(log: DriveLog) -> Array | None:
 
 
 def _smooth(times: Array, values: Array) -> Array:
-    """Return (n,) averaged over about `SMOOTHED_S`."""
+    """Return values (n,) averaged over about `SMOOTHED_S`."""
     step = float(times[-1] - times[0]) / max(1, len(times) - 1)
     count = max(1, min(len(values), round(SMOOTHED_S / max(step, 1e-6))))
     return np.asarray(np.convolve(values, np.ones(count) / count, mode="same"), dtype=np.float64)
 
 
 def _nearest(up: Array, force: Array, log: DriveLog) -> Array:
-    """Return the rotation by quarter turns that has `up` upwards, and forward where it speeds up."""
+    """Return the rotation by quarter turns that has `up` upwards, and forward where the vehicle
+    accelerates.
+    """
     candidates = [
         turned
         for signs in product((1.0, -1.0), repeat=3)

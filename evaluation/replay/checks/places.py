@@ -1,4 +1,4 @@
-"""Find latitudes and longitudes at which no receiver was."""
+"""Detection of latitudes and longitudes that no receiver measured."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ Array = NDArray[np.float64]
 
 
 def checked_places(latitudes: Array, longitudes: Array, times: Array) -> tuple[Array, Array, list[str]]:
-    """Leave out fixes that no receiver measured there, and say how many and when.
+    """Remove implausible fixes, and report their number and their first time.
 
     Args:
         latitudes: (n,) in [deg]; NaN where there is no fix.
         longitudes: (n,) in [deg].
-        times: (n,) in [s], for the words.
+        times: (n,) in [s], for the notes.
 
     Returns:
-        Latitudes and longitudes with NaN in place of those left out, and notes in words.
+        Latitudes and longitudes with NaN in place of removed fixes, and notes.
     """
     known = np.isfinite(latitudes) & np.isfinite(longitudes)
     notes = list[str]()
@@ -54,11 +54,11 @@ def _left_out(what: str, wrong: NDArray[np.bool_], times: Array) -> str:
 
 
 def repeated_rows(latitudes: Array, longitudes: Array) -> NDArray[np.bool_]:
-    """Return (n,) which fixes repeat the one before digit by digit, in rows of at least `HELD`.
+    """Return a mask (n,) of fixes that repeat the previous one exactly, in runs of at least `HELD`.
 
     Args:
-        latitudes: (n,) or any other first coordinate; NaN where there is no fix.
-        longitudes: (n,) or any other second coordinate.
+        latitudes: (n,) latitudes or any other first coordinate; NaN where there is no fix.
+        longitudes: (n,) longitudes or any other second coordinate.
     """
     rows = np.flatnonzero(np.isfinite(latitudes) & np.isfinite(longitudes))
     found = np.zeros(len(latitudes), dtype=bool)

@@ -1,4 +1,4 @@
-"""Find sensors whose readings contradict each other: frozen ones, and wheels in other units or signs."""
+"""Detection of contradictory readings: frozen sensors, and wheels in other units or with reversed sign."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ UNITS = {
     0.3048: "feet where m is needed",
     math.radians(1.0): "degrees where m is needed",
 }
-"""By which factor to multiply readings in wrong units."""
+"""Likely unit error, by the factor that corrects the readings."""
 NEAR_UNIT = 0.1  # relative, about a factor of `UNITS`
 RADII_M = (0.02, 0.7)  # of wheels
 Array = NDArray[np.float64]
@@ -42,13 +42,13 @@ Rows = NDArray[np.bool_]
 
 
 def check_readings(log: DriveLog) -> tuple[DriveLog, list[str]]:
-    """Leave out repeated fixes, and say which sensors are frozen, reversed or in other units.
+    """Remove repeated fixes, and report sensors that are frozen, reversed or in other units.
 
     Args:
-        log: with all fixes, its inertial unit in the base's axes.
+        log: log with all fixes and with its IMU in the base's axes.
 
     Returns:
-        The log, and notes in words: count, time, and what is allowed.
+        The log, and notes with count, time and the allowed limit.
     """
     log, notes = _without_repeated(log)
     notes += [*_still_wheels(log), *_frozen_gyro(log), *_backwards(log), *_scaled(log)]
@@ -56,7 +56,7 @@ def check_readings(log: DriveLog) -> tuple[DriveLog, list[str]]:
 
 
 def _without_repeated(log: DriveLog) -> tuple[DriveLog, list[str]]:
-    """Leave out fixes that repeat the one before while the wheels turn."""
+    """Remove fixes that repeat the previous one while the wheels turn."""
     again = repeated_rows(log.fixes[:, 0], log.fixes[:, 1])
     again &= _way_since_fix(log) > 0.05
     if not again.any():
@@ -70,7 +70,7 @@ def _without_repeated(log: DriveLog) -> tuple[DriveLog, list[str]]:
 
 
 def _way_since_fix(log: DriveLog) -> Array:
-    """Return (n,) how far the wheels have turned since the fix before each row, in [m]."""
+    """Return the distance (n,) that the wheels have driven since the fix before each row, in [m]."""
     way = np.cumsum(np.abs(np.nan_to_num(log.wheels).mean(axis=1)))
     known = np.flatnonzero(np.isfinite(log.fixes).all(axis=1))
     found = np.zeros(len(way))
@@ -79,7 +79,7 @@ def _way_since_fix(log: DriveLog) -> Array:
 
 
 def _still_wheels(log: DriveLog) -> list[str]:
-    """Say where the wheels stand while the fixes travel."""
+    """Return a note if the wheels are still while the fixes move."""
     still = np.asarray((np.nan_to_num(log.wheels) == 0.0).all(axis=1))
     stated = log.sigmas[np.isfinite(log.sigmas)]
     limit = max(MAX_STILL_M, MAX_STILL_SIGMAS * float(np.median(stated)) if len(stated) else 0.0)
@@ -101,7 +101,7 @@ def _still_wheels(log: DriveLog) -> list[str]:
 
 
 def _pieces(times: Array, begin: int, end: int) -> list[tuple[int, int]]:
-    """Return begin and end of pieces of a spell that overlap by half; none of a spell that is too short."""
+    """Return start and end of pieces of a time span that overlap by half; empty if the span is too short."""
     least, most = STILL_TIME_S
     if times[end - 1] - times[begin] < least:
         return []
@@ -112,7 +112,7 @@ def _pieces(times: Array, begin: int, end: int) -> list[tuple[int, int]]:
 
 
 def _travelled(fixes: Array) -> float:
-    """Return how far fixes (n, 2) get on steadily; 0 where they jump or stay."""
+    """Return the distance in [m] over which fixes (n, 2) advance steadily; 0 if they jump or stay."""
     known = fixes[np.isfinite(fixes).all(axis=1)]
     if len(known) < PARTS:
         return 0.0
@@ -124,7 +124,7 @@ def _travelled(fixes: Array) -> float:
 
 
 def _frozen_gyro(log: DriveLog) -> list[str]:
-    """Say where the gyros repeat their readings while the wheels turn."""
+    """Return a note if the gyros repeat their readings while the wheels turn."""
     if log.steered:
         return []
     known = np.flatnonzero(np.isfinite(log.rates).all(axis=1))
@@ -147,7 +147,7 @@ def _frozen_gyro(log: DriveLog) -> list[str]:
 
 
 def _backwards(log: DriveLog) -> list[str]:
-    """Say that the vehicle drives backwards nearly all the way: its wheels may have the other sign."""
+    """Return a note if the vehicle drives backwards nearly all the time: the wheels' sign may be reversed."""
     steps = np.nan_to_num(log.wheels)
     way, backward = np.abs(steps).sum(axis=0) / 2.0, np.maximum(-steps, 0.0).sum(axis=0) / 2.0
     shares = backward / np.maximum(way, 1e-9)
@@ -167,7 +167,7 @@ def _backwards(log: DriveLog) -> list[str]:
 
 
 def _scaled(log: DriveLog) -> list[str]:
-    """Say that fixes travel further or less than the wheels: other units, slip, or a wrong clock."""
+    """Return a note if fixes and wheels measure different distances: other units, slip, or a wrong clock."""
     scale = way_scale(log)
     if scale is None or 1.0 / MAX_SCALE < scale < MAX_SCALE:
         return []
@@ -182,15 +182,15 @@ def _scaled(log: DriveLog) -> list[str]:
 
 
 def way_scale(log: DriveLog) -> float | None:
-    """Return how far fixes travel for each metre of the wheels (Umeyama, 1991, eq. 42, in windows).
+    """Return the distance by fixes per metre of the wheels (Umeyama, 1991, eq. 42, in windows).
 
-    Mirror images are tried as well, so that exchanged axes don't hide a wrong unit.
+    Mirror images are fitted as well, so that exchanged axes do not hide a wrong unit.
 
     Args:
-        log: with all fixes.
+        log: log with all fixes.
 
     Returns:
-        Median over all windows; None where none shows it.
+        Median over all windows; None if no window shows it.
     """
     times, ways, fixes = odometry_track(log)
     a, b = ways @ np.array([1.0, 1.0j]), fixes @ np.array([1.0, 1.0j])
@@ -211,7 +211,7 @@ def _window_scale(ways: NDArray[np.complex128], fixes: NDArray[np.complex128]) -
 
 
 def spans(rows: Rows) -> list[tuple[int, int]]:
-    """Return begin and end of each run of True in rows (n,)."""
+    """Return start and end of each run of True in a mask (n,)."""
     ends = np.diff(np.concatenate([[False], rows, [False]]).astype(int))
     return list(zip(np.flatnonzero(ends > 0).tolist(), np.flatnonzero(ends < 0).tolist(), strict=True))
 

@@ -1,4 +1,4 @@
-"""Find header stamps that can't be the times of their messages."""
+"""Detection of header stamps that cannot be the times of their messages."""
 
 from __future__ import annotations
 
@@ -17,21 +17,21 @@ Array = NDArray[np.float64]
 
 
 class StampReport(NamedTuple):
-    """What a topic's header stamps are worth."""
+    """Assessment of a topic's header stamps."""
 
     used: NDArray[np.bool_]
-    """(n,) messages whose stamp can be believed."""
+    """(n,) mask of messages with a credible stamp."""
     notes: list[str]
-    """What is wrong and can be lived with, in words."""
+    """Messages about tolerable faults."""
     unusable: str
-    """Why the stamps can't be played, in words; empty if they can."""
+    """Reason why the stamps cannot be used; empty if they can."""
 
 
 def check_stamps(topic: str, stamps: Array, received: Array) -> StampReport:
     """Compare the header stamps of a topic with the times at which its messages were recorded.
 
     Args:
-        topic: its name, for the words.
+        topic: name of the topic, for the notes.
         stamps: (n,) in [s], in the order of recording.
         received: (n,) in [s].
     """
@@ -73,10 +73,10 @@ def check_offsets(delays: dict[str, float]) -> tuple[list[str], str]:
     """Compare the clocks of the topics.
 
     Args:
-        delays: of each topic, the median time from its stamps to their recording, in [s].
+        delays: median time from stamp to recording for each topic, in [s].
 
     Returns:
-        Notes in words, and why the stamps can't be played together (empty if they can).
+        Notes, and the reason why the stamps cannot be used together; empty if they can.
     """
     if len(delays) < 2:
         return [], ""
@@ -97,12 +97,12 @@ def _left_out(topic: str, what: str, wrong: NDArray[np.bool_], received: Array) 
 
 
 def _limit(parts: Array) -> float:
-    """Return from which difference on two clocks have parted, in [s]."""
+    """Return the difference in [s] from which two clocks count as diverged."""
     return max(JUMP_S, JUMP_SPREADS * float(np.median(np.abs(parts)))) if len(parts) else JUMP_S
 
 
 def _alone(stamps: Array, received: Array, used: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return (n,) which stamps are off while those around them agree with each other."""
+    """Return a mask (n,) of stamps that differ while their neighbours agree with each other."""
     rows = np.flatnonzero(used)
     found = np.zeros(len(stamps), dtype=bool)
     if len(rows) < 2 * AROUND:
@@ -115,7 +115,7 @@ def _alone(stamps: Array, received: Array, used: NDArray[np.bool_]) -> NDArray[n
 
 
 def _jumps(stamps: Array, received: Array) -> list[tuple[int, float]]:
-    """Return before which messages stamps and receive times part for good, and by how much in [s]."""
+    """Return the index of each lasting jump between stamps and receive times, with its size in [s]."""
     offsets = stamps - received
     parts = np.diff(offsets)
     limit = _limit(parts)

@@ -1,4 +1,4 @@
-"""Keep roll and pitch of a vehicle that never stands from drifting away with its gyros' biases."""
+"""Removal of the drift in roll and pitch of a vehicle that never stops."""
 
 from __future__ import annotations
 
@@ -12,10 +12,11 @@ Array = NDArray[np.float64]
 
 
 def without_tilt_drift(log: DriveLog) -> DriveLog:
-    """Take out of the gyros about x and y what is left of them on average over half a minute.
+    """Subtract from the x and y gyros their moving average over half a minute.
 
-    Odometry knows these biases only from a stand. A vehicle that never stands would be reckoned to tip over
-    within minutes. No vehicle goes on rolling one way, so the average is the bias.
+    Odometry estimates these biases only at a standstill. For a vehicle that never stops, the computed
+    attitude would tip over within minutes. No vehicle keeps rolling to one side, so the average is the
+    bias.
     """
     rates = log.rates.copy()
     for axis in (0, 1):
@@ -26,7 +27,7 @@ def without_tilt_drift(log: DriveLog) -> DriveLog:
 
 
 def _moving_mean(times: Array, values: Array) -> Array:
-    """Return (n,) the mean of values (n,) within half of `WINDOW_S` before and after each."""
+    """Return the mean (n,) of values (n,) within half of `WINDOW_S` before and after each."""
     sums = np.concatenate([[0.0], np.cumsum(values)])
     first = np.searchsorted(times, times - 0.5 * WINDOW_S, side="left")
     last = np.searchsorted(times, times + 0.5 * WINDOW_S, side="right")

@@ -1,1 +1,1 @@
-"""A first robot file for a URDF."""
+"""Draft of a robot's file for a URDF."""

@@ -1,4 +1,4 @@
-"""A first robot.yaml for a URDF: what the URDF says, and what has to be measured or chosen."""
+"""Draft of robot.yaml for a URDF: known values, and marks on values that have to be measured or chosen."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ ON_THE_FLOOR = 0.01  # [m]
 CAMERA = "{width_px: 640, height_px: 480, focal_px: 600}"
 RANGE_SENSOR = "beams: 360, reach_m: 8, sigma_mm: 20"
 OPTIONAL = ("gripper", "camera", "range_sensor")
-"""Sections that a draft can do without, where what is in them is wrong for the URDF."""
+"""Sections that a draft can omit if their content does not fit the URDF."""
 
 
 def draft_text(
@@ -31,11 +31,11 @@ def draft_text(
     """Return the text of a robot's file.
 
     Args:
-        outline: of the robot.
-        urdf_text: its URDF.
-        urdf: its URDF, as the file is to name it.
-        left_out: sections that are not written, with the reason, which is.
-        hidden: links of the robot itself that its lidar sees, with from and to in [deg].
+        outline: outline of the robot.
+        urdf_text: the robot's URDF.
+        urdf: name of the URDF in the file.
+        left_out: omitted sections with the reason, which is written as a comment.
+        hidden: links of the robot that its lidar sees, each with a sector from and to in [deg].
     """
     without = dict(left_out or {})
     facts = {each.name: each for each in joints_of(urdf_text)}
@@ -198,5 +198,5 @@ def _flow(names: Sequence[str]) -> str:
 
 
 def _quoted(name: str) -> str:
-    """As YAML reads it as a string, whatever it is."""
+    """Return a name as a YAML string in double quotes."""
     return '"' + name.replace("\\", "\\\\").replace('"', '\\"') + '"'

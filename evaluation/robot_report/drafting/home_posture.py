@@ -1,4 +1,4 @@
-"""A first posture for driving: free of the robot itself, near the base's axis, above the floor."""
+"""Search of a first posture for driving: without self-collision, near the base's axis, above the floor."""
 
 from __future__ import annotations
 
@@ -25,29 +25,31 @@ DIGITS = 1  # of a posture in the draft, in [deg] or [mm]
 
 
 class Home(NamedTuple):
-    """What a draft says of the arm at rest, and of the room that the robot needs."""
+    """Posture of the arm for driving, and the space that the robot needs in it."""
 
     posture: Sequence[float]
-    """In [deg], or [mm] for joints that slide."""
+    """Joint positions in [deg], or [mm] for prismatic joints."""
     is_free: bool
-    """Whether it was found free of the robot itself and above the floor."""
+    """Whether the posture is without self-collision and above the floor."""
     always: Sequence[Pair]
-    """Links that touch however the arm is."""
+    """Pairs of links that touch in every posture."""
     radius: float
-    """Of the circle about the base's axis that holds all collision bodies, in [m]; 0 without any."""
+    """Radius of the circle around the base's axis that contains all collision bodies, in [m]; 0 without
+    bodies.
+    """
     farthest: str
-    """The link that is farthest from that axis; empty without bodies."""
+    """Link that is farthest from the base's axis; empty without bodies."""
 
 
 def home_of(urdf_text: str, base: str, hand: str, joints: Sequence[JointFacts], units: JointUnits) -> Home:
     """Search a posture for driving.
 
     Args:
-        urdf_text: a sound URDF.
+        urdf_text: a valid URDF.
         base: link on the floor.
         hand: link at the arm's end.
         joints: facts of the arm's joints.
-        units: of these.
+        units: units of the joints.
     """
     arm = ArmModel(urdf_text, units.names, tip=hand, base=base)
     always = self_contact(arm).always
@@ -68,7 +70,7 @@ def home_of(urdf_text: str, base: str, hand: str, joints: Sequence[JointFacts], 
 
 
 def radius_of(urdf_text: str, base: str) -> float:
-    """Radius about a link's axis that holds all bodies of a robot with its joints at zero, in [m]."""
+    """Return the radius around a link's axis that contains all bodies with the joints at zero, in [m]."""
     poses = link_poses(urdf_text)
     base_T_root = np.linalg.inv(poses[base])
     corners = [_placed(base_T_root @ poses[each.name], corners_of(each)) for each in bodies_of(urdf_text)]
@@ -76,20 +78,20 @@ def radius_of(urdf_text: str, base: str) -> float:
 
 
 def middle_of(joint: JointFacts) -> float:
-    """Zero, where the limits allow it; otherwise midway between them, in [rad] or [m]."""
+    """Return zero if the limits allow it, otherwise their midpoint, in [rad] or [m]."""
     if joint.kind == "continuous" or joint.lower is None or joint.upper is None:
         return 0.0
     return 0.0 if joint.lower <= 0.0 <= joint.upper else 0.5 * (joint.lower + joint.upper)
 
 
 def _rounded(units: JointUnits, q: NDArray[np.float64]) -> list[float]:
-    """In people's units, towards zero, so that no limit is passed."""
+    """Return joint positions in [deg] or [mm], rounded towards zero so that no limit is exceeded."""
     scale = 10.0**DIGITS
     return [float(each) + 0.0 for each in np.trunc(np.array(units.user_units(q.tolist())) * scale) / scale]
 
 
 def _farthest(shapes: Sequence[Shape]) -> tuple[float, str]:
-    """How far bodies reach from the z axis in [m], and the name of the one that does."""
+    """Return the largest distance of a body from the z axis in [m], and its name."""
     out = ((float(np.hypot(*corners_of(shape)[:, :2].T).max()), shape.name) for shape in shapes)
     return max(out, default=(0.0, ""))
 

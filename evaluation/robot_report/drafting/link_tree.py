@@ -1,4 +1,4 @@
-"""Links and joints of a URDF as a tree, and where they are with all joints at zero."""
+"""Links and joints of a URDF as a tree, with poses for all joints at zero."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class LinkTree:
         self.axis = {each.get("name", ""): _axis(each.find("axis")) for each in joints}
 
     def moved_by(self, link: str) -> list[str]:
-        """All joints that move a link, from the root on."""
+        """Return all joints that move a link, in order from the root."""
         found = []
         while link in self.above:
             joint = self.above[link]
@@ -47,18 +47,18 @@ class LinkTree:
         return found[::-1]
 
     def chain(self, link: str) -> list[str]:
-        """The joints that move a link, without those that follow another."""
+        """Return the joints that move a link, without those that mimic another."""
         return [joint for joint in self.moved_by(link) if joint not in self.led]
 
     def carried(self, link: str) -> list[str]:
-        """The link and those fixed onto it, in the file's order of joints."""
+        """Return the link and the links fixed to it, in the file's order of joints."""
         found = [link]
         for each in found:
             found += [self.child[j] for j in self.child if self.parent[j] == each and j not in self.moving]
         return found
 
     def moved_from(self, link: str) -> list[str]:
-        """The joints that are mounted on a link or on what is fixed onto it."""
+        """Return the joints that are mounted on a link or on links fixed to it."""
         body = set(self.carried(link))
         return [joint for joint in self.moving if self.parent[joint] in body]
 

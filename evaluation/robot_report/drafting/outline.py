@@ -1,4 +1,4 @@
-"""What a robot's file would say of a URDF, as far as the URDF tells it: wheels, an arm, fingers, frames."""
+"""Outline of a robot as far as its URDF shows it: wheels, arm, fingers, sensor frames."""
 
 from __future__ import annotations
 
@@ -26,47 +26,47 @@ _TOOLS = re.compile(r"tool|tcp|grasp|hand|gripper|ee_|_ee|end_effector", re.IGNO
 
 @dataclass(frozen=True)
 class Wheels:
-    """Two sides that drive."""
+    """Driven wheels on two sides."""
 
     left: tuple[str, ...]
-    """Joints."""
+    """Names of the joints."""
     right: tuple[str, ...]
     tread: float
-    """Distance between them, in [m]."""
+    """Distance between the sides, in [m]."""
     radius: float | None
-    """[m]; None: the wheels have no collision bodies."""
+    """Radius of a wheel, in [m]; None: the wheels have no collision bodies."""
 
 
 @dataclass(frozen=True)
 class Outline:
-    """A robot as its URDF lets one guess it."""
+    """Outline of a robot, guessed from its URDF."""
 
     root: str
-    """The link that carries all, or one fixed on it that is on the floor."""
+    """The root link, or a link fixed to it that is on the floor."""
     height: float | None
-    """How far that is above the floor by the wheels, in [m]; None: unknown."""
+    """Height of `root` above the floor, computed from the wheels, in [m]; None: unknown."""
     wheels: Wheels | None
     arm: tuple[str, ...]
-    """Joints of the longest chain, from the root on; empty: nothing moves but wheels."""
+    """Joints of the longest chain, in order from the root; empty if only wheels move."""
     hand: str
-    """The link at its end."""
+    """Link at the arm's end."""
     fingers: tuple[str, str] | None
-    """Two joints that slide, on what the chain's last joint moves."""
+    """The two prismatic joints mounted on the link that the arm's last joint moves."""
     turning_fingers: tuple[str, ...]
-    """Joints there that turn, where no two slide: of fingers or of a hand."""
+    """Revolute joints mounted there, of fingers or of a hand, if there are not two prismatic ones."""
     sensors: Mapping[str, SensorFrame]
-    """By the name that a robot's file expects: the link that fits best."""
+    """Best candidate for each sensor frame, by its name in a robot's file."""
     chains: Sequence[tuple[str, ...]]
     """All chains, the longest first."""
 
     @property
     def frames(self) -> dict[str, str]:
-        """By the name that a robot's file expects: the link that fits best."""
+        """Link of the best candidate for each sensor frame, by its name in a robot's file."""
         return {role: found.link for role, found in self.sensors.items()}
 
 
 def outline_of(urdf_text: str) -> Outline:
-    """Guess; raises ValueError where the text is no sound URDF."""
+    """Guess the outline of a robot; raise ValueError if the text is not a valid URDF."""
     tree = LinkTree(urdf_text)
     wheels = _wheels(tree, bodies_of(urdf_text))
     driving = set() if wheels is None else {*wheels.left, *wheels.right}
@@ -89,7 +89,7 @@ def outline_of(urdf_text: str) -> Outline:
 
 
 def _base(tree: LinkTree, wheels: Wheels | None) -> tuple[str, float | None]:
-    """The link that is on the floor, of the root and those fixed on it, and its height above the floor."""
+    """Return the link on the floor, out of the root and links fixed to it, and its height above the floor."""
     if wheels is None or wheels.radius is None:
         return tree.root, None
     floor = min(float(tree.pose[tree.child[each]][2, 3]) for each in wheels.left) - wheels.radius
@@ -102,13 +102,13 @@ def _base(tree: LinkTree, wheels: Wheels | None) -> tuple[str, float | None]:
 
 
 def _is_base_frame(tree: LinkTree, link: str) -> bool:
-    """Whether a link is turned as the root, on the root's axis."""
+    """Return whether a link has the root's orientation and is on the root's axis."""
     pose = tree.pose[link]
     return bool(np.allclose(pose[:3, :3], np.eye(3), atol=1e-3) and np.abs(pose[:2, 3]).max() < _FLOOR)
 
 
 def _wheels(tree: LinkTree, bodies: Sequence[Shape]) -> Wheels | None:
-    """Those of our names; else what is called a wheel and rolls ahead, the farthest out on both sides."""
+    """Return wheels with known names, otherwise the outermost joints named "wheel" that roll forward."""
     known = driven_wheels(tree.moving)
     if known.left and known.right:
         left, right = known.left, known.right
@@ -134,7 +134,7 @@ def _rolls(tree: LinkTree, joint: JointFacts) -> bool:
 
 
 def _radius(bodies: Sequence[Shape]) -> float | None:
-    """Of a wheel: half of its second largest extent, which its tread is seldom."""
+    """Return the radius of a wheel: half of its second largest extent, which is rarely its width."""
     if not bodies:
         return None
     if isinstance(bodies[0], Sphere):
@@ -144,7 +144,7 @@ def _radius(bodies: Sequence[Shape]) -> float | None:
 
 
 def _chains(tree: LinkTree, driving: set[str]) -> list[tuple[str, ...]]:
-    """Chains of joints without wheels, without fingers at their ends; the longest first."""
+    """Return chains of joints without wheels and without fingers at their ends, the longest first."""
     ends = [link for link in tree.links if not tree.moved_from(link)]
     found = []
     for end in ends:
@@ -159,13 +159,13 @@ def _chains(tree: LinkTree, driving: set[str]) -> list[tuple[str, ...]]:
 
 
 def _without_fingers(tree: LinkTree, chain: Sequence[str]) -> Sequence[str]:
-    """A chain to where several joints leave one body, if that is in its second half."""
+    """Return a chain up to the body from which several joints branch, if that is in its second half."""
     forks = (number for number, joint in enumerate(chain) if len(_beside(tree, joint)) > 1)
     return chain[: next((number for number in forks if 2 * number >= len(chain)), len(chain))]
 
 
 def _beside(tree: LinkTree, joint: str) -> list[str]:
-    """The joint and those that move from the same body: fingers of one hand."""
+    """Return the joint and those mounted on the same body, such as the fingers of one hand."""
     link = tree.parent[joint]
     while link in tree.above and tree.above[link] not in tree.moving:
         link = tree.parent[tree.above[link]]
@@ -189,7 +189,7 @@ def _fingers(tree: LinkTree, last: str) -> tuple[str, str] | None:
 
 
 def _turning_fingers(tree: LinkTree, last: str) -> tuple[str, ...]:
-    """Joints that turn from a hand: those called so, or several."""
+    """Return revolute joints on a hand: those with a finger's name, or several."""
     found = [each for each in tree.moved_from(last) if tree.moving[each].kind != "prismatic"]
     called = any(_FINGER.search(f"{each} {tree.child[each]}") for each in found)
     return tuple(found) if len(found) > 1 or called else ()

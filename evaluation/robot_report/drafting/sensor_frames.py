@@ -1,4 +1,4 @@
-"""Which links of a URDF may be the frames of sensors that a robot's file expects."""
+"""Links of a URDF that may be the sensor frames of a robot's file."""
 
 from __future__ import annotations
 
@@ -27,19 +27,20 @@ class SensorFrame(NamedTuple):
 
     link: str
     between: tuple[str, ...]
-    """Joints that move it against what it is expected to be fixed on: the hand, for others the base."""
+    """Joints that move it relative to its expected mount: the hand for cameras, otherwise the base."""
 
 
 def sensor_frames(tree: LinkTree, base: str, hand: str | None) -> dict[str, SensorFrame]:
-    """Find for each role the link that fits best; roles without one are left out.
+    """Return the best link for each sensor; sensors without a candidate are omitted.
 
-    Of cameras those fixed on the hand come first, then optical frames, then those of colour. Other sensors
-    are expected on the base; a range sensor is level and above the floor: virtual frames often are not.
+    Among cameras, those fixed to the hand are preferred, then optical frames, then colour frames. Other
+    sensors are expected on the base; a lidar must be level and above the floor, which virtual frames
+    often are not.
 
     Args:
-        tree: of the robot.
-        base: the link on the floor.
-        hand: the link at the arm's end; None without an arm.
+        tree: links of the robot.
+        base: link on the floor.
+        hand: link at the arm's end; None without an arm.
     """
     found = {}
     for role, names in _NAMES.items():
@@ -59,7 +60,7 @@ def _scans_level(tree: LinkTree, base: str, link: str) -> bool:
 
 
 def _between(tree: LinkTree, link: str, onto: str | None) -> tuple[str, ...]:
-    """Joints that move one link against another; against the root, where that is None."""
+    """Return the joints that move one link relative to another, or to the root if that is None."""
     own, other = tree.moved_by(link), [] if onto is None else tree.moved_by(onto)
     return (*(each for each in own if each not in other), *(each for each in other if each not in own))
 
