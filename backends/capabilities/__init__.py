@@ -1,1 +1,1 @@
-"""What a backend may be able to do."""
+"""Capabilities of a backend."""

@@ -9,7 +9,7 @@ from .capability import Capability, Reading
 
 
 class WheelTravel(NamedTuple):
-    """How far the wheels have rolled since the backend was built, by their encoders and nominal radius."""
+    """Travel of the wheels since the backend was built, by their encoders and nominal radius."""
 
     left: float
     """[m]"""

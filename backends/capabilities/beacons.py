@@ -12,18 +12,18 @@ from .capability import Capability, Reading
 
 
 class BeaconRanges(NamedTuple):
-    """How far the beacons are from the tag, the robot's own radio."""
+    """Distances of the beacons from the tag, the robot's own radio."""
 
     distances: NDArray[np.float64]
     """(k,) in [m], in the order of the robot's file; NaN of a beacon that wasn't heard."""
 
 
 class Beacons(Capability):
-    """Beacons that tell ranges, as ultra-wideband radio does."""
+    """Radio beacons that measure ranges, such as ultra-wideband."""
 
     READINGS: ClassVar = {"ranges": Reading("beacons", ("distances",))}
     FILE_KEY = "beacons"
 
     @abstractmethod
     def ranges(self) -> BeaconRanges | None:
-        """What was measured during this period; None where nothing was."""
+        """Return the ranges measured during this period; None without a measurement."""

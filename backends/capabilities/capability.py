@@ -1,4 +1,4 @@
-"""What a backend may be able to do."""
+"""Base class of the capabilities of a backend."""
 
 from __future__ import annotations
 
@@ -9,23 +9,22 @@ from typing import ClassVar, NamedTuple
 
 
 class Reading(NamedTuple):
-    """What one method of a capability senses."""
+    """Reading that a method of a capability returns."""
 
     sensor: str
-    """By which faults name it; two methods may be one sensor's."""
+    """Name of the sensor in faults; two methods may belong to one sensor."""
     measured: tuple[str, ...] = ()
-    """Of a named tuple, the fields that are measured; none: all of its numbers."""
+    """Measured fields of a named tuple; empty: all of its numbers."""
     noisy: bool = False
-    """Whether at rest, too, each is another, within a few periods."""
+    """True if readings differ within a few periods even at rest."""
 
 
 class Capability(ABC):  # noqa: B024  what it can do is abstract in each kind
-    """One thing that a robot can do or sense. A backend has those that its robot has.
+    """One kind of actuator or sensor of a robot; a backend has those of its robot.
 
-    A command lives one period: it takes effect with the next step of the backend; not renewed, the base
-    stops, and arm and gripper hold. A reading is taken once a period: asking again gives the same one.
-
-    What stands around any backend (layers, faults, checks) follows from what a kind declares here.
+    A command lasts one period: it takes effect with the next step of the backend; without renewal the base
+    stops, and arm and gripper hold. A reading is taken once a period: further calls return the same one.
+    Wrappers of any backend (layers, faults, checks) are derived from these declarations.
     """
 
     READINGS: ClassVar[Mapping[str, Reading]] = {}
@@ -37,5 +36,5 @@ class Capability(ABC):  # noqa: B024  what it can do is abstract in each kind
 
     @classmethod
     def words(cls) -> str:
-        """What messages call it: `RangeSensor` is "range sensor"."""
+        """Return its name in messages: `RangeSensor` is "range sensor"."""
         return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", " ", cls.__name__).lower()

@@ -1,4 +1,4 @@
-"""Positioning: an indoor system that tells where the base is."""
+"""Positioning: an indoor system that measures the pose of the base."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from .capability import Capability, Reading
 
 
 class PoseReading(NamedTuple):
-    """Where the base was, as measured from outside."""
+    """Pose of the base, measured from outside."""
 
     number: int
     """Readings so far, from 1: another number is another reading."""
     pose: Pose2
     """map_T_base at the instant of the measurement."""
     age: float
-    """How long ago that was, in [s]."""
+    """Age of the measurement, in [s]."""
 
 
 class Positioning(Capability):

@@ -11,10 +11,10 @@ from .scan import Scan as Scan
 
 
 class RangeSensor(Capability):
-    """A scanning range sensor, its plane parallel to the floor.
+    """Lidar: a scanning range sensor with its plane parallel to the floor.
 
-    A backend gives readings as the driver delivers them (zeros, NaN, -inf, the robot's own body). `Robot`
-    reads them by the robot's file, and gives everybody else scans in which each beam has its `Validity`.
+    A backend returns readings as the driver delivers them (zeros, NaN, -inf, the robot's own body).
+    `Robot` interprets them by the robot's file, and returns scans in which each beam has its `Validity`.
     """
 
     READINGS: ClassVar = {"scan": Reading("range", ("ranges",), noisy=True)}
@@ -25,8 +25,9 @@ class RangeSensor(Capability):
         """This period's scan."""
 
     def scan_later(self) -> Callable[[], Scan]:
-        """Gives this period's scan, in whatever period it is called: for who needs it only if something
-        comes of it. What is simulated may make it no sooner.
+        """Return a function that returns this period's scan whenever it is called.
+
+        For callers that may not need it: a simulation can delay its computation.
         """
         scan = self.scan()
         return lambda: scan

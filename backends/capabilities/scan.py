@@ -14,7 +14,7 @@ UNREAD = np.empty(0, np.uint8)
 
 
 class Validity(IntEnum):
-    """What a beam of a read scan says."""
+    """Meaning of a beam in an interpreted scan."""
 
     RETURN = 0
     """Something is at its range."""
@@ -23,7 +23,7 @@ class Validity(IntEnum):
     TOO_CLOSE = 2
     """Something nearer than the lidar can measure, or in the robot's footprint: it sees no farther there."""
     INVALID = 3
-    """No reading, or a masked one: what is along the beam is unknown."""
+    """No reading, or a masked one: the space along the beam is unknown."""
 
 
 class Scan(NamedTuple):
@@ -32,14 +32,16 @@ class Scan(NamedTuple):
     angles: NDArray[np.float64]
     """(n,) in [rad], in the sensor frame, counter-clockwise from its x axis."""
     ranges: NDArray[np.float64]
-    """(n,) in [m]; infinity where nothing came back. In a read scan, of every beam that is no return."""
+    """(n,) in [m]; infinity without a return. In an interpreted scan, infinity for every beam without a
+    return.
+    """
     base_T_sensor: Pose2
-    """Where the sensor stands on the base."""
+    """Pose of the sensor on the base."""
     validity: NDArray[np.uint8] = UNREAD
     """(n,) of `Validity`; empty in a raw scan."""
 
     def points(self) -> NDArray[np.float64]:
-        """What was hit, (m, 2) in [m], in the base frame."""
+        """Return the hit points, (m, 2) in [m], in the base frame."""
         hit = np.isfinite(self.ranges)
         reach, angle = self.ranges[hit], self.angles[hit]
         return self.base_T_sensor.apply(np.column_stack([reach * np.cos(angle), reach * np.sin(angle)]))

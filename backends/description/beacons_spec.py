@@ -1,4 +1,4 @@
-"""What a robot's file, or a log's header, says of radio beacons."""
+"""Radio beacons in a robot's file or a log's header."""
 
 from __future__ import annotations
 
@@ -15,22 +15,25 @@ BeaconPlace = tuple[float, float, float]
 
 
 class BeaconsSpec(FileModel):
-    """Radio beacons that stand about, and the robot's own radio, which measures how far they are."""
+    """Fixed radio beacons, and the robot's own radio, which measures its distance from them."""
 
     places_m: Annotated[dict[str, BeaconPlace], Field(min_length=1)]
-    """Where each stands, by its name; three or more not in one line tell a place."""
+    """Position of each beacon, by its name; at least three that are not collinear determine the robot's
+    position.
+    """
     tag_m: BeaconPlace = (0.0, 0.0, 1.0)
-    """Of the robot's own radio in the base frame."""
+    """Position of the robot's own radio in the base frame."""
     period_s: Positive = 0.2
     """Between measurements, each of all beacons."""
     reach_m: Positive = 60.0
     """Beyond which a beacon isn't heard."""
     sigma_m: NotNegative = 0.1
-    """Of a range."""
+    """Sigma of a range."""
     bias_m: NotNegative = 0.3
-    """By which all ranges to one beacon are too long or too short: sigma."""
+    """Sigma of the constant error of all ranges to one beacon."""
     scale_percent: NotNegative = 1.0
-    """By which all ranges are too long or too short, the same of all beacons: sigma."""
+    """Sigma of the scale error common to all ranges."""
     bias_walk_m_rt_s: NotNegative = 0.01
-    """By which the robot supposes that this wanders off, after a second; it grows with the square root of
-    time. What it does in a simulated world stands in the world's file."""
+    """Assumed random walk of the constant error after one second; it grows with the square root of time. The
+    simulated value is in the world's file.
+    """

@@ -1,4 +1,4 @@
-"""What a file says of a calibration board's pattern."""
+"""Pattern of a calibration board in a file."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class BoardLayout(FileModel):
     """Squares along; inner corners are one fewer."""
     rows: Squares = 6
     tag_mm: Annotated[float, Field(gt=0.0)] | None = None
-    """Side of a tag; left out: three quarters of a square's."""
+    """Side of a tag (default: three quarters of a square's side)."""
     tags: TagFamily = USUAL
 
     @model_validator(mode="after")

@@ -1,4 +1,4 @@
-"""What ROS knows of a camera: the YAML file that `camera_calibration` and `camera_info_manager` write."""
+"""ROS camera calibration: the YAML file that `camera_calibration` and `camera_info_manager` write."""
 
 from __future__ import annotations
 

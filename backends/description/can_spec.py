@@ -1,7 +1,7 @@
-"""How a robot's drives are reached: the section `can` of its file.
+"""Connection to a robot's drives: the section `can` of its file.
 
-What must hold between several of its values is checked by `handcart.backends.can.devices.can_findings`:
-only who drives by CAN needs that, and `handcart check`.
+Conditions between several of its values are checked by `handcart.backends.can.devices.can_findings`, only
+for a robot that is driven by CAN, and in `handcart check`.
 """
 
 from __future__ import annotations
@@ -34,7 +34,9 @@ Without = Literal[
     "position_limits",
     "following_error",
 ]
-"""What a drive may be used without; `backends/can/devices/lacks.py` has the objects, and what follows."""
+"""Optional features of a drive; `backends/can/devices/lacks.py` lists their objects, and the consequences
+without them.
+"""
 
 
 class AxisSpec(FileModel):
@@ -43,9 +45,9 @@ class AxisSpec(FileModel):
     node: NodeId
     """Its node ID."""
     eds: FilePath | None = None
-    """Its maker's EDS file, beside the robot's; left out: `backends/can/drives/drive.eds`."""
+    """The maker's EDS file, next to the robot's file (default: `backends/can/drives/drive.eds`)."""
     counts_per_rev: Annotated[int, Field(gt=0, le=2**24)]
-    """Of the position actual value (6064h), for a turn of the motor."""
+    """Counts of the position actual value (6064h) for a turn of the motor."""
     gear_ratio: Annotated[float, Field(gt=0.0, le=10_000.0)]
     """Turns of the motor for one of what it drives."""
     sign: Literal[1, -1] = 1
@@ -53,15 +55,15 @@ class AxisSpec(FileModel):
     stop: Literal["hold", "brake_then_disable"]
     """`hold`: it slows down and keeps its torque (605Ah = 6); the other loses it at rest (605Ah = 2)."""
     gravity: bool
-    """Whether it would move by weight alone if it had no torque."""
+    """True if the axis would move by its weight without torque."""
     brake: bool = False
-    """Whether a brake holds it when it has no torque."""
+    """True if a brake holds the axis without torque."""
     following_ms: Annotated[int, Field(gt=0, lt=2**16)] = 100
-    """For how long a position may be off its demand by more than the window (6066h)."""
+    """Time for which a position may differ from its demand by more than the window (6066h)."""
     vendor_id: Word | None = None
-    """Of its identity (1018h:1); left out: not looked at."""
+    """Expected vendor ID (1018h:1) (default: not checked)."""
     product_code: Word | None = None
-    """Of its identity (1018h:2); left out: not looked at."""
+    """Expected product code (1018h:2) (default: not checked)."""
     without: tuple[Without, ...] = ()
     """Features that the drive lacks; docs/how_to/hardware.md describes the consequences."""
 
@@ -79,7 +81,7 @@ class WheelDriveSpec(AxisSpec):
     stop: Literal["hold", "brake_then_disable"] = "brake_then_disable"
     gravity: bool = False
     following_mm: Positive = 50.0
-    """By how much the rim may roll more or less than it should, within half a second."""
+    """Maximum difference between the rim's travel and its demand within half a second."""
 
     def counts_per_m(self, radius: float) -> float:
         """Counts for a metre that a wheel of this radius, in [m], rolls forward."""
@@ -92,23 +94,23 @@ class JointDriveSpec(AxisSpec):
     mode: Literal["profile", "csp"] = "profile"
     """`profile`: the drive plans its ramps (mode 1); `csp`: it takes a position each period (mode 8)."""
     zero_counts: Annotated[int, Field(gt=-(2**31), lt=2**31)] = 0
-    """What it counts where the URDF's joint is at zero."""
+    """Encoder counts at the zero of the URDF's joint."""
     stop: Literal["hold", "brake_then_disable"] = "hold"
     gravity: bool = True
     following_deg: Positive = 3.0
     """Window of its following error (6065h)."""
     following_mm: Positive = 5.0
-    """The same of a joint that slides."""
+    """Maximum following error of a sliding joint."""
     rated_torque_nm: Positive | None = None
-    """What 1000 of its torque (6077h) is at the joint."""
+    """Torque at the joint for a torque value (6077h) of 1000."""
     rated_force_n: Positive | None = None
-    """The same of a joint that slides."""
+    """Force at a sliding joint for a torque value (6077h) of 1000."""
     lead_mm: Positive | None = None
-    """By how much a joint that slides moves with a turn of what is driven."""
+    """Travel of a sliding joint for one turn of the driven shaft."""
 
     @property
     def slides(self) -> bool:
-        """Whether it drives a joint that slides."""
+        """True if it drives a sliding joint."""
         return self.lead_mm is not None
 
     @property
@@ -119,7 +121,7 @@ class JointDriveSpec(AxisSpec):
 
     @property
     def rated_effort(self) -> float:
-        """What 1000 of its torque (6077h) is at the joint, in [Nm], or [N] where it slides."""
+        """Effort at the joint for a torque value (6077h) of 1000, in [Nm], or in [N] for a sliding joint."""
         return (self.rated_force_n if self.slides else self.rated_torque_nm) or 0.0
 
     @property
@@ -133,13 +135,13 @@ class GripperDriveSpec(AxisSpec):
 
     mode: Literal["profile"] = "profile"
     lead_mm: Positive
-    """By which the opening grows with a turn of what is driven."""
+    """Increase of the opening for one turn of the driven shaft."""
     zero_counts: Annotated[int, Field(gt=-(2**31), lt=2**31)] = 0
-    """What it counts where the fingers meet."""
+    """Encoder counts at which the fingers meet."""
     stop: Literal["hold", "brake_then_disable"] = "hold"
     gravity: bool = False
     top_torque_percent: Annotated[float, Field(gt=0.0, le=1000.0)] = 100.0
-    """Of its rated torque, with which it grips (6072h)."""
+    """Gripping torque, in percent of the rated torque (6072h)."""
 
     @property
     def counts_per_m(self) -> float:
@@ -151,13 +153,13 @@ class CanSpec(FileModel):
     """A CAN interface with a drive for each wheel, joint, and the gripper."""
 
     interface: str
-    """As python-can calls it: socketcan, pcan, ...; `virtual` stands for simulated drives."""
+    """Name of the python-can interface: socketcan, pcan, ...; `virtual` is for simulated drives."""
     channel: str
-    """Of the interface, such as can0."""
+    """Channel of the interface, such as can0."""
     bitrate_kbit_s: Literal[10, 20, 50, 125, 250, 500, 800, 1000]
     """One of CANopen's (CiA 301)."""
     our_node: NodeId = 127
-    """Node ID of this program, for its heartbeat."""
+    """Node ID of this program, used by its heartbeat."""
     heartbeat_ms: Annotated[int, Field(ge=5, le=1000)] = 50
     """Between two heartbeats of ours, and of a drive (1017h)."""
     heartbeat_timeout_ms: Annotated[int, Field(ge=10, le=5000)] = 150
@@ -167,7 +169,7 @@ class CanSpec(FileModel):
     left: WheelDriveSpec
     right: WheelDriveSpec
     joints: tuple[JointDriveSpec, ...] = ()
-    """In the order of the arm's `joints`."""
+    """Joint drives, in the order of the arm's `joints`."""
     gripper: GripperDriveSpec | None = None
     sensors: SensorsSpec = SensorsSpec()
     """Sensors that are not on the bus."""

@@ -1,4 +1,4 @@
-"""What open ground is like, and a receiver above it."""
+"""Open ground, and a satellite receiver above it."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Positive = Annotated[float, Field(gt=0.0)]
 NotNegative = Annotated[float, Field(ge=0.0)]
 
 OUTDOORS = ("gyro", "particle", "gps_filter", "beacons")
-"""How a robot's file calls the ways of finding out where it is outdoors."""
+"""Names of the outdoor localizers in a robot's file."""
 
 
 class GroundSpec(FileModel):
@@ -28,21 +28,25 @@ class GroundSpec(FileModel):
     roughness_length_m: Positive = 0.4
     """Distance over which they change."""
     softness_mm_per_100n: Annotated[float, Field(ge=0.0, le=50.0)] = 0.0
-    """By how much it gives, springing back, under each 100 N at each point at which a wheel touches it; 0:
-    not at all. A wheel touches it at two to four points (its grid is 5 cm wide): it sinks in by a half to a
-    quarter of that. Counts in a world's file, in physics alone."""
+    """Elastic deflection under each 100 N at each contact point of a wheel; 0: rigid.
+
+    A wheel has two to four contact points (the grid is 5 cm wide), so it sinks in by a half to a quarter
+    of that. Used in a world's file, only in physics.
+    """
     scale_percent: NotNegative = 0.2 * math.sqrt(2.0)
-    """Of the wheels' travel, the same all day."""
+    """Scale error of the wheels' travel, constant for a day."""
     slip_percent: NotNegative = 0.4
-    """Of the wheels' travel, new every `slip_length_m`."""
+    """Slip in percent of the wheels' travel, drawn again every `slip_length_m`."""
     slip_length_m: Positive = 2.0
     turn_slip_percent: NotNegative = 12.0
-    """Of the wheels' travel in a curve of 0.5 / m, in proportion to curvature; new when the base sets out."""
+    """Slip in percent of the wheels' travel in a curve of 0.5 / m, in proportion to curvature, drawn again
+    when the base sets out.
+    """
     side_slip_deg: NotNegative = 0.8
     """Direction of travel beside the heading, new every `side_slip_length_m`."""
     side_slip_length_m: Positive = 3.0
     side_slip_deg_m: float = math.degrees(0.02)
-    """The same in a curve, for each 1/m of it: not an error but known."""
+    """Side slip angle in a curve, for each 1/m of curvature: a known effect, not an error."""
 
 
 class GpsSpec(FileModel):
@@ -51,10 +55,10 @@ class GpsSpec(FileModel):
     period_s: Positive = 1.0
     """Between fixes."""
     white_m: NotNegative = 1.0
-    """Of each fix, an axis: sigma."""
+    """White error of each fix, on each axis: sigma."""
     drift_m: NotNegative = 0.0
     """Slow error of the fixes, an axis: sigma (Gauss-Markov)."""
     drift_time_s: Positive = 300.0
     """Over which it changes."""
     start_heading_deg: NotNegative | Literal["unknown"] = 1.0
-    """How well it is told which way the robot heads at first: sigma, or that nobody tells it (see ORIENT)."""
+    """Sigma of the given start heading, or `unknown` (see ORIENT)."""

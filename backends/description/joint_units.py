@@ -1,4 +1,4 @@
-"""In which units people tell and enter an arm's joints: [deg], or [mm] where one slides."""
+"""Units in which people read and enter an arm's joints: [deg], or [mm] for sliding joints."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ class JointUnits(NamedTuple):
 
     names: tuple[str, ...]
     slides: tuple[bool, ...]
-    """Which of them are prismatic."""
+    """True for each prismatic joint."""
     endless: tuple[bool, ...]
-    """Which of them are continuous: a turn more or less makes no difference."""
+    """True for each continuous joint, for which a full turn makes no difference."""
 
     def si(self, values: Sequence[float]) -> tuple[float, ...]:
         """[rad] and [m] of what people say; of a continuous joint within half a turn."""
@@ -29,11 +29,11 @@ class JointUnits(NamedTuple):
         return tuple(self.user_value(joint, value) for joint, value in enumerate(values))
 
     def user_value(self, joint: int, value: float) -> float:
-        """The same of one joint."""
+        """Return the value of one joint in its unit for people."""
         return 1e3 * value if self.slides[joint] else math.degrees(value)
 
     def unit(self, joint: int) -> str:
-        """Of a joint: deg or mm."""
+        """Return the unit of a joint: deg or mm."""
         return "mm" if self.slides[joint] else "deg"
 
     def words(self, joint: int, value: float, digits: int = 1) -> str:
@@ -42,7 +42,7 @@ class JointUnits(NamedTuple):
 
     @property
     def all(self) -> str:
-        """For a message about all of them: `deg`, or `deg, deg, mm`."""
+        """Return the units of all joints for a message: `deg`, or `deg, deg, mm`."""
         return "deg" if not any(self.slides) else ", ".join(map(self.unit, range(len(self.names))))
 
 

@@ -1,4 +1,4 @@
-"""A robot's file: what stands in `robot.yaml` beside its URDF."""
+"""A robot's file: the content of `robot.yaml`, next to its URDF."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class Drive(FileModel):
     left: str | tuple[str, ...] | None = None
     """The joint that drives the left side, or several, where the URDF doesn't call it `left_wheel`."""
     right: str | tuple[str, ...] | None = None
-    """The same on the right."""
+    """Wheel joints on the right."""
     top_speed_m_s: Positive
     top_turn_deg_s: Positive
     acceleration_m_s2: Positive
@@ -70,12 +70,14 @@ class ArmSpec(FileModel):
     top_speed_deg_s: Positive
     acceleration_deg_s2: Positive
     slide_speed_mm_s: Positive | None = None
-    """The same for joints that slide: a lift, say. Needed where there is one."""
+    """Maximum speed of sliding joints, such as a lift; required if there is one."""
     slide_acceleration_mm_s2: Positive | None = None
     accuracy_mm: Positive = 0.5
-    """How far off the hand may be from where the joints say it is, sigma along each axis."""
+    """Sigma of the hand's position against its joints, along each axis."""
     working_deg: dict[str, tuple[float, float]] = Field(default_factory=dict)
-    """By joint that turns, narrower limits for where the hand works; on the way those of the URDF count."""
+    """Narrower limits of turning joints for working poses of the hand; motions between them use the URDF's
+    limits.
+    """
     postures: dict[str, tuple[float, ...]]
     """Joint angles in [deg], of joints that slide [mm], in the order of `joints`. `handcart teach` adds to
     them."""
@@ -88,11 +90,11 @@ class GripperSpec(FileModel):
     speed_mm_s: Positive
     force_n: Positive
     grasp: Literal["friction", "constraint"] = "friction"
-    """What holds in a physics engine: the pads' friction, or a rigid link made when both fingers press."""
+    """Grasp in a physics engine: the pads' friction, or a rigid link created when both fingers press."""
     left: str | None = None
     """The joint of the left finger, where the URDF doesn't call it `left_finger`."""
     right: str | None = None
-    """The same on the right."""
+    """Joint of the right finger."""
 
 
 class ToolSpec(FileModel):
@@ -101,7 +103,7 @@ class ToolSpec(FileModel):
     free: Literal["nothing", "azimuth", "roll"] = "roll"
     """The turn that the work leaves free: about the vertical (arms without wrist yaw), or about the tool."""
     azimuth_tolerance_deg: Annotated[float, Field(gt=0.0, le=180.0)] = 60.0
-    """For `azimuth`: how far the tool may be turned."""
+    """Allowed turn of the tool with `azimuth`."""
     speed_m_s: Positive
     """At which it works."""
     force_n: Positive
@@ -109,24 +111,24 @@ class ToolSpec(FileModel):
 
 
 class SuspensionSpec(FileModel):
-    """How the base gives when the arm moves: identified (`tasks/calibrate_suspension`), not simulated."""
+    """Motion of the base under the arm's load: identified (`tasks/calibrate_suspension`), not simulated."""
 
     yaw_mrad_per_swing: float = 0.0
-    """By which it turns with each swing of the loaded arm."""
+    """Turn of the base with each swing of the loaded arm."""
     yaw_sigma_mrad: NotNegative = 0.0
     """Spread of that."""
     swing_from_mm: NotNegative = 0.0
-    """What counts as a swing: the load is carried that far across the floor."""
+    """Minimum distance of carrying the load that counts as a swing."""
     roll_mrad_per_m: float = 0.0
-    """By which it leans for each metre that the hand is to the left; below zero where that side sinks."""
+    """Roll of the base for each metre of the hand to the left; negative if that side sinks."""
     pitch_mrad_per_m: float = 0.0
-    """By which it leans for each metre that the hand is in front; above zero where the front sinks."""
+    """Pitch of the base for each metre of the hand to the front; positive if the front sinks."""
     pivot_m: NotNegative = 0.0
     """Height of the point about which it leans."""
 
     @property
     def model(self) -> SuspensionModel:
-        """The same in SI units."""
+        """Return the model in SI units."""
         return SuspensionModel(
             self.yaw_mrad_per_swing / 1e3,
             self.roll_mrad_per_m / 1e3,
@@ -142,7 +144,7 @@ class Tolerance(FileModel):
     base_deg: Positive
     joints_deg: Positive
     slides_mm: Positive = 2.0
-    """Of the arm's joints that slide."""
+    """Tolerance of the arm's sliding joints."""
     gripper_mm: Positive
     object_mm: Positive
 
@@ -159,7 +161,7 @@ class RobotFile(FileModel):
     srdf: UrdfPlace | None = None
     """MoveIt's file for it: which of its links may touch each other (`disable_collisions`)."""
     links: dict[Role, str] = Field(default_factory=dict)
-    """Which link of the URDF stands for one that is expected by name: `hand: tool0`."""
+    """Links of the URDF by their expected names: `hand: tool0`."""
     allowed_contacts: tuple[tuple[str, str], ...] = ()
     """Pairs of links that may touch: those of the hull of a concave mesh, say. `handcart check --allow`."""
     parts: tuple[PartSpec, ...] = ()
@@ -167,14 +169,17 @@ class RobotFile(FileModel):
     period_s: Positive
     """The control period."""
     footprint_radius_m: Positive
-    """Of the circle about the base's centre that holds base, arm in its travelling posture and load."""
+    """Radius of the circle around the base's centre that contains base, arm in its travelling posture, and
+    load.
+    """
     localizer: Literal["scan", "odometry", "positioning", "gyro", "particle", "gps_filter", "beacons"]
-    """How it finds out where it is: ranges against the map; wheels, and ranges at rest; outdoors wheels and
-    gyros, the particle filter of Ohki et al. (2012), or a Kalman filter that knows the errors of all three;
-    or one of wheels, gyros and ranges to radio beacons."""
+    """Estimator of the pose: ranges against the map; wheels, and ranges at rest; outdoors wheels and gyros,
+    the particle filter of Ohki et al. (2012), or a Kalman filter that models the errors of all three; or a
+    filter of wheels, gyros and ranges to radio beacons.
+    """
     drive: Drive
     can: CanSpec | None = None
-    """Where the backend `can` finds the robot's drives."""
+    """Connection of the backend `can` to the robot's drives."""
     arm: ArmSpec | None = None
     gripper: GripperSpec | None = None
     camera: CameraSpec | None = None
@@ -184,7 +189,7 @@ class RobotFile(FileModel):
     gps: GpsSpec | None = None
     beacons: BeaconsSpec | None = None
     ground: GroundSpec = GroundSpec()
-    """What the robot takes open ground to be like."""
+    """Assumed properties of open ground."""
     odometry: OdometrySpec = OdometrySpec()
     """How exactly its wheels are taken to tell the way on a floor."""
     tool: ToolSpec | None = None
@@ -295,12 +300,12 @@ class RobotFile(FileModel):
 
     @cached_property
     def has_tray(self) -> bool:
-        """Whether it can carry something on a tray."""
+        """True if it has a tray."""
         return self.arm is not None and "tray" in link_names(self.urdf_text())
 
     @cached_property
     def antenna(self) -> tuple[float, float, float]:
-        """Where the receiver's antenna is in the base frame, in [m]; the origin where there is none."""
+        """Position of the receiver's antenna in the base frame, in [m]; the origin without one."""
         if self.gps is None:
             return (0.0, 0.0, 0.0)
         x, y, z = base_T_frame(self.urdf_text(), "gps")[:3, 3].tolist()
@@ -308,21 +313,29 @@ class RobotFile(FileModel):
 
     @cached_property
     def body_height(self) -> float:
-        """How high the base itself reaches, by the URDF, in [m]."""
+        """Height of the base itself by the URDF, in [m]."""
         from handcart.backends.urdf.robot_shape import body_height
 
         return body_height(self.urdf_text())
 
     @cached_property
     def tray_shape(self) -> TrayShape:
-        """Its tray, by the URDF; raises `MissingShape` where there is none."""
+        """Shape of the tray by the URDF.
+
+        Raises:
+            MissingShape: the URDF has no tray.
+        """
         from handcart.backends.urdf.robot_shape import tray_shape
 
         return tray_shape(self.arm_model())
 
     @cached_property
     def finger_shape(self) -> FingerShape:
-        """Its fingers, by the URDF; raises `MissingShape` where there are none."""
+        """Shape of the fingers by the URDF.
+
+        Raises:
+            MissingShape: the URDF has no fingers.
+        """
         from handcart.backends.urdf.robot_shape import finger_shape
 
         return finger_shape(self.arm_model())
@@ -335,7 +348,7 @@ class RobotFile(FileModel):
         return path
 
     def without_errors(self) -> RobotFile:
-        """The same robot, whose simulation errs nowhere: as with `errors: {none: true}` in its file."""
+        """Return the robot with an error-free simulation, as with `errors: {none: true}` in its file."""
         changed: dict[str, Any] = {"errors": Errors.nowhere()}
         if self.range_sensor is not None:
             changed["range_sensor"] = self.range_sensor.model_copy(update={"sigma_mm": 0.0})

@@ -89,7 +89,7 @@ def _frame_findings(robot: RobotFile, urdf: str, document: Document) -> list[Fin
 
 
 def _box_findings(robot: RobotFile, document: Document) -> list[Finding]:
-    """Fingers, and a tray if there is one, must tell their size."""
+    """Return findings about fingers, and about a tray if there is one, whose size is missing."""
     found = []
     try:
         if robot.gripper is not None and robot.arm is not None:
@@ -105,7 +105,7 @@ def _box_findings(robot: RobotFile, document: Document) -> list[Finding]:
 def _arm_findings(
     robot: RobotFile, arm: ArmSpec, urdf: str, document: Document, only_joints: bool
 ) -> list[Finding]:
-    """What is wrong with the arm; `only_joints`, where a link that it stands on or ends in is missing."""
+    """Return findings about the arm; `only_joints` if its first or last link is missing."""
     facts = {each.name: each for each in joints_of(urdf)}
     leaders = joint_leaders(urdf)
     key = ("arm", "joints")

@@ -23,11 +23,11 @@ def load_robot(name: str, drives: bool = True) -> RobotFile:
     """Load a robot by its name, or by the path of its YAML file.
 
     Args:
-        name: or path.
-        drives: whether its section `can` is checked whole: for who drives by CAN, and who only looks.
+        name: name or path.
+        drives: True to check the section `can` completely, for driving by CAN and for `check`.
 
     Raises:
-        FileError: the file or its URDF is missing, or something in them is wrong.
+        FileError: the file or its URDF is missing or invalid.
     """
     path = robot_path(name)
     document, warnings = _with_new_keys(read_document(path))

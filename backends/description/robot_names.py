@@ -31,10 +31,10 @@ def named_robots() -> dict[str, Path]:
 
 
 def robot_path(name: str) -> Path:
-    """Return the robot file that a name or a path of a YAML file stands for.
+    """Return the robot file for a name or for the path of a YAML file.
 
     Raises:
-        FileError: it is not the path of a YAML file, and no robot has this name.
+        FileError: the text is not the path of a YAML file, and no robot has this name.
     """
     if is_robot_path(name):
         return Path(name)

@@ -1,4 +1,4 @@
-"""What a robot's file says of its sensors."""
+"""Sensors in a robot's file."""
 
 from __future__ import annotations
 
@@ -18,23 +18,23 @@ NotNegative = Annotated[float, Field(ge=0.0)]
 
 
 class OdometrySpec(FileModel):
-    """Accuracy of the wheels as the localizer assumes it: sigmas. What simulated wheels do is in `errors`.
+    """Accuracy of the wheels as the localizer assumes it: sigmas. Errors of simulated wheels are in `errors`.
 
-    The defaults are for wheels that nobody calibrated. Claims are only as good as these figures where nothing
-    else determines the pose.
+    The defaults are for uncalibrated wheels. Claims are only as good as these figures if nothing besides
+    the wheels determines the pose.
     """
 
     wheel_radius_percent: Positive = 2.0
-    """Of each wheel's radius, the same all the time."""
+    """Sigma of each wheel's radius, constant in time."""
     tread_percent: Positive = 2.0
-    """Of the distance between the wheels, the same all the time."""
+    """Sigma of the distance between the wheels, constant in time."""
     slip_percent: Positive = 2.0
-    """Of each wheel's travel, another one every `slip_length_m`."""
+    """Sigma of the slip of each wheel's travel, independent every `slip_length_m`."""
     slip_length_m: Positive = 0.1
 
     @property
     def errors(self) -> OdometryErrors:
-        """The same in SI units."""
+        """Return the errors in SI units."""
         return OdometryErrors(
             self.wheel_radius_percent / 100,
             self.tread_percent / 100,
@@ -44,7 +44,7 @@ class OdometrySpec(FileModel):
 
 
 class CalibratedCamera(FileModel):
-    """What a calibration found (`tasks/calibrate_camera`): it counts instead of what the camera should be."""
+    """Result of a calibration (`tasks/calibrate_camera`), which replaces the nominal values."""
 
     focal_px: Positive
     cx_px: float
@@ -52,15 +52,15 @@ class CalibratedCamera(FileModel):
     cy_px: float
     """Its row."""
     k1: float = 0.0
-    """Of the lens, as the others: Brown's model, as OpenCV and ROS (`plumb_bob`) have it."""
+    """Lens coefficient; all follow Brown's model as in OpenCV and ROS (`plumb_bob`)."""
     k2: float = 0.0
     p1: float = 0.0
     p2: float = 0.0
     k3: float = 0.0
     xyz_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """By how much the camera sits beside the URDF's frame `camera`, along the axes of that frame."""
+    """Offset of the camera from the URDF's frame `camera`, along the axes of that frame."""
     rpy_deg: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """How it is turned in that frame: roll, pitch, yaw, as in a URDF."""
+    """Orientation of the camera in that frame: roll, pitch, yaw, as in a URDF."""
 
 
 class CameraSpec(FileModel):
@@ -80,7 +80,7 @@ class CameraSpec(FileModel):
     p2: float = 0.0
     k3: float = 0.0
     calibrated: CalibratedCamera | None = None
-    """As it is, where that was measured."""
+    """Measured calibration, if any."""
     _info: CameraInfo | None = None
 
     @model_validator(mode="after")
@@ -97,7 +97,7 @@ class CameraSpec(FileModel):
 
     @property
     def info(self) -> CameraInfo | None:
-        """What the `camera_info` file says; None without one."""
+        """Content of the `camera_info` file; None without one."""
         return self._info
 
     def with_info(self, info: CameraInfo) -> CameraSpec:
@@ -117,28 +117,28 @@ class ImuSpec(FileModel):
     gyro_bias_deg_s: NotNegative = 0.0
     """Sigma of what they read at rest."""
     rate_random_walk_deg_s_rt_s: NotNegative = 0.0
-    """By which that wanders off, after a second; it grows with the square root of time."""
+    """Random walk of the gyro's bias after one second; it grows with the square root of time."""
     warm_up_deg_s: NotNegative = 0.0
     """Sigma of a part of it that goes away with warming up."""
     warm_up_s: Positive = 600.0
-    """In which it does."""
+    """Duration of the warm-up drift."""
     gyro_scale_percent: NotNegative = 0.0
     """Sigma of a gyro's scale, relative to a turn."""
     accelerometer_sigma_m_s2: NotNegative
-    """Of a reading."""
+    """Sigma of a reading."""
     accelerometer_bias_m_s2: NotNegative = 0.0
     """Sigma of what an accelerometer reads too much."""
     vibration_m_s2: NotNegative = 0.0
-    """Of a reading while the base drives, beside."""
+    """Additional sigma of a reading while the base drives."""
 
 
 class PositioningSpec(FileModel):
     """An indoor positioning system that sees the robot."""
 
     sigma_mm: NotNegative
-    """Of a reading, along each axis."""
+    """Sigma of a reading, along each axis."""
     heading_sigma_mrad: NotNegative
     rate_hz: Positive
     """Readings a second; not more than periods."""
     latency_s: NotNegative = 0.0
-    """How late a reading arrives."""
+    """Delay of a reading."""

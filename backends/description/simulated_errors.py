@@ -1,4 +1,4 @@
-"""What a robot's file says of how its simulation errs."""
+"""Simulated errors in a robot's file."""
 
 from __future__ import annotations
 
@@ -14,26 +14,28 @@ Percent = Annotated[float, Field(ge=0.0, le=100.0)]
 
 
 class Errors(FileModel):
-    """How a simulated backend errs: sigmas; of the systematic ones, sigmas of what a seed draws once."""
+    """Errors of a simulated backend: sigmas; a seed draws each systematic error once."""
 
     none: bool = False
-    """Nothing errs: whatever else stands here counts as 0, and so do the errors of range sensor and IMU."""
+    """True for a simulation without errors: all other values count as 0, as do the errors of lidar and
+    IMU.
+    """
     wheel_radius_percent: NotNegative = 0.2
     tread_percent: NotNegative = 0.5
     slip_percent: NotNegative = 1.0
     joint_repeatability_mrad: NotNegative = 0.15
     encoder_mrad: NotNegative = 0.02
-    """Of a joint's reading."""
+    """Sigma of a joint's reading."""
     opening_mm: NotNegative = 0.05
-    """Of the reading of the fingers' opening."""
+    """Sigma of the reading of the fingers' opening."""
     image_noise_grey: NotNegative = 3.0
     image_blur_px: NotNegative = 0.7
     camera_mount_mm: NotNegative = 0.0
-    """How far the camera sits from the URDF's frame `camera`, along each axis."""
+    """Offset of the camera from the URDF's frame `camera`, along each axis."""
     camera_mount_mrad: NotNegative = 0.0
-    """How far it is turned, about each axis."""
+    """Rotation of the camera against that frame, about each axis."""
     focal_percent: NotNegative = 0.0
-    """How far its focal length is off `focal_px`; `calibrated` doesn't change what the camera is."""
+    """Difference of the focal length from `focal_px`; `calibrated` does not change the simulated camera."""
     light_gradient: NotNegative = 0.25
     """Share by which the picture's light changes from one side to the other."""
     range_zero_percent: Percent = 0.0
@@ -47,34 +49,34 @@ class Errors(FileModel):
     start_mm: NotNegative = 20.0
     start_deg: NotNegative = 1.0
     book_place_mm: NotNegative = 2.0
-    """How a person sets a thing onto the tray."""
+    """Error of a person who puts a thing onto the tray."""
     book_turn_deg: NotNegative = 1.0
     book_lean_deg: NotNegative = 1.0
-    """How far what is let go between neighbours leans aside; on `pybullet` physics tells."""
+    """Tilt of a thing released between neighbours; with physics the engine computes it."""
     hand_force_n: NotNegative = 0.3
     block_place_mm: NotNegative = 0.0
-    """How a person sets a thing down elsewhere."""
+    """Error of a person who puts a thing down elsewhere."""
     block_turn_deg: NotNegative = 0.0
     hand_systematic_mm: NotNegative = 0.0
-    """How far off the hand is at most, smoothly from place to place; drawn once."""
+    """Maximum systematic error of the hand, smooth from place to place; drawn once."""
     hand_systematic_wave_m: Positive = 1.0
-    """From crest to crest of it: about the arm's reach."""
+    """Wavelength of the systematic error: about the arm's reach."""
     hand_repeat_mm: NotNegative = 0.0
-    """How far off it is from motion to motion, along each axis: sigma."""
+    """Repeatability of the hand from motion to motion, along each axis: sigma."""
     hand_uniform_mm: NotNegative = 0.0
-    """The same, spread evenly up to that."""
+    """Uniform error of the hand from motion to motion: maximum."""
     swing_yaw_mrad: float = 0.0
-    """By which the standing base is turned each time that the arm has swung: casters and tyres give."""
+    """Turn of the resting base with each swing of the arm, caused by casters and tyres."""
     swing_yaw_sigma_mrad: NotNegative = 0.0
     swing_from_mm: NotNegative = 0.0
     """0: any motion is a swing. Else one that carries something at least that far across the floor."""
     lean_mrad_per_m: NotNegative = 0.0
-    """By which the base leans to where the hand is, for each metre that this is off the base's centre."""
+    """Tilt of the base towards the hand, for each metre of its distance from the base's centre."""
     lean_pivot_m: NotNegative = 0.0
     """Height of the point about which it leans."""
 
     @classmethod
     def nowhere(cls) -> Self:
-        """Of a simulation that doesn't err."""
+        """Return the errors of a simulation without errors."""
         sizes = set(cls.model_fields) - {"none", "hand_systematic_wave_m"}
         return cls(none=True, **dict.fromkeys(sizes, 0.0))
