@@ -59,7 +59,7 @@ def _check_text(words: list[str]) -> None:
             word.encode()
         except UnicodeEncodeError:
             shown = word.encode(errors="backslashreplace").decode()
-            raise NotText(f"the word {shown} is no UTF-8; allowed: names of files in UTF-8") from None
+            raise NotText(f"the word {shown} is not UTF-8; allowed: names of files in UTF-8") from None
 
 
 def _report_error(error: Exception) -> int:

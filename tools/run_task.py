@@ -49,10 +49,11 @@ def run(
     ] = None,
     gui: Annotated[bool, typer.Option("--gui", help="show robot and world in a window")] = False,
     view: Annotated[
-        bool, typer.Option("--view", help="show it in the browser while it goes on; simulated: in real time")
+        bool, typer.Option("--view", help="show it in the browser while it runs; simulated: in real time")
     ] = False,
     port: Annotated[
-        int | None, typer.Option(min=0, max=65535, help="with --view; left out: 8080 or the next free one")
+        int | None,
+        typer.Option(min=0, max=65535, help="port of --view (default: 8080 or the next free one)"),
     ] = None,
     report: Annotated[
         bool, typer.Option("--report/--no-report", help="write report.html into the run's folder")

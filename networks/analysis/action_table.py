@@ -44,7 +44,7 @@ class ActionTable(FileModel):
     def _starts(self) -> Self:
         if self.start not in self.rows:
             allowed = ", ".join(map(str, self.rows))
-            raise ValueError(f"the start {self.start} is no row; allowed: {allowed}")
+            raise ValueError(f"unknown start row {self.start}; allowed: {allowed}")
         return self
 
 
@@ -55,7 +55,7 @@ def table_errors(loaded: Loaded[ActionTable]) -> list[Finding]:
     for number, row in table.rows.items():
         for key, to in (("ok", row.ok), ("fail", row.fail)):
             if to not in table.rows and to not in table.ends:
-                words = f"row {number} leads to row {to}, which isn't there; needed: a row {to}"
+                words = f"row {number} leads to row {to}, which is missing; needed: a row {to}"
                 findings.append(loaded.finding(("rows", str(number), key), words))
         wrong = _other_facts(table, number, row)
         if wrong:

@@ -97,7 +97,7 @@ class Journal:
                 self._quarantine(contents.torn_at)
         except OSError as error:
             os.close(self._file)
-            raise JournalError(path, f"can't be gone on with: {error.strerror}") from None
+            raise JournalError(path, f"can't be continued: {error.strerror}") from None
         except (JournalError, RunAlive):
             os.close(self._file)
             raise
@@ -139,7 +139,7 @@ class Journal:
                 option=_OPTIONS,
             )
         except TypeError as error:
-            raise self._poison(f"record {number} ({kind}) is no JSON: {error}") from None
+            raise self._poison(f"record {number} ({kind}) is not valid JSON: {error}") from None
         line, checksum = seal(body, {"unix_s": round(self._clock(), 6), **wall})
         self._write(line)
         self._next, self._last = number + 1, checksum

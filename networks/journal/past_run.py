@@ -89,7 +89,7 @@ class PastRun:
         try:
             return load_track(BytesIO(content))
         except (LookupError, ValueError, OSError, BadZipFile) as error:
-            raise NoRun(self.folder, f"{TELEMETRY_FILE} in it is no track ({error})") from None
+            raise NoRun(self.folder, f"{TELEMETRY_FILE} in it is not a track ({error})") from None
 
     @property
     def last_fail(self) -> PastAction | None:
@@ -121,7 +121,7 @@ def read_run(folder: Path | str) -> PastRun:
     header = contents.records[0]
     if header["kind"] != "RUN" or header.get("schema") != JOURNAL_SCHEMA:
         said = header.get("schema", header["kind"])
-        raise NoRun(folder, f"{JOURNAL_FILE} is no journal of the format {JOURNAL_SCHEMA}, but {said!r}")
+        raise NoRun(folder, f"{JOURNAL_FILE} is not of the format {JOURNAL_SCHEMA}, but of {said!r}")
     record: Record = header
     try:
         kept = header.get("plan_on")

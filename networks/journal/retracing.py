@@ -110,9 +110,9 @@ def _check(found: RunPosition, record: Record) -> None:
     """Raise `ValueError` for a record that can't follow those before it."""
     kind, route = record["kind"], found.route
     if "situation" in record and record["situation"] not in (None, *route.network.situations):
-        raise ValueError(f"there is no situation {record['situation']!r}")
+        raise ValueError(f"unknown situation {record['situation']!r}")
     if kind == "PLAN" and record["situation"] != route.situation:
-        raise ValueError(f"it stands in situation {route.situation}")
+        raise ValueError(f"the run is in situation {route.situation}")
     if kind in ("START", "NOT_STARTED", "SKIP", "RECON") and "action" in record:
         index = record["action"]["index"] if kind == "START" else record["action"]
         if not route.planned or route.next.index != index:

@@ -58,7 +58,7 @@ def ask(folder: Path, message: Mapping[str, Any], patience: float = ANSWER_TIMEO
     except orjson.JSONDecodeError:
         reply = None
     if not isinstance(reply, dict) or "ok" not in reply:
-        raise NotAnswering(f"what answers in {folder} is no run: {printable(clipped(repr(answer)))}")
+        raise NotAnswering(f"the answer in {folder} is not that of a run: {printable(clipped(repr(answer)))}")
     return reply
 
 
@@ -144,8 +144,8 @@ def _unreached(folder: Path, error: OSError) -> HandcartError:
     if isinstance(error, PermissionError):
         return _closed(folder, error)
     if not folder.is_dir():
-        what = f"{folder} is no folder" if folder.exists() else f"there is no folder {folder}"
-        return NotAlive(f"no run is alive there: {what}; allowed: the folder of one that goes on")
+        what = f"{folder} is not a folder" if folder.exists() else f"there is no folder {folder}"
+        return NotAlive(f"no run is alive there: {what}; allowed: the folder of a running run")
     try:
         if goes_on(folder):
             return _unanswered(folder, f"({error.strerror or 'it hung up'}): it begins, or comes to its end")
@@ -154,12 +154,12 @@ def _unreached(folder: Path, error: OSError) -> HandcartError:
         return _closed(folder, closed)
     except (OSError, JournalError):
         said = f"no run is alive in {folder}: no journal can be read there"
-        return NotAlive(f"{said}; allowed: the folder of one that goes on")
+        return NotAlive(f"{said}; allowed: the folder of a running run")
     if records and records[-1]["kind"] == "END":
         how = f"{records[-1].get('outcome')} in situation {records[-1].get('situation')}"
         return NotAlive(printable(f"no run is alive in {folder}: it is over, {how}"))
-    return NotAlive(f"no run is alive in {folder}: it broke off; handcart resume {folder} goes on with it")
+    return NotAlive(f"no run is alive in {folder}: it broke off; handcart resume {folder} continues it")
 
 
 def _closed(folder: Path, error: OSError) -> ClosedToYou:
-    return ClosedToYou(f"{folder} is closed to you: {error.strerror}; allowed: whoever started the run")
+    return ClosedToYou(f"{folder} is closed to you: {error.strerror}; allowed: the user who started the run")

@@ -128,7 +128,7 @@ class Control:
         except orjson.JSONDecodeError as error:
             return _refusal(f"this is no JSON ({error})")
         if not isinstance(request, dict):
-            return _refusal("this is no JSON object")
+            return _refusal("this is not a JSON object")
         try:
             return orjson.dumps(self._answer(request))
         except Exception as error:  # a fault of ours must not end the run of who asked

@@ -133,10 +133,10 @@ def load_checkpoint(folder: Path) -> Checkpoint | None:
             raise NotAState(f"no checkpoint of the format {_FORMAT}")
         if (written := kept.pop("format")) != _FORMAT:
             wrong = f"is of the format {str(written)[:40]!r}, which another version of handcart wrote"
-            raise NotAState(f"{wrong}; allowed: {_FORMAT}, or the run is begun anew")
+            raise NotAState(f"{wrong}; allowed: {_FORMAT}, or begin a new run")
         kept["result"] = RECORD_VALIDATORS["RESULT"].validate_python(kept["result"])
     except ValueError as error:
         raise NotAState(printable(f"{folder / CHECKPOINT_FILE}: {str(error).splitlines()[0]}")) from None
     if not isinstance(kept["time_s"], float) or not isinstance(kept["after"], str):
-        raise NotAState(printable(f"{folder / CHECKPOINT_FILE}: no checkpoint: its time is no number"))
+        raise NotAState(printable(f"{folder / CHECKPOINT_FILE}: its time is not a number"))
     return Checkpoint(digest(bytes_), **kept)

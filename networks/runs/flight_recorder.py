@@ -172,5 +172,5 @@ def load_readings(path: Path) -> Readings:
     """
     columns = load_arrays(path)
     if "time_s" not in columns:
-        raise ValueError("there is no column time_s")
+        raise ValueError("the column time_s is missing")
     return columns

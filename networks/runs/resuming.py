@@ -107,7 +107,7 @@ class Past:
             (w["boot_id"] for w in map(_wall, reversed(self.contents.records)) if "boot_id" in w), boot
         )
         if before != boot:
-            lines.append("known: the machine was started anew since")
+            lines.append("known: the machine was restarted since")
         return lines
 
     def check_robot(self, robot: Robot) -> None:
@@ -117,7 +117,7 @@ class Past:
         for at in (self.standing.at, *self.standing.seen.values()):
             if at is not None and (at.joints.size, at.joint_command.size) != (joints, joints):
                 wrong = (
-                    f"{self.folder / JOURNAL_FILE} tells of {at.joints.size} joints, "
+                    f"{self.folder / JOURNAL_FILE} describes {at.joints.size} joints, "
                     f"and the robot has {joints}"
                 )
                 raise NeedsOperator(printable(wrong))
@@ -212,14 +212,14 @@ def task_of(folder: Path) -> Mapping[str, Any]:
     records = read_run_journal(folder).records
     check_not_alive(folder)
     if not records or not records[0].keys() >= _NEEDED:
-        raise NeedsOperator(f"{folder / JOURNAL_FILE} doesn't tell which task was run")
+        raise NeedsOperator(f"{folder / JOURNAL_FILE} doesn't name the task that was run")
     header = records[0]
     for what, said, ours in (
         ("journal is of the format", header["schema"], JOURNAL_SCHEMA),
         ("run is one of handcart", header["handcart"], version("handcart")),
     ):
         if said != ours:
-            raise NeedsOperator(printable(f"the {what} {said[:40]!r}; only {ours!r} can go on with it here"))
+            raise NeedsOperator(printable(f"the {what} {said[:40]!r}; only {ours!r} can continue it here"))
     last = next(each for each in reversed(records) if each["kind"] in ("END", "EPOCH", "RUN"))
     if last["kind"] == "END" and last["outcome"] in ("Success", "Fail"):
         words = f"the run in {folder} is over: {last['outcome']} in situation {last['situation']}"

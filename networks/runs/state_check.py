@@ -78,16 +78,16 @@ def check_state(robot: Robot, past: Past) -> StateCheck:
     now, expected = take_snapshot(robot, {}), past.standing.at
     unknown = list(past.doubts())
     if expected is None:
-        unknown.append("how the robot stood: the journal doesn't tell")
+        unknown.append("the robot's state: not in the journal")
         return StateCheck(None, now, {}, {}, tuple(unknown), False, robot.spec.joint_units)
     units = robot.spec.joint_units
     found = residuals(expected, now, units.slides, units.endless)
     if robot.localization.dead_reckoned:
         found = {name: size for name, size in found.items() if name not in _BY_SCANS}
-        unknown.append("where the base stands: only its wheels tell, and they were not heard meanwhile")
+        unknown.append("the pose of the base: only its wheels measure it, and they were not read meanwhile")
     elif (lost := robot.localization.lost) is not None:
-        unknown.append(f"where the base stands: {lost.why}")
-    unknown.append("what stands around it that no sensor reads now")
+        unknown.append(f"the pose of the base: {lost.why}")
+    unknown.append("objects around it that no sensor sees now")
     allowed, sure = limits(robot, found), not robot.localization.dead_reckoned
     return StateCheck(expected, now, found, allowed, tuple(unknown), sure, robot.spec.joint_units)
 
@@ -110,7 +110,7 @@ def gone_on(past: Past, check: StateCheck, confirm: int | None) -> Past:
         raise NeedsOperator(f"the robot isn't {where}: {off}; bring it there, then resume again")
     if doubt is not None and (not check.sure or len(list(past.doubts())) > 1):
         how = f"if all is as it was before that action: handcart ack {past.folder} {doubt['q']}"
-        raise NeedsOperator(f"{broken_off(doubt)}, and no sensor tells what it did; {how}")
+        raise NeedsOperator(f"{broken_off(doubt)}, and no sensor measures what it did; {how}")
     if confirm != past.last:
         how = f"handcart resume {past.folder} --confirm {past.last}"
         raise NeedsOperator(f"a real robot moves only after a look at it: {how}")

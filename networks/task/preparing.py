@@ -183,7 +183,9 @@ def _read(
         findings.add(task.document.finding(("backend",), str(UnknownBackend(name))))
     world = task.path("world")
     if world is None:
-        findings.add(task.document.finding((), f"the key 'world' is missing; needed: what {name} builds"))
+        findings.add(
+            task.document.finding((), f"the key 'world' is missing; needed: the world that {name} builds")
+        )
     if spec is not None and known is not None:
         for section in task.knowledge.sections.values():
             findings.add(*section.faults(spec))

@@ -178,7 +178,7 @@ def test_a_name_that_is_no_text_is_refused(tour: Path) -> None:
     """K14: before the run, not at its summary."""
     said = say("run", str(tour), "--runs", os.fsdecode(b"r\xff"))
     assert said.returncode == 2
-    assert said.stderr == b"the word r\\udcff is no UTF-8; allowed: names of files in UTF-8\n"
+    assert said.stderr == b"the word r\\udcff is not UTF-8; allowed: names of files in UTF-8\n"
 
 
 def test_a_link_that_leads_nowhere_is_no_runs_folder(

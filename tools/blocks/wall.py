@@ -13,7 +13,7 @@ def wall(
     drawing: Annotated[Path, typer.Argument(help="a drawing: YAML of the format handcart-drawing/1")],
     chart: Annotated[Path, typer.Option("--map", help="the map: YAML in ROS format")],
     output: Annotated[Path, typer.Option("-o", "--output", help="folder to write into")] = Path("wall"),
-    world: Annotated[Path | None, typer.Option(help="of the simulation; left out: what is drawn")] = None,
+    world: Annotated[Path | None, typer.Option(help="simulated world (default: the drawn one)")] = None,
 ) -> None:
     """Compute from where blocks are taken and laid, and in which order; write a task and wall.svg."""
     import os

@@ -11,13 +11,13 @@ import typer
 def make_library(
     out: Annotated[Path, typer.Option(help="folder to write into")],
     seed: Annotated[int, typer.Option(help="of everything that chance decides")] = 0,
-    misplaced: Annotated[bool, typer.Option(help="one book on each shelf stands in the wrong place")] = True,
+    misplaced: Annotated[bool, typer.Option(help="put one book on each shelf in the wrong place")] = True,
     gap: Annotated[bool, typer.Option(help="the slot of the book to return is there")] = True,
     tag: Annotated[str, typer.Option(help="readable, smeared or unknown")] = "readable",
     blocked: Annotated[str, typer.Option(help="none, way_around or closed")] = "none",
     books: Annotated[int, typer.Option(help="to return, each to another shelf")] = 1,
     unfriendly: Annotated[
-        list[str] | None, typer.Option(help="what makes it hard: all, or covers, light, glare, objects ...")
+        list[str] | None, typer.Option(help="difficulties: all, or covers, light, glare, objects ...")
     ] = None,
     level: Annotated[float, typer.Option(min=0.0, max=1.0, help="how hard, from 0 to 1")] = 1.0,
 ) -> None:

@@ -101,14 +101,14 @@ class AskedCampaign:
             raise NotPossible("--level fitted and --learned-from; needed: both of them, or none")
         if self.learned_from and self.vary is not None:
             raise NotPossible(
-                "--level fitted --vary; allowed: one of them, what was seen doesn't vary with it"
+                "--level fitted --vary; allowed: one of them, observed outcomes don't vary with it"
             )
         if walks and self.generate:
             raise NotPossible(
                 f"--level {self.level} --generate; allowed: one of them, a network has no world"
             )
         if self.vary is not None and self.generate:
-            raise NotPossible("--vary --generate; allowed: one of them, for a generated world has no file")
+            raise NotPossible("--vary --generate; allowed: one of them, a generated world has no file")
         if self.shard is not None and self.out is None:
             raise NotPossible("--shard without --out; needed: the folder for this part")
         if self.shard is not None and self.until is not None:

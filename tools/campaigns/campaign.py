@@ -38,7 +38,7 @@ def campaign(
     ] = None,
     out: Annotated[
         Path | None,
-        typer.Option(help="the campaign's folder: each trial is kept there, and the same command goes on"),
+        typer.Option(help="the campaign's folder: each trial is kept there, and the same command continues"),
     ] = None,
     shard: Annotated[
         str | None, typer.Option(help="K/N: the K-th of N parts, for `handcart campaign merge`; needs --out")
@@ -70,13 +70,13 @@ def campaign(
     rare: Annotated[
         str | None,
         typer.Option(
-            help="GiveUp, Fail or Success: how seldom runs end so; each trial is a population of runs that "
-            "are taken on, again and again, from where they come nearer"
+            help="GiveUp, Fail or Success: estimate the probability of this rare end; each trial is a "
+            "population of runs that are split again and again where they come nearer to it"
         ),
     ] = None,
     importance: Annotated[
         str | None,
-        typer.Option(help="with --rare, what says nearer: fails of the run (the default), or attempts"),
+        typer.Option(help="with --rare, the measure of nearness: fails of the run (default), or attempts"),
     ] = None,
     population: Annotated[
         int | None, typer.Option(help="with --rare, runs of a population at each level, otherwise 100")
@@ -180,7 +180,7 @@ def _write_page(opened: OpenCampaign, report: CampaignReport, runs: bool) -> Non
     try:
         path = opened.write_page(report, runs)
     except OSError as error:
-        print(printable(f"there is no report of {opened.out}: {error}"), file=sys.stderr)
+        print(printable(f"the report of {opened.out} is missing: {error}"), file=sys.stderr)
     else:
         if path is not None:
             print(printable(f"written: {path}"), file=sys.stderr)

@@ -25,7 +25,7 @@ def allow_contacts(file: Path) -> None:
     robot = load_robot(str(file))
     pairs = [] if robot.arm is None else self_contact(robot.arm_model()).always
     if not pairs:
-        print("no pair of links touches however the arm stands: nothing is allowed anew", file=sys.stderr)
+        print("no pair of links touches in every posture of the arm: no pair was added", file=sys.stderr)
         return
     before = file.read_text(encoding="utf-8")
     after = _with_pairs(before, pairs)

@@ -80,7 +80,7 @@ def _optional_faults(text: str, error: FileError) -> dict[str, str]:
 
 def _check_new(draft: Path) -> None:
     if draft.suffix not in (".yaml", ".yml"):
-        raise InputError(f"{draft} is no robot's file; allowed: *.yaml")
+        raise InputError(f"{draft} is not a robot's file; allowed: *.yaml")
     if draft.exists():
         raise InputError(f"{draft} is there already; allowed: a new file")
 

@@ -69,5 +69,5 @@ def _package_folder(name: str, file: Path) -> Path:
             return folder / name
     found = next(package_folders(name), None)
     if found is None:
-        raise LookupError(f"there is no package {name!r}")
+        raise LookupError(f"unknown package {name!r}")
     return found

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 def adopt(
     run: Annotated[Path, typer.Argument(help="the run's folder, or its calibration.yaml")],
     robot: Annotated[
-        str | None, typer.Option(help="the robot's YAML file, or a shipped robot; left out: the run's")
+        str | None, typer.Option(help="the robot's YAML file, or a shipped robot (default: the run's)")
     ] = None,
     write: Annotated[bool, typer.Option("--write", help="change the robot's file")] = False,
     output: Annotated[
@@ -65,7 +65,7 @@ def _calibration(run: Path) -> Calibration:
     path = calibration_path(run)
     if not path.is_file():
         raise InputError(
-            f"{run}: there is no {CALIBRATION_FILE}; "
+            f"{run}: it has no {CALIBRATION_FILE}; "
             "allowed: the folder of a run that calibrated something to its end"
         )
     return load(path, Calibration)

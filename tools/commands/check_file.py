@@ -171,7 +171,7 @@ def file_facts(file: Path, settings: dict[str, str], asked: Asked = Asked()) -> 
     kind = str(data.get("format", "")).removeprefix("handcart-").split("/")[0]
     if kind not in kinds():
         allowed = [f"handcart-{each}/1" for each in kinds()]
-        wrong = f"the key 'format' doesn't tell what this is{suggest(str(data.get('format', '')), allowed)}"
+        wrong = f"the key 'format' doesn't name a kind of file{suggest(str(data.get('format', '')), allowed)}"
         raise FileError([document.finding(("format",) if "format" in data else (), wrong)])
     if kind == "task":
         return _task_facts(file, settings, asked.quick)

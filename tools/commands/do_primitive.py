@@ -28,7 +28,7 @@ def do(
         typer.Option("--set", help="KEY=VALUE: a parameter of the task given by --knowledge"),
     ] = None,
     robot: Annotated[str | None, typer.Option(help="a shipped robot, or the path of a robot's file")] = None,
-    backend: Annotated[str, typer.Option(help="what stands for the robot")] = "kinematic",
+    backend: Annotated[str, typer.Option(help="the backend of the robot")] = "kinematic",
     world: Annotated[Path | None, typer.Option(help="default: the library of return_book")] = None,
     map: Annotated[Path | None, typer.Option(help="a map in ROS format")] = None,
     places: Annotated[Path | None, typer.Option(help="the map's named places")] = None,

@@ -15,22 +15,22 @@ if TYPE_CHECKING:
 
 
 def explain(
-    run: Annotated[Path | None, typer.Argument(help="the run's folder; left out: runs/latest")] = None,
+    run: Annotated[Path | None, typer.Argument(help="the run's folder (default: runs/latest)")] = None,
     action: Annotated[
-        int | None, typer.Option(help="number of the action; left out: the last that failed, else the run")
+        int | None, typer.Option(help="number of the action (default: the last that failed, or the run)")
     ] = None,
     picture: Annotated[
-        Path | None, typer.Option(help="where the chart is drawn; left out: in the run's folder")
+        Path | None, typer.Option(help="file for the chart (default: in the run's folder)")
     ] = None,
     frames: Annotated[
         Path | None,
         typer.Option(
-            help="a log that another recorder wrote meanwhile (.asc, .blf, .csv, .db, .log, .trc); "
-            "left out: the run's own frames"
+            help="a log that another recorder wrote meanwhile (.asc, .blf, .csv, .db, .log, .trc) "
+            "(default: the run's own frames)"
         ),
     ] = None,
     at: Annotated[
-        float | None, typer.Option(help="where to look in that log, in s of its stamps; left out: at its end")
+        float | None, typer.Option(help="time in that log, in s of its stamps (default: its end)")
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="one JSON object on stdout")] = False,
 ) -> None:
@@ -47,7 +47,7 @@ def explain(
 
     past = read_run(run or latest_run(Path("runs")))
     if past.torn_at is not None:
-        _warn(f"the journal's tail is torn at byte {past.torn_at}: what came after isn't known")
+        _warn(f"the journal's tail is torn at byte {past.torn_at}: later records are unknown")
     explanation = explained(past, action)
     if frames is not None:
         explanation = replace(explanation, frames=frames, frames_at=math.inf if at is None else at)

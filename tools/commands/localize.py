@@ -32,8 +32,8 @@ def localize(
     robot: Annotated[
         str | None,
         typer.Option(
-            help="a shipped robot, or its file: what to believe of the sensors; "
-            "left out: as the run's robot, else as any vehicle's"
+            help="a shipped robot, or its file, with the noise of the sensors "
+            "(default: the run's robot, or that of any vehicle)"
         ),
     ] = None,
     localizer: Annotated[str, typer.Option(help="gps_filter, particle or beacons")] = "gps_filter",

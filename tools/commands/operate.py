@@ -12,9 +12,10 @@ import typer
 Run = Annotated[Path, typer.Argument(help="the run's folder")]
 Json = Annotated[bool, typer.Option("--json", help="one JSON object on stdout")]
 Number = Annotated[
-    int | None, typer.Option("--number", help="of the action that is meant, as `handcart status` tells it")
+    int | None,
+    typer.Option("--number", help="number of the action, as `handcart status` shows it"),
 ]
-Off = Annotated[bool, typer.Option("--off", help="no more of it")]
+Off = Annotated[bool, typer.Option("--off", help="end it")]
 STOP_TIMEOUT_S = 10.0  # in which a run has to end after a stop
 
 
@@ -113,16 +114,18 @@ def _echo(word: str, reply: Mapping[str, Any], more: Mapping[str, object]) -> st
         case "permit" | "refuse":
             return {"permit": "permitted", "refuse": "refused: that counts as its Fail"}[word]
         case "step":
-            return "it asks before every action no more" if off else "it asks before every action from now on"
+            return (
+                "it no longer asks before every action" if off else "it asks before every action from now on"
+            )
         case "break":
-            asks = f"before it goes on from {', '.join(reply['breaks']) or 'any situation'}"
-            return f"it asks {asks}" if reply["breaks"] else f"it asks no more {asks}"
+            asks = f"before actions from {', '.join(reply['breaks']) or 'any situation'}"
+            return f"it asks {asks}" if reply["breaks"] else f"it stops asking {asks}"
         case _:
             return {
-                "pause": "told to pause",
-                "continue": "told to go on",
-                "cancel": "told to cancel",
-                "restore": "told to restore",
+                "pause": "pause requested",
+                "continue": "continuation requested",
+                "cancel": "cancellation requested",
+                "restore": "restoring requested",
             }[word]
 
 
@@ -134,7 +137,7 @@ def _wait_for_end(run: Path) -> None:
     end = time.monotonic() + STOP_TIMEOUT_S
     while goes_on(run):
         if time.monotonic() > end:
-            print(f"the run in {run} was told to stop, and is not over yet", file=sys.stderr)
+            print(f"the run in {run} was asked to stop, and is not over yet", file=sys.stderr)
             sys.exit(5)
         time.sleep(0.02)
 

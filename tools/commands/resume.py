@@ -13,7 +13,7 @@ RunFolder = Annotated[Path, typer.Argument(help="the run's folder")]
 
 
 def resume(
-    run: Annotated[Path | None, typer.Argument(help="the run's folder; left out: runs/latest")] = None,
+    run: Annotated[Path | None, typer.Argument(help="the run's folder (default: runs/latest)")] = None,
     confirm: Annotated[
         int | None,
         typer.Option(help="RECORD: the last one that you have seen; needed where a real robot moves"),
@@ -69,7 +69,7 @@ def resume(
 
 def ack(
     run: RunFolder,
-    record: Annotated[int, typer.Argument(help="what waits, as `run` or `resume` tells it")],
+    record: Annotated[int, typer.Argument(help="the record that waits, as `run` or `resume` shows it")],
 ) -> None:
     """Acknowledge a GiveUp, or a real robot's action that was broken off: all is as it was before it.
 
@@ -79,4 +79,4 @@ def ack(
     from handcart.networks.operator.acknowledging import acknowledge
 
     reason = acknowledge(run, record)
-    print(printable(f"acknowledged: {reason}; handcart resume {run} goes on with it"))
+    print(printable(f"acknowledged: {reason}; handcart resume {run} continues it"))

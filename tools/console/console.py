@@ -11,11 +11,12 @@ import typer
 def console(
     runs: Annotated[Path, typer.Argument(help="where the runs' folders are")] = Path("runs"),
     port: Annotated[
-        int | None, typer.Option(min=0, max=65535, help="of the page; left out: 8090 or the next free one")
+        int | None,
+        typer.Option(min=0, max=65535, help="port (default: 8090 or the next free one)"),
     ] = None,
     host: Annotated[
         str | None,
-        typer.Option(help="another address to listen at than this machine alone: who has the token commands"),
+        typer.Option(help="address to listen at, instead of this machine alone; the token permits commands"),
     ] = None,
 ) -> None:
     """Show all runs in the browser and command them, until Ctrl-C; the runs do not depend on the console."""
@@ -33,6 +34,6 @@ def console(
     over = AskedToEnd()
     server = Server(runs, host, port)
     print(printable(f"runs in {runs}: {server.address}"), flush=True)
-    print("the address holds the token: who has it commands; Ctrl-C ends the page, and no run", flush=True)
+    print("the address holds the token, which permits commands; Ctrl-C ends the page, and no run", flush=True)
     server.serve(lambda: bool(over))
     raise typer.Exit(over.status)

@@ -36,7 +36,7 @@ class Guard(OwnPage):
         except web.HTTPException as error:
             answer = said(error.status, error.reason)
         except web.RequestPayloadError:
-            answer = said(400, "what was sent isn't packed as it says")
+            answer = said(400, "the request isn't encoded as its headers say")
         except Exception as error:  # the page tells it to who asked
             answer = said(500, f"a fault in handcart: {type(error).__name__}: {error}")
         if not answer.prepared:
@@ -50,7 +50,7 @@ class Guard(OwnPage):
         if refused is not None:
             return said(*refused)
         if request.headers.get(hdrs.UPGRADE):
-            return said(403, "there are no sockets here")
+            return said(403, "sockets are not supported here")
         if request.path in OPEN_PATHS or request.path.startswith(TICKETS_PATH):
             return None if request.method == "GET" else said(405, "only GET")
         if not self.has_token(request):

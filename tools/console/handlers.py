@@ -103,7 +103,7 @@ class Handlers:
         folder, name = self._folder(request), request.match_info["file"]
         where, _, file = name.rpartition("/")
         if where != EVIDENCE_PATH or not file.endswith(EVIDENCE_SUFFIXES):
-            return said(404, "there is no such picture")
+            return said(404, "unknown picture")
         content = await self._away(lambda: read_file(folder / EVIDENCE_PATH, file, MOST_FILE))
         kind = mimetypes.guess_type(file)[0] or "application/octet-stream"
         return content if isinstance(content, web.Response) else web.Response(body=content, content_type=kind)
@@ -165,14 +165,14 @@ class Handlers:
         """Opens one of a run's own pages once."""
         folder, word = self._folder(request), await _body(request)
         if word.get("page") not in RUN_PAGES:
-            return said(404, f"there is no such page; allowed: {', '.join(RUN_PAGES)}")
+            return said(404, f"unknown page; allowed: {', '.join(RUN_PAGES)}")
         return _json({"ok": True, "url": TICKETS_PATH + self._tickets.give(folder, str(word["page"]))})
 
     async def page(self, request: web.Request) -> web.Response:
         """The page that a ticket opens."""
         ticket = self._tickets.take(request.match_info["word"])
         if ticket is None:
-            return said(403, "this address was good once, for half a minute; the console opens it anew")
+            return said(403, "this address was valid once, for half a minute; the console opens it again")
         content = await self._away(lambda: read_file(ticket.folder, ticket.name, MOST_FILE))
         if isinstance(content, web.Response):
             return content
@@ -225,7 +225,7 @@ async def _body(request: web.Request) -> dict[str, Any]:
     except orjson.JSONDecodeError:
         word = None
     if not isinstance(word, dict):
-        raise web.HTTPBadRequest(reason="this is no JSON object")
+        raise web.HTTPBadRequest(reason="this is not a JSON object")
     return word
 
 

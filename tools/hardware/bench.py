@@ -28,26 +28,26 @@ def bench(
     channel: Annotated[
         str | None,
         typer.Option(
-            help="of the interface  [default: the file's, where it has that interface, else 239.74.163.2]",
+            help="of the interface  [default: the file's, if it has that interface, otherwise 239.74.163.2]",
             show_default=False,
         ),
     ] = None,
     backend: Annotated[
-        str | None, typer.Option(help="the simulated robot behind the drives; left out: motors alone")
+        str | None, typer.Option(help="the simulated robot behind the drives (default: motors alone)")
     ] = None,
-    world: Annotated[Path | None, typer.Option(help="that the simulated robot stands in")] = None,
+    world: Annotated[Path | None, typer.Option(help="world of the simulated robot")] = None,
     seed: Annotated[int, typer.Option(help="of the simulated errors")] = 0,
     faults: Annotated[
-        list[str] | None, typer.Option("--fault", help="NAME@SECONDS or NAME@SECONDS@NODE: what goes wrong")
+        list[str] | None, typer.Option("--fault", help="NAME@SECONDS or NAME@SECONDS@NODE: an injected fault")
     ] = None,
     range_port: Annotated[
-        int | None, typer.Option(help="send the simulated robot's scans to who connects to this port")
+        int | None, typer.Option(help="send the simulated robot's scans to clients of this port")
     ] = None,
-    list_faults: Annotated[bool, typer.Option("--list-faults", help="tell what can go wrong")] = False,
+    list_faults: Annotated[bool, typer.Option("--list-faults", help="list the possible faults")] = False,
     log: Annotated[
         Path | None, typer.Option(help="write time, positions, speeds and states of the drives into it")
     ] = None,
-    seconds: Annotated[float | None, typer.Option(help="end after that; left out: with Ctrl-C")] = None,
+    seconds: Annotated[float | None, typer.Option(help="duration in s (default: until Ctrl-C)")] = None,
 ) -> None:
     """Simulate a robot's drives on a CAN interface, in real time, until Ctrl-C."""
     if list_faults:
@@ -145,7 +145,7 @@ def _planned(words: str) -> tuple[str, float, int | None]:
         return name, float(at or 0.0), int(node) if node else None
     except ValueError:
         raise typer.BadParameter(
-            f"{words!r} is no fault; allowed: NAME@SECONDS or NAME@SECONDS@NODE"
+            f"{words!r} is not a fault; allowed: NAME@SECONDS or NAME@SECONDS@NODE"
         ) from None
 
 

@@ -1,4 +1,4 @@
-"""`handcart bringup`: a real robot, rung by rung."""
+"""`handcart bringup`: a real robot, step by step."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ def bringup(
     bench: Annotated[
         str | None, typer.Option(help="rehearse on simulated drives, before this simulated backend")
     ] = None,
-    everything: Annotated[bool, typer.Option("--all", help="go on until a rung isn't climbed")] = False,
-    status: Annotated[bool, typer.Option("--status", help="tell how far it is, and do nothing")] = False,
+    everything: Annotated[bool, typer.Option("--all", help="continue until a step isn't passed")] = False,
+    status: Annotated[bool, typer.Option("--status", help="show the progress, and do nothing")] = False,
     again: Annotated[
-        str | None, typer.Option(help="set this rung and all above it aside, and climb it anew")
+        str | None, typer.Option(help="set the records of this step and all after it aside, and do it again")
     ] = None,
-    task: Annotated[Path | None, typer.Option(help="what the robot is for; it is the last rung")] = None,
+    task: Annotated[Path | None, typer.Option(help="the robot's task; it is the last step")] = None,
     answers: Annotated[
         Path | None, typer.Option(help="a YAML file with answers by key, instead of a person's")
     ] = None,

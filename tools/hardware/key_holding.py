@@ -22,7 +22,7 @@ class NoTerminal(InputError):
     """Hold-to-run needs a person at a terminal."""
 
     def __init__(self) -> None:
-        super().__init__("standard input is no terminal; needed: somebody who holds a key there")
+        super().__init__("standard input is not a terminal; needed: a person who holds a key there")
 
 
 @contextmanager
@@ -46,7 +46,7 @@ def held_key() -> Iterator[Lease]:
         end = time.monotonic() + _FIRST
         while not _pressed(terminal, 0.1):
             if time.monotonic() > end:
-                raise NoAnswer(f"nobody pressed the space bar within {_FIRST:.0f} s")
+                raise NoAnswer(f"the space bar was not pressed within {_FIRST:.0f} s")
         yield Lease(lambda: _pressed(terminal))
     finally:
         termios.tcflush(terminal, termios.TCIFLUSH)

@@ -63,7 +63,7 @@ def teach(
         raise typer.BadParameter(f"the robot of {file} has no arm")
     if not re.fullmatch(r"[a-z][a-z0-9_]*", name):
         raise typer.BadParameter(
-            f"{name!r} is no name; allowed: small letters, digits and _, such as pick_up_1"
+            f"invalid name {name!r}; allowed: small letters, digits and _, such as pick_up_1"
         )
     aimed = hand is not None or pointing != "ahead" or roll is not None
     if aimed and (joints is not None or from_posture is not None):
@@ -87,11 +87,11 @@ def _aim(hand: str | None, way: str, roll: float | None) -> HandAim:
         raise typer.BadParameter("where is the hand to be? needed: --hand X,Y,Z")
     place = _triple(hand)
     if place is None:
-        raise typer.BadParameter(f"{hand!r} is no place; allowed: X,Y,Z in metres")
+        raise typer.BadParameter(f"invalid place {hand!r}; allowed: X,Y,Z in metres")
     direction = DIRECTION_BY_WORD.get(way) or _triple(way)
     if direction is None or not any(direction):
         hint = suggest(way, DIRECTION_BY_WORD) if direction is None else "; allowed: not all 0"
-        raise typer.BadParameter(f"{way!r} is no direction{hint}, or X,Y,Z in the base frame")
+        raise typer.BadParameter(f"invalid direction {way!r}{hint}, or X,Y,Z in the base frame")
     if roll is not None and not math.isfinite(roll):
         raise typer.BadParameter(f"a roll of {roll} deg; allowed: a finite number")
     return HandAim(place, direction, roll)
@@ -132,7 +132,7 @@ def _angles(arm: ArmSpec, joints: str | None, from_posture: str | None) -> list[
     try:
         return [float(each) for each in joints.split(",")]
     except ValueError:
-        raise typer.BadParameter(f"{joints!r} are no angles; allowed: {count} numbers with commas") from None
+        raise typer.BadParameter(f"invalid angles {joints!r}; allowed: {count} numbers with commas") from None
 
 
 def _copied(arm: ArmSpec, posture: str) -> list[float]:

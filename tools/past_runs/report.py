@@ -10,10 +10,10 @@ import typer
 
 def report(
     folder: Annotated[
-        Path | None, typer.Argument(help="a run's folder, or a campaign's; left out: runs/latest")
+        Path | None, typer.Argument(help="a run's folder, or a campaign's (default: runs/latest)")
     ] = None,
     page: Annotated[
-        Path | None, typer.Option("--output", "-o", help="*.html; left out: report.html in the folder")
+        Path | None, typer.Option("--output", "-o", help="*.html (default: report.html in the folder)")
     ] = None,
 ) -> None:
     """Write a run, or a campaign, as one page that needs nothing beside it, nor a network."""

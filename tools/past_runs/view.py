@@ -9,9 +9,10 @@ import typer
 
 
 def view(
-    run: Annotated[Path | None, typer.Argument(help="the run's folder; left out: runs/latest")] = None,
+    run: Annotated[Path | None, typer.Argument(help="the run's folder (default: runs/latest)")] = None,
     port: Annotated[
-        int | None, typer.Option(min=0, max=65535, help="of the page; left out: 8080 or the next free one")
+        int | None,
+        typer.Option(min=0, max=65535, help="port (default: 8080 or the next free one)"),
     ] = None,
 ) -> None:
     """Show a recorded run in the browser, on this machine alone, until Ctrl-C."""

@@ -16,11 +16,11 @@ def place(
     path: Annotated[Path, typer.Argument(help="a seam: CSV with a pose of the tool a line")],
     output: Annotated[Path, typer.Option("-o", "--output", help="folder to write into")] = Path("seam"),
     placements: Annotated[
-        int | None, typer.Option(help="at most so many; left out: as few as there must be", min=1)
+        int | None, typer.Option(help="maximum number (default: as few as needed)", min=1)
     ] = None,
     work_piece: Annotated[
         Path | None,
-        typer.Option(help="a file with what the seam is on; left out: nothing is in the arm's way"),
+        typer.Option(help="a file with the work piece (default: nothing is in the arm's way)"),
     ] = None,
 ) -> None:
     """Divide a path among places of the base; write task.yaml with its files, and placements.svg."""

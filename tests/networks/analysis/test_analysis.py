@@ -65,7 +65,7 @@ def test_all_defects_of_table_1_are_named_with_their_places() -> None:
         (lines[4], "Fail of row 4 leads to row 10, where other facts hold"),
         (lines[5], "Fail of row 5 leads to row 4, where other facts hold"),
         (lines[6], "Fail of row 6 leads to row 4, where other facts hold"),
-        (lines[11], "row 11 leads to row 13, which isn't there"),
+        (lines[11], "row 11 leads to row 13, which is missing"),
         (lines[12], "Fail of row 12 leads to row 11, where other facts hold"),
         (6, "RELEASE is required and has no row"),
         (lines[3], "a loop without a bound: 3 to 10 to 3"),

@@ -213,7 +213,7 @@ def test_replaced_file(tmp_path: Path) -> None:
 
 
 def test_what_is_no_json(tmp_path: Path) -> None:
-    with Journal(tmp_path / "j.jsonl") as journal, pytest.raises(JournalError, match="no JSON"):
+    with Journal(tmp_path / "j.jsonl") as journal, pytest.raises(JournalError, match="not valid JSON"):
         journal.append("ONE", 0.0, {"thing": object()})
 
 

@@ -230,8 +230,8 @@ def test_a_journal_leads_to_where_its_run_stands(stand: Stand) -> None:
 @pytest.mark.parametrize(
     ("number", "change", "words"),
     [
-        (0, {"situation": "b"}, r"record 1 \(PLAN\) .*: it stands in situation a"),
-        (0, {"situation": "nowhere"}, "there is no situation 'nowhere'"),
+        (0, {"situation": "b"}, r"record 1 \(PLAN\) .*: the run is in situation a"),
+        (0, {"situation": "nowhere"}, "unknown situation 'nowhere'"),
         (1, {"n": 2}, "action 1 was next"),
         (1, {"action": {"index": 1}}, "another action was next"),
         (2, {"n": 2}, "action 2 is not the one that was started"),

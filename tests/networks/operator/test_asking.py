@@ -57,7 +57,7 @@ def test_an_answer_in_pieces_is_put_together(tmp_path: Path) -> None:
 def test_what_is_no_answer_of_a_run_is_told(tmp_path: Path, answer: bytes) -> None:
     with (
         answering(tmp_path, answer),
-        pytest.raises(NotAnswering, match=r"what answers in .* is no run") as said,
+        pytest.raises(NotAnswering, match=r"the answer in .* is not that of a run") as said,
     ):
         ask(tmp_path, {"do": "status"})
     assert len(str(said.value)) < 400
@@ -84,7 +84,7 @@ def test_a_run_without_its_sockets_begins_or_ends(tmp_path: Path) -> None:
 
 def test_a_run_in_another_place_is_named_and_a_pipe_is_no_journal(tmp_path: Path) -> None:
     with pytest.raises(
-        NotAlive, match=rf"there is no folder {tmp_path / 'none'}; allowed: the folder of one"
+        NotAlive, match=rf"there is no folder {tmp_path / 'none'}; allowed: the folder of a running run"
     ):
         tell_to_stop(tmp_path / "none")
     os.mkfifo(tmp_path / "journal.jsonl")

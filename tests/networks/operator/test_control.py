@@ -332,7 +332,7 @@ def test_a_fault_in_answering_is_told_and_nothing_more(folder: Path, lines: Call
 @pytest.mark.parametrize("what", ["nothing", "a folder", "a file", "a broken journal"])
 def test_where_no_run_is_alive_is_said_as_far_as_it_is_known(tmp_path: Path, what: str) -> None:
     folder = tmp_path / "run"
-    words = {"nothing": "there is no folder", "a file": "is no folder"}.get(what, "no journal can be read")
+    words = {"nothing": "there is no folder", "a file": "is not a folder"}.get(what, "no journal can be read")
     if what == "a file":
         folder.write_text("")
     elif what != "nothing":
@@ -387,7 +387,7 @@ def test_what_answers_but_is_no_run(folder: Path) -> None:
         other, _ = listening.accept()
         other.sendall(b"hello \x1b\n")
         os._exit(0)
-    with pytest.raises(NotAnswering, match="is no run"):
+    with pytest.raises(NotAnswering, match="is not that of a run"):
         ask(folder, {"do": "status"})
     os.waitpid(child, 0)
     listening.close()

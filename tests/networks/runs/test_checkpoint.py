@@ -135,9 +135,9 @@ def test_a_real_robot_only_learns_and_a_world_is_not_put_there(tmp_path: Path) -
     ("change", "words"),
     [
         ({"more": 1}, "no checkpoint of the format handcart-checkpoint/8"),
-        ({"time_s": "late"}, "its time is no number"),
-        ({"time_s": 2}, "its time is no number"),
-        ({"after": None}, "its time is no number"),
+        ({"time_s": "late"}, "its time is not a number"),
+        ({"time_s": 2}, "its time is not a number"),
+        ({"after": None}, "its time is not a number"),
         ({"result": {"outcome": "Success"}}, "1 validation error"),
         ({"format": "x" * 60}, "'" + "x" * 40 + "', which another version"),
     ],

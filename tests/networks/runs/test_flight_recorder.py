@@ -138,7 +138,7 @@ def test_arrays_larger_than_any_run_keeps_are_refused(
 ) -> None:
     path = tmp_path / "arrays.npz"
     np.savez_compressed(path, x_m=np.zeros(100))
-    with pytest.raises(ValueError, match="there is no column time_s"):
+    with pytest.raises(ValueError, match="the column time_s is missing"):
         load_readings(path)
     unpacked = 928  # a header of 128 bytes
     monkeypatch.setattr("handcart.networks.runs.flight_recorder.MAX_ARRAYS", unpacked)

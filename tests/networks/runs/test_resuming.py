@@ -215,7 +215,7 @@ def test_by_wheels_alone_nobody_knows_where_the_base_stands(run: Run) -> None:
     check = check_state(standing_as_left(run.prepare(), past).robot, past)
     assert not check.sure
     assert not any(name.startswith("base") for name in check.residuals)
-    assert any(each.startswith("where the base stands: only its wheels tell") for each in check.unknown)
+    assert any(each.startswith("the pose of the base: only its wheels measure it") for each in check.unknown)
 
 
 @pytest.mark.parametrize("rolls", [0, 3])
@@ -250,7 +250,7 @@ def test_a_look_at_a_robot_of_which_nothing_is_known_says_so(run: Run) -> None:
     assert past.standing.at is None
     check = check_state(standing_as_left(run.prepare(), past).robot, past)
     assert (check.sure, check.off, check.expected) == (False, {}, None)
-    assert check.unknown == ("how the robot stood: the journal doesn't tell",)
+    assert check.unknown == ("the robot's state: not in the journal",)
     measured = r"measured: base at \(0\.00, 0\.00\) m, heading -?0\.0 deg; off by nothing known"
     assert re.fullmatch(measured, check.words()[0])
     assert check.fields()["expected"] is None
@@ -265,7 +265,7 @@ def test_a_journal_of_a_robot_with_other_joints_is_refused(run: Run) -> None:
     past.check_robot(robot)
     assert past.standing.at is not None
     six = replace(past.standing.at, joints=np.zeros(6), joint_command=np.zeros(6))
-    words = r"journal\.jsonl tells of 6 joints, and the robot has 0$"
+    words = r"journal\.jsonl describes 6 joints, and the robot has 0$"
     seen = past.standing.seen
     for at in (replace(past.standing, at=six), replace(past.standing, seen={**seen, "b": six})):
         with pytest.raises(NeedsOperator, match=words):
@@ -280,7 +280,7 @@ def test_what_is_known_and_what_comes_next_is_told(run: Run) -> None:
     boot = past.contents.records[0]["wall"]["boot_id"]
     known = f"known: record {past.last}, 7 s ago; situation c, 2 actions started, 0 failed"
     assert past.words(wall + 7.2, boot) == [known]
-    assert past.words(wall + 7.2, "another") == [known, "known: the machine was started anew since"]
+    assert past.words(wall + 7.2, "another") == [known, "known: the machine was restarted since"]
     assert past.words(wall - 7.2, boot)[0].startswith(f"known: record {past.last}, 0 s ago")
     assert past.next_words() == "next: DRIVE (c to z)"
     assert past.recovered is None
@@ -383,5 +383,5 @@ def test_a_checkpoint_of_another_version_is_refused_in_words(tmp_path: Path) -> 
     """The names of its parts may have changed, so nothing of it is used."""
     kept: dict[str, Any] = dict.fromkeys(("after", "result", "time_s", "backend", "robot", "model"), None)
     (tmp_path / "checkpoint").write_bytes(pack({"format": "handcart-checkpoint/2", **kept}))
-    with pytest.raises(NotAState, match=r"'handcart-checkpoint/2', which another version .* begun anew"):
+    with pytest.raises(NotAState, match=r"'handcart-checkpoint/2', which another version .* begin a new run"):
         load_checkpoint(tmp_path)

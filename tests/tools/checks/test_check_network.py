@@ -76,7 +76,7 @@ def test_the_papers_table(handcart: Callable[..., Said]) -> None:
         "check", Path(__file__).resolve().parents[3] / "tasks" / "return_book" / "paper_table.yaml"
     )
     assert said.status == 2
-    assert "row 11 leads to row 13, which isn't there" in said.err
+    assert "row 11 leads to row 13, which is missing" in said.err
     assert len(said.err.splitlines()) == 6
     assert (
         "if each succeeds with 0.9, independently: GIVEUP 0.19000, GOAL 0.78053, row 13 0.02947" in said.out

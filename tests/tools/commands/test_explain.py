@@ -179,7 +179,7 @@ def test_folders_that_hold_no_run(handcart: Callable[..., Said], tmp_path: Path)
     with Journal(tmp_path / "journal.jsonl") as journal:
         journal.append("RUN", 0.0, {"schema": "another/7"})
     foreign = handcart("explain", tmp_path)
-    assert (foreign.status, "but 'another/7'" in foreign.err) == (2, True)
+    assert (foreign.status, "but of 'another/7'" in foreign.err) == (2, True)
 
 
 def test_an_action_that_is_not_there(handcart: Callable[..., Said], runs: Callable[[str], Path]) -> None:

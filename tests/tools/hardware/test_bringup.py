@@ -1,4 +1,4 @@
-"""Bringing a robot up, rung by rung, on the bench."""
+"""Bringing a robot up, step by step, on the bench."""
 
 from __future__ import annotations
 

@@ -59,11 +59,11 @@ def test_a_dry_run_writes_nothing(handcart: Callable[..., Said], robot: Path) ->
         (("wave", "--joints", "0,0,1000,0,0,0"), "joint_3 can't stand at 1000 deg"),
         (("wave", "--joints", "0,nan,0,0,0,0"), "joint_2 can't stand at nan deg"),
         (("wave", "--joints", "0,0,0"), "allowed: 6"),
-        (("wave", "--joints", "a,b"), "are no angles"),
+        (("wave", "--joints", "a,b"), "invalid angles"),
         (("wave", "--from-posture", "cary"), "did you mean 'carry'"),
         (("wave",), "either --joints, --hand or --from-posture"),
         (("wave", "--joints", "0,0,0,0,0,0", "--from-posture", "home"), "--joints, --hand or --from-posture"),
-        (("Wave: 1", "--from-posture", "home"), "is no name"),
+        (("Wave: 1", "--from-posture", "home"), "invalid name"),
     ],
 )
 def test_what_cant_be_recorded_is_refused(
@@ -109,9 +109,9 @@ def test_hand_points_the_given_way(
     ("options", "words"),
     [
         (("--pointing", "down"), "where is the hand to be? needed: --hand X,Y,Z"),
-        (("--hand=0.3,0,0.8", "--pointing", "dwn"), "'dwn' is no direction; did you mean 'down'?"),
-        (("--hand=0.3,0,0.8", "--pointing=0,0,0"), "'0,0,0' is no direction; allowed: not all 0"),
-        (("--hand=0.3,0,nan",), "'0.3,0,nan' is no place"),
+        (("--hand=0.3,0,0.8", "--pointing", "dwn"), "invalid direction 'dwn'; did you mean 'down'?"),
+        (("--hand=0.3,0,0.8", "--pointing=0,0,0"), "invalid direction '0,0,0'; allowed: not all 0"),
+        (("--hand=0.3,0,nan",), "invalid place '0.3,0,nan'"),
         (("--hand=3,0,0.8", "--pointing", "down"), "no posture has the hand at 3,0,0.8 m, pointing"),
         (("--hand=-0.12,0.05,0.45", "--pointing", "down"), "is free of the robot itself"),
     ],
