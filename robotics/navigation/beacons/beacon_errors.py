@@ -1,4 +1,4 @@
-"""How wrong ranges to radio beacons are."""
+"""Errors of ranges to radio beacons."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ class BeaconErrors(NamedTuple):
     places: NDArray[np.float64]
     """(k, 3) of the beacons: world's x, y, and height above the ground, in [m]."""
     tag: tuple[float, float, float]
-    """Of the robot's own radio in the base frame, in [m]."""
+    """Position of the robot's own radio in the base frame, in [m]."""
     white: float = 0.1
-    """Of each range, in [m]."""
+    """White noise of each range (sigma), in [m]."""
     bias: float = 0.3
-    """By which all ranges to one beacon are too long or too short: another of each beacon, in [m]."""
+    """Sigma of each beacon's own constant range error, in [m]."""
     scale: float = 0.01
-    """By which all ranges are too long or too short, relative: the same of all beacons."""
+    """Sigma of the relative range error that all beacons share."""
     bias_walk: float = 0.01
     """Random walk of that, in [m/√s]: with none, claims are far too good where a bias isn't constant."""

@@ -41,13 +41,15 @@ Array = NDArray[np.float64]
 
 
 class BeaconFilter(FieldLocalizer):
-    """An extended Kalman filter: the errors of wheels and gyros are states as in `FieldModel`, and so is the
-    bias of each beacon (augmented state: Friedland, 1969), and a scale of all ranges.
+    """An extended Kalman filter that localizes by wheels, gyro and ranges to radio beacons.
 
-    Where the start is known, the first ranges tell the biases; from there on they tell the place. A range
-    that its own covariance can't explain is refused. A beacon all of whose ranges are refused for ten
-    seconds, while two others are believed, was moved, and is left out from there on: as the robot drives, its
-    ranges would come to fit a wrong place. No satellite is asked.
+    The errors of wheels and gyros are states as in `FieldModel`, and so is the bias of each beacon
+    (augmented state: Friedland, 1969), and a scale of all ranges.
+
+    Because the start is known, the first ranges reveal the biases; later ones reveal the position. A range
+    that its own covariance can't explain is rejected. A beacon all of whose ranges are rejected for ten
+    seconds, while two others are accepted, was moved, and is ignored from then on: as the robot drives,
+    its ranges would come to fit a wrong position. GNSS is not used.
     """
 
     TAKES_FIXES: ClassVar[bool] = False
@@ -74,8 +76,8 @@ class BeaconFilter(FieldLocalizer):
 
         Args:
             start: world_T_base.
-            noise: what to believe of wheels and gyros.
-            errors: what to believe of the ranges.
+            noise: noise model of wheels and gyros.
+            errors: error model of the ranges.
             start_position: sigma in [m].
         """
         super().__init__(start)

@@ -1,4 +1,4 @@
-"""Whether a base that is commanded to drive gets on."""
+"""Detect that a base that is commanded to drive does not move."""
 
 from __future__ import annotations
 
@@ -41,9 +41,11 @@ class Blocked(NamedTuple):
     pose: Pose2
     """map_T_base where it does not get on, as estimated: it may have rebounded since."""
     heading: float
-    """Its heading when the window began, in [rad]: who drives on turns the base where it stands."""
+    """Heading of the base when the window began, in [rad]; wheels that keep driving turn the base on the
+    spot.
+    """
     forwards: bool
-    """Whether it was driven forwards."""
+    """True if it was driven forwards."""
     commanded: float
     """Distance commanded in the window, in [m]."""
     rolled: float
@@ -54,7 +56,9 @@ class Blocked(NamedTuple):
 
     @property
     def slips(self) -> bool:
-        """Whether its wheels turn all the same; otherwise something stops them, or their drives are off."""
+        """True if the wheels turn although the base is blocked; otherwise they are blocked or their drives
+        are off.
+        """
         return self.rolled > MAX_PROGRESS * self.commanded
 
 
@@ -66,7 +70,7 @@ class BlockedMotion:
     """
 
     def __init__(self, period: float) -> None:
-        """For a control period in [s]."""
+        """Start with an empty window; `period` is the control period in [s]."""
         self._shortest = max(2, round(SHORTEST_WINDOW_S / period))
         self._periods: deque[_Period] = deque(maxlen=max(self._shortest, round(LONGEST_WINDOW_S / period)))
         self._length = period

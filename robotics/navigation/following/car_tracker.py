@@ -58,7 +58,7 @@ class CarTracker:
     def along(
         cls, path: CarPath, start: Pose2, goal: Pose2, sharpest: float, limits: DriveLimits
     ) -> CarTracker:
-        """Of a planned path."""
+        """Return a tracker of a planned path."""
         first = np.array([start.compose(Pose2(-path.back_before, 0.0, 0.0))])
         legs = [
             (_straight(start, -path.back_before), True),
@@ -76,7 +76,7 @@ class CarTracker:
 
     @property
     def progress(self) -> float:
-        """How far along the path the car is, in [m]."""
+        """Distance that the car has covered along the path, in [m]."""
         return sum(leg.length for leg in self._legs) - self.remaining
 
     @property
@@ -89,7 +89,7 @@ class CarTracker:
         return leg.points[len(leg.points) - 1 - left :]
 
     def finished(self, pose: Pose2) -> bool:
-        """Whether the end is reached, at rest."""
+        """Return True if the car is at rest at the end."""
         return self._at >= len(self._legs)
 
     def command(self, pose: Pose2, dt: float) -> tuple[float, float]:

@@ -1,4 +1,4 @@
-"""What a differential drive can do, and commands that stay within it."""
+"""Limits of a differential drive, and commands that stay within them."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ NEAR = 4.0  # [1/s]: close to the end speed falls in proportion to what is left,
 
 
 class DriveLimits(NamedTuple):
-    """Of the base."""
+    """Limits of the base's speed and acceleration."""
 
     speed: float = 0.5
-    """In [m/s]."""
+    """Maximum speed in [m/s]."""
     turn_rate: float = 1.2
-    """In [rad/s]."""
+    """Maximum turn rate in [rad/s]."""
     acceleration: float = 0.6
-    """In [m/s²]."""
+    """Maximum acceleration in [m/s²]."""
     turn_acceleration: float = 2.5
-    """In [rad/s²]."""
+    """Maximum angular acceleration in [rad/s²]."""
 
 
 def rate_to_stop(rest: float, most: float, acceleration: float) -> float:
@@ -39,7 +39,7 @@ class Ramp:
 
     @property
     def at_rest(self) -> bool:
-        """Whether the last command was (all but) to stand still."""
+        """True if the last command was zero, or nearly so."""
         return abs(self.speed) < 1e-3 and abs(self.turn_rate) < 2e-3
 
     def towards(self, speed: float, turn_rate: float, dt: float) -> tuple[float, float]:

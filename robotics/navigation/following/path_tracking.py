@@ -45,12 +45,12 @@ class PathTracker:
         """Track a route.
 
         Args:
-            points: (n, 2) from about where the robot is to the goal, in [m].
-            goal_heading: at the end, in [rad]; any if None.
-            limits: of the base.
+            points: (n, 2) from near the robot to the goal, in [m].
+            goal_heading: heading at the end, in [rad]; any if None.
+            limits: limits of the base.
             reverse: drive backwards: the rear leads.
-            tolerance: what counts as arrived.
-            allowed: how fast it may drive where.
+            tolerance: tolerance of the arrival.
+            allowed: speed limits by position.
         """
         self._points, self._along = _resample(points)
         self._heading = _tangents(self._points)
@@ -71,7 +71,7 @@ class PathTracker:
 
     @property
     def progress(self) -> float:
-        """How far along the route the robot is, in [m]."""
+        """Distance that the robot has covered along the route, in [m]."""
         return self._progress
 
     @property
@@ -86,7 +86,7 @@ class PathTracker:
         return np.vstack([here, self._points[self._along > self._progress]])
 
     def finished(self, pose: Pose2) -> bool:
-        """Whether the robot stands at the end, within tolerance, at rest."""
+        """Return True if the robot is at rest at the end, within tolerance."""
         return self._closing and self._regulator.finished(pose)
 
     def command(self, pose: Pose2, dt: float) -> tuple[float, float]:
@@ -99,12 +99,12 @@ class PathTracker:
         return self._ramp.towards(-speed if self._flip else speed, turn_rate, dt)
 
     def hold(self, pose: Pose2, dt: float) -> tuple[float, float]:
-        """Return the speed in [m/s] and turn rate in [rad/s] with which to come to rest and stay there.
+        """Return the speed in [m/s] and turn rate in [rad/s] with which to come to rest and remain at rest.
 
-        While the base rolls on, its progress goes on: what it has passed is no longer ahead.
+        While the base still rolls, its progress is updated: points that it has passed are no longer ahead.
 
         Args:
-            pose: of the base on the map.
+            pose: map_T_base.
             dt: the control period, in [s].
         """
         self._advance(pose)

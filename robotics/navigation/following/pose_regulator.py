@@ -13,12 +13,12 @@ STEERED = 0.1  # [m]: nearer than this the bearing to the goal is noise; the hea
 
 
 class PoseTolerance(NamedTuple):
-    """What counts as arrived."""
+    """Tolerances of an arrival."""
 
     position: float = 0.008
-    """In [m]."""
+    """Position tolerance in [m]."""
     heading: float = 0.005
-    """In [rad]."""
+    """Heading tolerance in [rad]."""
 
 
 class _Phase(Enum):
@@ -28,15 +28,16 @@ class _Phase(Enum):
 
 
 class PoseRegulator:
-    """Turn, drive, turn: reaches any pose near by.
+    """Regulator that reaches any nearby pose: turn, drive, turn.
 
-    A differential drive can't move sideways, so a sideways error needs a move along another direction: aim at
-    the goal (with the front or the back, whichever turns less), drive there, turn to the goal's heading. Each
-    of the three is a stable one-dimensional loop; if position is off after the last turn, it begins again.
+    A differential drive can't move sideways, so a sideways error needs a move along another direction: aim
+    at the goal (with the front or the back, whichever turns less), drive there, turn to the goal's
+    heading. Each of the three is a stable one-dimensional loop; if the position is off after the last
+    turn, it begins again.
 
-    Where only millimetres are left, direction and length of the drive are those seen before the first turn: a
-    base that doesn't turn about its very origin shifts as it turns, and would chase a bearing that turns with
-    it. When it has turned back, it has moved by just the drive.
+    When only millimetres are left, direction and length of the drive are those measured before the first
+    turn: a base that doesn't turn about its exact origin shifts as it turns, and would chase a bearing
+    that turns with it. When it has turned back, it has moved by just the drive.
     """
 
     def __init__(
@@ -51,8 +52,8 @@ class PoseRegulator:
 
         Args:
             goal: map_T_base to reach.
-            limits: of the base.
-            tolerance: what counts as arrived.
+            limits: limits of the base.
+            tolerance: tolerance of the arrival.
             any_heading: the heading at the goal doesn't matter.
             ramp: the commands so far, when this takes over from another law.
         """
@@ -67,7 +68,7 @@ class PoseRegulator:
         self._stop = goal
 
     def finished(self, pose: Pose2) -> bool:
-        """Whether the robot stands at the goal, within tolerance, at rest."""
+        """Return True if the robot is at rest at the goal, within tolerance."""
         return (
             self._ramp.at_rest and self._aligned(pose) and pose.distance(self.goal) <= self.tolerance.position
         )

@@ -11,10 +11,9 @@ BACK = 0.5  # [m] of way in which it comes back to it
 
 
 class StraightWay:
-    """A base is driven along a straight way, and to where on it somebody wants it to be.
+    """Controller that drives a base along a straight line, to a moving target on it.
 
-    How far it is beside the way and turned from it dies away over `BACK`, critically damped, in either
-    direction of driving.
+    Lateral and heading error decay over `BACK`, critically damped, in either direction of driving.
     """
 
     def __init__(self, start: Pose2, limits: DriveLimits) -> None:

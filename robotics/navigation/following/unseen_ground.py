@@ -1,4 +1,4 @@
-"""Where a round robot would drive over ground that its lidar can't see."""
+"""Positions where a round robot would drive over ground that its lidar can't see."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 from handcart.robotics.geometry.pose2 import Pose2
 
 LOOK_AHEAD_M = 0.3
-"""Of the way that is looked at, however slow the robot is."""
+"""Minimum length of the route that is checked, however slow the robot is."""
 HIDDEN_M = 0.15
 """Width of unseen ground on the leading edge that may hide something; narrower gaps are driven into."""
 LEADING_RAD = math.radians(60.0)
-"""To both sides of the direction of motion: what the leading edge is."""
+"""Half angle of the footprint's leading edge about the direction of motion."""
 EDGE_STEP_M = 0.015
 DRIVEN_NEAR_M = 0.10
-"""From where the robot has driven, within which its middle is on ground that it drove over."""
+"""Largest distance from the robot's track at which its centre is on ground that it drove over."""
 
 
 def unseen_edge(

@@ -1,4 +1,4 @@
-"""How far a round robot can move on before it touches what a map or a scan shows."""
+"""Distance that a round robot can move before it touches an obstacle of a map or a scan."""
 
 from __future__ import annotations
 
@@ -21,21 +21,23 @@ NOTHING = np.empty((0, 2))
 
 
 class Held(NamedTuple):
-    """What a robot would touch."""
+    """An obstacle that a robot would touch."""
 
     shown_by: Literal["map", "scan", "contact", "unseen"]
-    """What says so; contact: the base ran into something there; unseen: the lidar does not see there."""
+    """Source of the obstacle; contact: the base ran into it; unseen: the lidar does not see the ground
+    there.
+    """
     x: float
-    """Where it is on the map, in [m]."""
+    """X of the obstacle on the map, in [m]."""
     y: float
     room: float
-    """From the robot's middle to it, from where the robot is, in [m]."""
+    """Distance from the robot's centre to the obstacle, at the present pose, in [m]."""
     needed: float
-    """In [m]."""
+    """Distance needed, in [m]."""
 
     @property
     def words(self) -> str:
-        """What holds it back, for a person."""
+        """Description of the obstacle, for people."""
         if self.shown_by == "unseen":
             there = f"the lidar does not see the ground at ({self.x:.2f}, {self.y:.2f}) m"
             return f"{there}, and the base did not just drive there"
@@ -46,26 +48,26 @@ class Held(NamedTuple):
 
 
 class _Stand(NamedTuple):
-    """Where the robot may be nearer to things than elsewhere."""
+    """A pose at which the robot may be nearer to obstacles than elsewhere."""
 
     pose: Pose2
     room: tuple[float, float]
-    """From its middle to what the map and to what the scan shows, in [m]."""
+    """Distance from the robot's centre to obstacles of the map and of the scan, in [m]."""
 
 
 class WayGuard:
-    """Foresees what a disc sweeps over, against the map and the scan of the moment.
+    """Foresees what a disc sweeps over, against the map and the latest scan.
 
-    Where something is nearer than it may be, only motion that leads away from it is free; and where the robot
-    stood when it began (`stand_at`), it may come back to.
+    If something is nearer than it may be, only motion that leads away from it is free. The robot may
+    return to the pose where it began (`stand_at`).
     """
 
     def __init__(self, needed: float, grid: GridMap | None = None) -> None:
         """Guard a disc.
 
         Args:
-            needed: from its middle to anything at least, in [m].
-            grid: the map, if there is one: what is occupied on it counts.
+            needed: minimum distance from the disc's centre to any obstacle, in [m].
+            grid: the map, if available: its occupied cells count as obstacles.
         """
         self._needed = needed
         nothing = np.zeros((1, 1), dtype=np.bool_)
@@ -73,7 +75,12 @@ class WayGuard:
         self._stands: tuple[_Stand, ...] = ()
 
     def stand_at(self, pose: Pose2, scan: NDArray[np.float64]) -> None:
-        """The robot stands at map_T_base, where `scan` (n, 2), in the base frame, in [m], leaves it room."""
+        """Allow the robot to be at map_T_base with the room that the map and `scan` leave there.
+
+        Args:
+            pose: map_T_base.
+            scan: (n, 2) points in the base frame, in [m].
+        """
         scanned = float(np.hypot(*scan.T).min()) if len(scan) else math.inf
         self._stands = (_Stand(pose, (self._map.nearest(pose[:2]).distance, scanned)),)
 
@@ -84,13 +91,13 @@ class WayGuard:
     def free_way(
         self, pose: Pose2, scan: NDArray[np.float64], curvature: float, length: float
     ) -> tuple[float, Held | None]:
-        """How much of an arc is free, in [m], and what ends it.
+        """Return how much of an arc is free, in [m], and the obstacle that ends it.
 
         Args:
             pose: map_T_base.
-            scan: (n, 2) what the range sensor sees, in the base frame, in [m].
-            curvature: in [1/m], to the left.
-            length: of the arc, in [m]; below zero backwards.
+            scan: (n, 2) points of the lidar in the base frame, in [m].
+            curvature: in [1/m], positive to the left.
+            length: length of the arc, in [m]; below zero backwards.
         """
         chart = self._map
         cell = np.array([*((np.array(pose[:2]) - chart.origin) / chart.resolution), chart.resolution])
@@ -106,7 +113,9 @@ class WayGuard:
         return free, None if ended_by == 0 else self._held(pose, scan, ended_by == 1, curvature, free)
 
     def _stood(self, pose: Pose2) -> NDArray[np.float64]:
-        """(k, 4): x and y of each stand in the base frame, what the map and what the scan left there."""
+        """Return (k, 4): x and y of each allowed pose in the base frame, and the room of map and scan
+        there.
+        """
         back = pose.inverse()
         rows = [(*back.compose(each.pose)[:2], *each.room) for each in self._stands]
         return np.array(rows, dtype=np.float64).reshape(-1, 4)
@@ -141,9 +150,10 @@ def _rooms(
     y: float,
     most: float,
 ) -> tuple[float, float]:
-    """From (x, y) in the base frame to what the map and to what the scan shows, in [m]; `most` where farther.
+    """Return the distances from (x, y) to obstacles of the map and of the scan, in [m]; at most `most`.
 
-    `at`: the base's column and row and the side of a cell in [m], and its heading in [rad].
+    (x, y) is in the base frame. `at`: the base's column and row, the side of a cell in [m], and the base's
+    heading in [rad].
     """
     cos, sin, resolution = math.cos(at[3]), math.sin(at[3]), at[2]
     column, row = at[0] + (cos * x - sin * y) / resolution, at[1] + (sin * x + cos * y) / resolution

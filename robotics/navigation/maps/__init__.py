@@ -1,1 +1,1 @@
-"""Grid maps, and what stands on them."""
+"""Grid maps and their obstacles."""

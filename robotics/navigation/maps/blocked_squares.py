@@ -1,7 +1,7 @@
-"""Exact distances to blocked cells, each taken as the whole square that it is.
+"""Exact distances to blocked cells, each taken as a complete square.
 
-A cell that is drawn as blocked says that something stands somewhere in it, so only what is measured to its
-square holds on cells of any size: to its centre, a wall on cells of 0.2 m may be 0.14 m nearer than it seems.
+A cell that is drawn as blocked has an obstacle somewhere in it, so only distances to its square hold for
+cells of any size: measured to the centre, a wall on cells of 0.2 m may be 0.14 m nearer than it seems.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ TOUCHING = 1e-6  # [cells]: nearer than this, a line touches a square
 
 
 class BlockedSquares(NamedTuple):
-    """Where the blocked squares are. Everything beyond the map is blocked.
+    """Blocked squares of a map, as tables for distance queries. Everything beyond the map is blocked.
 
-    All three are one cell larger than the map on every side.
+    All three arrays are one cell larger than the map on every side.
     """
 
     above: NDArray[np.int16] | NDArray[np.int32]
@@ -33,7 +33,7 @@ class BlockedSquares(NamedTuple):
 
 
 def blocked_squares(blocked: NDArray[np.bool_]) -> BlockedSquares:
-    """Of the blocked cells (h, w) of a map."""
+    """Compute the tables for the blocked cells (h, w) of a map."""
     padded = np.pad(blocked, 1, constant_values=True)
     whole = np.int16 if len(padded) < np.iinfo(np.int16).max else np.int32
     above, below = np.empty(padded.shape, dtype=whole), np.empty(padded.shape, dtype=whole)
@@ -141,12 +141,13 @@ def _stretch_clearance(
     column: int,
     limit: float,
 ) -> float:
-    """Least distance of a stretch within one cell to any blocked square, or `limit` if that is less.
+    """Return the least distance of a stretch within one cell to any blocked square, or `limit` if that is
+    less.
 
-    It is -1 within a blocked square, 0 on its rim.
+    It is -1 within a blocked square, 0 on its border.
 
-    In each column nothing but the nearest blocked cell on either side can be the nearest, wherever on the
-    stretch one is. All in [cells] of the padded map.
+    In each column only the nearest blocked cells on both sides can be the nearest, at each point of the
+    stretch. All in [cells] of the padded map.
     """
     above, below = squares.above, squares.below
     height, width = above.shape
@@ -230,7 +231,8 @@ def line_clearance(
 def is_clear(
     squares: BlockedSquares, start: NDArray[np.float64], end: NDArray[np.float64], need: float
 ) -> bool:
-    """Whether a straight line between two positions keeps `need`, in [cells], from every blocked square.
+    """Return True if a straight line between two positions keeps `need`, in [cells], from every blocked
+    square.
 
     With a `need` of 0 it may touch one.
     """

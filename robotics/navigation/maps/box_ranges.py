@@ -1,4 +1,4 @@
-"""Exact ranges to boxes on the floor: what a perfect range sensor would read."""
+"""Exact ranges to boxes on the floor, as a perfect lidar would read them."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from handcart.robotics.geometry.pose2 import Pose2
 def box_ranges(
     boxes: Iterable[tuple[float, float, float, float, float]], sensor: Pose2, angles: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Range (n,) in [m] of each beam to the first box's side; inf where there is none.
+    """Return the range (n,) in [m] of each beam to the first box's side; inf if it meets no box.
 
     Args:
         boxes: (x, y, yaw, length, width) each, in [m] and [rad]; the sensor is outside of them.
         sensor: map_T_sensor.
-        angles: (n,) of the beams in the sensor frame, in [rad].
+        angles: (n,) angles of the beams in the sensor frame, in [rad].
     """
     nearest = np.full(len(angles), np.inf)
     for x, y, yaw, length, width in boxes:

@@ -1,4 +1,4 @@
-"""Where something stands that no sensor shows: a base ran into it."""
+"""Area of an obstacle that no sensor shows and that the base ran into."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ def leading_points(outlines: Sequence[Floats], forwards: bool) -> Floats:
     """Return (m, 2) in [m] the half of each body's points that leads as the base drives.
 
     Args:
-        outlines: of each body (k, 2) points in the base frame, in [m].
-        forwards: or else backwards.
+        outlines: (k, 2) points of each body in the base frame, in [m].
+        forwards: True if the base drives forwards, False if backwards.
     """
     ahead = 1.0 if forwards else -1.0
     halves = [each[ahead * (each[:, 0] - each[:, 0].mean()) >= 0.0] for each in outlines]
@@ -41,10 +41,10 @@ def leading_points(outlines: Sequence[Floats], forwards: bool) -> Floats:
 
 
 def bump_areas(bumps: Floats, radius: float) -> Floats:
-    """Return (m, 2) points in [m] that fill what may stand where a base was stopped.
+    """Return (m, 2) points in [m] that fill the area of a possible obstacle where a base was stopped.
 
-    The thing touches the front half of the footprint somewhere and may reach `UNSEEN_SIZE_M` beyond it; where
-    the footprint was, nothing stands. Arguments as of `bump_fronts`; the radius of a point that touched is 0.
+    The obstacle touches the front half of the footprint somewhere and may reach `UNSEEN_SIZE_M` beyond it;
+    the footprint itself is free. Arguments as of `bump_fronts`; the radius of a point that touched is 0.
     """
     depths = np.arange(0.0, UNSEEN_SIZE_M + 1e-9, SPACING_M)
     return _sectors(bumps, radius + depths, FRONT_ANGLE_DEG)

@@ -14,16 +14,16 @@ from handcart.robotics.numerics.compiled import compiled
 
 
 class Nearest(NamedTuple):
-    """What is nearest to a point."""
+    """The nearest solid cell to a point."""
 
     distance: float
-    """In [m]; 0 inside of it, inf where there is nothing."""
+    """Distance in [m]; 0 inside of the cell, inf if the map is empty."""
     point: NDArray[np.float64]
     """(2,) of it, in [m]; NaN where there is nothing."""
 
 
 class Clearances:
-    """How far points are from the solid cells of a map; a cell is a square, all of it solid.
+    """Distances of points from the solid cells of a map; a cell is a square, all of it solid.
 
     Beyond the map there is nothing, or all is solid (`walled`).
     """
@@ -33,8 +33,8 @@ class Clearances:
 
         Args:
             grid: the map.
-            solid: (h, w) which cells count; what is occupied if None.
-            walled: whether everything beyond the map's border is solid too.
+            solid: (h, w) cells that count; the occupied ones if None.
+            walled: True if everything beyond the map's border is solid too.
         """
         chosen = grid.occupied if solid is None else solid
         self.solid: NDArray[np.bool_] = np.pad(chosen, int(walled), constant_values=True)
@@ -44,7 +44,7 @@ class Clearances:
         self.origin = np.array([grid.origin_x, grid.origin_y]) - int(walled) * grid.resolution
         """(2,) lower-left corner of `solid`, in [m]."""
         self.empty = not bool(self.solid.any())
-        """Whether there is nothing at all."""
+        """True if no cell is solid."""
         self.between_centres: NDArray[np.float32] = np.zeros(self.solid.shape, dtype=np.float32)
         """(h, w) from each cell's centre to that of the nearest solid one, in [cells]."""
         if not self.empty:
@@ -53,7 +53,7 @@ class Clearances:
             self.between_centres = np.asarray(away, dtype=np.float32)
 
     def nearest(self, point: tuple[float, float]) -> Nearest:
-        """What is nearest to (x, y), in [m]."""
+        """Return the nearest solid cell to (x, y), in [m]."""
         if self.empty:
             return Nearest(math.inf, np.full(2, np.nan))
         x, y = self._scaled(np.array([point[:2]]))[0].tolist()
@@ -61,7 +61,9 @@ class Clearances:
         return Nearest(distance * self.resolution, self.origin + self.resolution * np.array([column, row]))
 
     def at(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Distance (n,) of points (n, 2), both in [m]; 0 inside a solid cell, inf where there is none."""
+        """Return the distance (n,) of points (n, 2), both in [m]; 0 inside a solid cell, inf if the map is
+        empty.
+        """
         if self.empty:
             return np.full(len(points), np.inf)
         found = _distances(

@@ -1,4 +1,4 @@
-"""Which beams of a lidar should return, by the map."""
+"""Beams of a lidar that should return, according to the map."""
 
 from __future__ import annotations
 

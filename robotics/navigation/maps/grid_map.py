@@ -20,7 +20,7 @@ UNKNOWN_GREY = 205  # what map_saver writes where nothing was measured
 
 
 class GridMap(NamedTuple):
-    """What is known to stand where, cell by cell. Row 0 has the lowest y; a cell is read at its centre."""
+    """Occupied and unknown cells of a map. Row 0 has the lowest y; a cell is read at its centre."""
 
     occupied: NDArray[np.bool_]
     """(h, w), row by column."""
@@ -56,10 +56,10 @@ class GridMap(NamedTuple):
         return within
 
     def with_points(self, points: NDArray[np.float64], radius: float = 0.0) -> GridMap:
-        """This map with each sensed point (n, 2), in [m], as an obstacle.
+        """Return this map with each sensed point (n, 2), in [m], as an obstacle.
 
         Cells whose centre is within `radius`, in [m], of a point become occupied, and always its own cell.
-        Points outside the map are left out.
+        Points outside the map are ignored.
         """
         cells = self.to_cell(points[self.inside(points)] if len(points) else np.empty((0, 2)))
         if len(cells) == 0:
@@ -106,7 +106,7 @@ def from_ros(
 
 
 def unknown_read_as_free(image: NDArray[np.uint8], free_thresh: float, negate: bool = False) -> int:
-    """How many cells of grey 205 (nothing was measured there) the threshold turns into free ones."""
+    """Count the cells of grey 205 (nothing was measured there) that the threshold turns into free ones."""
     is_free = occupancy_of_levels(negate)[UNKNOWN_GREY] <= free_thresh
     return int(np.count_nonzero(image == UNKNOWN_GREY)) if is_free else 0
 
@@ -166,7 +166,7 @@ def _draw(grid: GridMap, box: Box) -> None:
 
 
 def occupancy_of_levels(negate: bool) -> NDArray[np.float64]:
-    """(256,): the occupancy 0 to 1 that each grey level stands for; dark is occupied, unless `negate`."""
+    """Return (256,) the occupancy, 0 to 1, of each grey level; dark is occupied, unless `negate`."""
     level = np.arange(256) / 255.0
     return level if negate else 1.0 - level
 

@@ -1,4 +1,4 @@
-"""Zones that a robot keeps out of, though nothing stands there: nav2's keepout filter."""
+"""Zones that a robot keeps out of although they are free: nav2's keepout filter."""
 
 from __future__ import annotations
 
@@ -9,11 +9,13 @@ from handcart.robotics.navigation.maps.grid_map import GridMap
 
 
 def with_keepout(grid: GridMap, zones: GridMap) -> GridMap:
-    """A map on which the cells that a zone touches are unknown: no way leads there, and no scan shows a wall.
+    """Return a map on which the cells that a zone touches are unknown: routes avoid them, scans see no wall
+    there.
 
     Args:
         grid: the map.
-        zones: what is occupied on it is a zone; in cells of any size, from any origin.
+        zones: map whose occupied cells are zones; its cell size and origin may differ from those of
+            `grid`.
     """
     barred = keepout_cells(grid, zones)
     return grid._replace(unknown=grid.unknown | (barred & ~grid.occupied))

@@ -1,4 +1,4 @@
-"""What stands on a map, as rectangles: a world can be built from them."""
+"""Obstacles of a map as rectangles, from which a world can be built."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ _RING = np.array([[1, 1, 1], [1, 0, 1], [1, 1, 1]], dtype=np.uint8)
 
 
 def map_walls(grid: GridMap) -> NDArray[np.float64]:
-    """Rectangles (n, 5) for the occupied cells: x, y, yaw, length, width each, in [m] and [rad].
+    """Return rectangles (n, 5) for the occupied cells: x, y, yaw, length, width each, in [m] and [rad].
 
-    Surfaces stand at the centres of the outermost occupied cells, where scan matching and planning read them:
-    rectangles of whole cells would stand half a cell nearer on every side. What is one cell wide becomes a
-    thin wall about the cells' centres. Occupied cells that touch, at a corner too, are joined: nothing passes
-    or looks through where free cells don't share a side.
+    Surfaces are at the centres of the outermost occupied cells, where scan matching and planning read
+    them: rectangles of complete cells would be half a cell nearer on every side. A line of cells one cell
+    wide becomes a thin wall along the cells' centres. Occupied cells that touch, at a corner too, are
+    joined: nothing passes or looks through where free cells don't share a side.
     """
     cells = np.pad(grid.occupied, 1)
     a, b, c, d = cells[:-1, :-1], cells[:-1, 1:], cells[1:, :-1], cells[1:, 1:]

@@ -1,4 +1,4 @@
-"""How fast a robot may drive where: nav2's speed filter."""
+"""Speed limits by position: nav2's speed filter."""
 
 from __future__ import annotations
 
@@ -13,8 +13,9 @@ from handcart.robotics.navigation.maps.grid_map import GridMap
 class SpeedLimits(NamedTuple):
     """Limits by the cells of a mask: base + multiplier * value.
 
-    After nav2_costmap_2d/plugins/costmap_filters/speed_filter.cpp: a value of 0, an unknown cell, what lies
-    beyond the mask, a limit of 0 and one that can't be (below 0, above 100 percent) are no limit.
+    After nav2_costmap_2d/plugins/costmap_filters/speed_filter.cpp: a value of 0, an unknown cell, a
+    position beyond the mask, a limit of 0 and an impossible one (below 0, above 100 percent) mean
+    "unlimited".
     """
 
     values: NDArray[np.int8]
@@ -24,12 +25,12 @@ class SpeedLimits(NamedTuple):
     origin: tuple[float, float]
     """Lower-left corner, in [m]."""
     percent: bool
-    """Limits are in percent of the top speed; else in [m/s]."""
+    """True if limits are in percent of the top speed, False if in [m/s]."""
     base: float
     multiplier: float
 
     def at(self, points: NDArray[np.float64], top: float) -> NDArray[np.float64]:
-        """(n,) the speed allowed at points (n, 2), in [m/s], for a robot with that top speed."""
+        """Return the speed (n,) allowed at points (n, 2), in [m/s], for a robot with that top speed."""
         nothing = np.zeros(self.values.shape, dtype=np.bool_)
         grid = GridMap(nothing, nothing, self.resolution, *self.origin)
         cells, inside = grid.to_cell(points), grid.inside(points)

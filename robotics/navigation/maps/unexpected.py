@@ -1,4 +1,4 @@
-"""What the sensor sees and the map doesn't show."""
+"""Points that the lidar sees and the map does not show."""
 
 from __future__ import annotations
 
@@ -8,20 +8,20 @@ from numpy.typing import NDArray
 from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
 
 MIN_APPROACH_M = 0.005
-"""By which the route must come nearer to a point that is too near already, for that to be in the way."""
+"""Approach of the route to a point that is too near already, from which on the point blocks the route."""
 
 
 def unexpected_points(
     points: NDArray[np.float64], field: LikelihoodField, margin: float
 ) -> NDArray[np.float64]:
-    """Those scan points that the map doesn't explain.
+    """Return the scan points that the map doesn't explain.
 
-    A point is explained by an occupied cell within `margin`, in [m], and by not lying in a free cell: where
-    the map knows nothing, anything may stand.
+    A point is explained by an occupied cell within `margin`, in [m], and by not lying in a free cell:
+    unknown cells may hold anything.
 
     Args:
         points: (n, 2) in the map frame, in [m].
-        field: of the map.
+        field: likelihood field of the map.
         margin: pose error, sensor noise and half a cell together, in [m].
 
     Returns:

@@ -1,4 +1,4 @@
-"""A way for a car over open ground, past what is known to stand there."""
+"""Routes of a car over open ground, past known obstacles."""
 
 from __future__ import annotations
 
@@ -12,16 +12,17 @@ Array = NDArray[np.float64]
 
 
 def plan_car_route(start: Pose2, goal: Pose2, discs: Array, room: float, radius: float) -> CarPath | None:
-    """The shortest path found, or None.
+    """Return the shortest path found, or None.
 
-    Only discs that a path meets are looked at: one that is the shortest past some of them and meets none of
-    the others is the shortest past all.
+    Only discs that a path meets are considered: a path that is the shortest past some of them and meets
+    none of the others is the shortest past all.
 
     Args:
-        start, goal: world_T_base.
-        discs: (n, 3) x, y, radius of what stands there, in [m].
-        room: that the base's middle keeps from them, in [m]; less where it starts nearer to one.
-        radius: of the turning circle, in [m].
+        start: world_T_base.
+        goal: world_T_base.
+        discs: (n, 3) x, y and radius of each obstacle, in [m].
+        room: distance of the base's centre from each disc, in [m]; less where it starts nearer to one.
+        radius: radius of the turning circle, in [m].
     """
     discs = np.asarray(discs, dtype=np.float64).reshape(-1, 3)
     away = np.hypot(*(discs[:, :2] - start[:2]).T)

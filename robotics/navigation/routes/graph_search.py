@@ -13,19 +13,20 @@ from handcart.robotics.numerics.compiled import compiled
 def way_in(
     free: NDArray[np.bool_], squares: BlockedSquares, spot: NDArray[np.float64], reach: int, need: float
 ) -> tuple[int, int]:
-    """The nearest free cell that a spot can leave for without coming nearer to what is blocked.
+    """Return the nearest free cell that a spot can reach without coming nearer to blocked cells.
 
-    Where there is none (in a corner's bend, say), the one with the clearest way to it.
+    If no cell can be reached that way (in a corner's bend, say), return the one with the clearest line to
+    it.
 
     Args:
         free: (h, w) cells whose centres have the room needed.
-        squares: what is blocked.
+        squares: blocked squares of the map.
         spot: (2,) row and column in [cells], on the map and in no blocked cell.
-        reach: how many cells away it may be.
-        need: clearance of the way there, in [cells].
+        reach: largest distance of the cell, in [cells].
+        need: clearance of the line to the cell, in [cells].
 
     Returns:
-        Row and column; (-1, -1) if nothing but ways through blocked cells leads to a free one.
+        Row and column; (-1, -1) if every line to a free cell leads through blocked cells.
     """
     height, width = free.shape
     row, column = int(spot[0] + 0.5), int(spot[1] + 0.5)
@@ -88,16 +89,16 @@ def in_sight(
     edges: int = 4,
     tried: int = 400,
 ) -> NDArray[np.int64]:
-    """Where a cell can join the graph: on the nearest few edges in line of sight.
+    """Return the cells where a cell can join the graph: on the nearest few edges in line of sight.
 
     Args:
-        squares: what is blocked.
-        need: clearance of the way there, in [cells].
+        squares: blocked squares of the map.
+        need: clearance of the line to the graph, in [cells].
         cells: (c, 2) cells of the graph.
-        edge_of: (c,) their edges.
-        cell: row and column, free.
-        edges: how many different edges to find.
-        tried: how many of the nearest cells to look at before looking at all.
+        edge_of: (c,) number of the edge of each cell.
+        cell: row and column of the cell that joins, free.
+        edges: number of different edges to find.
+        tried: number of nearest cells to examine before examining all.
 
     Returns:
         (k,) indices into `cells`, nearest first; empty if none is in sight.
@@ -122,23 +123,23 @@ def cheapest_nodes(
     goal_cost: NDArray[np.float64],
     limit: float,
 ) -> tuple[int, float, NDArray[np.int64]]:
-    """Dijkstra from many starts to many goals.
+    """Run Dijkstra's search from many starts to many goals.
 
-    The next node is looked for among all that are open: of a Voronoi graph's few hundred that takes less than
-    a heap takes to be compiled.
+    The next node is searched linearly among all open ones: a Voronoi graph has a few hundred nodes, and a
+    heap would take longer to compile than it saves.
 
     Args:
         slots: incidence as in `EdgeTable`.
         slot_first: (n + 1,) as in `EdgeTable`.
         ends: (e, 2) nodes.
-        length: (e,).
-        start_cost: (n,) cost of beginning at each node, inf where one can't.
-        goal_cost: (n,) cost of ending at each node, inf where one can't.
-        limit: only a total below this is of use.
+        length: (e,) cost of each edge.
+        start_cost: (n,) cost of beginning at each node, inf where that is impossible.
+        goal_cost: (n,) cost of ending at each node, inf where that is impossible.
+        limit: upper bound; a path with a higher total is ignored.
 
     Returns:
-        The last node (-1 if there is no way below the limit), the total, and for each node the slot of the
-        edge that leads back from it (-1 where the way begins).
+        The last node (-1 if no path is below the limit), the total, and for each node the slot of the
+        edge that leads back from it (-1 where the path begins).
     """
     back = np.full(len(start_cost), -1, dtype=np.int64)
     done = np.zeros(len(start_cost), dtype=np.bool_)

@@ -1,4 +1,4 @@
-"""What straight lines cost over a grid of prices."""
+"""Price of straight lines over a grid of prices."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from handcart.robotics.numerics.compiled import compiled
 def line_price(
     price: NDArray[np.float32], start: NDArray[np.float64], end: NDArray[np.float64], limit: float
 ) -> float:
-    """Price of a straight line between two positions in [cells]; inf if it is above `limit`.
+    """Return the price of a straight line between two positions in [cells]; inf if it is above `limit`.
 
-    Read once a cell; positions are row and column, cell centres at whole numbers. Whether anything stands in
-    the line's way is another question.
+    The grid is read once for each cell of length; positions are row and column, cell centres at whole
+    numbers. The line is not checked for obstacles.
     """
     rows, columns = end[0] - start[0], end[1] - start[1]
     length = math.sqrt(rows * rows + columns * columns)

@@ -33,7 +33,7 @@ class Route(NamedTuple):
     """A way to drive, from where the robot is to where it is to be."""
 
     points: NDArray[np.float64]
-    """(n, 2) in [m], evenly spaced by about a cell; the first is the start, the last the goal."""
+    """Points (n, 2) in [m], evenly spaced by about a cell; the first is the start, the last the goal."""
     clearance: NDArray[np.float64]
     """(n,) least distance to any blocked cell's square along the stretches that meet at each point, in [m].
 
@@ -43,7 +43,7 @@ class Route(NamedTuple):
 
     @property
     def length(self) -> float:
-        """In [m]."""
+        """Length in [m]."""
         return path_length(self.points)
 
     @property
@@ -53,12 +53,12 @@ class Route(NamedTuple):
 
 
 class _End(NamedTuple):
-    """How a start or goal joins the graph; all positions are row and column."""
+    """A start or goal and its connections to the graph; all positions are row and column."""
 
     spot: NDArray[np.float64]
     """The start or goal itself, in [cells]."""
     roomy: bool
-    """Whether the way from there to `cell` has the room that the robot needs."""
+    """True if the line from the spot to `cell` has the room that the robot needs."""
     cell: NDArray[np.int64]
     joins: NDArray[np.int64]
     """(k,) indices into the edge table's cells."""
@@ -182,9 +182,10 @@ def _price(graph: VoronoiGraph, way: NDArray[np.int64]) -> float:
 
 
 def _through_graph(graph: VoronoiGraph, start: _End, goal: _End, haste: float) -> NDArray[np.int64] | None:
-    """Cells (n, 2) of the way from start to goal, cheapest along the graph.
+    """Return the cells (n, 2) of the cheapest path from start to goal along the graph.
 
-    Where the graph has none (it lies behind a corner that is too narrow), a shortest path on all free cells.
+    If the graph has none (it lies behind a corner that is too narrow), return a shortest path on all free
+    cells.
     """
     table = graph.edges
     direct, a, b = _on_one_edge(graph, start, goal, haste)
@@ -212,7 +213,9 @@ def _through_graph(graph: VoronoiGraph, start: _End, goal: _End, haste: float) -
 def _node_costs(
     graph: VoronoiGraph, end: _End, haste: float
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """For each node the cost from `end` to it along a joined edge, inf where none, and by which join."""
+    """Return for each node the cost from `end` along a joined edge (inf if none), and the index of that
+    join.
+    """
     table = graph.edges
     cost = np.full(len(table.nodes), np.inf)
     by = np.zeros(len(table.nodes), dtype=np.int64)

@@ -24,7 +24,7 @@ def _apart(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
 
 
 def _jumps(count: int) -> NDArray[np.int64]:
-    """How many samples a shortcut may leap over: each number at first, then every next a quarter larger."""
+    """Return the numbers of samples a shortcut may skip: one by one at first, then each a quarter larger."""
     jumps = [1]
     while jumps[-1] < count:
         jumps.append(max(jumps[-1] + 1, jumps[-1] * 5 // 4))
@@ -38,7 +38,7 @@ def _stretches(path: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def path_length(path: NDArray[np.float64]) -> float:
-    """Of a path (n, 2)."""
+    """Return the length of a path (n, 2), in the unit of its points."""
     total = 0.0
     for length in _stretches(path).tolist():
         total += length
@@ -46,9 +46,9 @@ def path_length(path: NDArray[np.float64]) -> float:
 
 
 def sampled(path: NDArray[np.float64], spacing: float) -> NDArray[np.float64]:
-    """The path (n, 2) with points between its own, so that none is farther than `spacing` from the next.
+    """Return the path (n, 2) with points inserted so that neighbours are at most `spacing` apart.
 
-    Points that are there twice are left out.
+    Repeated points are dropped.
     """
     parts = np.ceil(_stretches(path) / spacing).astype(np.int64)
     of = np.repeat(np.arange(len(parts)), parts)
@@ -74,16 +74,16 @@ def _evenly(path: NDArray[np.float64], spacing: float) -> NDArray[np.int64]:
 def straightened(
     price: NDArray[np.float32], haste: float, squares: BlockedSquares, need: float, path: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Corners (k, 2) of the cheapest chain of straight leaps between samples of a path.
+    """Return the corners (k, 2) of the cheapest chain of straight lines between samples of a path.
 
-    Found by dynamic programming. A leap keeps `need` from what is blocked; where not even the next sample can
-    be leapt to, the path itself is walked between the two, point by point.
+    Found by dynamic programming. Each line keeps `need` from blocked squares; where not even the next
+    sample can be reached by a line, the path itself is followed between the two, point by point.
 
     Args:
-        price: (h, w) of each cell of length.
-        haste: what a cell of length costs on top of that.
-        squares: what is blocked.
-        need: clearance of every leap, in [cells]; the path's own stretches have it.
+        price: (h, w) price of a cell of length.
+        haste: added price of a cell of length.
+        squares: blocked squares of the map.
+        need: clearance of every line, in [cells]; the path's own stretches have it.
         path: (n, 2) positions in [cells], row and column.
     """
     path = sampled(path, SAMPLE)
@@ -110,7 +110,9 @@ def _leaps(
     samples: NDArray[np.int64],
     jumps: NDArray[np.int64],
 ) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-    """For each sample (s,), the number of the one that it is reached from, and whether the way is walked."""
+    """Return for each sample (s,) the index of its predecessor, and True where the path itself is
+    followed.
+    """
     count = len(samples)
     cost, back = np.empty(count), np.empty(count, dtype=np.int64)
     cost[0], back[0] = 0.0, -1

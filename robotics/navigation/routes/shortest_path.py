@@ -66,9 +66,9 @@ def _theta_star(
 def shortest_path(
     free: NDArray[np.bool_], start: NDArray[np.int64], goal: NDArray[np.int64]
 ) -> NDArray[np.int64] | None:
-    """Corners (k, 2) of a nearly shortest path between two cells, or None if there is none.
+    """Return the corners (k, 2) of a nearly shortest path between two cells, or None if none exists.
 
-    The path is that of a point: it leads through no cell that isn't free, but may touch its rim or corner.
+    The path is that of a point: it stays within free cells, but may touch their border or corners.
 
     Args:
         free: (h, w) cells that the path may use.
@@ -85,12 +85,13 @@ def shortest_clear_path(
     start: NDArray[np.int64],
     goal: NDArray[np.int64],
 ) -> NDArray[np.int64] | None:
-    """Corners (k, 2) of a nearly shortest path for a robot that has a size, or None if there is none.
+    """Return the corners (k, 2) of a nearly shortest path for a robot that has a size, or None if none
+    exists.
 
     Args:
         free: (h, w) cells at whose centres the path may bend.
-        squares: what is blocked.
-        need: distance that every spot of the path keeps from it, in [cells].
+        squares: blocked squares of the map.
+        need: distance of every spot of the path from blocked squares, in [cells].
         start: (2,) row and column, free.
         goal: (2,) row and column, free.
     """

@@ -1,9 +1,9 @@
-"""From the cells of a skeleton to nodes and edges, without losing or inventing a cycle.
+"""Trace the cells of a skeleton into nodes and edges, without losing or inventing a cycle.
 
-Two skeleton cells are linked when they share a side, or a corner that no third skeleton cell bridges. Of each
-full 2 x 2 block the upper link is left out, for the block's four links would be a cycle around nothing. The
-graph of these links has the components of the 8-connected skeleton, and one independent cycle for each
-4-connected hole in it (Euler's formula for the cell complex whose faces are the full blocks).
+Two skeleton cells are linked when they share a side, or a corner that no third skeleton cell bridges. Each
+full 2 x 2 block loses its upper link, because its four links would be a cycle around nothing. The graph of
+these links has the components of the 8-connected skeleton, and one independent cycle for each 4-connected
+hole in it (Euler's formula for the cell complex whose faces are the full blocks).
 """
 
 from __future__ import annotations
@@ -125,15 +125,15 @@ def trace(cells: NDArray[np.int64], links: NDArray[np.uint8], width: int) -> Tra
 def prune_leaves(
     cells: NDArray[np.int64], links: NDArray[np.uint8], width: int, touching: NDArray[np.bool_]
 ) -> NDArray[np.int64]:
-    """Cut the edges from a junction to a leaf that touches an obstacle, in one pass; returns the cells left.
+    """Cut the edges from a junction to a leaf that touches an obstacle, and return the remaining cells.
 
-    One pass only: what becomes a leaf by it is the way into a dead-end room.
+    One pass only: an edge that becomes a leaf by it leads into a dead-end room.
 
     Args:
         cells: (n,) flat indices of the skeleton.
         links: (h * w,), changed in place.
-        width: of the map, in [cells].
-        touching: (h * w,) where a leaf counts as touching an obstacle.
+        width: width of the map, in [cells].
+        touching: (h * w,) True where a leaf counts as touching an obstacle.
     """
     before = trace(cells, links, width)
     keep = np.ones(len(cells), dtype=np.bool_)

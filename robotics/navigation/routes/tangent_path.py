@@ -34,11 +34,11 @@ class CarPath(NamedTuple):
     curvatures: Array
     """(n,) in [1/m], positive to the left, of the piece that ends with the point."""
     length: float
-    """In [m], all of it."""
+    """Total length in [m], backing included."""
     back_before: float = 0.0
     """Way to be driven straight backwards before it, in [m]; `poses` begin where that ends."""
     back_after: float = 0.0
-    """The same after it, to the goal."""
+    """Distance driven backwards after the path, to the goal, in [m]."""
 
 
 class _Circle(NamedTuple):
@@ -51,7 +51,7 @@ class _Circle(NamedTuple):
 
 
 class _Line(NamedTuple):
-    """Of two circles, touching both."""
+    """A straight line tangent to two circles."""
 
     begin: int
     end: int
@@ -61,16 +61,16 @@ class _Line(NamedTuple):
 
 
 def car_path(start: Pose2, goal: Pose2, discs: Array, radius: float) -> CarPath | None:
-    """The shortest path found past discs (n, 3: x, y, radius, in [m]), or None.
+    """Return the shortest path found past discs, or None.
 
-    Where a car has to circle, or can't get through, it also looks at backing first, and at driving past the
+    If a car would have to circle, or has no path forwards, also try backing first, and driving past the
     goal and backing there.
 
     Args:
-        start: where the car is.
-        goal: where it is to be, heading and all.
-        discs: obstacles, grown by what the body needs to either side.
-        radius: of the car's turning circle, in [m].
+        start: pose of the car.
+        goal: pose to reach, with its heading.
+        discs: (n, 3) x, y and radius of obstacles, in [m], grown by what the body needs to either side.
+        radius: radius of the car's turning circle, in [m].
     """
     discs = np.asarray(discs, dtype=np.float64).reshape(-1, 3)
     best = _forward(start, goal, discs, radius)
@@ -102,7 +102,7 @@ def _length(path: CarPath) -> float:
 def _forward(
     start: Pose2, goal: Pose2, discs: Array, radius: float, leans: Sequence[float] = LEANS
 ) -> CarPath | None:
-    """As `car_path`, without backing."""
+    """Return the shortest path past discs without backing, or None."""
     ends = [*_turning(start, radius), *_turning(goal, radius)]
     aside = math.atan2(goal.y - start.y, goal.x - start.x) + math.pi / 2.0
     circles = ends + [circle for disc in discs for circle in _round(disc, radius, aside, leans)]
@@ -110,7 +110,9 @@ def _forward(
 
 
 def shortest_detour(start: Array, goal: Array, discs: Array) -> float:
-    """Length in [m] of the shortest way from point to point (2,) past discs (n, 3); inf if there is none."""
+    """Return the length in [m] of the shortest path from point to point (2,) past discs (n, 3); inf if none
+    exists.
+    """
     discs = np.asarray(discs, dtype=np.float64).reshape(-1, 3)
     ends = [_Circle(float(x), float(y), 0.0, sense) for x, y in (start, goal) for sense in (1.0, -1.0)]
     circles = ends + [_Circle(x, y, own, sense) for x, y, own in discs.tolist() for sense in (1.0, -1.0)]
@@ -236,7 +238,7 @@ def _lines_free(start: Array, end: Array, discs: Array) -> NDArray[np.bool_]:
 
 
 def _arc_free(circle: _Circle, come: float, turn: float, discs: Array) -> bool:
-    """Whether an arc, from heading `come` on over `turn`, stays out of all discs."""
+    """Return True if an arc over `turn` that begins with heading `come` stays out of all discs."""
     if turn == 0.0 or circle.radius == 0.0 or len(discs) == 0:
         return True
     begin = come - circle.sense * math.pi / 2.0  # direction from the middle to the car

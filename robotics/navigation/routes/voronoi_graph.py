@@ -26,7 +26,7 @@ TOUCH = 2.0  # a leaf this near to the grown obstacles, in [cells], touches them
 
 
 class EdgeTable:
-    """The graph's edges as flat arrays, for searches that can't afford objects.
+    """The graph's edges as flat arrays, because objects would slow the searches down.
 
     Attributes:
         nodes: (n, 2) cells, row and column.
@@ -36,9 +36,10 @@ class EdgeTable:
         along: (c,) length along the edge up to each cell, in [cells].
         edge_of: (c,) number of the edge that a cell belongs to.
         length: (e,) in [cells].
-        price_along: (c,) as `along`, each step times the price of its cell; `BREAK` more behind a step over
+        price_along: (c,) like `along`, each step times the price of its cell; `BREAK` more behind a step
+            over
             a corner that is too narrow.
-        price: (e,) of a whole edge.
+        price: (e,) price of each complete edge.
     """
 
     def __init__(
@@ -78,9 +79,9 @@ class VoronoiGraph:
 
     map: GridMap
     radius: float
-    """By which obstacles were grown, in [m]."""
+    """Radius by which obstacles were grown, in [m]."""
     squares: BlockedSquares
-    """What is blocked, for exact distances."""
+    """Blocked squares of the map, for exact distances."""
     need: float
     """Clearance of every way, in [cells]: the radius less rounding, and always more than touching."""
     clearance: NDArray[np.float32]
@@ -140,7 +141,7 @@ def voronoi_graph(
 
 
 def room_price(clearance: NDArray[np.float32], resolution: float) -> NDArray[np.float32]:
-    """What a cell of length costs where there is this much clearance (h, w), in [m]."""
+    """Return the price of a cell of length at each clearance (h, w), in [m]."""
     price: NDArray[np.float32] = np.maximum(clearance, np.float32(resolution)) ** np.float32(-POWER)
     return price
 

@@ -1,4 +1,4 @@
-"""Where a round robot can stand on a map, and drive from where it is."""
+"""Goals that a round robot can occupy on a map, and routes to them from its pose."""
 
 from __future__ import annotations
 
@@ -34,38 +34,39 @@ Why = Literal["", "too near", "too narrow", "cut off"]
 
 
 class Way(NamedTuple):
-    """Whether the robot can stand at a goal, and how it gets there."""
+    """A goal's clearance, and the route to it or the reason why it has no route."""
 
     clearance: float
-    """From the goal to what is nearest, in [m]."""
+    """Distance from the goal to the nearest obstacle, in [m]."""
     needed: float
-    """In [m]."""
+    """Distance needed at the goal, in [m]."""
     nearest: tuple[float, float]
-    """Where that is, in [m]; NaN where there is nothing."""
+    """Nearest point of the nearest obstacle, in [m]; NaN without obstacles."""
     kind: Kind
-    """What that is."""
+    """Kind of the nearest obstacle."""
     component: int | None
-    """Which part of the map, in which this robot can drive about, the goal lies in, by size from 1; None if
-    in none."""
+    """Number, by size from 1, of the connected part of free space that holds the goal; None if in no such
+    part.
+    """
     route: Route | None
-    """None if there is none."""
+    """Route to the goal; None if there is no route."""
     why: Why
-    """Why there is none."""
+    """Reason why the goal has no route."""
     narrow: tuple[float, float] | None = None
-    """Where it is too narrow, in [m]."""
+    """Position of the place that is too narrow, in [m]."""
     width: float = math.nan
-    """How wide it is there, in [m]."""
+    """Width of the place that is too narrow, in [m]."""
     width_needed: float = math.nan
-    """In [m]."""
+    """Width needed there, in [m]."""
 
     @property
     def fits(self) -> bool:
-        """Whether the robot can stand at the goal at all."""
+        """True if the robot fits at the goal."""
         return self.why != "too near"
 
     @property
     def reason(self) -> str:
-        """In words why there is no way; empty where there is one."""
+        """Reason why the goal has no route, as text for people; empty if it has one."""
         if self.why == "too near":
             x, y = self.nearest
             there = f"{self.kind} at ({x:.2f}, {y:.2f}) m"
@@ -78,7 +79,7 @@ class Way(NamedTuple):
 
 
 class Ways:
-    """Of a robot on a map, from where it stands."""
+    """Routes of a robot on a map from its present position."""
 
     def __init__(
         self,
@@ -87,25 +88,25 @@ class Ways:
         start: Pose2 | tuple[float, float],
         sensed: NDArray[np.float64] = NOTHING,
     ) -> None:
-        """Look at a map.
+        """Prepare routes on a map.
 
         Args:
-            grid: unknown cells and everything beyond the map count as obstacles.
-            radius: of the robot's footprint, in [m].
-            start: where it stands; only x and y count, in [m].
-            sensed: (n, 2) points that are to be kept away from as well, in [m]; on the way by more than at
-                its ends.
+            grid: the map; unknown cells and everything beyond the map count as obstacles.
+            radius: radius of the robot's footprint, in [m].
+            start: position of the robot; only x and y count, in [m].
+            sensed: (n, 2) points that are avoided as well, in [m]; along the route by more than at its
+                ends.
         """
         self._grid, self._radius, self._start = grid.with_points(sensed), radius, (start[0], start[1])
         self._grown = grid.with_points(sensed, SENSED_ROOM)
 
     def to(self, goal: Pose2 | tuple[float, float], front: NDArray[np.float64] | None = None) -> Way:
-        """The way to a goal.
+        """Return the route to a goal.
 
         Args:
             goal: only x and y count, in [m].
-            front: (2, 2) ends of a straight front on the map, in [m], that the robot is to stand before: it
-                counts for what stands there, and may be nearer.
+            front: (2, 2) ends of a straight front on the map, in [m], before which the robot is to be: it
+                replaces the obstacles of the map there, and may be nearer.
         """
         here = (goal[0], goal[1])
         if front is None:
@@ -130,7 +131,7 @@ class Ways:
         return found._replace(route=route) if tight is None else self._too_narrow(found, tight)
 
     def _standing(self, goal: tuple[float, float], front: NDArray[np.float64] | None = None) -> Way:
-        """Whether the robot fits there."""
+        """Return the clearance at a goal, with "too near" as reason if the robot does not fit."""
         distance, point = self._clearances.nearest(goal)
         at, needed, kind = (float(point[0]), float(point[1])), self._needed, self._kind(point)
         if front is not None:
@@ -141,7 +142,7 @@ class Ways:
         return Way(distance, needed, at, kind, None, None, "too near" if near else "")
 
     def _kind(self, point: NDArray[np.float64]) -> Kind:
-        """What stands where a cell's square begins."""
+        """Return the kind of obstacle at a point on the border of a cell."""
         if not np.isfinite(point).all():
             return "nothing"
         around = point + 1e-6 * np.array([[-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0]])
@@ -168,7 +169,7 @@ class Ways:
         return (int(rows[nearest]), int(columns[nearest])) if near else None
 
     def _without_way(self, found: Way, goal: tuple[float, float], reach: float) -> Way:
-        """Why no route leads there: all ways are too narrow, or there is none at all."""
+        """Return why no route leads to the goal: too narrow, or cut off."""
         assert self._graph is not None
         clearance, open_ = self._graph.clearance, self._graph.clearance > 0.0
         ends = [self._near_free(open_, point, reach) for point in (self._start, goal)]
@@ -187,7 +188,7 @@ class Ways:
         return found._replace(why="too narrow", narrow=spot, width=width, width_needed=max(needed, width))
 
     def _width(self, at: NDArray[np.float64]) -> float:
-        """Between what stands on both sides of a point."""
+        """Return the distance between the obstacles on both sides of a point, in [m]."""
         distance, point = self._clearances.nearest((float(at[0]), float(at[1])))
         if not 0.0 < distance < math.inf:
             return 0.0
@@ -199,7 +200,9 @@ class Ways:
         return other
 
     def _tight_spot(self, route: Route, front: NDArray[np.float64] | None) -> NDArray[np.float64] | None:
-        """Where the way comes too near to something, except that it may begin so; None if nowhere."""
+        """Return the route's point with too little clearance, its beginning excepted; None if it has no such
+        point.
+        """
         points, room = route.points, route.clearance
         if front is not None:
             room = np.minimum(room, [_to_segment((x, y), front)[0] for x, y in points.tolist()])
@@ -213,7 +216,7 @@ class Ways:
 
     @property
     def _unsure(self) -> float:
-        """By how much a pose is less exact than on fine cells, in [m]."""
+        """Pose uncertainty added by cells coarser than `FINE`, in [m]."""
         return UNSURE * max(0.0, self._grid.resolution - FINE)
 
     @cached_property

@@ -42,7 +42,7 @@ def _root(parent: NDArray[np.int64], cell: int) -> int:
 
 @compiled
 def _connect(order: NDArray[np.int64], shape: tuple[int, int], start: int, goal: int) -> int:
-    """Which cell, let in in this order, connects start and goal; -1 if none does."""
+    """Return the cell that connects start and goal when cells are added in this order; -1 if none does."""
     height, width = shape
     parent = np.full(height * width, -1)
     for cell in order:
