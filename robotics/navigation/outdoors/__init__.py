@@ -1,1 +1,1 @@
-"""Where a base is on open ground, by wheels, gyros and satellites."""
+"""Localization of a base on open ground, by wheels, gyros and GNSS."""

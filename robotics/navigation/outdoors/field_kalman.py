@@ -41,7 +41,7 @@ Array = NDArray[np.float64]
 
 
 class _Asked(Enum):
-    """What was asked for between two steps."""
+    """A request made between two steps."""
 
     MARK = "mark"
     ORIGIN = "origin"
@@ -58,11 +58,11 @@ class _Moment(NamedTuple):
 
 
 class Fixed(NamedTuple):
-    """What came of a fix."""
+    """Result of a fix."""
 
     believed: bool
     log_likelihood: float
-    """Of the fix, before it was taken in, by what the filter supposes."""
+    """Logarithm of the fix's likelihood before the update, under the filter's noise model."""
     square: float
     """Squared distance to where the fix was expected, in sigmas: 2 on average."""
     why: str = ""
@@ -72,10 +72,10 @@ class Fixed(NamedTuple):
 class FieldKalman:
     """An extended Kalman filter with the errors themselves as states (see `FieldModel`).
 
-    A fix that its own covariance can't explain is refused; so are fixes that are off together, and those of
-    them that were believed before it showed are taken back (see `FixMonitor`). Refused fixes that agree with
-    each other and with the odometry say that the filter is wrong, not they (see `LostTrack`): it then starts
-    again from them. A reading that isn't finite is not looked at.
+    A fix that its own covariance can't explain is rejected; so are fixes that are off together, and those
+    of them that were accepted before it showed are undone (see `FixMonitor`). If rejected fixes agree with
+    each other and with the odometry, the filter is wrong rather than the fixes (see `LostTrack`): it then
+    starts again from them. A reading that isn't finite is ignored.
     """
 
     STATE: ClassVar[Mapping[str, Any]] = {
@@ -106,12 +106,12 @@ class FieldKalman:
 
         Args:
             start: world_T_base.
-            noise: what to believe of wheels, gyros and GPS.
+            noise: noise model of wheels, gyros and GNSS.
             start_position: sigma in [m].
-            record: takes down what a smoother needs.
+            record: recorder of the data that a smoother needs.
         """
         self.noise = noise
-        """What it supposes."""
+        """Noise model of the filter."""
         self._model = FieldModel(noise)
         self._figures = self._model.figures
         self._mean, self._spread = self._model.start(np.array(start), start_position)
@@ -130,7 +130,7 @@ class FieldKalman:
         self.refused = 0
         """Fixes that were not believed."""
         self.restarts = 0
-        """How often the fixes were believed against the filter."""
+        """Number of restarts of the filter from rejected fixes."""
         if record is not None:
             record.start()
 
@@ -140,7 +140,7 @@ class FieldKalman:
         return Belief(self._mean, self._spread)
 
     def mark(self) -> Belief:
-        """This moment is wanted from the smoother; what the filter holds now."""
+        """Mark this moment for the smoother, and return the filter's present belief."""
         self._note(_Asked.MARK)
         now = Belief(self._mean.copy(), self._spread.copy())
         if self._record is not None:
@@ -148,7 +148,7 @@ class FieldKalman:
         return now
 
     def set_origin(self) -> None:
-        """From this moment on `relative_pose` is measured."""
+        """Set this moment as the origin of `relative_pose`."""
         self._note(_Asked.ORIGIN)
         self._origin = WatchedMoment.of(self.belief, states=3)
 
@@ -171,12 +171,12 @@ class FieldKalman:
 
     @property
     def bias_sigma(self) -> float:
-        """Of what the vertical gyro reads at rest, in [rad/s]."""
+        """Standard deviation of the vertical gyro's reading at rest, in [rad/s]."""
         whole = self._spread[np.ix_([states.BIAS, states.WARM_UP], [states.BIAS, states.WARM_UP])]
         return math.sqrt(float(whole.sum()))
 
     def advance(self, advance: Advance) -> None:
-        """One step: what wheels and gyros said."""
+        """Predict one step from wheels and gyros."""
         self._note(advance)
         if advance.rest < advance.time:
             self._see_bias()
@@ -202,10 +202,13 @@ class FieldKalman:
         self._still = np.zeros(2)
 
     def fix(self, position: Array, sigma: float | None, odometry: GyroOdometry) -> Fixed:
-        """Take in a GPS position (2,) in [m], if it can be believed.
+        """Update with a GNSS position (2,) in [m], if it is plausible.
 
-        `sigma` [m] an axis is what the receiver says, None: what the filter supposes; `odometry` is what
-        wheels and gyros alone say.
+        Args:
+            position: (2,) position of the antenna, in [m].
+            sigma: standard deviation reported by the receiver, an axis, in [m]; None: that of the noise
+                model.
+            odometry: dead reckoning by wheels and gyros alone.
         """
         variance = (self.noise.gps_white if sigma is None else sigma) ** 2
         if not odometry.levelled:
@@ -253,7 +256,9 @@ class FieldKalman:
         return fixed._replace(log_likelihood=fixed.log_likelihood + math.log(leaps))
 
     def _reflected(self, residual: Array, whole: Array) -> float:
-        """How likely a refused fix is: far off, or off as those before it were."""
+        """Return the log-likelihood of a rejected fix: anywhere, or off in the same way as those before
+        it.
+        """
         anywhere = log_normal(residual, whole + REFLECTION**2 * np.eye(2)) + ODD
         alike, (before, count) = -math.inf, (self._refused[:2], float(self._refused[2]))
         if count:
@@ -264,10 +269,11 @@ class FieldKalman:
         return float(np.logaddexp(anywhere, alike))
 
     def _skies(self, rows: Array, residual: Array, variance: float) -> list[Sky]:
-        """What may have become of the fixes' error since the last one; the sum of all likelihoods is a fix's.
+        """Return the possible changes of the fixes' error since the last one; their likelihoods add up to the
+        fix's.
 
-        An error that leaps: so much of a fix's way from the one before it as the wheels didn't drive is
-        either chance or a leap, and as likely a leap as it is too fast for anything else.
+        An error may leap: the part of the distance between two fixes that the wheels didn't drive is
+        either chance or a leap, and the likelier a leap the faster it would be otherwise.
         """
         same = Sky.of(None, self._spread, rows, residual, variance, 0.0)
         unseen, self._unseen = self._unseen, 0.0
@@ -310,7 +316,7 @@ class FieldKalman:
         self._mean, self._spread = corrected(self._mean, self._spread, rows, residual, variance)
 
     def _went_on(self, transition: Array) -> None:
-        """The states did, by `transition` (13, 13): what is known of past moments goes with them."""
+        """Propagate the recorder and the origin's cloned states by `transition` (13, 13)."""
         if self._record is not None:
             self._record.step(transition)
         if self._origin is not None:
@@ -321,12 +327,12 @@ class FieldKalman:
         return _Moment(Belief(self._mean, self._spread), self._rested, self._still, entries, self._origin)
 
     def _note(self, event: Advance | _Asked) -> None:
-        """Keep a step, or what was asked for, in case the fixes before it are taken back."""
+        """Record a step or a request, in case the fixes before it are undone."""
         if self._past:
             self._past[-1][1].append(event)
 
     def _take_back(self, count: int) -> None:
-        """Undo the latest `count` believed fixes; what came between them stays."""
+        """Undo the latest `count` accepted fixes; steps between them are kept."""
         count = min(count, len(self._past))
         if count <= 0:
             return
@@ -357,10 +363,10 @@ class FieldKalman:
         self._forget_past()
 
     def begin_with(self, belief: Belief, supposed: FieldNoise) -> None:
-        """Start with a belief (13,), (13, 13) that was found by supposing `supposed`.
+        """Start with a belief (13,), (13, 13) that was found with the noise model `supposed`.
 
-        Where this filter supposes larger errors, so much is added: a larger slow error of the fixes is one of
-        the place too.
+        If this filter's own model has larger errors, the difference is added: a larger slow error of the
+        fixes is an error of the position too.
         """
         mean, spread = belief.mean.copy(), belief.covariance.copy()
         mean[states.HEADING] = wrap(float(mean[states.HEADING]))
@@ -381,7 +387,7 @@ class FieldKalman:
         self._forget_past()
 
     def _forget_past(self) -> None:
-        """Begin anew: nothing that was seen before counts beside what the filter starts with."""
+        """Forget earlier readings: only the belief that the filter starts with counts."""
         self._origin = None if self._origin is None else self._origin.unrelated()
         self._past.clear()
         self._monitor.reset()

@@ -1,4 +1,4 @@
-"""Where a robot is outdoors: the face that all ways of finding out share."""
+"""Common interface of the outdoor localizers."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Inconsistency(NamedTuple):
     """Fixes aren't where a filter expects them."""
 
     what: str
-    """What of them was looked at."""
+    """Statistic of the readings that is inconsistent."""
     value: float
     limit: float
 
@@ -42,23 +42,23 @@ class FieldLocalizer(ABC):
     REST_PERIOD: ClassVar[float] = PERIOD
     """[s] of a step at rest."""
     TAKES_FIXES: ClassVar[bool] = True
-    """Whether satellites tell it anything."""
+    """True if it uses GNSS fixes."""
     TAKES_RANGES: ClassVar[bool] = False
-    """Whether beacons do."""
+    """True if it uses ranges to beacons."""
 
     def __init__(self, start: Pose2, euler: bool = True) -> None:
         """Start at a pose; for `euler` see `GyroOdometry`."""
         self.refusal = ""
         """Why the latest fix wasn't believed, in words; empty if it was."""
         self.log_likelihood = math.nan
-        """Of all fixes; NaN where it isn't told."""
+        """Log-likelihood of all fixes; NaN if not computed."""
         self._odometry = GyroOdometry(start, euler)
         self._since = start  # dead reckoned, at the filter's last step
         self._lead: Pose2 | None = None  # of the origin before the filter's step there; None without one
 
     @property
     def odometry(self) -> GyroOdometry:
-        """What wheels and gyros alone say."""
+        """Dead reckoning by wheels and gyros alone."""
         return self._odometry
 
     @property
@@ -68,7 +68,7 @@ class FieldLocalizer(ABC):
 
     @property
     def heading_known(self) -> bool:
-        """Whether it can be said which way the robot heads."""
+        """True if the heading is known."""
         return True
 
     @property
@@ -81,12 +81,14 @@ class FieldLocalizer(ABC):
 
     @property
     def inconsistency(self) -> Inconsistency | None:
-        """How the fixes of the last minute contradict what the filter claims; None while they don't."""
+        """Contradiction between the fixes of the last minute and the filter's covariance; None while they
+        agree.
+        """
         return None
 
     @property
     def parts(self) -> Sequence[Any]:
-        """What it is made of that has a `STATE` of its own."""
+        """Components that have a `STATE` of their own."""
         return ()
 
     @property
@@ -105,7 +107,7 @@ class FieldLocalizer(ABC):
         return None
 
     def set_origin(self) -> None:
-        """From here on `displacement` is measured."""
+        """Set the present pose as the origin of `displacement`."""
         self._lead = self._odometry.pose.relative_to(self._since)
         self._set_origin()
 
@@ -151,11 +153,11 @@ class FieldLocalizer(ABC):
             self._ranges(distances)
 
     def mark(self) -> Belief | None:
-        """This moment is one of those that `smoothed` tells of."""
+        """Mark this moment as one of those that `smoothed` returns."""
         return None
 
     def smoothed(self) -> list[Belief]:
-        """Where the robot was at the marked moments, by all readings so far; else nothing."""
+        """Return the poses at the marked moments, by all readings so far; empty without a smoother."""
         return []
 
     def forget_derived(self) -> None:
@@ -167,7 +169,7 @@ class FieldLocalizer(ABC):
             self._since = self._odometry.pose
 
     def _ranges(self, distances: Array) -> None:
-        """See `ranges`; all readings taken in."""
+        """Update with ranges, after all earlier readings."""
 
     @abstractmethod
     def _set_origin(self) -> None:
@@ -175,7 +177,9 @@ class FieldLocalizer(ABC):
 
     @abstractmethod
     def _relative_pose(self) -> Belief:
-        """From the origin to the filter's last step: x, y, heading, (3,) and (3, 3)."""
+        """Return x, y and heading (3,) of the filter's last step in the frame of the origin, and their
+        covariance (3, 3).
+        """
 
     @abstractmethod
     def _estimate(self) -> Pose2:
@@ -187,14 +191,17 @@ class FieldLocalizer(ABC):
 
     @abstractmethod
     def _fix(self, position: Array, sigma: float | None) -> bool:
-        """See `fix`; position finite, all readings taken in."""
+        """Update with a fix of finite position, after all earlier readings."""
 
 
 def inconsistency_of(squares: Sequence[tuple[float, float | None]], axes: int = 2) -> Inconsistency | None:
-    """How the latest readings contradict what was expected of them; None while they don't.
+    """Return the contradiction between the latest readings and their expected values; None while they agree.
 
-    `squares` are times in [s], and squared distances of readings of so many axes to where they were expected,
-    in sigmas; None of those that were refused.
+    Args:
+        squares: times in [s], and squared distances of readings from their expected values, in sigmas;
+            None of
+            those that were rejected.
+        axes: number of axes of each reading.
     """
     if len(squares) < FEWEST:
         return None

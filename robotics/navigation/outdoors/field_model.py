@@ -1,4 +1,4 @@
-"""The linear model of an outdoor robot's errors: what Kalman filter, smoother and information limit share."""
+"""Linear model of an outdoor robot's errors, shared by Kalman filter, smoother and information limit."""
 
 from __future__ import annotations
 
@@ -140,9 +140,12 @@ def level_lever(antenna: tuple[float, float, float], tilt: tuple[float, float], 
 
 @compiled
 def fix_forecast(mean: Array, lever: Array, speed: float) -> tuple[Array, Array]:
-    """How a fix depends on the states, rows (2, 13), and where it is expected (2,) in [m].
+    """Return how a fix depends on the states, rows (2, 13), and its expected position (2,) in [m].
 
-    `lever` (2,) is where the antenna is beside the base, `speed` in [m/s] what the base drives.
+    Args:
+        mean: (13,) states.
+        lever: (2,) level offset from the base to the antenna, in [m].
+        speed: speed of the base, in [m/s].
     """
     cos, sin = math.cos(mean[HEADING]), math.sin(mean[HEADING])
     rows = np.zeros((2, SIZE))

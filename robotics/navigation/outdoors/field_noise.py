@@ -1,4 +1,4 @@
-"""How wrong wheels, gyros and GPS are on open ground."""
+"""Errors of wheels, gyros and GNSS on open ground."""
 
 from __future__ import annotations
 
@@ -20,19 +20,21 @@ class FieldNoise(NamedTuple):
     roughness_length: float = 0.4
     """Distance over which they change, in [m]."""
     scale: float = 0.002 * math.sqrt(2.0)
-    """Of the wheels' travel, relative, the same all day: slip and calibration."""
+    """Relative error of the wheels' travel, constant all day: slip and calibration."""
     slip: float = 0.004
-    """Of the wheels' travel, relative, new every `slip_length`."""
+    """Relative error of the wheels' travel, new every `slip_length`."""
     slip_length: float = 2.0
-    """In [m]."""
+    """Distance after which the slip is new, in [m]."""
     turn_slip: float = 0.12
-    """Of the wheels' travel in a curve of 0.5 / m, relative, in proportion to curvature, new on each leg."""
+    """Relative error of the wheels' travel in a curve of 0.5 / m, proportional to curvature, new on each
+    leg.
+    """
     side_slip: float = math.radians(0.8)
     """Direction of travel beside the heading, in [rad], new every `side_slip_length`."""
     side_slip_length: float = 3.0
-    """In [m]."""
+    """Distance after which the side slip is new, in [m]."""
     side_slip_turning: float = 0.02
-    """The same by curvature, in [rad m]; not an error but known."""
+    """Side slip by curvature, in [rad m]; known, not an error."""
     gyro_white: float = math.radians(0.02)
     """Angle random walk, in [rad/√s]."""
     gyro_walk: float = math.radians(0.001)
@@ -42,19 +44,19 @@ class FieldNoise(NamedTuple):
     gyro_warm_up: float = math.radians(0.1)
     """Part of the bias that goes away with warming up, in [rad/s]."""
     gyro_warm_up_time: float = 600.0
-    """In [s]."""
+    """Time constant of the gyro's warm-up, in [s]."""
     gyro_scale: float = 0.005
-    """Of a turn, relative."""
+    """Relative error of a turn."""
     accelerometer_white: float = 0.05
-    """Of one reading at rest, in [m/s²]."""
+    """White noise of one accelerometer reading at rest, in [m/s²]."""
     accelerometer_bias: float = 0.02
-    """In [m/s²]."""
+    """Bias of the accelerometers, in [m/s²]."""
     vibration: float = 0.4
-    """Of one reading of the accelerometer while driving, in [m/s²]."""
+    """White noise of one accelerometer reading while driving, in [m/s²]."""
     gps_period: float = 1.0
     """Between fixes, in [s]."""
     gps_white: float = 1.0
-    """Of each fix, an axis, in [m]."""
+    """White noise of each fix, an axis, in [m]."""
     gps_drift: float = 0.0
     """Slow error of the fixes, an axis, in [m] (Gauss-Markov)."""
     gps_drift_time: float = 300.0
@@ -64,7 +66,7 @@ class FieldNoise(NamedTuple):
     multipath_time: float = 20.0
     """Mean duration of a reflection, in [s]."""
     multipath: float = 8.0
-    """By which a reflection moves the fixes, an axis, in [m]."""
+    """Offset of the fixes caused by a reflection, an axis, in [m]."""
     outage_every: float = math.inf
     """Mean time from the end of one outage to the next, in [s]."""
     outage_time: float = 60.0
@@ -76,17 +78,17 @@ class FieldNoise(NamedTuple):
     jump_every: float = math.inf
     """Mean time between jumps of the fixes to another error, which stays until the next one, in [s]."""
     jump: float = 3.0
-    """Of the error between two jumps, an axis, in [m]."""
+    """Change of the fixes' error at a jump, an axis, in [m]."""
     gps_delay: float = 0.0
-    """By which a fix comes later than it says, in [s]."""
+    """Delay of a fix beyond its time stamp, in [s]."""
     creep: float = 0.0
-    """What the wheels tell of a base that stands, in [m/s]: as much again is new in each reading."""
+    """Speed that the wheels report at rest, in [m/s]; each reading has as much noise again."""
     tyre: float = 0.0
-    """Of one wheel's travel, relative, from some moment of the drive on: it has lost air."""
+    """Relative error of one wheel's travel after a moment of the drive at which its tyre loses air."""
     antenna: tuple[float, float, float] = (0.0, 0.0, 1.0)
-    """Where the antenna is in the base frame, in [m]; known, not an error."""
+    """Position of the antenna in the base frame, in [m]; known, not an error."""
     start_heading: float = math.radians(1.0)
-    """Of the heading that the robot believes to start with, in [rad]."""
+    """Error of the robot's heading at the start, in [rad]."""
 
 
 REFERENCE = FieldNoise()

@@ -33,12 +33,12 @@ Array = NDArray[np.float64]
 
 
 class GpsFilter(FieldLocalizer):
-    """Estimates with several suppositions at once, each weighed by how likely the fixes are by it.
+    """Localizer with several noise hypotheses at once, each weighted by the likelihood of the fixes under it.
 
-    Multiple-model estimation (Magill, 1965): a filter that is told one noise claims what that noise allows,
-    whatever the world is like. Here a world that is as told is by far the most likely one before anything was
-    seen; fixes that another one explains better make that one heavier. Pose and covariance are those of the
-    mixture.
+    Multiple-model estimation (Magill, 1965): a filter with a single noise model reports a covariance which
+    that model allows, even if the world differs. Here the given noise model is by far the most likely one
+    before the first reading; fixes that another hypothesis explains better raise the weight of that one.
+    Pose and covariance are those of the mixture.
     """
 
     REST_PERIOD: ClassVar[float] = 1.0
@@ -65,11 +65,11 @@ class GpsFilter(FieldLocalizer):
 
         Args:
             start: world_T_base.
-            noise: what to believe of wheels, gyros and GPS in the first place.
+            noise: given noise model of wheels, gyros and GNSS.
             start_position: sigma in [m].
-            record: whether `smoothed` is asked for.
-            supposed: what else to suppose; `suppositions` of `noise` if None.
-            heading_sigma: to which a heading that nobody gave has to be found before it counts as known, in
+            record: keep the data that `smoothed` needs.
+            supposed: hypotheses; `suppositions` of `noise` if None.
+            heading_sigma: sigma that an unknown start heading must reach before it counts as known, in
                 [rad].
         """
         super().__init__(start)
@@ -114,12 +114,12 @@ class GpsFilter(FieldLocalizer):
 
     @property
     def restarts(self) -> int:
-        """How often the likeliest supposition believed the fixes against its filter."""
+        """Number of restarts of the likeliest hypothesis' filter from rejected fixes."""
         return self.best.restarts
 
     @property
     def heading_known(self) -> bool:
-        """Whether it was told, or has been found out."""
+        """True if the heading was given, or has been found."""
         return not self._searching
 
     @property
@@ -206,10 +206,10 @@ class GpsFilter(FieldLocalizer):
         return best.believed
 
     def _mixed(self, beliefs: list[Belief], first: int | None = None) -> Belief:
-        """The mixture's mean and covariance, of all states or of the `first` few.
+        """Return the mixture's mean and covariance, of all states or of the `first` few.
 
-        For want of evidence a sky that is worse looks like the one before it for long: claims are on the safe
-        side.
+        A worse GNSS condition looks like the better one for long, by lack of evidence: the covariance is
+        chosen on the safe side.
         """
         mean = _mean([each.mean for each in beliefs], self._weights)[:first]
         away = np.array([each.mean[:first] for each in beliefs]) - mean
@@ -235,7 +235,7 @@ def _computable(noise: FieldNoise) -> FieldNoise:
 
 
 def _mean(means: list[Array], weights: Array) -> Array:
-    """Of states (n,), headings on the circle."""
+    """Return the weighted mean of states (n,), with headings averaged on the circle."""
     stacked = np.array(means)
     about = stacked[int(np.argmax(weights)), 2]
     stacked[:, 2] = about + (stacked[:, 2] - about + math.pi) % (2.0 * math.pi) - math.pi

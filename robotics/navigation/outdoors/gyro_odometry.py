@@ -1,8 +1,8 @@
 """Dead reckoning with wheels and three gyros on ground that isn't flat.
 
-Ohki et al. (2012), eqs. 1 to 3, with the turn rates that belong to the angles: on a tilted base a gyro turns
-about its own axis, not about the vertical. Frames are x forward, y left, z up, so a nose that rises is a
-negative pitch, and eq. 3 carries a minus.
+Ohki et al. (2012), eqs. 1 to 3, with the turn rates that belong to the angles: on a tilted base a gyro
+turns around its own axis instead of the vertical. Frames are x forward, y left, z up, so a nose that rises
+is a negative pitch, and eq. 3 has a minus.
 """
 
 from __future__ import annotations
@@ -31,23 +31,23 @@ class Advance(NamedTuple):
     forward: float
     """Way over ground, level, in [m]."""
     turn: float
-    """Of the heading, without the bias known so far, in [rad]."""
+    """Change of the heading, without the bias known so far, in [rad]."""
     drift: float
     """The bias's part that was taken out of `turn`, in [rad]."""
     time: float
-    """In [s]."""
+    """Duration in [s]."""
     rest: float
     """Time of it at rest, in [s]."""
     still: float
-    """What the vertical gyro turned at rest: nothing but its bias, in [rad]."""
+    """Turn measured by the vertical gyro at rest, caused by its bias alone, in [rad]."""
 
 
 class GyroOdometry:
-    """Integrates wheel travel along the attitude that the gyros give; cancels their drift in each stop.
+    """Integrates wheel travel along the attitude from the gyros; cancels their drift in each stop.
 
-    At rest the gyros' mean is their bias, gravity gives roll and pitch, and the heading stays as it is. A
-    base rests whose accelerometers have been quiet for half a second and whose wheels have been still; or
-    have crept, while the vertical gyro read nothing but its bias. What they crept is way all the same.
+    At rest the gyros' mean is their bias, gravity gives roll and pitch, and the heading is constant. A
+    base is at rest when its accelerometers have been quiet for half a second and its wheels have been
+    still, or have crept while the vertical gyro read only its bias. The distance crept counts as travel.
     """
 
     STATE: ClassVar = {"_state": Array, "_felt": Array, "_seen": Array}
@@ -63,7 +63,7 @@ class GyroOdometry:
 
     @property
     def pose(self) -> Pose2:
-        """Dead reckoned, in the frame of the start."""
+        """Dead-reckoned pose in the frame of the start."""
         return Pose2(float(self._state[0]), float(self._state[1]), wrap(float(self._state[3])))
 
     @property
@@ -83,12 +83,12 @@ class GyroOdometry:
 
     @property
     def at_rest(self) -> bool:
-        """Whether the base stands."""
+        """True if the base is at rest."""
         return bool(self._state[10] > 0.0)
 
     @property
     def levelled(self) -> bool:
-        """Whether gravity has told roll and pitch at rest."""
+        """True if roll and pitch have been measured by gravity at rest."""
         return bool(self._state[6:9].any())
 
     @property
@@ -144,7 +144,7 @@ def _levelled(force: Array) -> tuple[float, float]:
 
 @compiled
 def _quiet(felt: Array) -> bool:
-    """Whether each accelerometer (the first three columns) varies no more than at rest."""
+    """Return True if each accelerometer (the first three columns) varies no more than at rest."""
     for axis in range(3):
         mean = felt[:, axis].mean()
         if ((felt[:, axis] - mean) ** 2).mean() > QUIET * QUIET:
@@ -154,7 +154,7 @@ def _quiet(felt: Array) -> bool:
 
 @compiled
 def _creeps(felt: Array, bias: float, known: bool, dt: float) -> bool:
-    """Whether wheels (columns 3, 4) and vertical gyro (7) tell no more than they may of a base at rest."""
+    """Return True if wheels (columns 3, 4) and vertical gyro (7) read no more than is possible at rest."""
     count = len(felt)
     if max(abs(felt[:, 3].mean()), abs(felt[:, 4].mean())) > CREEP * dt:
         return False
@@ -185,7 +185,7 @@ def _rest(state: Array, felt: Array, turning: Array, force: Array, dt: float) ->
 
 @compiled
 def _creep(state: Array, travel: float) -> None:
-    """What wheels of a base at rest tell is way, too."""
+    """Add the wheels' travel at rest to the position."""
     state[0] += travel * math.cos(state[5]) * math.cos(state[3])
     state[1] += travel * math.cos(state[5]) * math.sin(state[3])
     state[12] += travel * math.cos(state[5])
@@ -226,7 +226,7 @@ def _drive(state: Array, turning: Array, travel: float, dt: float, euler: bool) 
 
 @compiled
 def _stands(state: Array, felt: Array, dt: float) -> bool:
-    """Whether the base does, by the latest readings."""
+    """Return True if the base is at rest, by the latest readings."""
     still = state[9] >= len(felt)
     known = state[6] != 0.0 or state[7] != 0.0 or state[8] != 0.0
     return bool((still or (state[18] >= len(felt) and _creeps(felt, state[8], known, dt))) and _quiet(felt))

@@ -1,4 +1,4 @@
-"""Wheels and gyros alone: what is left when no satellite is heard."""
+"""Localization by wheels and gyros alone, without GNSS."""
 
 from __future__ import annotations
 
@@ -17,7 +17,9 @@ class GyroOnly(GpsFilter):
     TAKES_FIXES: ClassVar = False
 
     def __init__(self, start: Pose2, noise: FieldNoise, start_position: float) -> None:
-        """See `GpsFilter`; nothing tells one supposition from another."""
+        """Start with `noise` as the only hypothesis, because without fixes all are alike. Arguments as of
+        `GpsFilter`.
+        """
         super().__init__(start, noise, start_position, supposed=[Supposition(noise, 1.0, 0)])
 
     def _fix(self, position: Array, sigma: float | None) -> bool:

@@ -1,4 +1,4 @@
-"""Which way a base heads whose start heading is unknown: a Kalman filter for each of many headings."""
+"""Search for an unknown start heading: a Kalman filter for each of many headings."""
 
 from __future__ import annotations
 
@@ -124,12 +124,12 @@ class HeadingBank:
             self._means[k], self._spreads[k] = mean, spread
 
     def fix(self, position: Array, sigma: float, odometry: GyroOdometry) -> float:
-        """Take in a fix, and return the logarithm of its likelihood.
+        """Update with a fix, and return the logarithm of its likelihood.
 
         Args:
-            position: (2,) of the antenna, in [m].
-            sigma: of its white error, an axis, in [m].
-            odometry: by wheels and gyros alone: for the tilt.
+            position: (2,) position of the antenna, in [m].
+            sigma: standard deviation of its white error, an axis, in [m].
+            odometry: dead reckoning by wheels and gyros alone, used for the tilt.
         """
         variance = sigma**2
         if not odometry.levelled:

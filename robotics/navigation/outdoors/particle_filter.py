@@ -25,31 +25,31 @@ class ParticleErrors(NamedTuple):
     """One-sigma figures that the filter believes; the paper gives only the last but one."""
 
     forward: float = 0.10
-    """Of each step, relative."""
+    """Relative error of each step's length."""
     turn: float = math.radians(0.5) / math.sqrt(10.0)
-    """By distance, in [rad/√m]."""
+    """Random walk of the heading by distance, in [rad/√m]."""
     start_position: float = 0.05
     """An axis, in [m]."""
     start_heading: float = math.radians(1.0)
-    """In [rad]; infinite: nobody knows which way it heads."""
+    """Error of the heading at the start, in [rad]; infinite if the heading is unknown."""
     gps: float = 1.0
     """An axis, in [m]."""
     along: float = 0.0
-    """Of the way, by distance, in [m/√m]: wheels that slip alike for some metres."""
+    """Random walk of the travel by distance, in [m/√m], because wheels slip alike for some metres."""
     turn_time: float = 0.0
-    """Of the heading, by time, in [rad/√s]: a gyro whose bias nobody knows."""
+    """Random walk of the heading by time, in [rad/√s], caused by an unknown gyro bias."""
     gps_slow: float = 0.0
-    """Of the fixes, an axis, in [m], that lasts: no number of fixes averages it away."""
+    """Lasting error of the fixes, an axis, in [m], which averaging does not reduce."""
 
 
 class ParticleFilter(FieldLocalizer):
     """Six phases, 1,024 particles, ten times a second.
 
-    The paper goes back to the prediction without a new average when there is no new fix; this one averages in
-    every step. Headings are averaged on the circle. The paper's unusual jumps are fixes beyond five sigmas of
-    their own and of the particles' (see `FixMonitor`). Beyond the paper, fixes that are off together are
-    refused too; those refused that agree with each other and with the odometry start it again (see
-    `LostTrack`); and it starts without a heading, with particles that head all ways.
+    The paper goes back to the prediction without a new average when there is no new fix; this one averages
+    in every step. Headings are averaged on the circle. The paper's unusual jumps are fixes beyond five
+    sigmas of their own and of the particles' (see `FixMonitor`). Beyond the paper, fixes that are off
+    together are rejected too; rejected fixes that agree with each other and with the odometry restart it
+    (see `LostTrack`); and it starts without a heading, with particles of all headings.
     """
 
     STATE: ClassVar[Mapping[str, Any]] = {
@@ -82,7 +82,7 @@ class ParticleFilter(FieldLocalizer):
         self._rng = np.random.default_rng(seed)
         self._lost, self._monitor = LostTrack(), FixMonitor()
         self.restarts = 0
-        """How often the fixes were believed against the filter."""
+        """Number of restarts of the filter from rejected fixes."""
         about = math.isinf(errors.start_heading)
         heading = 0.0 if about else errors.start_heading
         spread = np.array([errors.start_position, errors.start_position, heading])
@@ -191,9 +191,10 @@ def _predict(
 
 @compiled
 def _resample(particles: Array, rng: np.random.Generator, x: float, y: float, sigma: float) -> bool:
-    """Phases 4 and 5: weigh by a fix (eq. 4) and draw anew; False if no particle could have given it.
+    """Weigh by a fix (phase 4, eq. 4) and resample (phase 5); return False if no particle explains the fix.
 
-    Draws are multinomial. n sorted uniform numbers are sums of n + 1 exponential ones, divided by the total.
+    Draws are multinomial. n sorted uniform numbers are sums of n + 1 exponential ones, divided by the
+    total.
     """
     count = particles.shape[1]
     total = 0.0

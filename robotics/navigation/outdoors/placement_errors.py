@@ -20,7 +20,7 @@ class Radius(NamedTuple):
 
     share: float
     radius: float
-    """In [m]."""
+    """Radius in [m]."""
     low: float
     high: float
     """95 % of what other runs would have given, drawn by run, in [m]."""
@@ -40,10 +40,10 @@ def tip_covariance(covariance: Array, heading: float) -> Array:
 
 
 def aligned_spread(errors: Array, targets: Array) -> Array:
-    """(2,) standard deviations in x and y of errors (n, 2) of targets (n, 2), in [m].
+    """Return the standard deviations (2,) in x and y of errors (n, 2) of targets (n, 2), in [m].
 
-    As Ohki et al. (2012) have them: axes turned so that the first and the last deployed point lie in the
-    direction of their targets, errors about their mean. So they are precision, not accuracy.
+    Defined as by Ohki et al. (2012): axes turned so that the first and the last deployed point lie in the
+    direction of their targets, errors relative to their mean. So they are precision, not accuracy.
     """
     laid = targets + errors
     (ax, ay), (bx, by) = laid[-1] - laid[0], targets[-1] - targets[0]
@@ -54,9 +54,10 @@ def aligned_spread(errors: Array, targets: Array) -> Array:
 
 
 def share_radius(errors: list[Array], share: float, seed: int = 0, draws: int = 1000) -> Radius | None:
-    """The radius that holds a share of all placements; None from too few to tell.
+    """Return the radius that holds a share of all placements; None if there are too few.
 
-    `errors` (k, 2) in [m] of each run. Placements of one run depend on each other, so whole runs are drawn.
+    `errors` (k, 2) in [m] of each run. Placements of one run depend on each other, so complete runs are
+    drawn.
     """
     lengths = [np.hypot(*run.T) for run in errors]
     count = sum(map(len, lengths))

@@ -1,4 +1,4 @@
-"""What the slow error of the fixes may have done since the last one, and how likely a fix then is."""
+"""Possible changes of the fixes' slow error since the last fix, and the likelihood of a fix after each."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class Sky(NamedTuple):
     """One of the ways in which the error may have changed."""
 
     transition: Array | None
-    """(13, 13) of the states; None where it went on as it was."""
+    """Transition (13, 13) of the states; None if the error did not change."""
     spread: Array
     """(13, 13) covariance of them after it."""
     residual: Array
@@ -26,7 +26,7 @@ class Sky(NamedTuple):
     whole: Array
     """(2, 2) covariance that it should have, in [m²]."""
     log_likelihood: float
-    """Of the fix and of what the error did."""
+    """Log-likelihood of the fix together with the error's change."""
 
     @classmethod
     def of(
@@ -59,10 +59,10 @@ def leapt(covariance: Array, jump: float) -> Array:
 
 @compiled
 def log_normal(residual: Array, covariance: Array) -> float:
-    """Logarithm of the density of `residual` (2,) that has no mean and a covariance (2, 2).
+    """Return the logarithm of the density of `residual` (2,) with mean zero and covariance (2, 2).
 
     Raises:
-        ValueError: that is no covariance.
+        ValueError: the covariance is not positive definite.
     """
     a, b, c = covariance[0, 0], covariance[1, 0], covariance[1, 1]
     size = a * c - b * b

@@ -1,4 +1,4 @@
-"""Where a robot was, told after the drive: the smoother of Rauch, Tung and Striebel (1965)."""
+"""Poses of a robot computed after the drive: the smoother of Rauch, Tung and Striebel (1965)."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ LEAST = 1e-9  # of a state's variance before a gain is taken, relative to one: e
 
 
 class _Link(NamedTuple):
-    """From one wanted moment to the next."""
+    """Connection of one marked moment to the next."""
 
     first: WatchedMoment
-    """As known at the second."""
+    """The first moment, as known at the second."""
     second: Belief
-    """What the filter held there."""
+    """The filter's belief at the second moment."""
 
 
 class Entries(NamedTuple):
-    """How much a record holds at one moment."""
+    """Size of a record at one moment."""
 
     starts: int
     links: int
@@ -32,10 +32,10 @@ class Entries(NamedTuple):
 
 
 class TrackRecord:
-    """Takes down what a Kalman filter's run tells of some wanted moments, and smooths them.
+    """Records a Kalman filter's run at some marked moments, and smooths them.
 
-    What is seen between two of them is put together as it comes, so a record grows with the moments that are
-    wanted, not with the time.
+    Readings between two of them are combined as they come, so a record grows with the number of marked
+    moments, not with time.
     """
 
     STATE: ClassVar = {
@@ -47,20 +47,20 @@ class TrackRecord:
     """Attributes that change, with their types."""
 
     def __init__(self) -> None:
-        """Nothing taken down yet."""
+        """Start with an empty record."""
         self._over: list[list[Belief]] = []  # smoothed, of runs that ended in a new beginning
         self._links: list[_Link] = []
         self._latest: WatchedMoment | None = None
         self._starts = 0
 
     def start(self) -> None:
-        """The filter begins, or begins anew: nothing is carried back from here on."""
+        """Note that the filter starts or restarts: later readings do not change earlier moments."""
         if self._starts:
             self._over.append(self._smoothed())
         self._starts, self._links, self._latest = self._starts + 1, [], None
 
     def step(self, transition: Array) -> None:
-        """The filter went on by `transition` (n, n)."""
+        """Note that the filter predicted with `transition` (n, n)."""
         if self._latest is not None:
             self._latest = self._latest.stepped(transition)
 
@@ -74,7 +74,7 @@ class TrackRecord:
             self._latest = self._latest.corrected(covariance, rows, residual, variance)
 
     def correct_either(self, branches: Sequence[Branch], rows: Array, variance: float) -> None:
-        """The same where the states may have changed before, in one of several ways."""
+        """Note an update before which the states may have changed in one of several ways."""
         if self._latest is not None:
             self._latest = self._latest.corrected_either(branches, rows, variance)
 
@@ -86,7 +86,7 @@ class TrackRecord:
 
     @property
     def entries(self) -> Entries:
-        """Where the record stands, for `rewind`."""
+        """Return the present size of the record, for `rewind`."""
         return Entries(self._starts, len(self._links), self._latest)
 
     def rewind(self, entries: Entries) -> None:

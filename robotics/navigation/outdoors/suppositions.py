@@ -1,4 +1,4 @@
-"""What a filter supposes of wheels, gyros and GPS besides what it is told of them."""
+"""Noise hypotheses of a filter besides the given noise of wheels, gyros and GNSS."""
 
 from __future__ import annotations
 
@@ -20,12 +20,16 @@ class Supposition(NamedTuple):
 
     noise: FieldNoise
     share: float
-    """Of worlds that are so, before anything was seen."""
+    """Prior probability of the hypothesis."""
     worse: int
-    """Which of the suppositions has the same ground under the next worse sky; itself under the worst."""
+    """Index of the hypothesis with the same ground and the next worse GNSS condition; its own for the
+    worst.
+    """
 
     def may_become(self, other: Supposition) -> bool:
-        """Whether a world that is so far like this may turn out to be like the other one: a worse one."""
+        """Return True if a world that so far fits this hypothesis may turn out to fit the other, worse
+        one.
+        """
         here, there = _badness(self.noise), _badness(other.noise)
         return here != there and all(a <= b for a, b in zip(here, there, strict=True))
 
@@ -35,7 +39,7 @@ def _badness(noise: FieldNoise) -> tuple[float, float, float]:
 
 
 def suppositions(given: FieldNoise) -> list[Supposition]:
-    """Each sky over each ground, as told first; what is worse comes later."""
+    """Return each GNSS condition combined with each ground, the given one first and worse ones later."""
     given = given._replace(gps_delay=max(given.gps_delay, LATE))
     found: list[Supposition] = []
     skies = [(_drifting(given, sigma, time), share) for sigma, time, share in SKIES[1:]]

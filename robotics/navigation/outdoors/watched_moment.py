@@ -1,4 +1,5 @@
-"""A past moment of which a Kalman filter goes on to learn: its states then, cloned beside those of now.
+"""A past moment about which a Kalman filter learns more later: its states then, cloned next to the present
+ones.
 
 Roumeliotis and Burdick (2002), stochastic cloning; the same algebra is fixed-point smoothing.
 """
@@ -19,7 +20,7 @@ Array = NDArray[np.float64]
 
 
 class Belief(NamedTuple):
-    """What a filter or a smoother holds."""
+    """Mean and covariance of the states of a filter or a smoother."""
 
     mean: Array
     """(n,) states."""
@@ -31,7 +32,7 @@ class Branch(NamedTuple):
     """One way in which the states may have changed just before something was seen."""
 
     weight: float
-    """How likely it is, by what was seen then; all of them are one."""
+    """Probability of the branch, given the readings; all weights add up to one."""
     transition: Array | None
     """(n, n), of the change; None where there was none."""
     covariance: Array
@@ -39,7 +40,7 @@ class Branch(NamedTuple):
     residual: Array
     """(m,) of the readings."""
     mean: Array
-    """(n,) of the states once the readings were taken in."""
+    """Mean (n,) of the states after the update."""
 
 
 class WatchedMoment(NamedTuple):
@@ -52,12 +53,12 @@ class WatchedMoment(NamedTuple):
 
     @classmethod
     def of(cls, now: Belief, states: int | None = None) -> Self:
-        """This moment; of its first `states` alone, if told."""
+        """Return this moment, with all states or with the first `states` alone."""
         covariance = now.covariance[:states].copy()
         return cls(Belief(now.mean[:states].copy(), covariance[:, :states].copy()), covariance)
 
     def stepped(self, transition: Array) -> Self:
-        """The states went on by `transition` (n, n)."""
+        """Return the moment after the present states were predicted with `transition` (n, n)."""
         return type(self)(self.belief, self.shared @ transition.T)
 
     def corrected(self, covariance: Array, rows: Array, residual: Array, variance: float) -> Self:
@@ -70,7 +71,9 @@ class WatchedMoment(NamedTuple):
         return type(self)(Belief(mean, spread), shared)
 
     def corrected_either(self, branches: Sequence[Branch], rows: Array, variance: float) -> Self:
-        """The same where the states may have changed before, in one of several ways."""
+        """Return the moment after an update before which the states may have changed in one of several
+        ways.
+        """
         each = [
             (self if one.transition is None else self.stepped(one.transition)).corrected(
                 one.covariance, rows, one.residual, variance
@@ -87,13 +90,13 @@ class WatchedMoment(NamedTuple):
         return type(self)(then, np.asarray(shared))
 
     def unrelated(self) -> Self:
-        """The states now come from elsewhere: what is seen from here on tells nothing of then."""
+        """Return the moment without correlation to the present states, which now come from elsewhere."""
         return self._replace(shared=np.zeros_like(self.shared))
 
     def relative_pose(self, now: Belief) -> Belief:
-        """Of `now` in the frame of then, where x, y, heading are the first states: (3,) and (3, 3).
+        """Return the pose of `now` in the frame of then, (3,) and (3, 3); x, y, heading are the first states.
 
-        What is wrong with both alike doesn't count; nor does it which way the base headed on the Earth.
+        Errors common to both moments cancel, and the absolute heading does not matter.
         """
         x, y, heading = self.belief.mean[:3].tolist()
         cos, sin = math.cos(heading), math.sin(heading)
