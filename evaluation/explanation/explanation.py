@@ -41,7 +41,7 @@ class Residual:
 
     @property
     def within(self) -> bool:
-        """Whether the difference is within its tolerance."""
+        """True if the difference is within its tolerance."""
         return self.limit is None or self.size <= self.limit
 
 
@@ -83,9 +83,8 @@ def explain(run: PastRun, number: int | None = None) -> Explanation:
 
     Args:
         run: the past run.
-        number: number of the action, from 1; None: the last action that ended in Fail or GiveUp, or the
-            run's end if
-            there is none.
+        number: number of the action, from 1; None: the last action that ended in Fail or GiveUp, or,
+            without such an action, the run's end.
 
     Raises:
         NoSuchAction: the run has no action with this number.

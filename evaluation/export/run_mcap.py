@@ -1,4 +1,4 @@
-"""Export of a recorded run as MCAP with Foxglove's schemas, for Foxglove, Rerun and other readers."""
+"""Export of a recorded run as MCAP with Foxglove's schemas, readable by Foxglove, Rerun and others."""
 
 from __future__ import annotations
 

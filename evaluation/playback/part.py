@@ -67,7 +67,7 @@ class Part(NamedTuple):
     names: NDArray[np.str_]
     """Names of the things that moved in this part."""
     shapes: NDArray[np.uint8]
-    """JSON bytes of a list of `ThingShape`, for the things that appear first in this part."""
+    """JSON bytes of a list of `ThingShape`, one for each thing that appears first in this part."""
 
     @classmethod
     def of(cls, arrays: dict[str, NDArray[Any]]) -> Self:

@@ -83,7 +83,7 @@ class RobotShape(FileModel):
     joints: tuple[str, ...] = ()
     """Names of the arm's joints, in the order of all its readings."""
     slides: tuple[bool, ...] = ()
-    """Whether each joint is prismatic."""
+    """True for each prismatic joint, in the order of `joints`."""
     footprint_m: float
     """Radius of the footprint."""
     angles_rad: tuple[float, ...] = ()
@@ -98,7 +98,7 @@ class Scenery(FileModel):
     format: Literal["handcart-playback/1"] = "handcart-playback/1"
     robot: RobotShape
     simulated: bool
-    """Whether the solids and all true poses are known."""
+    """True if the solids and all true poses are known."""
     outdoors: bool = False
     solids: tuple[SolidShape, ...] = ()
     map: MapShape | None = None

@@ -66,7 +66,7 @@ class LevelStop(RunObserver):
 
     @property
     def near(self) -> bool:
-        """Whether the run has reached the level."""
+        """True if the run has reached the level."""
         return importance_of(self.used, self._importance) >= self._level
 
 

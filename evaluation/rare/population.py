@@ -49,12 +49,12 @@ class Population(NamedTuple):
 
     @property
     def probability(self) -> float:
-        """Unbiased estimate of the probability of the rare outcome, for any number of runs.
+        """Unbiased estimate of the probability of the rare outcome, valid with any number of runs.
 
         Given the states in which the previous runs reached a level, each next run starts there like any
-        run that reaches it, and its result is weighted with the estimated share of runs that do (Del
-        Moral, Feynman-Kac Formulae, 2004, theorem 7.4.2). The position of the levels does not matter
-        for that.
+        run that reaches it, and its result is weighted with the estimated share of runs that reach it
+        (Del Moral, Feynman-Kac Formulae, 2004, theorem 7.4.2). The position of the levels does not
+        affect this.
         """
         levels = zip(self.weights, self.levels, strict=True)
         return sum(weight * level.hits / level.runs for weight, level in levels)

@@ -36,8 +36,7 @@ def read_csv_log(path: Path, columns: str | None = None) -> DriveLog:
 
     Args:
         path: a CSV file with a header in YAML, or only with a line of titles.
-        columns: for a file without a header: `QUANTITY=COLUMN[:UNIT]` for each quantity, separated by
-            commas.
+        columns: definition `QUANTITY=COLUMN[:UNIT],...` of the columns, if the file has no header.
 
     Raises:
         FileError: header or table have faults; lists all of them.

@@ -47,7 +47,7 @@ class DriveLog(NamedTuple):
     antenna: tuple[float, float, float] | None
     """Position of the antenna in the base frame, in [m]; None: as in the robot's file."""
     steered: bool = False
-    """Whether `rates` come from steering or wheels, without a gyro."""
+    """True if `rates` come from steering or wheels, without a gyro."""
     beacons: BeaconLog | None = None
     """Ranges to beacons; None without beacons."""
     odometry_turns: Array | None = None

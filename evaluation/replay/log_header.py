@@ -57,7 +57,7 @@ class Column(FileModel):
     factor: float = 1.0
     """Factor applied to the numbers before the unit; -1 for a reversed axis."""
     held: bool = False
-    """Whether the recorder repeats the last value until there is a new one; repetitions are ignored."""
+    """True if the recorder repeats the last value until there is a new one; repetitions are ignored."""
 
 
 class Start(FileModel):

@@ -29,13 +29,12 @@ def prepare(path: Path, log: DriveLog, noise: FieldNoise, is_known: bool, imu_ax
     """Check axes and accuracies of a log, and add the findings to its notes.
 
     Args:
-        path: path of the log, for findings.
+        path: path of the log, named in findings.
         log: the log as read.
         noise: assumed noise of its vehicle.
-        is_known: whether `noise` is from the robot's file: then it is used unchanged.
-        imu_axes: the IMU's axes that point forward, left and up; `auto`: as estimated; None: they must
-            be
-            those of the base.
+        is_known: whether `noise` is from the robot's file and is used unchanged.
+        imu_axes: the IMU's axes that point forward, left and up; `auto`: as estimated; None: the same
+            as those of the base, otherwise an error.
 
     Raises:
         FileError: the IMU is not mounted in the base's axes, or the given axes are not a frame.

@@ -70,7 +70,7 @@ class Replayed(NamedTuple):
     log_likelihood: float
     """Log-likelihood of the fixes; NaN for a localizer that does not compute it."""
     clouds: list[tuple[float, Array]]
-    """Particles (3, n) at some instants in [s], for a localizer with particles."""
+    """Times in [s] and particles (3, n) at some instants; empty without a particle filter."""
     ranges: tuple[int, int] = (0, 0)
     """Numbers of the ranges that a localizer by beacons received, and of those that it rejected."""
 
@@ -165,11 +165,11 @@ def replay(
         log: the log with all fixes.
         localizer: a new localizer.
         passed: called from time to time with the completed share.
-        period: minimum time between fixes for the localizer, in [s]; earlier fixes are skipped, but
-            those that jump are listed.
-        white: error of a fix per axis, in [m], for the detection of jumps; None: no detection before
-            the
-            localizer's own.
+        period: minimum time between fixes that the localizer receives, in [s]; earlier fixes are
+            skipped, but those that jump are listed.
+        white: error of a fix per axis used by the detection of jumps, in [m]; None: jumps are detected
+            by
+            the localizer alone.
     """
     log = log.one_row_a_time()
     gate, latest = None if white is None else JumpGate(white), -math.inf

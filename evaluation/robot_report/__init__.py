@@ -1,1 +1,1 @@
-"""Report about a robot from its files, without moving it."""
+"""Report on a robot from its files, without moving it."""

@@ -1,4 +1,4 @@
-"""Facts about a robot that a domain reports."""
+"""Facts that a domain reports on a robot."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ class FactTable(NamedTuple):
 
 
 class DomainFacts(NamedTuple):
-    """Facts about a robot that is to work in a domain."""
+    """Facts that a domain reports on a robot that is to work in it."""
 
     remarks: Sequence[str] = ()
-    """Things that the robot lacks for the domain, each as "missing thing: who needs it"."""
+    """Things that the robot lacks, each with the part of the domain that needs it."""
     figures: Mapping[str, Any] = {}
     """The facts as JSON values."""
     tables: Sequence[FactTable] = ()

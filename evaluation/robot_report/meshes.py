@@ -25,11 +25,11 @@ class MeshRow:
     filled: float | None = None
     """Share of its convex hull that it fills; None for visual meshes and for meshes that are not closed."""
     hint: str = ""
-    """Name of a similar file, for a missing mesh."""
+    """Name of a similar file, if the mesh is missing."""
 
     @property
     def fault(self) -> str | None:
-        """Message about a missing or concave mesh; None if it is sound."""
+        """Message that the mesh is missing or concave; None if it is sound."""
         if not self.found:
             return f"missing{self.hint}"
         if self.filled is None or self.filled >= CONVEX:

@@ -24,7 +24,7 @@ ROUNDING = 1e-3  # [m]
 
 
 class PostureFacts(NamedTuple):
-    """Facts about a named posture, with open fingers."""
+    """Self-contacts and reach of a named posture, with open fingers."""
 
     name: str
     touching: tuple[tuple[str, str], ...]
@@ -34,7 +34,7 @@ class PostureFacts(NamedTuple):
     farthest: str
     """Link with that distance."""
     travels: bool
-    """Whether the base drives in this posture."""
+    """True if the base drives in this posture."""
 
 
 def posture_facts(robot: RobotFile) -> list[PostureFacts]:

@@ -23,7 +23,7 @@ class Reach:
     """Reach of the frame `hand`, with the arm free of collisions with itself and the robot.
 
     Attributes:
-        points: (n, 3) positions of the hand in the base frame in [m], for random joint angles.
+        points: (n, 3) positions of the hand in the base frame in [m], of random postures.
     """
 
     def __init__(self, arm: ArmModel, free: CollisionModel, points: NDArray[np.float64]) -> None:

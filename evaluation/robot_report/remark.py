@@ -1,4 +1,4 @@
-"""Remarks about a robot, each with its place in a file; similar remarks are grouped in one line."""
+"""Remarks on a robot, each with its place in a file; similar remarks are grouped in one line."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Complete report of `handcart check` about a robot."""
+"""Complete report of `handcart check` on a robot."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ class Contents:
 
 @dataclass(frozen=True)
 class RobotReport:
-    """Report about a robot, made from its files."""
+    """Report on a robot, made from its files."""
 
     contents: Contents
     arm: Sequence[str]

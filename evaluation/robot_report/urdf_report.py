@@ -1,4 +1,4 @@
-"""Complete report of `handcart check` about a URDF without a robot's file."""
+"""Complete report of `handcart check` on a URDF without a robot's file."""
 
 from __future__ import annotations
 

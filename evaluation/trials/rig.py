@@ -1,4 +1,4 @@
-"""Test rig: a robot in a world, for attempts of single primitives."""
+"""Test rig for attempts of single primitives: a robot in a world."""
 
 from __future__ import annotations
 

@@ -52,8 +52,9 @@ def run_task(task: Path, runs: Path, options: RunOptions | None = None) -> tuple
 
     Raises:
         FileError: the task or a file that it names has a fault; nothing has moved.
-        NoBench, NoWindow, NoVideo: there are no drives to simulate, or the run cannot be shown or
-            recorded.
+        NoBench: there are no drives to simulate.
+        NoWindow: the run cannot be shown.
+        NoVideo: the run cannot be recorded.
         NeedsOperator: the last run of a real robot waits for a person.
         NotSimulated: faults are requested for a real robot.
         RobotBusy: the robot is in another run.

@@ -75,7 +75,7 @@ class Video(RunObserver):
         return False
 
     def remarks(self) -> Iterator[str]:
-        """Yield messages for the start of the run: what is recorded, and what cannot be shown."""
+        """Yield messages for the start of the run about the recorded content and about missing parts."""
         if self._lacks:
             yield f"--video shows what the hand's camera sees alone: {self._lacks}"
         width, height = self._size

@@ -76,7 +76,7 @@ def _far(run: SurveyedRun, place: str, claimed: float, needed: PoseNeed) -> list
 
 
 def _stood(survey: Survey, claim: Claim) -> list[str]:
-    """Describe how the base moved while it should stand; the limit grows for sensors that cannot feel a
+    """Return messages about motion of a base at rest; the limit is larger for sensors that cannot feel a
     slide.
     """
     before, after = claim.before.base, claim.after.base

@@ -41,7 +41,7 @@ class Touched:
     force_n: float | None
     """Largest force on the hand during the contact, in [N]; None where no force is known."""
     meant: bool
-    """Whether the primitive declares this contact as meant."""
+    """True if the primitive declares this contact as meant."""
 
     def __str__(self) -> str:
         how_long = f"from {self.from_s:.2f} s to {self.to_s:.2f} s"

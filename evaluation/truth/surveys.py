@@ -156,7 +156,7 @@ class Surveys:
         """Restore the notes of the interrupted run that this run continues.
 
         Args:
-            notes: the return value of `notes`, as read from a file.
+            notes: notes by name of the survey, as read from a file.
             path: path of this file, for messages.
 
         Raises:

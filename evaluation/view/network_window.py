@@ -1,4 +1,4 @@
-"""Section of the action network around the current situation, for the page's panel."""
+"""Section of the action network around the current situation, drawn on the page's panel."""
 
 from __future__ import annotations
 

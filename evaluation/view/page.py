@@ -118,7 +118,9 @@ class Page:
         self._at = at.copy()
 
     def _aim(self, client: viser.ClientHandle) -> None:
-        """Aim the camera of a newly connected browser at the robot, for the shape of its window."""
+        """Aim the camera of a newly connected browser at the robot; the view depends on the window's
+        aspect ratio.
+        """
         if self._at is None:
             return
         eye = eye_on(self._at, client.camera.fov, client.camera.aspect, self._outdoors)

@@ -25,7 +25,7 @@ label { color: #495057 !important }
 .mantine-Button-root[data-variant="outline"] { --button-bg: #fff !important;
   --button-color: #00527f !important; --button-bd: 1px solid #00527f !important }
 </style>"""
-"""Darker colours than viser's own grey and blue, for sufficient contrast."""
+"""Darker colours than viser's own grey and blue, with sufficient contrast."""
 _HEAD = "font-family:system-ui,sans-serif;padding:0.3em 0.8em;line-height:1.35;color:#1d2733;font-size:0.85em"
 
 
@@ -69,7 +69,7 @@ class Panel:
         Args:
             frame: with a picture if there is a new one.
             action: the running action, or the last one.
-            actions: all known actions, for the time line.
+            actions: all known actions, shown on the time line.
             span: start and end of the time line, in [s].
             at_once: whether to draw the time line even if it was drawn a moment ago.
         """

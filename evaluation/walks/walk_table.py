@@ -31,7 +31,7 @@ class Columns(NamedTuple):
     for_good: Numbers
     """Number of the state after a permanent Fail."""
     skip: NDArray[np.bool_]
-    """Whether the action only skips an element of a repeat, which cannot fail."""
+    """True if the action only skips an element of a repeat, which cannot fail."""
 
 
 class WalkTable:

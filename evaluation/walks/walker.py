@@ -45,11 +45,11 @@ class Stride(NamedTuple):
     fails: Numbers
     """Number of earlier Fails of the action."""
     skip: NDArray[np.bool_]
-    """Whether the action only skips an element of a repeat."""
+    """True if the action only skips an element of a repeat."""
     ends: Codes
     seconds: Floats
     after_fail: NDArray[np.bool_]
-    """Whether the last action that was not a skip has failed."""
+    """True if the last action that was not a skip has failed."""
     next: Numbers
     """The next moment, or `GOAL`, `NO_WAY` or `PERSON`."""
 

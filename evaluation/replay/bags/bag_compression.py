@@ -23,10 +23,10 @@ def unpacked_file(packed: Path, folder: Path) -> tuple[Path, str]:
 
     Args:
         packed: file such as `drive_0.db3.zstd`.
-        folder: folder for the unpacked file, which is named like `packed` without its last suffix.
+        folder: destination of the unpacked file, which is named like `packed` without its last suffix.
 
     Returns:
-        The path of the unpacked file, and a message about the damage; empty if there is none.
+        The path of the unpacked file, and a message that describes the damage; empty if there is none.
     """
     from zstandard import ZstdError
 

@@ -24,7 +24,7 @@ class RawMessage(NamedTuple):
     """Time of recording, in [s]."""
     data: bytes
     is_ros1: bool
-    """Whether it is serialized by ROS 1, otherwise as CDR."""
+    """True if it is serialized by ROS 1, False if as CDR."""
 
 
 def recovered(path: Path) -> Iterator[RawMessage]:
@@ -86,7 +86,7 @@ def _from_rosbag1(path: Path) -> Iterator[RawMessage]:
 def _message_of(
     header: dict[str, bytes], data: bytes, topics: dict[int, tuple[str, str]]
 ) -> Iterator[RawMessage]:
-    """Yield the message of a record; for a connection record, store its topic."""
+    """Yield the message of a record, or store the topic of a connection record."""
     operation = header.get("op", b"")
     if operation == bytes([CONNECTION]):
         kind = _fields(data)["type"].decode()

@@ -16,7 +16,7 @@ def checked_places(latitudes: Array, longitudes: Array, times: Array) -> tuple[A
     Args:
         latitudes: (n,) in [deg]; NaN where there is no fix.
         longitudes: (n,) in [deg].
-        times: (n,) in [s], for the notes.
+        times: (n,) in [s], named in the notes.
 
     Returns:
         Latitudes and longitudes with NaN in place of removed fixes, and notes.
@@ -57,8 +57,8 @@ def repeated_rows(latitudes: Array, longitudes: Array) -> NDArray[np.bool_]:
     """Return a mask (n,) of fixes that repeat the previous one exactly, in runs of at least `HELD`.
 
     Args:
-        latitudes: (n,) latitudes or any other first coordinate; NaN where there is no fix.
-        longitudes: (n,) longitudes or any other second coordinate.
+        latitudes: (n,) latitudes or any first coordinate; NaN where there is no fix.
+        longitudes: (n,) longitudes or any second coordinate.
     """
     rows = np.flatnonzero(np.isfinite(latitudes) & np.isfinite(longitudes))
     found = np.zeros(len(latitudes), dtype=bool)

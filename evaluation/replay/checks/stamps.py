@@ -31,7 +31,7 @@ def check_stamps(topic: str, stamps: Array, received: Array) -> StampReport:
     """Compare the header stamps of a topic with the times at which its messages were recorded.
 
     Args:
-        topic: name of the topic, for the notes.
+        topic: name of the topic, which the notes contain.
         stamps: (n,) in [s], in the order of recording.
         received: (n,) in [s].
     """

@@ -30,7 +30,7 @@ class Home(NamedTuple):
     posture: Sequence[float]
     """Joint positions in [deg], or [mm] for prismatic joints."""
     is_free: bool
-    """Whether the posture is without self-collision and above the floor."""
+    """True if the posture is without self-collision and above the floor."""
     always: Sequence[Pair]
     """Pairs of links that touch in every posture."""
     radius: float

@@ -1,4 +1,4 @@
-"""Report about a robot, made from its files alone."""
+"""Report on a robot, made from its files alone."""
 
 from __future__ import annotations
 
