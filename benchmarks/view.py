@@ -21,7 +21,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from handcart.evaluation.playback.part import FOLDER
+from handcart.evaluation.playback.part import PLAYBACK_FOLDER
 from handcart.evaluation.playback.playback import Playback
 
 TIMES = 5
@@ -56,7 +56,7 @@ def cost(task: Path) -> None:
                 before = time.process_time()
                 summary, _ = run_task(task, Path(there), RunOptions(playback=playback))
                 spent[playback].append(time.process_time() - before)
-            size = sum(each.stat().st_size for each in (Path(summary["run_dir"]) / FOLDER).iterdir())
+            size = sum(each.stat().st_size for each in (Path(summary["run_dir"]) / PLAYBACK_FOLDER).iterdir())
             lasted = summary["sim_time_s"]
     bare, recorded = min(spent[False]), min(spent[True])
     print(

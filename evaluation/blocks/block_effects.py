@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 from handcart.backends.simulation.blocks.block_props import BlockProps
 from handcart.evaluation.truth.at_most import at_most
-from handcart.evaluation.truth.sensor_sigmas import SIGMAS
+from handcart.evaluation.truth.sensor_sigmas import LIMIT_SIGMAS
 from handcart.evaluation.truth.survey import Claim, Effect, Survey
 from handcart.primitives.blocks.blocks import Blocks
 from handcart.primitives.blocks.stack import MOST_OFF
@@ -15,7 +15,7 @@ from handcart.robotics.geometry.transform import inverse
 
 LEANS_MM, LEANS_DEG = 2.5, 0.1  # what the base leans while a landmark is looked at, beside the sigma of that
 FIXED_MM, FIXED_DEG = 6.0, 0.3  # fixed limits of where FIXATE finds the base
-STACKED_MM = 1e3 * MOST_OFF + SIGMAS * 0.5  # STACK's own limit and its sensor's
+STACKED_MM = 1e3 * MOST_OFF + LIMIT_SIGMAS * 0.5  # STACK's own limit and its sensor's
 STACK = "STACK"
 
 
@@ -24,7 +24,7 @@ def _fixated(survey: Survey, _: Claim) -> list[str]:
     if fixed is None:
         return ["it isn't known where the base stands"]
     off, turned = fixed.pose.distance(base), math.degrees(fixed.pose.turn(base))
-    far, askew = 1e3 * SIGMAS * fixed.sigma[0], math.degrees(SIGMAS * fixed.sigma[1])
+    far, askew = 1e3 * LIMIT_SIGMAS * fixed.sigma[0], math.degrees(LIMIT_SIGMAS * fixed.sigma[1])
     return [
         *at_most("the base is {:.1f} mm from where it was found", 1e3 * off, LEANS_MM + far, FIXED_MM),
         *at_most(

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from handcart.evaluation.drawing.figure_file import save_figure
-from handcart.evaluation.drawing.palette import GREY, SERIES
+from handcart.evaluation.drawing.palette import GREY, SERIES_COLOURS
 from handcart.robotics.geometry.pose2 import Pose2
 
 from .wall_planning import WallPlan
@@ -50,7 +50,7 @@ def _from_above(plan: WallPlan, radius: float, ax: Any) -> None:
         (plan.fetching, plan.drawing.supply),
         (plan.laying, [b.place for b in plan.blocks]),
     ):
-        for colour, stop in zip(SERIES * len(stops), stops, strict=False):
+        for colour, stop in zip(SERIES_COLOURS * len(stops), stops, strict=False):
             for number in stop.numbers:
                 _outline(ax, places[number - 1].floor, length, width_m, colour)
             x, y, turn = stop.pose
@@ -79,7 +79,7 @@ def _from_front(plan: WallPlan, ax: Any) -> None:
     _, width, height = plan.drawing.block
     for number, block in enumerate(plan.blocks, start=1):
         along, up = block.place.floor.relative_to(row).y, block.place.height_m
-        colour = SERIES[_stop_of(plan, number) % len(SERIES)]
+        colour = SERIES_COLOURS[_stop_of(plan, number) % len(SERIES_COLOURS)]
         ax.add_patch(Rectangle((along - width / 2, up), width, height, facecolor="none", edgecolor=colour))
         ax.annotate(str(number), (along, up + height / 2), ha="center", va="center", fontsize=8)
     ax.autoscale_view()

@@ -9,7 +9,7 @@ import numpy as np
 from handcart.backends.simulation.books.book import Book
 from handcart.backends.simulation.books.book_props import BookProps
 from handcart.backends.simulation.scene import Scene
-from handcart.evaluation.truth.arrival_survey import DRIVES
+from handcart.evaluation.truth.arrival_survey import DRIVE_PRIMITIVE
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.robotics.geometry.transform import inverse
 
@@ -19,7 +19,7 @@ from .library_room import STAND_OFF
 
 def stop_errors(scene: Scene, primitive: ActionPrimitive) -> dict[str, float]:
     """Figures about an action that has succeeded; none for those that stop nowhere in particular."""
-    if primitive.label() == DRIVES:
+    if primitive.label() == DRIVE_PRIMITIVE:
         return _dock(scene, str(getattr(primitive, "place", "")))
     if primitive.label() == APPROACH:
         return _slot(scene, str(getattr(primitive, "shelf", "")))

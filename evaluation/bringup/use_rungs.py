@@ -14,7 +14,7 @@ from handcart.backends.can.can_backend import CanBackend
 from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.robot.lidar import Lidar
-from handcart.evaluation.trials.rig import LIBRARY, Rig
+from handcart.evaluation.trials.rig import LIBRARY_FOLDER, Rig
 from handcart.evaluation.trials.running import run_task
 from handcart.files.whole_file import write_whole
 from handcart.networks.graph.planner import NoWay, Planner
@@ -29,7 +29,7 @@ from .jog import HAND_SPEED
 from .rung import Facts, Rung, RungFailed
 from .site import Site
 
-CAMERA_TASK = LIBRARY.parent / "calibrate_camera" / "task.yaml"
+CAMERA_TASK = LIBRARY_FOLDER.parent / "calibrate_camera" / "task.yaml"
 TAPE = 0.002
 """Accuracy of a tape measure, in [m]."""
 PROTRACTOR = math.radians(1.0)

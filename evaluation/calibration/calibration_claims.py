@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.robot.mounted_camera import stated_camera
 from handcart.backends.simulation.sensors.true_camera import true_camera
-from handcart.evaluation.truth.sensor_sigmas import SIGMAS
+from handcart.evaluation.truth.sensor_sigmas import LIMIT_SIGMAS
 from handcart.primitives.contract.calibrated import Calibrated
 from handcart.robotics.geometry.transform import inverse
 
@@ -33,7 +33,7 @@ def camera_faults(robot: RobotFile, seed: int, found: Mapping[str, Calibrated]) 
     true, stated = true_camera(robot.camera, arm, robot.errors, seed), stated_camera(robot.camera, arm)
     off = inverse(stated.hand_T_camera) @ true.hand_T_camera
     K, lens = true.model.K, true.model.distortion
-    mount = SIGMAS * robot.arm.accuracy_mm
+    mount = LIMIT_SIGMAS * robot.arm.accuracy_mm
     truth: dict[str, tuple[object, float]] = {
         "focal_px": (K[1, 1], FOCAL_SHARE * K[1, 1]),
         "cx_px": (K[0, 2], MIDDLE_PX),
@@ -43,7 +43,7 @@ def camera_faults(robot: RobotFile, seed: int, found: Mapping[str, Calibrated]) 
         "xyz_mm": (1e3 * off[:3, 3], mount),
         "rpy_deg": (
             Rotation.from_matrix(off[:3, :3]).as_euler("xyz", degrees=True),
-            np.degrees(SIGMAS * ARM_MRAD / 1e3),
+            np.degrees(LIMIT_SIGMAS * ARM_MRAD / 1e3),
         ),
     }
     return _beyond(found, truth)
@@ -67,7 +67,7 @@ def _beyond(found: Mapping[str, Calibrated], truth: Mapping[str, tuple[object, f
             continue
         true, room = truth[name]
         off = np.abs(np.atleast_1d(np.asarray(value) - np.asarray(true)))
-        most = np.minimum(room + SIGMAS * np.atleast_1d(np.asarray(sigma)), FIXED_SHARE * room)
+        most = np.minimum(room + LIMIT_SIGMAS * np.atleast_1d(np.asarray(sigma)), FIXED_SHARE * room)
         wrong += [
             f"{name} is {size:.3g} off (at most {limit:.3g})"
             for size, limit in zip(off.tolist(), most.tolist(), strict=True)

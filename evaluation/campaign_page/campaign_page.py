@@ -21,7 +21,7 @@ from handcart.evaluation.campaign_report.exact_value import beside, exact_goal, 
 from handcart.evaluation.campaign_report.rerun import rerun
 from handcart.evaluation.campaigns.campaign_folder import RUNS, CampaignFolder
 from handcart.evaluation.campaigns.trial import Trial
-from handcart.evaluation.report.report import NAME, write_report
+from handcart.evaluation.report.report import REPORT_FILE, write_report
 from handcart.files.errors import HandcartError
 from handcart.files.whole_file import write_whole
 from handcart.networks.runs.run_names import GENERIC_STEM
@@ -58,7 +58,7 @@ class CampaignPage:
         """Write the pages of the trials to look at first; of a run that can't be read there is none."""
         for trial in self._report.worst():
             run = self._run(trial.run_name)
-            if run is not None and not (run / NAME).exists():
+            if run is not None and not (run / REPORT_FILE).exists():
                 with suppress(HandcartError, OSError):
                     write_report(run)
 
@@ -68,7 +68,7 @@ class CampaignPage:
         Raises:
             OSError: it can't be written.
         """
-        path = path or self.folder / NAME
+        path = path or self.folder / REPORT_FILE
         write_whole(path, self._page(path))
         return path
 
@@ -223,7 +223,7 @@ class CampaignPage:
         if run is None:
             return ""
         target = f"{os.path.relpath(run, page_path.absolute().parent)}/"
-        return quote(target + (NAME if page and (run / NAME).exists() else ""))
+        return quote(target + (REPORT_FILE if page and (run / REPORT_FILE).exists() else ""))
 
 
 def _same(table: TrialTable, limits: Mapping[str, float]) -> Iterator[str]:

@@ -6,7 +6,7 @@ BLACK, GREY = "#111111", "#767676"
 BLUE, SKY, GREEN = "#0072b2", "#56b4e9", "#009e73"
 ORANGE, VERMILION, PURPLE = "#e69f00", "#d55e00", "#cc79a7"
 
-SERIES = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY)
+SERIES_COLOURS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY)
 """Colours for a series of similar curves, in order."""
-OUTCOMES = {"Success": BLUE, "Fail": VERMILION, "GiveUp": "#1d2733", "": GREY}
+OUTCOME_COLOURS = {"Success": BLUE, "Fail": VERMILION, "GiveUp": "#1d2733", "": GREY}
 """Colours by outcome of an action; empty: it has not ended. White text is readable on all of them."""

@@ -11,11 +11,13 @@ import numpy as np
 
 from .palette import BLACK
 
-LETTER = 0.62  # of the font's size: how wide one is
-LINE = 1.3  # of it: how high a line is
-AWAY = 4.0  # [pt] from the place
-ARROW = 10.0  # [pt] long
-WAYS = tuple((math.cos(math.radians(turn)), math.sin(math.radians(turn))) for turn in range(0, 360, 45))
+LETTER_WIDTH_EM = 0.62  # of the font's size: how wide one is
+LINE_HEIGHT_EM = 1.3  # of it: how high a line is
+LABEL_DISTANCE_PT = 4.0  # [pt] from the place
+ARROW_LENGTH_PT = 10.0  # [pt] long
+LABEL_DIRECTIONS = tuple(
+    (math.cos(math.radians(turn)), math.sin(math.radians(turn))) for turn in range(0, 360, 45)
+)
 
 Box = tuple[float, float, float, float]
 
@@ -38,17 +40,18 @@ def draw_places(axis: Any, places: Mapping[str, tuple[float, float, float]], siz
     at = {name: ((x - left) * scale, (y - low) * scale) for name, (x, y, _) in places.items()}
     taken: list[Box] = []
     for name, (x, y, heading) in places.items():
-        tip = ARROW * math.cos(heading), ARROW * math.sin(heading)
+        tip = ARROW_LENGTH_PT * math.cos(heading), ARROW_LENGTH_PT * math.sin(heading)
         arrow = {"arrowstyle": "<|-", "color": BLACK, "shrinkA": 0.0, "shrinkB": 0.0}
         axis.annotate("", (x, y), tip, textcoords="offset points", arrowprops=arrow)
         ends = np.array([at[name], np.add(at[name], tip)])
         taken.append((*(ends.min(axis=0) - 2.0).tolist(), *(ends.max(axis=0) + 2.0).tolist()))
     for name, (x, y, heading) in places.items():
         behind = sorted(
-            WAYS, key=lambda way: round(way[0] * math.cos(heading) + way[1] * math.sin(heading), 3)
+            LABEL_DIRECTIONS,
+            key=lambda way: round(way[0] * math.cos(heading) + way[1] * math.sin(heading), 3),
         )
-        for away, (dx, dy) in product((AWAY, 2.5 * AWAY), behind):
-            half = LETTER * size * len(name) / 2.0, LINE * size / 2.0
+        for away, (dx, dy) in product((LABEL_DISTANCE_PT, 2.5 * LABEL_DISTANCE_PT), behind):
+            half = LETTER_WIDTH_EM * size * len(name) / 2.0, LINE_HEIGHT_EM * size / 2.0
             middle = at[name][0] + dx * (away + half[0]), at[name][1] + dy * (away + half[1])
             box = middle[0] - half[0], middle[1] - half[1], middle[0] + half[0], middle[1] + half[1]
             if _inside(box, paper) and not any(_over(box, other) for other in taken):

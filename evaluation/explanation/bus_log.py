@@ -11,9 +11,9 @@ import can
 
 from handcart.files.errors import InputError
 
-MOST = 2_000_000
+MAX_FRAMES = 2_000_000
 """Maximum number of frames that are read from a log."""
-KINDS = (".asc", ".blf", ".csv", ".db", ".log", ".trc")
+LOG_SUFFIXES = (".asc", ".blf", ".csv", ".db", ".log", ".trc")
 """File suffixes of the log formats that python-can reads."""
 
 
@@ -21,7 +21,7 @@ class UnreadableLog(InputError):
     """Error: a file is not a readable log of CAN frames."""
 
     def __init__(self, file: Path, why: object) -> None:
-        super().__init__(f"{file} is no log of CAN frames: {why}; allowed: {', '.join(KINDS)}")
+        super().__init__(f"{file} is no log of CAN frames: {why}; allowed: {', '.join(LOG_SUFFIXES)}")
 
 
 def read_log(file: Path) -> list[can.Message]:
@@ -30,17 +30,17 @@ def read_log(file: Path) -> list[can.Message]:
     Raises:
         UnreadableLog: the file is missing, damaged, too long, or has another format than `KINDS`.
     """
-    if file.suffix.lower() not in KINDS:
+    if file.suffix.lower() not in LOG_SUFFIXES:
         raise UnreadableLog(file, f"its suffix is {file.suffix!r}")
     if not file.is_file():
         raise UnreadableLog(file, "there is no such file")
     try:
         with ExitStack() as opened:
-            frames = list(islice(_reader(file, opened), MOST + 1))
+            frames = list(islice(_reader(file, opened), MAX_FRAMES + 1))
     except Exception as error:  # each reader of the library stumbles in its own way
         raise UnreadableLog(file, f"{type(error).__name__}: {error}") from None
-    if len(frames) > MOST:
-        raise UnreadableLog(file, f"it has more than {MOST} frames")
+    if len(frames) > MAX_FRAMES:
+        raise UnreadableLog(file, f"it has more than {MAX_FRAMES} frames")
     return frames
 
 

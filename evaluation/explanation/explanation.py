@@ -17,7 +17,7 @@ from handcart.networks.journal.past_run import PastAction, PastRun
 from handcart.networks.runs.flight_recorder import END_STEM, READINGS_SUFFIX
 from handcart.networks.runs.run_folder import JOURNAL_FILE
 
-FRAMES = "_frames.log"
+FRAMES_SUFFIX = "_frames.log"
 
 
 class NoSuchAction(InputError):
@@ -111,7 +111,10 @@ def relying_on_the_journal(run: PastRun) -> Iterator[None]:
 def _explained(run: PastRun, number: int | None) -> Explanation:
     action = run.last_fail if number is None else _numbered(run, number)
     if action is None:
-        readings, frames = _kept(run, f"{END_STEM}{READINGS_SUFFIX}"), _kept(run, f"{END_STEM}{FRAMES}")
+        readings, frames = (
+            _kept(run, f"{END_STEM}{READINGS_SUFFIX}"),
+            _kept(run, f"{END_STEM}{FRAMES_SUFFIX}"),
+        )
         return Explanation(run, None, None, (), (), None, None, readings, None, frames)
     relied_on = tuple(_relied_on(run, action))
     points = [_kept(run, f"{_stem(each)}.npz") for each in (action, *(who for _, who in relied_on[::-1]))]
@@ -125,7 +128,7 @@ def _explained(run: PastRun, number: int | None) -> Explanation:
         next((path for path in points if path is not None), None),
         _kept(run, f"{_stem(action)}{READINGS_SUFFIX}") or _at_the_end(run, action, READINGS_SUFFIX),
         _kept(run, f"{_stem(action)}.svg"),
-        _kept(run, f"{_stem(action)}{FRAMES}") or _at_the_end(run, action, FRAMES),
+        _kept(run, f"{_stem(action)}{FRAMES_SUFFIX}") or _at_the_end(run, action, FRAMES_SUFFIX),
     )
 
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from handcart.evaluation.drawing.figure_file import save_figure
 from handcart.evaluation.drawing.legend import add_legend
-from handcart.evaluation.drawing.palette import BLUE, GREY, PURPLE, SERIES, VERMILION
+from handcart.evaluation.drawing.palette import BLUE, GREY, PURPLE, SERIES_COLOURS, VERMILION
 from handcart.files.errors import HandcartError
 from handcart.networks.runs.flight_recorder import Readings, load_arrays, load_readings
 from handcart.robotics.geometry.pose2 import Pose2
@@ -22,11 +22,17 @@ from handcart.robotics.geometry.pose2 import Pose2
 from .explanation import Explanation
 from .explanation_words import cause_words, measured_words
 
-BUMPED = PURPLE
-COMMAND, READING, RESTORED, LIMIT, SENSED = "#999999", BLUE, "#fbe8cf", VERMILION, VERMILION
-WIDE = 90  # characters of a line of words
-AROUND = 2.0  # [m] about the robot that is drawn
-AHEAD = np.radians(20.0)  # to both sides of the robot's nose, where the nearest range is told apart
+BUMPED_COLOUR = PURPLE
+COMMAND_COLOUR, READING_COLOUR, RESTORED_COLOUR, LIMIT_COLOUR, SENSED_COLOUR = (
+    "#999999",
+    BLUE,
+    "#fbe8cf",
+    VERMILION,
+    VERMILION,
+)
+LINE_LENGTH = 90  # characters of a line of words
+VIEW_RADIUS_M = 2.0  # [m] about the robot that is drawn
+AHEAD_ANGLE_RAD = np.radians(20.0)  # to both sides of the robot's nose, where the nearest range is told apart
 
 
 MOST_PIXELS = 50_000_000
@@ -100,7 +106,7 @@ def _chain(explanation: Explanation) -> str:
     if explanation.action is None:
         return ""
     links = [line for cause in explanation.causes for line in cause_words(explanation.action, cause)]
-    return "\n".join("\n    ".join(wrap(each, WIDE)) for each in links)
+    return "\n".join("\n    ".join(wrap(each, LINE_LENGTH)) for each in links)
 
 
 def _title(explanation: Explanation) -> str:
@@ -151,18 +157,18 @@ def _draw_plan(axis: Any, explanation: Explanation, readings: Readings) -> None:
         if "ranges_m" in readings:
             axis.plot(*_scan(readings, now, pose).T, ".", color=GREY, ms=2.0, label="scan")
         way = _with_gaps(readings)
-        axis.plot(way["x_m"], way["y_m"], color=READING, lw=1.0, label="driven")
+        axis.plot(way["x_m"], way["y_m"], color=READING_COLOUR, lw=1.0, label="driven")
     for name, style in (("planned", ":"), ("ahead", "--")):
         if name in points:
-            axis.plot(*points[name].T, style, color=COMMAND, lw=1.2, label=name)
+            axis.plot(*points[name].T, style, color=COMMAND_COLOUR, lw=1.2, label=name)
     if "sensed" in points:
-        axis.plot(*points["sensed"].T, ".", color=SENSED, ms=4.0, label="sensed, not on the map")
+        axis.plot(*points["sensed"].T, ".", color=SENSED_COLOUR, ms=4.0, label="sensed, not on the map")
     if "bumped" in points:
-        axis.plot(*points["bumped"].T, color=BUMPED, lw=3.0, label="ran into something here")
+        axis.plot(*points["bumped"].T, color=BUMPED_COLOUR, lw=3.0, label="ran into something here")
     if "in the way" in points:
         axis.plot(*points["in the way"].T, "x", color="black", ms=10, mew=2, label="in the way")
-    axis.set_xlim(middle[0] - AROUND, middle[0] + AROUND)
-    axis.set_ylim(middle[1] - AROUND, middle[1] + AROUND)
+    axis.set_xlim(middle[0] - VIEW_RADIUS_M, middle[0] + VIEW_RADIUS_M)
+    axis.set_ylim(middle[1] - VIEW_RADIUS_M, middle[1] + VIEW_RADIUS_M)
     axis.set_aspect("equal")
     axis.set_xlabel("x [m] on the map")
     axis.set_ylabel("y [m]")
@@ -180,9 +186,9 @@ def _draw_robot(axis: Any, readings: Readings, pose: Pose2) -> None:
     from matplotlib.patches import Circle
 
     radius = float(readings.get("footprint_m", np.array(0.0)))
-    axis.add_patch(Circle((pose.x, pose.y), radius, fill=False, color=READING, lw=1.5))
+    axis.add_patch(Circle((pose.x, pose.y), radius, fill=False, color=READING_COLOUR, lw=1.5))
     nose = pose.apply(np.array([[radius, 0.0]]))[0]
-    axis.plot([pose.x, nose[0]], [pose.y, nose[1]], color=READING, lw=1.5)
+    axis.plot([pose.x, nose[0]], [pose.y, nose[1]], color=READING_COLOUR, lw=1.5)
 
 
 def _scan(readings: Readings, row: int, pose: Pose2) -> NDArray[np.float64]:
@@ -198,8 +204,8 @@ def _draw_decided(axis: Any, decided: dict[str, Any]) -> None:
     if value is None or limit is None or not math.isfinite(value):
         axis.set_axis_off()
         return
-    axis.barh(0.0, value, height=0.6, color=READING)
-    axis.axvline(limit, color=LIMIT, lw=2.0)
+    axis.barh(0.0, value, height=0.6, color=READING_COLOUR)
+    axis.axvline(limit, color=LIMIT_COLOUR, lw=2.0)
     axis.margins(x=0.1)
     axis.set_yticks([])
     axis.tick_params(labelsize=7)
@@ -221,12 +227,19 @@ def _draw_panel(
     axis.margins(x=0.0)
     times, restoring = readings["time_s"], readings["restoring"]
     axis.fill_between(
-        times, 0, 1, where=restoring, transform=axis.get_xaxis_transform(), color=RESTORED, lw=0, zorder=0
+        times,
+        0,
+        1,
+        where=restoring,
+        transform=axis.get_xaxis_transform(),
+        color=RESTORED_COLOUR,
+        lw=0,
+        zorder=0,
     )
     if explanation.action is not None and explanation.action.broken_off is not None:
-        axis.axvline(explanation.action.broken_off, color=LIMIT, lw=1.0)
+        axis.axvline(explanation.action.broken_off, color=LIMIT_COLOUR, lw=1.0)
     if decides and decided.get("unit") == panel.unit and decided.get("limit") is not None:
-        axis.axhline(decided["limit"], color=LIMIT, lw=0.8, ls=":")
+        axis.axhline(decided["limit"], color=LIMIT_COLOUR, lw=0.8, ls=":")
 
 
 def _with_gaps(readings: Readings) -> Readings:
@@ -255,35 +268,35 @@ def _key(axis: Any) -> None:
 def _speed(axis: Any, readings: Readings) -> None:
     times = readings["time_s"]
     travel = (readings["wheel_left_m"] + readings["wheel_right_m"]) / 2
-    axis.step(times, readings["speed_command_m_s"], color=COMMAND, lw=2.5, where="pre")
+    axis.step(times, readings["speed_command_m_s"], color=COMMAND_COLOUR, lw=2.5, where="pre")
     if len(times) > 1:
         passed = np.where(np.diff(times) > 0.0, np.diff(times), np.nan)
-        axis.plot(times[1:], np.diff(travel) / passed, color=READING, lw=1.0)
+        axis.plot(times[1:], np.diff(travel) / passed, color=READING_COLOUR, lw=1.0)
 
 
 def _turn(axis: Any, readings: Readings) -> None:
     times = readings["time_s"]
-    axis.step(times, np.degrees(readings["turn_command_rad_s"]), color=COMMAND, lw=2.5, where="pre")
+    axis.step(times, np.degrees(readings["turn_command_rad_s"]), color=COMMAND_COLOUR, lw=2.5, where="pre")
     if len(times) > 1:
         passed = np.where(np.diff(times) > 0.0, np.diff(times), np.nan)
         turned = (np.diff(readings["heading_rad"]) + np.pi) % (2 * np.pi) - np.pi
-        axis.plot(times[1:], np.degrees(turned / passed), color=READING, lw=1.0)
+        axis.plot(times[1:], np.degrees(turned / passed), color=READING_COLOUR, lw=1.0)
 
 
 def _nearest(axis: Any, readings: Readings) -> None:
     ranges = readings["ranges_m"]
     angles = readings["angles_rad"] + readings["base_T_sensor"][2]
-    ahead = np.abs((angles + np.pi) % (2 * np.pi) - np.pi) <= AHEAD
+    ahead = np.abs((angles + np.pi) % (2 * np.pi) - np.pi) <= AHEAD_ANGLE_RAD
     least = np.min(ranges, axis=1, where=np.isfinite(ranges), initial=np.inf)
     front = np.min(ranges[:, ahead], axis=1, where=np.isfinite(ranges[:, ahead]), initial=np.inf)
     for line, style, label in ((least, "-", "nearest"), (front, "--", "nearest ahead")):
         shown = np.where(np.isfinite(line), line, np.nan)
-        axis.plot(readings["time_s"], shown, style, color=READING, lw=1.0, label=label)
+        axis.plot(readings["time_s"], shown, style, color=READING_COLOUR, lw=1.0, label=label)
     _key(axis)
 
 
 def _explained(axis: Any, readings: Readings) -> None:
-    axis.plot(readings["time_s"], readings["scan_explained"], color=READING, lw=1.0)
+    axis.plot(readings["time_s"], readings["scan_explained"], color=READING_COLOUR, lw=1.0)
     axis.set_ylim(0.0, 1.05)
 
 
@@ -291,24 +304,24 @@ def _joints(axis: Any, readings: Readings) -> None:
     angles = readings["joints_rad"]
     slides = readings.get("joint_slides", np.zeros(angles.shape[1], dtype=bool))
     scale = np.where(slides, 1e3, np.degrees(1.0))
-    axis.plot(readings["time_s"], scale * readings["joints_command_rad"], color=COMMAND, lw=2.5)
+    axis.plot(readings["time_s"], scale * readings["joints_command_rad"], color=COMMAND_COLOUR, lw=2.5)
     for number, joint in enumerate((scale * angles).T):
-        turn, place = divmod(number, len(SERIES))
+        turn, place = divmod(number, len(SERIES_COLOURS))
         style = ("-", "--", ":")[turn % 3]
         name = f"{number + 1}{' [mm]' if slides[number] else ''}"
-        axis.plot(readings["time_s"], joint, style, color=SERIES[place], lw=1.0, label=name)
+        axis.plot(readings["time_s"], joint, style, color=SERIES_COLOURS[place], lw=1.0, label=name)
     _key(axis)
 
 
 def _force(axis: Any, readings: Readings) -> None:
-    for name, colour, column in zip("xyz", SERIES, readings["hand_force_n"].T, strict=False):
+    for name, colour, column in zip("xyz", SERIES_COLOURS, readings["hand_force_n"].T, strict=False):
         axis.plot(readings["time_s"], column, color=colour, lw=1.0, label=name)
     _key(axis)
 
 
 def _grip(axis: Any, readings: Readings) -> None:
-    axis.step(readings["time_s"], 1e3 * readings["grip_command_m"], color=COMMAND, lw=2.5, where="pre")
-    axis.plot(readings["time_s"], 1e3 * readings["grip_width_m"], color=READING, lw=1.0)
+    axis.step(readings["time_s"], 1e3 * readings["grip_command_m"], color=COMMAND_COLOUR, lw=2.5, where="pre")
+    axis.plot(readings["time_s"], 1e3 * readings["grip_width_m"], color=READING_COLOUR, lw=1.0)
 
 
 _PANELS: Sequence[_Panel] = (

@@ -13,7 +13,7 @@ from handcart.networks.journal.past_run import PastAction, PastRun
 
 from .explanation import Explanation, Residual, relying_on_the_journal
 
-CHECKS = {
+CHECK_TEXTS = {
     "observe": "while looking at what it will touch",
     "motion": "in its motion",
     "watch": "by its watch, asked every period",
@@ -28,7 +28,7 @@ CHECKS = {
     "framework": "by the framework",
 }
 """Text for each kind of check that may find a fault, by its name in the journal."""
-LONGEST = 6  # actions of a way that are named
+MAX_ROUTE_ACTIONS = 6  # actions of a way that are named
 
 
 def in_words(explanation: Explanation, chart: Path | None) -> str:
@@ -131,7 +131,7 @@ def _instead(option: Option) -> str:
 
 def _steps(way: Way) -> str:
     names = [each.do for each in way.actions]
-    return ", ".join([*names[:LONGEST], *(["..."] if len(names) > LONGEST else [])])
+    return ", ".join([*names[:MAX_ROUTE_ACTIONS], *(["..."] if len(names) > MAX_ROUTE_ACTIONS else [])])
 
 
 def _cost(way: Way) -> str:
@@ -166,7 +166,7 @@ def cause_words(action: PastAction, cause: Mapping[str, Any]) -> Iterator[str]:
     """Yield one line for each link of a cause: primitive, check, functions, sensor."""
     when = action.end if action.broken_off is None or cause.get("restoring") else action.broken_off
     yield f"{when:.1f} s: {cause['reason']}"
-    chain = [action.do, f"found {CHECKS.get(cause['check'], cause['check'])}"]
+    chain = [action.do, f"found {CHECK_TEXTS.get(cause['check'], cause['check'])}"]
     if cause["calls"]:
         chain.append(" > ".join(cause["calls"]))
     if cause.get("fault"):

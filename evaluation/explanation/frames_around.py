@@ -17,7 +17,7 @@ from handcart.backends.can.bus.frame_words import FrameDescription, FrameWords
 
 from .bus_log import read_log
 
-MOST = 40  # lines at most, those nearest in time
+MAX_LINES = 40  # lines at most, those nearest in time
 _SILENT = 2.5  # times its usual spacing that a frame is missing for
 
 
@@ -68,7 +68,7 @@ def frames_around(file: Path, run: Path, instant: float) -> FramesAround:
     words = FrameWords(names)
     all_lines = [FrameLine(each.timestamp, each.arbitration_id, words.describe(each)) for each in frames]
     telling, instant = list(_changes(all_lines)), min(instant, all_lines[-1].time)
-    nearest = sorted(sorted(telling, key=lambda line: abs(line.time - instant))[:MOST])
+    nearest = sorted(sorted(telling, key=lambda line: abs(line.time - instant))[:MAX_LINES])
     silent = tuple(_silent(all_lines))
     return FramesAround(file, len(frames), tuple(nearest), len(telling) - len(nearest), silent)
 

@@ -19,10 +19,10 @@ from handcart.files.whole_file import write_whole
 if TYPE_CHECKING:
     from arro3.core import Array, Field, RecordBatch
 
-TOGETHER = 5000
+BATCH_TRIALS = 5000
 """Number of trials in one batch."""
-COMPRESSION = "zstd(3)"
-OF_SUMMARY = {
+PARQUET_COMPRESSION = "zstd(3)"
+SUMMARY_COLUMNS = {
     "outcome": "text",
     "situation": "text",
     "reason": "text",
@@ -32,7 +32,7 @@ OF_SUMMARY = {
     "replans": "integer",
 }
 """Columns that are taken from a trial's summary, with their types."""
-METRIC, VARIED = "metrics.", "varied."
+METRIC_PREFIX, VARIED_PREFIX = "metrics.", "varied."
 """Prefixes of the columns of metrics and of varied parameters."""
 Column = tuple[str, str, Callable[[Trial], Any]]
 """Name and type of a column, and its value in a trial; None where the trial has no value."""
@@ -68,14 +68,14 @@ def write_parquet(trials: Iterable[Trial], path: Path) -> None:
         from arro3.core import RecordBatch
 
         left = iter(trials)
-        while some := list(islice(left, TOGETHER)):
+        while some := list(islice(left, BATCH_TRIALS)):
             arrays = [_array(kind, [value(each) for each in some]) for _, kind, value in columns]
             arrays.append(_lists([[end._asdict() for end in each.actions] for each in some], ends))
             arrays.append(_lists([each.faults for each in some], faults))
             yield RecordBatch.from_arrays(arrays, schema=schema)
 
     content = io.BytesIO()
-    write(RecordBatchReader.from_batches(schema, list(batches())), content, compression=COMPRESSION)
+    write(RecordBatchReader.from_batches(schema, list(batches())), content, compression=PARQUET_COMPRESSION)
     write_whole(path, content.getvalue())
 
 
@@ -95,11 +95,11 @@ def _columns(trials: Iterable[Trial]) -> list[Column]:
         ("untrue", "text", lambda trial: "; ".join(trial.untrue)),
         ("run", "text", lambda trial: trial.run_name),
     ]
-    found += [(name, kind, _of_summary(name)) for name, kind in OF_SUMMARY.items()]
+    found += [(name, kind, _of_summary(name)) for name, kind in SUMMARY_COLUMNS.items()]
     for name, kinds in metrics.items():
         kind = _common(kinds)
-        found.append((f"{METRIC}{name}", kind, _of_metrics(name, kind)))
-    return found + [(f"{VARIED}{name}", "number", _of_varied(name)) for name in varied]
+        found.append((f"{METRIC_PREFIX}{name}", kind, _of_metrics(name, kind)))
+    return found + [(f"{VARIED_PREFIX}{name}", "number", _of_varied(name)) for name in varied]
 
 
 def _of_summary(name: str) -> Callable[[Trial], Any]:

@@ -8,7 +8,7 @@ from handcart.networks.journal.past_run import PastRun, Record
 
 from .stamped import Message, stamp
 
-LEVELS = {"Fail": "Warning", "GiveUp": "Error"}
+LOG_LEVELS = {"Fail": "Warning", "GiveUp": "Error"}
 
 
 def event_messages(run: PastRun) -> Iterator[Message]:
@@ -17,7 +17,7 @@ def event_messages(run: PastRun) -> Iterator[Message]:
 
     done = {each.number: each.do for each in run.actions}
     for record in run.records:
-        time, level = float(record["t"]), LEVELS.get(str(record.get("outcome", "")), "Info")
+        time, level = float(record["t"]), LOG_LEVELS.get(str(record.get("outcome", "")), "Info")
         yield (
             time,
             "/events",

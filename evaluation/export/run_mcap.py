@@ -21,17 +21,17 @@ from handcart.robotics.kinematics.urdf_assembly import root_link
 
 from .events import event_messages
 from .scene import scene_messages
-from .stamped import MAP, Message, nanoseconds, orientation_of, pose_of, position_of, stamp
+from .stamped import MAP_FRAME, Message, nanoseconds, orientation_of, pose_of, position_of, stamp
 
 if TYPE_CHECKING:
     from foxglove.messages import FrameTransforms, Grid, JointStates, LaserScan
 
-CAMERA, SENSOR = "camera", "range_sensor"
+CAMERA_FRAME, LIDAR_FRAME = "camera", "range_sensor"
 """Names of the sensors' frames; the frame of the base is the URDF's root link."""
-FINGERS = ("left_finger", "right_finger")
+FINGER_JOINTS = ("left_finger", "right_finger")
 """Finger joints, each at half the gripper's opening, if the URDF has them."""
-MOST = 64 * 2**20  # of a summary, in [bytes]
-FREE, OCCUPIED, UNKNOWN = 0, 100, -1
+MAX_SUMMARY_BYTES = 64 * 2**20  # of a summary, in [bytes]
+FREE_CELL, OCCUPIED_CELL, UNKNOWN_CELL = 0, 100, -1
 """Cell values of an occupancy grid, as in ROS."""
 
 
@@ -85,13 +85,13 @@ def _bases(recorded: Playback) -> Iterator[Message]:
     for row, time in enumerate(rows.time.tolist()):
         believed = pose_of(rows.pose[row])
         yield time, "/tf", _transforms(recorded, row, root)
-        yield time, "/pose", PoseInFrame(timestamp=stamp(time), frame_id=MAP, pose=believed)
+        yield time, "/pose", PoseInFrame(timestamp=stamp(time), frame_id=MAP_FRAME, pose=believed)
         if np.isfinite(rows.truth[row]).all():
             true = pose_of(rows.truth[row])
-            yield time, "/truth", PoseInFrame(timestamp=stamp(time), frame_id=MAP, pose=true)
+            yield time, "/truth", PoseInFrame(timestamp=stamp(time), frame_id=MAP_FRAME, pose=true)
     for time, cloud in zip(rows.cloud_time.tolist(), rows.cloud, strict=True):
         poses = [pose_of(each) for each in cloud]
-        yield time, "/particles", PosesInFrame(timestamp=stamp(time), frame_id=MAP, poses=poses)
+        yield time, "/particles", PosesInFrame(timestamp=stamp(time), frame_id=MAP_FRAME, poses=poses)
 
 
 def _sensed(recorded: Playback) -> Iterator[Message]:
@@ -99,13 +99,13 @@ def _sensed(recorded: Playback) -> Iterator[Message]:
 
     rows, known = recorded.rows, {each.get("name") for each in _urdf(recorded).iter("joint")}
     if recorded.scenery.robot.joints:
-        fingers = known.issuperset(FINGERS)
+        fingers = known.issuperset(FINGER_JOINTS)
         for row, time in enumerate(rows.time.tolist()):
             yield time, "/joint_states", _joints(recorded, row, fingers)
     for number, time in enumerate(rows.scan_time.tolist()):
         yield time, "/scan", _scan(recorded, number, time)
     for time, jpeg in zip(rows.picture_time.tolist(), recorded.pictures, strict=True):
-        image = CompressedImage(timestamp=stamp(time), frame_id=CAMERA, data=jpeg, format="jpeg")
+        image = CompressedImage(timestamp=stamp(time), frame_id=CAMERA_FRAME, data=jpeg, format="jpeg")
         yield time, "/camera", image
 
 
@@ -115,8 +115,8 @@ def _transforms(recorded: Playback, row: int, root: str) -> FrameTransforms:
 
     at = stamp(float(recorded.rows.time[row]))
     links = (
-        (MAP, root, recorded.rows.pose[row]),
-        (root, SENSOR, np.array(recorded.scenery.robot.base_t_sensor)),
+        (MAP_FRAME, root, recorded.rows.pose[row]),
+        (root, LIDAR_FRAME, np.array(recorded.scenery.robot.base_t_sensor)),
     )
     return FrameTransforms(
         transforms=[
@@ -138,7 +138,7 @@ def _joints(recorded: Playback, row: int, fingers: bool) -> JointStates:
     rows, names = recorded.rows, recorded.scenery.robot.joints
     found = dict(zip(names, rows.joints[row].tolist(), strict=True))
     if fingers:
-        found |= dict.fromkeys(FINGERS, 0.5 * float(rows.width[row]))
+        found |= dict.fromkeys(FINGER_JOINTS, 0.5 * float(rows.width[row]))
     states = [JointState(name=name, position=value) for name, value in found.items()]
     return JointStates(timestamp=stamp(float(rows.time[row])), joints=states)
 
@@ -149,7 +149,7 @@ def _scan(recorded: Playback, number: int, time: float) -> LaserScan:
     angles = recorded.scenery.robot.angles_rad
     return LaserScan(
         timestamp=stamp(time),
-        frame_id=SENSOR,
+        frame_id=LIDAR_FRAME,
         start_angle=angles[0] if angles else 0.0,
         end_angle=angles[-1] if angles else 0.0,
         ranges=recorded.ranges(number).tolist(),
@@ -162,13 +162,13 @@ def _grid(recorded: Playback) -> Grid:
     shape = recorded.scenery.map
     assert shape is not None
     picture = shape.picture()[::-1]
-    cells: NDArray[np.int8] = np.full(picture.shape, UNKNOWN, np.int8)
-    cells[picture == 0], cells[picture == 255] = OCCUPIED, FREE
+    cells: NDArray[np.int8] = np.full(picture.shape, UNKNOWN_CELL, np.int8)
+    cells[picture == 0], cells[picture == 255] = OCCUPIED_CELL, FREE_CELL
     kind = PackedElementFieldNumericType.Int8
     columns = int(picture.shape[1])
     return Grid(
         timestamp=stamp(recorded.start),
-        frame_id=MAP,
+        frame_id=MAP_FRAME,
         pose=pose_of(np.array([*shape.origin_m, 0.0])),
         column_count=columns,
         cell_size=Vector2(x=shape.resolution_m, y=shape.resolution_m),
@@ -192,6 +192,6 @@ def _about(run: PastRun) -> dict[str, str]:
 def _attached(recorded: Playback) -> Iterator[tuple[str, str, bytes]]:
     """Yield name, media type and content of the attached files."""
     yield "robot.urdf", "application/xml", recorded.scenery.robot.urdf.encode()
-    summary = read_file(recorded.run.folder, "summary.json", MOST, missing=True)
+    summary = read_file(recorded.run.folder, "summary.json", MAX_SUMMARY_BYTES, missing=True)
     if summary is not None:
         yield "summary.json", "application/json", summary

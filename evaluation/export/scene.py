@@ -12,12 +12,12 @@ from handcart.evaluation.playback.playback import Playback
 from handcart.evaluation.playback.scenery import Size
 from handcart.evaluation.playback.seven import sevens, transforms
 
-from .stamped import MAP, Message, pose_of, stamp
+from .stamped import MAP_FRAME, Message, pose_of, stamp
 
 if TYPE_CHECKING:
     from foxglove.messages import SceneEntity
 
-FURNITURE = 178  # grey of what has none of its own
+FURNITURE_GREY = 178  # grey of what has none of its own
 
 
 def scene_messages(recorded: Playback) -> Iterator[Message]:
@@ -41,7 +41,7 @@ def _scenery(recorded: Playback) -> Iterator[Message]:
         if appears > rows.world_time[-1]:
             continue
         time = float(np.interp(appears, rows.world_time, rows.time))
-        grey = FURNITURE if solid.grey is None else solid.grey
+        grey = FURNITURE_GREY if solid.grey is None else solid.grey
         yield _update(time, "/scenery", _box(solid.name, time, np.array(solid.pose), solid.size_m, grey))
         if leaves is not None and leaves <= rows.world_time[-1]:
             gone = float(np.interp(leaves, rows.world_time, rows.time))
@@ -64,4 +64,4 @@ def _box(name: str, time: float, pose: NDArray[np.float64], size: Size, grey: in
         size=Vector3(x=size[0], y=size[1], z=size[2]),
         color=Color(r=shade, g=shade, b=shade, a=1.0),
     )
-    return SceneEntity(timestamp=stamp(time), frame_id=MAP, id=name, cubes=[cube])
+    return SceneEntity(timestamp=stamp(time), frame_id=MAP_FRAME, id=name, cubes=[cube])

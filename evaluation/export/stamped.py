@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from foxglove.messages import Pose, Quaternion, Timestamp, Vector3
 
-MAP = "map"
+MAP_FRAME = "map"
 """Name of the map's frame, which is also the simulated world's frame."""
 Message = tuple[float, str, Any]
 """Time in [s] of the robot's clock, topic, and message."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from handcart.backends.simulation.field.field_props import FieldProps
 from handcart.evaluation.truth.at_most import at_most
-from handcart.evaluation.truth.sensor_sigmas import SIGMAS
+from handcart.evaluation.truth.sensor_sigmas import LIMIT_SIGMAS
 from handcart.evaluation.truth.survey import Claim, Effect, Survey
 from handcart.primitives.field.field_work import FieldWork
 
@@ -31,8 +31,8 @@ def _deployed(survey: Survey, claim: Claim) -> list[str]:
     if block is None or block.rest.value != "table":
         return ["the sensor doesn't stand on the ground"]
     target, lies = work.targets[name], block.pose[:2, 3]
-    most = LAID_MM + SIGMAS * 1e3 * math.sqrt(float(np.linalg.eigvalsh(laid.spread)[-1]))
-    fixed = LAID_MM + SIGMAS * claim.primitive.sure_mm
+    most = LAID_MM + LIMIT_SIGMAS * 1e3 * math.sqrt(float(np.linalg.eigvalsh(laid.spread)[-1]))
+    fixed = LAID_MM + LIMIT_SIGMAS * claim.primitive.sure_mm
     from_belief = 1e3 * math.dist(lies, (laid.x, laid.y))
     from_target = 1e3 * math.dist(lies, (target.x, target.y))
     return [

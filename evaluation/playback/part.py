@@ -12,15 +12,15 @@ from pydantic import TypeAdapter
 
 from .scenery import ThingShape
 
-FOLDER = "playback"
+PLAYBACK_FOLDER = "playback"
 """Subfolder of a run's folder that holds the scenery and the parts."""
-SCENERY = "scenery.json"
-NAME = "{:05d}.npz"
+SCENERY_FILE = "scenery.json"
+PART_FILE_FORMAT = "{:05d}.npz"
 """File name of a part, by its number from 1."""
-NOTHING, FAR = 65535, 65534
+INVALID_RANGE_MM, NO_ECHO_MM = 65535, 65534
 """Stored values of an invalid range and of a range without an echo."""
 Array = NDArray[np.float64]
-SHAPES = TypeAdapter(list[ThingShape])
+SHAPES_ADAPTER = TypeAdapter(list[ThingShape])
 
 
 class Part(NamedTuple):
@@ -98,7 +98,7 @@ class Part(NamedTuple):
         """Return the shapes of the things that appear first in this part; raise ValueError if they are
         damaged.
         """
-        return SHAPES.validate_python(orjson.loads(self.shapes.tobytes()))
+        return SHAPES_ADAPTER.validate_python(orjson.loads(self.shapes.tobytes()))
 
     def jpegs(self) -> list[bytes]:
         """Return the JPEG bytes of each camera picture."""
@@ -131,12 +131,14 @@ _WIDTHS = {"pose": (3,), "truth": (7,), "covariance": (3, 3), "moved_pose": (7,)
 
 def millimetres(ranges: Array) -> NDArray[np.uint16]:
     """Encode lidar ranges in [m], of any shape, as integers in [mm]."""
-    whole = np.clip(np.rint(1e3 * np.nan_to_num(ranges, nan=0.0, posinf=0.0, neginf=0.0)), 0, FAR - 1)
+    whole = np.clip(np.rint(1e3 * np.nan_to_num(ranges, nan=0.0, posinf=0.0, neginf=0.0)), 0, NO_ECHO_MM - 1)
     unknown = np.isnan(ranges) | np.isneginf(ranges)
-    return np.where(unknown, NOTHING, np.where(np.isinf(ranges), FAR, whole)).astype(np.uint16)
+    return np.where(unknown, INVALID_RANGE_MM, np.where(np.isinf(ranges), NO_ECHO_MM, whole)).astype(
+        np.uint16
+    )
 
 
 def metres(scan_mm: NDArray[np.uint16]) -> Array:
     """Decode ranges encoded by `millimetres`, in [m]; infinity without an echo, NaN if invalid."""
     known = scan_mm / 1e3
-    return np.where(scan_mm == NOTHING, np.nan, np.where(scan_mm == FAR, np.inf, known))
+    return np.where(scan_mm == INVALID_RANGE_MM, np.nan, np.where(scan_mm == NO_ECHO_MM, np.inf, known))

@@ -18,14 +18,14 @@ from handcart.networks.journal.past_run import PastAction, PastRun, read_run
 from handcart.networks.runs.flight_recorder import READINGS_SUFFIX, load_arrays
 from handcart.networks.runs.run_folder import NoRun, read_file
 
-from .part import FOLDER, SCENERY, Part, metres
+from .part import PLAYBACK_FOLDER, SCENERY_FILE, Part, metres
 from .scenery import Scenery, ThingShape
 from .seven import between, on_floor
 
-MOST = 64 * 2**20  # of the scenery, in [bytes]
-GAP = 1.0  # [s] between two rows: what lies further apart isn't a motion
-BUMPED = "bumped"  # likewise, where the base ran into something that no sensor shows
-PLANNED = "planned"  # how primitives call, in their evidence, the path that they mean to drive
+MAX_SCENERY_BYTES = 64 * 2**20  # of the scenery, in [bytes]
+MAX_ROW_GAP_S = 1.0  # [s] between two rows: what lies further apart isn't a motion
+BUMPED_KEY = "bumped"  # likewise, where the base ran into something that no sensor shows
+PLANNED_KEY = "planned"  # how primitives call, in their evidence, the path that they mean to drive
 Array = NDArray[np.float64]
 
 
@@ -70,7 +70,7 @@ class ThingTrack(NamedTuple):
         row = int(np.searchsorted(self.time, time, "right")) - 1
         if row < 0:
             return None
-        if row + 1 == len(self.time) or self.time[row + 1] - self.time[row] > GAP:
+        if row + 1 == len(self.time) or self.time[row + 1] - self.time[row] > MAX_ROW_GAP_S:
             return np.asarray(self.pose[row])
         share = (time - self.time[row]) / (self.time[row + 1] - self.time[row])
         return between(self.pose[row], self.pose[row + 1], float(share))
@@ -98,7 +98,7 @@ class Playback:
             JournalError: the run's journal is damaged.
         """
         run = read_run(folder)
-        content = read_file(folder, f"{FOLDER}/{SCENERY}", MOST, missing=True)
+        content = read_file(folder, f"{PLAYBACK_FOLDER}/{SCENERY_FILE}", MAX_SCENERY_BYTES, missing=True)
         if content is None:
             wrong = "nothing was recorded in it to be played back (an older run, or a campaign's)"
             raise NoRun(folder, f"{wrong}; `handcart run` with the same task and seed records it")
@@ -107,14 +107,14 @@ class Playback:
         except ValidationError as error:
             first = error.errors(include_url=False, include_context=False)[0]
             where = ".".join(map(str, first["loc"]))
-            raise NoRun(folder, f"{FOLDER}/{SCENERY} in it: {where}: {first['msg']}") from None
-        parts = _cut([_part(folder, path) for path in sorted((folder / FOLDER).glob("[0-9]*.npz"))])
+            raise NoRun(folder, f"{PLAYBACK_FOLDER}/{SCENERY_FILE} in it: {where}: {first['msg']}") from None
+        parts = _cut([_part(folder, path) for path in sorted((folder / PLAYBACK_FOLDER).glob("[0-9]*.npz"))])
         if not any(len(part.time) for part in parts):
             raise NoRun(folder, "nothing of its motion was recorded: it was killed in its first minute")
         try:
             rows = _joined(parts)
         except ValueError as error:
-            raise NoRun(folder, f"the parts in {FOLDER} don't belong together: {error}") from None
+            raise NoRun(folder, f"the parts in {PLAYBACK_FOLDER} don't belong together: {error}") from None
         pictures = tuple(jpeg for part in parts for jpeg in part.jpegs())
         return cls(run, scenery, rows, pictures, _things(parts))
 
@@ -134,7 +134,7 @@ class Playback:
         a = int(np.clip(np.searchsorted(rows.time, time, "right") - 1, 0, len(rows.time) - 1))
         b = min(a + 1, len(rows.time) - 1)
         span = float(rows.time[b] - rows.time[a])
-        share = float(np.clip((time - rows.time[a]) / span, 0.0, 1.0)) if 0.0 < span <= GAP else 0.0
+        share = float(np.clip((time - rows.time[a]) / span, 0.0, 1.0)) if 0.0 < span <= MAX_ROW_GAP_S else 0.0
         turn = (rows.pose[b, 2] - rows.pose[a, 2] + np.pi) % (2.0 * np.pi) - np.pi
         step = np.array([*(rows.pose[b, :2] - rows.pose[a, :2]), turn])
         known = bool(np.isfinite(rows.truth[[a, b]]).all())
@@ -173,13 +173,13 @@ class Playback:
         """Return the path (n, 2) in [m] on the map that an action planned to drive; (0, 2) if it planned
         none.
         """
-        return self._named(PLANNED).get(number, np.empty((0, 2)))
+        return self._named(PLANNED_KEY).get(number, np.empty((0, 2)))
 
     def bumped(self, number: int) -> Array:
         """Return the points (n, 2) in [m] on the map where the base hit something, up to and including an
         action.
         """
-        found = [points for n, points in self._named(BUMPED).items() if n <= number]
+        found = [points for n, points in self._named(BUMPED_KEY).items() if n <= number]
         return np.vstack([np.empty((0, 2)), *found])
 
     @cached_property
@@ -221,7 +221,9 @@ class Playback:
                 arrays = load_arrays(path)
             except (OSError, ValueError, BadZipFile) as error:
                 raise NoRun(self.run.folder, f"{EVIDENCE}/{path.name} in it is damaged ({error})") from None
-            found[int(path.name.split("_")[0])] = {k: arrays[k] for k in (PLANNED, BUMPED) if k in arrays}
+            found[int(path.name.split("_")[0])] = {
+                k: arrays[k] for k in (PLANNED_KEY, BUMPED_KEY) if k in arrays
+            }
         return found
 
 
@@ -229,7 +231,7 @@ def _part(folder: Path, path: Path) -> Part:
     try:
         return Part.of(load_arrays(path))
     except (OSError, ValueError, BadZipFile) as error:
-        raise NoRun(folder, f"{FOLDER}/{path.name} in it is damaged ({error})") from None
+        raise NoRun(folder, f"{PLAYBACK_FOLDER}/{path.name} in it is damaged ({error})") from None
 
 
 def _cut(parts: list[Part]) -> list[Part]:

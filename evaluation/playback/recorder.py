@@ -25,15 +25,19 @@ from handcart.networks.coordination.run_end import RunEnd
 from handcart.networks.run_observer import RunObserver
 from handcart.networks.task.preparing import Prepared
 
-from .part import FOLDER, NAME, SCENERY, SHAPES, millimetres
+from .part import PART_FILE_FORMAT, PLAYBACK_FOLDER, SCENERY_FILE, SHAPES_ADAPTER, millimetres
 from .scenery import ThingShape, scenery_of, thing_shapes
 from .seven import sevens
 
-EVERY, SCANS, PICTURES = 0.1, 0.2, 0.5  # [s] of the robot's time between rows, scans and clouds, pictures
-LENGTH = 60.0  # [s] of a part
-CLOUD = 256  # particles that are kept of a cloud
-QUALITY = 80  # of pictures
-ROWS = ("time", "world_time", "pose", "truth", "joints", "width", "covariance", "action", "restoring")
+ROW_PERIOD_S, SCAN_PERIOD_S, PICTURE_PERIOD_S = (
+    0.1,
+    0.2,
+    0.5,
+)  # [s] of the robot's time between rows, scans and clouds, pictures
+PART_DURATION_S = 60.0  # [s] of a part
+MAX_CLOUD_PARTICLES = 256  # particles that are kept of a cloud
+JPEG_QUALITY = 80  # of pictures
+ROW_COLUMNS = ("time", "world_time", "pose", "truth", "joints", "width", "covariance", "action", "restoring")
 _SOON = 1e-6  # [s]
 
 
@@ -70,12 +74,12 @@ class PlaybackRecorder(RunObserver):
         self._range = prepared.robot.lidar
         self._changes = -1
         self._due = self._scan_due = self._picture_due = self._begun = prepared.robot.time
-        folder = run_dir / FOLDER
+        folder = run_dir / PLAYBACK_FOLDER
         try:
             folder.mkdir(exist_ok=True)
             self._part = len(list(folder.glob("[0-9]*.npz")))
             scenery = scenery_of(prepared, self._scene)
-            write_whole(folder / SCENERY, scenery.model_dump_json(), sync=False)
+            write_whole(folder / SCENERY_FILE, scenery.model_dump_json(), sync=False)
             self._folder = folder
         except Exception as error:
             self._lose(error)
@@ -112,11 +116,11 @@ class PlaybackRecorder(RunObserver):
     def _note(self, robot: Robot) -> None:
         if self._folder is None or (self._rows["time"] and robot.time <= self._rows["time"][-1]):
             return
-        self._due = robot.time + EVERY
+        self._due = robot.time + ROW_PERIOD_S
         # What a sensor's fault means is for those to say who need the reading.
         with suppress(Exception):
             self._take(robot)
-        if robot.time - self._begun >= LENGTH:
+        if robot.time - self._begun >= PART_DURATION_S:
             self._write()
             self._begun = robot.time
 
@@ -138,7 +142,7 @@ class PlaybackRecorder(RunObserver):
         for name, value in row.items():
             self._rows[name].append(value)
         if robot.time >= self._scan_due - _SOON:
-            self._scan_due = robot.time + SCANS
+            self._scan_due = robot.time + SCAN_PERIOD_S
             self._take_scan(robot)
         if robot.time >= self._picture_due - _SOON:
             self._take_picture(robot)
@@ -152,14 +156,16 @@ class PlaybackRecorder(RunObserver):
         cloud = robot.localization.particles
         if cloud is not None:
             self._cloud_times.append(robot.time)
-            self._clouds.append(cloud.T[:: max(1, cloud.shape[1] // CLOUD)][:CLOUD])
+            self._clouds.append(
+                cloud.T[:: max(1, cloud.shape[1] // MAX_CLOUD_PARTICLES)][:MAX_CLOUD_PARTICLES]
+            )
 
     def _take_picture(self, robot: Robot) -> None:
         """Record the picture that a primitive requested last, if it is a new one."""
         picture = robot.seen
         if picture is None or picture is self._shown:
             return
-        self._picture_due = robot.time + PICTURES
+        self._picture_due = robot.time + PICTURE_PERIOD_S
         self._shown = picture
         self._picture_times.append(robot.time)
         self._pictures.append(jpeg_of(picture))
@@ -183,7 +189,7 @@ class PlaybackRecorder(RunObserver):
     # A part
 
     def _clear(self) -> None:
-        self._rows: dict[str, list[Any]] = {name: [] for name in ROWS}
+        self._rows: dict[str, list[Any]] = {name: [] for name in ROW_COLUMNS}
         self._scan_times: list[float] = []
         self._scans: list[NDArray[np.float64]] = []
         self._cloud_times: list[float] = []
@@ -200,7 +206,7 @@ class PlaybackRecorder(RunObserver):
         try:
             packed = BytesIO()
             np.savez_compressed(packed, **self._arrays())
-            write_whole(self._folder / NAME.format(self._part), packed.getvalue(), sync=False)
+            write_whole(self._folder / PART_FILE_FORMAT.format(self._part), packed.getvalue(), sync=False)
         except Exception as error:
             self._lose(error)
         self._clear()
@@ -236,12 +242,12 @@ class PlaybackRecorder(RunObserver):
             "moved_name": np.array([index[name] for _, name, _ in self._moved], dtype=np.int32),
             "moved_pose": sevens(np.array([pose for _, _, pose in self._moved]).reshape(-1, 4, 4)),
             "names": np.array(names, dtype=np.str_),
-            "shapes": np.frombuffer(SHAPES.dump_json(self._shapes), np.uint8),
+            "shapes": np.frombuffer(SHAPES_ADAPTER.dump_json(self._shapes), np.uint8),
         }
 
 
 def jpeg_of(picture: NDArray[np.uint8]) -> bytes:
     """Return a grey picture (h, w) at half its size, as JPEG bytes."""
     half = cv2.resize(picture, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA)
-    _, jpeg = cv2.imencode(".jpg", half, [cv2.IMWRITE_JPEG_QUALITY, QUALITY])
+    _, jpeg = cv2.imencode(".jpg", half, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])
     return jpeg.tobytes()

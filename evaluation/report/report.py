@@ -21,13 +21,13 @@ from handcart.networks.drawing.svg import to_svg
 from handcart.networks.journal.past_run import PastRun, read_run
 from handcart.networks.runs.run_folder import read_file
 
-NAME = "report.html"
-OVERVIEW = "overview.svg"
-MOST = 16 * 2**20  # of a picture or the summary, in [bytes]
-WIDEST = 640  # of a picture of an action, in [px]
-QUALITY = 80  # of its JPEG
-PICTURES = 60  # actions with a picture; further ones go without
-BEYOND = 1.15  # by which a gauge is longer than what it shows
+REPORT_FILE = "report.html"
+OVERVIEW_FILE = "overview.svg"
+MAX_FILE_BYTES = 16 * 2**20  # of a picture or the summary, in [bytes]
+MAX_WIDTH_PX = 640  # of a picture of an action, in [px]
+JPEG_QUALITY = 80  # of its JPEG
+MAX_PICTURES = 60  # actions with a picture; further ones go without
+GAUGE_LENGTH_FACTOR = 1.15  # by which a gauge is longer than what it shows
 
 
 def write_report(folder: Path, path: Path | None = None) -> Path:
@@ -48,7 +48,7 @@ def write_report(folder: Path, path: Path | None = None) -> Path:
     run = read_run(folder)
     with relying_on_the_journal(run):
         page = _page(run)
-    path = path or folder / NAME
+    path = path or folder / REPORT_FILE
     write_whole(path, page)
     return path
 
@@ -107,7 +107,7 @@ def _again(run: PastRun) -> str:
 
 
 def _actions(run: PastRun) -> Iterator[dict[str, Any]]:
-    left = PICTURES
+    left = MAX_PICTURES
     for action in run.actions:
         explanation = explain(run, action.number)
         picture = _small(explanation.picture) if explanation.picture and left else ""
@@ -131,7 +131,7 @@ def _gauge(measured: Mapping[str, Any] | None) -> dict[str, Any] | None:
     value, limit = (measured or {}).get("value"), (measured or {}).get("limit")
     if not measured or value is None or limit is None or min(value, limit) < 0.0:
         return None
-    longest = BEYOND * max(value, limit)
+    longest = GAUGE_LENGTH_FACTOR * max(value, limit)
     if not 0.0 < longest < math.inf:
         return None
     return {"words": measured_words(measured), "value": value / longest, "limit": limit / longest}
@@ -147,26 +147,26 @@ def _residuals(explanation: Explanation) -> Iterator[dict[str, Any]]:
 
 def _small(path: Path) -> str:
     """Return a picture, reduced to its shown width, as a data URL; empty if it is damaged."""
-    content = read_file(path.parent, path.name, MOST)
+    content = read_file(path.parent, path.name, MAX_FILE_BYTES)
     pixels = cv2.imdecode(np.frombuffer(content or b"", np.uint8), cv2.IMREAD_COLOR) if content else None
     if pixels is None:
         return ""
-    scale = min(1.0, WIDEST / pixels.shape[1])
+    scale = min(1.0, MAX_WIDTH_PX / pixels.shape[1])
     pixels = cv2.resize(pixels, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
-    _, jpeg = cv2.imencode(".jpg", pixels, [cv2.IMWRITE_JPEG_QUALITY, QUALITY])
+    _, jpeg = cv2.imencode(".jpg", pixels, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])
     return _address("image/jpeg", jpeg.tobytes())
 
 
 def _drawing(path: Path) -> str:
     """Return an SVG drawing as a data URL; shown as an image, it cannot run scripts or load anything."""
-    return _address("image/svg+xml", read_file(path.parent, path.name, MOST) or b"")
+    return _address("image/svg+xml", read_file(path.parent, path.name, MAX_FILE_BYTES) or b"")
 
 
 def _pictures(folder: Path) -> Iterator[tuple[str, str]]:
     """Yield title and data URL of the overview, then of the surveys' drawings."""
     names = sorted(path.name for path in folder.glob("*.svg") if not path.name.startswith("explained"))
-    for name in sorted(names, key=lambda each: each != OVERVIEW):
-        title = "Map, what was seen and time" if name == OVERVIEW else Path(name).stem.replace("_", " ")
+    for name in sorted(names, key=lambda each: each != OVERVIEW_FILE):
+        title = "Map, what was seen and time" if name == OVERVIEW_FILE else Path(name).stem.replace("_", " ")
         yield title, _drawing(folder / name)
 
 
@@ -176,7 +176,7 @@ def _address(kind: str, content: bytes) -> str:
 
 def _figures(folder: Path) -> Iterator[tuple[str, str]]:
     """Yield name and value of the numbers in the run's summary, then of its metrics."""
-    content = read_file(folder, "summary.json", MOST, missing=True)
+    content = read_file(folder, "summary.json", MAX_FILE_BYTES, missing=True)
     summary = orjson.loads(content) if content else {}
     yield from _flat({key: value for key, value in summary.items() if key != "metrics"}, "")
     yield from _flat(summary.get("metrics", {}), "")

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.evaluation.drawing.figure_file import save_figure
-from handcart.evaluation.drawing.palette import SERIES
+from handcart.evaluation.drawing.palette import SERIES_COLOURS
 from handcart.robotics.manipulation.arms.pitch_arm import PitchArm
 from handcart.robotics.manipulation.arms.planar_arm import PlanarArm
 from handcart.robotics.manipulation.placement.placement_division import Division
@@ -91,7 +91,9 @@ def _figure(rows: int, size: tuple[float, float], ratios: Any = None) -> tuple[A
 
 
 def _coloured(division: Division) -> list[tuple[str, Any]]:
-    return [(SERIES[row % len(SERIES)], segment) for row, segment in enumerate(division.segments)]
+    return [
+        (SERIES_COLOURS[row % len(SERIES_COLOURS)], segment) for row, segment in enumerate(division.segments)
+    ]
 
 
 def _label(ax: Any, panel: DividedPath, path: ToolPath) -> None:

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-FRAMES = 25  # a second
+FRAMES_PER_S = 25  # a second
 _FLAGS = "frag_keyframe+empty_moov+default_base_moof"
-_CODEC = {"preset": "ultrafast", "tune": "zerolatency", "crf": "23", "g": str(FRAMES)}
+_CODEC = {"preset": "ultrafast", "tune": "zerolatency", "crf": "23", "g": str(FRAMES_PER_S)}
 
 
 class Mp4:
@@ -34,7 +34,7 @@ class Mp4:
         self._file = path.open("wb", buffering=0)
         options = {"movflags": _FLAGS, "flush_packets": "1"}
         self._container = av.open(self._file, "w", format="mp4", options=options)
-        self._stream = self._container.add_stream("libx264", rate=FRAMES, options=_CODEC)
+        self._stream = self._container.add_stream("libx264", rate=FRAMES_PER_S, options=_CODEC)
         self._stream.width, self._stream.height = size
         self._stream.pix_fmt = "yuv420p"
         self._frame = av.VideoFrame

@@ -18,7 +18,7 @@ from handcart.evaluation.drawing.palette import (
     BLUE,
     GREEN,
     ORANGE,
-    OUTCOMES,
+    OUTCOME_COLOURS,
     PURPLE,
     SKY,
     VERMILION,
@@ -32,16 +32,24 @@ from handcart.primitives.knowledge.place import Place
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.routes.voronoi_graph import voronoi_graph
 
-PLANNED, DRIVEN, RESTORED, SENSED, GRAPH = BLUE, BLACK, ORANGE, VERMILION, SKY
-BUMPED = PURPLE
-SCAN = GREEN
-LETTERS = 125.0  # of the widest kind that fit on the time line
-BESIDE = 0.5  # of the known part of a map that is drawn too [m]
-FLATTEST = 0.08  # height of a map that is drawn, by its width: of a straight course what is beside it, too
-WIDE = 12.0  # of a picture [in]
-BELOW = 1.6  # of key and time line [in]
-TALL = (1.5, 5.6)  # of a map [in]
-TALL_BESIDE = 3.5  # at least, beside a picture
+PLANNED_COLOUR, DRIVEN_COLOUR, RESTORED_COLOUR, SENSED_COLOUR, GRAPH_COLOUR = (
+    BLUE,
+    BLACK,
+    ORANGE,
+    VERMILION,
+    SKY,
+)
+BUMPED_COLOUR = PURPLE
+SCAN_COLOUR = GREEN
+TIME_LINE_LETTERS = 125.0  # of the widest kind that fit on the time line
+MAP_MARGIN_M = 0.5  # of the known part of a map that is drawn too [m]
+MIN_MAP_ASPECT = (
+    0.08  # height of a map that is drawn, by its width: of a straight course what is beside it, too
+)
+PICTURE_WIDTH_IN = 12.0  # of a picture [in]
+FOOTER_HEIGHT_IN = 1.6  # of key and time line [in]
+MAP_HEIGHTS_IN = (1.5, 5.6)  # of a map [in]
+MIN_HEIGHT_BESIDE_IN = 3.5  # at least, beside a picture
 MAPS_SHARE = 0.57  # of the width, beside a picture
 
 
@@ -82,12 +90,12 @@ def draw_overview(
     picture = _last_picture(run_dir, shown)
     window = _window(grid, track, radius)
     tall = _tall(window, picture is not None)
-    figure = Figure(figsize=(WIDE, tall + BELOW), layout="constrained")
+    figure = Figure(figsize=(PICTURE_WIDTH_IN, tall + FOOTER_HEIGHT_IN), layout="constrained")
     axes = figure.subplot_mosaic(
         [["map", "picture"], ["key", "key"], ["time", "time"]]
         if picture is not None
         else [["map"], ["key"], ["time"]],
-        height_ratios=[tall, 0.2 * BELOW, 0.8 * BELOW],
+        height_ratios=[tall, 0.2 * FOOTER_HEIGHT_IN, 0.8 * FOOTER_HEIGHT_IN],
         width_ratios=[1.35, 1.0] if picture is not None else [1.0],
     )
     figure.suptitle(title, fontsize=11)
@@ -146,7 +154,9 @@ def _draw_map(axis: Any, grid: GridMap, radius: float) -> None:
     except ValueError:
         graph = None
     for number, (_, _, line) in enumerate(graph.edges(data="points") if graph is not None else ()):
-        axis.plot(line[:, 0], line[:, 1], color=GRAPH, lw=1.0, label=None if number else "Voronoi graph")
+        axis.plot(
+            line[:, 0], line[:, 1], color=GRAPH_COLOUR, lw=1.0, label=None if number else "Voronoi graph"
+        )
     axis.set_aspect("equal")
     axis.set_xlabel("x [m]")
     axis.set_ylabel("y [m]")
@@ -161,20 +171,20 @@ def _window(grid: GridMap, track: Track, radius: float) -> NDArray[np.float64]:
     if len(known):
         size = grid.resolution * np.array(grid.occupied.shape[::-1])
         start = np.array([grid.origin_x, grid.origin_y])
-        low = np.maximum(start, grid.to_point(known.min(axis=0)[None])[0] - BESIDE)
-        high = np.minimum(start + size, grid.to_point(known.max(axis=0)[None])[0] + BESIDE)
+        low = np.maximum(start, grid.to_point(known.min(axis=0)[None])[0] - MAP_MARGIN_M)
+        high = np.minimum(start + size, grid.to_point(known.max(axis=0)[None])[0] + MAP_MARGIN_M)
     else:
         ways = track.pose[:, :2] if len(track.pose) else np.zeros((1, 2))
-        low, high = ways.min(axis=0) - radius - BESIDE, ways.max(axis=0) + radius + BESIDE
-    more = np.array([0.0, max(0.0, FLATTEST * (high[0] - low[0]) - (high[1] - low[1])) / 2])
+        low, high = ways.min(axis=0) - radius - MAP_MARGIN_M, ways.max(axis=0) + radius + MAP_MARGIN_M
+    more = np.array([0.0, max(0.0, MIN_MAP_ASPECT * (high[0] - low[0]) - (high[1] - low[1])) / 2])
     return np.column_stack([low - more, high + more])
 
 
 def _tall(window: NDArray[np.float64], beside: bool) -> float:
     """Return the height of the map in [in], by its shape; `beside`: a picture is drawn next to it."""
     across, along = window[:, 1] - window[:, 0]
-    needed = WIDE * (MAPS_SHARE if beside else 1.0) * along / across
-    return float(np.clip(needed, TALL_BESIDE if beside else TALL[0], TALL[1]))
+    needed = PICTURE_WIDTH_IN * (MAPS_SHARE if beside else 1.0) * along / across
+    return float(np.clip(needed, MIN_HEIGHT_BESIDE_IN if beside else MAP_HEIGHTS_IN[0], MAP_HEIGHTS_IN[1]))
 
 
 def _draw_places(axis: Any, places: Mapping[str, Place]) -> None:
@@ -203,9 +213,9 @@ def _draw_footprint(
     if pose is None:
         return
     x, y, heading = pose
-    axis.add_patch(Circle((x, y), radius, fill=False, color=DRIVEN, ls=style, lw=1.2, label=label))
+    axis.add_patch(Circle((x, y), radius, fill=False, color=DRIVEN_COLOUR, ls=style, lw=1.2, label=label))
     nose = x + radius * np.cos(heading), y + radius * np.sin(heading)
-    axis.plot([x, nose[0]], [y, nose[1]], color=DRIVEN, ls=style, lw=1.2)
+    axis.plot([x, nose[0]], [y, nose[1]], color=DRIVEN_COLOUR, ls=style, lw=1.2)
 
 
 def _pose_at_the_end(track: Track, stretch: Stretch) -> NDArray[np.float64] | None:
@@ -221,27 +231,31 @@ def _pose_at_the_end(track: Track, stretch: Stretch) -> NDArray[np.float64] | No
 def _draw_drive(axis: Any, run_dir: Path, track: Track) -> None:
     for number, line in enumerate(_named(run_dir, "planned")):
         label = None if number else "planned"
-        axis.plot(line[:, 0], line[:, 1], color=PLANNED, lw=1.0, ls="--", label=label, zorder=3)
+        axis.plot(line[:, 0], line[:, 1], color=PLANNED_COLOUR, lw=1.0, ls="--", label=label, zorder=3)
     if len(track.pose):
-        axis.plot(track.pose[:, 0], track.pose[:, 1], color=DRIVEN, lw=1.5, label="driven")
+        axis.plot(track.pose[:, 0], track.pose[:, 1], color=DRIVEN_COLOUR, lw=1.5, label="driven")
         back = np.where(track.restoring[:, None], track.pose[:, :2], np.nan)
         if track.restoring.any():
-            axis.plot(back[:, 0], back[:, 1], color=RESTORED, lw=1.5, label="restored")
+            axis.plot(back[:, 0], back[:, 1], color=RESTORED_COLOUR, lw=1.5, label="restored")
     scans, sensed = _named(run_dir, "scan"), _named(run_dir, "sensed")
     if scans:
-        axis.plot(*np.vstack(scans).T, ".", color=SCAN, ms=1.5, label="scan on arrival", rasterized=True)
+        axis.plot(
+            *np.vstack(scans).T, ".", color=SCAN_COLOUR, ms=1.5, label="scan on arrival", rasterized=True
+        )
     if sensed:
-        axis.plot(*np.vstack(sensed).T, ".", color=SENSED, ms=2.5, label="sensed, not on the map")
+        axis.plot(*np.vstack(sensed).T, ".", color=SENSED_COLOUR, ms=2.5, label="sensed, not on the map")
     for number, front in enumerate(_named(run_dir, "bumped")):
-        axis.plot(*front.T, color=BUMPED, lw=3.0, label=None if number else "ran into something", zorder=4)
+        axis.plot(
+            *front.T, color=BUMPED_COLOUR, lw=3.0, label=None if number else "ran into something", zorder=4
+        )
 
 
 def _draw_time(axis: Any, stretches: list[Stretch]) -> None:
     span = max((each.end for each in stretches), default=0.0)
     for each in stretches:
         lasted = each.end - each.start
-        axis.barh(0, lasted, left=each.start, color=OUTCOMES[each.outcome], edgecolor="white")
-        label = _fitting(each, LETTERS * lasted / span if span else 0.0)
+        axis.barh(0, lasted, left=each.start, color=OUTCOME_COLOURS[each.outcome], edgecolor="white")
+        label = _fitting(each, TIME_LINE_LETTERS * lasted / span if span else 0.0)
         middle = 0.5 * (each.start + each.end)
         axis.text(middle, 0.0, label, ha="center", va="center", fontsize=7, color="white")
     axis.set_yticks([])
@@ -269,8 +283,8 @@ def _draw_fail(run_dir: Path, stretch: Stretch, grid: GridMap, track: Track, rad
     figure = Figure(figsize=(5.0, 5.0), layout="constrained")
     axis = figure.subplots()
     _draw_map(axis, grid, 1e3)
-    axis.plot(*points["sensed"].T, ".", color=SENSED, label="sensed, not on the map")
-    axis.plot(*points["ahead"].T, color=PLANNED, ls="--", label="the way ahead")
+    axis.plot(*points["sensed"].T, ".", color=SENSED_COLOUR, label="sensed, not on the map")
+    axis.plot(*points["ahead"].T, color=PLANNED_COLOUR, ls="--", label="the way ahead")
     x, y = points["in the way"][0]
     _draw_footprint(axis, _pose_at_the_end(track, stretch), radius, "-", "robot when it decided")
     axis.plot(x, y, "x", color="black", ms=12, mew=2, label="in the way")

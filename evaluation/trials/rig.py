@@ -25,7 +25,7 @@ from handcart.primitives.contract.outcome import Outcome
 from handcart.primitives.knowledge.place import load_map, load_places
 from handcart.primitives.knowledge.world_model import WorldModel
 
-LIBRARY = Path(__file__).parent.parent.parent / "tasks" / "return_book"
+LIBRARY_FOLDER = Path(__file__).parent.parent.parent / "tasks" / "return_book"
 
 
 class NoSuchPlace(InputError):
@@ -36,10 +36,12 @@ class NoSuchPlace(InputError):
 class RigFiles:
     """Files that a rig is built from; by default the library of the task return_book."""
 
-    world: Path = LIBRARY / "world.yaml"
-    map: Path | None = LIBRARY / "map.yaml"
-    places: Path | None = LIBRARY / "places.yaml"
-    knowledge: Mapping[str, Path] = field(default_factory=lambda: {"catalogue": LIBRARY / "catalogue.yaml"})
+    world: Path = LIBRARY_FOLDER / "world.yaml"
+    map: Path | None = LIBRARY_FOLDER / "map.yaml"
+    places: Path | None = LIBRARY_FOLDER / "places.yaml"
+    knowledge: Mapping[str, Path] = field(
+        default_factory=lambda: {"catalogue": LIBRARY_FOLDER / "catalogue.yaml"}
+    )
     """Further files, by their keys under `knowledge:` of a task file."""
     start: str = "home"
     """Name of the robot's start place."""

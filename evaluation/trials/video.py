@@ -16,11 +16,11 @@ from handcart.files.extras import lack
 from handcart.networks.coordination.events import Ended, Event, Restoring, Started
 from handcart.networks.run_observer import RunObserver
 
-from .mp4 import FRAMES, Mp4
+from .mp4 import FRAMES_PER_S, Mp4
 
-HEIGHT, BAR = 720, 40  # of the pictures, of the line of text at their foot [px]
-INSET = 0.3  # of the height is that of what the hand's camera sees, while it is used
-SHOWN = 1.0  # [s] that its last picture stays
+HEIGHT_PX, BAR_HEIGHT_PX = 720, 40  # of the pictures, of the line of text at their foot [px]
+INSET_HEIGHT_SHARE = 0.3  # of the height is that of what the hand's camera sees, while it is used
+INSET_DURATION_S = 1.0  # [s] that its last picture stays
 _MARGIN, _FRAME = 16, 2  # about the inset [px]
 _PAPER, _INK = (245, 245, 245), (30, 30, 30)
 
@@ -79,7 +79,10 @@ class Video(RunObserver):
         if self._lacks:
             yield f"--video shows what the hand's camera sees alone: {self._lacks}"
         width, height = self._size
-        yield f"{self._path} is being recorded: {width} x {height}, {FRAMES} frames a second of robot's time"
+        yield (
+            f"{self._path} is being recorded: {width} x {height}, "
+            f"{FRAMES_PER_S} frames a second of robot's time"
+        )
 
     def __enter__(self) -> Video:
         return self
@@ -105,21 +108,21 @@ class Video(RunObserver):
             return
         frame = self._frame(robot)
         while robot.time >= self._next - 1e-9:
-            self._next += 1.0 / FRAMES
+            self._next += 1.0 / FRAMES_PER_S
             self._mp4.write(frame)
 
     def _frame(self, robot: Robot) -> Colours:
-        """Return the current frame, in RGB, with the height `HEIGHT`."""
+        """Return the current frame, in RGB, with the height `HEIGHT_PX`."""
         picture = robot.backend.view() if self._view else None
         if picture is None:
             camera = robot.backend.get(Camera)  # type: ignore[type-abstract]
             assert camera is not None
-            frame = _as_high(_in_colour(camera.image()), HEIGHT)
+            frame = _as_high(_in_colour(camera.image()), HEIGHT_PX)
         else:
-            frame = _as_high(picture, HEIGHT)
-            if self._seen is not None and robot.time < self._seen_at + SHOWN:
+            frame = _as_high(picture, HEIGHT_PX)
+            if self._seen is not None and robot.time < self._seen_at + INSET_DURATION_S:
                 _put_in(frame, _in_colour(self._seen))
-        foot = frame[-BAR:]
+        foot = frame[-BAR_HEIGHT_PX:]
         foot[:] = cv2.addWeighted(foot, 0.25, np.full_like(foot, _PAPER), 0.75, 0.0)
         words = f"{robot.time:6.1f} s  {self._words}".encode("ascii", "replace").decode()
         at = (12, frame.shape[0] - 13)
@@ -141,7 +144,7 @@ def _as_high(picture: Colours, height: int) -> Colours:
 
 def _put_in(frame: Colours, picture: Colours) -> None:
     """Draw a picture with a border into the upper right corner of a frame."""
-    small = _as_high(picture, round(INSET * frame.shape[0]))
+    small = _as_high(picture, round(INSET_HEIGHT_SHARE * frame.shape[0]))
     small = cv2.copyMakeBorder(small, *(_FRAME,) * 4, cv2.BORDER_CONSTANT, value=_PAPER).astype(np.uint8)
     height, width = small.shape[:2]
     frame[_MARGIN : _MARGIN + height, -_MARGIN - width : -_MARGIN] = small

@@ -17,7 +17,7 @@ from handcart.primitives.knowledge.world_model import WorldModel
 from handcart.robotics.navigation.following.pose_regulator import PoseTolerance
 
 from .at_most import at_most
-from .sensor_sigmas import SIGMAS
+from .sensor_sigmas import LIMIT_SIGMAS
 from .survey import Claim, FiguresSurvey, Survey, SurveyedRun
 
 STOOD_MM, STOOD_DEG = 5.0, 0.3  # that a base creeps which stands
@@ -31,7 +31,7 @@ LOOKS_ROUND = (
 CAR_ARRIVED = PoseTolerance(position=0.25, heading=0.15)
 """Arrival tolerance of a car's MOVE_TO: a car cannot move sideways, so its final pose is not regulated."""
 ORIENTED_DEG = 10.0  # fixed limit of the heading that ORIENT claims to know
-DRIVES = "MOVE_TO"
+DRIVE_PRIMITIVE = "MOVE_TO"
 
 
 def _moved_to(survey: Survey, claim: Claim) -> list[str]:
@@ -44,7 +44,7 @@ def _moved_to(survey: Survey, claim: Claim) -> list[str]:
     if not math.isfinite(sigma):
         return ["it isn't known where the base is"]
     claimed, needed = _claimed(robot, place, model), model.places[place].need_of(robot.spec.drive.kind)
-    askew = math.degrees(claimed.heading + SIGMAS * heading_sigma)
+    askew = math.degrees(claimed.heading + LIMIT_SIGMAS * heading_sigma)
     return [
         *_far(survey.run, place, claimed.position, needed),
         *at_most("the base is {:.2f} deg off", turned, askew, math.degrees(needed.heading)),
@@ -57,7 +57,7 @@ def _far(run: SurveyedRun, place: str, claimed: float, needed: PoseNeed) -> list
     """
     off, _ = arrival(run, place)
     if needed.across is None:
-        far = 1e3 * (claimed + SIGMAS * run.robot.localization.sigma[0])
+        far = 1e3 * (claimed + LIMIT_SIGMAS * run.robot.localization.sigma[0])
         return at_most("the base is {:.1f} mm from its place", off, far, 1e3 * needed.position)
     axes, limits = needed.axes(run.robot.localization.covariance)
     away = np.abs(np.array(difference(run.world.base, run.model.places[place].pose)[:2]) @ axes)
@@ -69,7 +69,7 @@ def _far(run: SurveyedRun, place: str, claimed: float, needed: PoseNeed) -> list
         for wrong in at_most(
             f"the base is {{:.1f}} mm from its place, {name} its heading",
             1e3 * size,
-            1e3 * (claimed + SIGMAS * sigma),
+            1e3 * (claimed + LIMIT_SIGMAS * sigma),
             1e3 * limit,
         )
     ]
@@ -93,7 +93,7 @@ def _oriented(survey: Survey, claim: Claim) -> list[str]:
     if not robot.localization.heading_known:
         return ["it isn't known which way the base heads"]
     off = math.degrees(robot.pose.turn(survey.run.world.base))
-    most = STOOD_DEG + math.degrees(SIGMAS * robot.localization.sigma[1])
+    most = STOOD_DEG + math.degrees(LIMIT_SIGMAS * robot.localization.sigma[1])
     return at_most("the base heads {:.2f} deg beside what is believed", off, most, ORIENTED_DEG)
 
 
@@ -107,11 +107,16 @@ class ArrivalSurvey(FiguresSurvey):
     """Survey of arrivals, which reports the largest distance and turn from a place in a run."""
 
     name = "arrival"
-    effects: ClassVar = {DRIVES: _moved_to, "ORIENT": _oriented, "STAND": _stood, "MODIFY": _modified}
+    effects: ClassVar = {
+        DRIVE_PRIMITIVE: _moved_to,
+        "ORIENT": _oriented,
+        "STAND": _stood,
+        "MODIFY": _modified,
+    }
 
     @override
     def ended(self, number: int, primitive: ActionPrimitive, outcome: Outcome) -> list[str]:
-        if primitive.label() == DRIVES and isinstance(outcome, Success):
+        if primitive.label() == DRIVE_PRIMITIVE and isinstance(outcome, Success):
             off, turned = arrival(self.run, str(getattr(primitive, "place", "")))
             for name, size in (("arrival_mm_max", round(off, 2)), ("arrival_deg_max", round(turned, 3))):
                 self._figures[name] = max(size, self._figures.get(name, 0.0))

@@ -17,8 +17,8 @@ from handcart.robotics.kinematics.arm_model import ArmModel
 
 from .survey import Survey, SurveyedRun
 
-FINGERS = "fingers"  # both together, as one that pushes
-LISTED = 8  # contacts that a run's metrics tell one by one
+FINGERS_BODY = "fingers"  # both together, as one that pushes
+MAX_LISTED_CONTACTS = 8  # contacts that a run's metrics tell one by one
 Pair = tuple[str, str]
 
 
@@ -138,7 +138,7 @@ class ContactSurvey(Survey):
             **counts,
             "contacts_unmeant": len(unmeant),
             "contacts_unmeant_s": round(seconds, 2),
-            "contacts": [asdict(each) for each in unmeant[:LISTED]],
+            "contacts": [asdict(each) for each in unmeant[:MAX_LISTED_CONTACTS]],
         }
 
 
@@ -152,7 +152,7 @@ class RobotLinks:
     def __init__(self, arm: ArmModel | None) -> None:
         """Sort the links of an arm; None for a robot without an arm."""
         self._arm = set() if arm is None else _moved(arm, 0)
-        self._hand = {FINGERS} if arm is None else {FINGERS, "hand", *_moved(arm, arm.dof - 1)}
+        self._hand = {FINGERS_BODY} if arm is None else {FINGERS_BODY, "hand", *_moved(arm, arm.dof - 1)}
 
     def part(self, body: str) -> RobotPart:
         """Return the part that a body belongs to, by its name in a contact; a structure on the base counts as

@@ -8,12 +8,12 @@ from handcart.primitives.preconditions.hand_use import Hand
 
 from .survey import Claim
 
-HAND = "hand"
+HAND_NAME = "hand"
 
 
 def things_held(truth: GroundTruth) -> set[str]:
     """Return the names of the bodies that the hand carries."""
-    return {name for name, body in truth.bodies.items() if body.support == HAND}
+    return {name for name, body in truth.bodies.items() if body.support == HAND_NAME}
 
 
 def false_hold(claim: Claim, model: WorldModel) -> list[str]:

@@ -19,7 +19,7 @@ from .survey import SurveyedRun
 from .survey_notes import SurveyNotes, as_noted
 from .surveys import Surveys
 
-NOTES = "judged.jsonl"
+NOTES_FILE = "judged.jsonl"
 
 
 class Judge(RunObserver):
@@ -39,11 +39,11 @@ class Judge(RunObserver):
         self.untrue: list[str] = []
         """Messages about the outcomes that the ground truth contradicts."""
         self._run = run
-        self._path = None if folder is None or run.scene is None else folder / NOTES
+        self._path = None if folder is None or run.scene is None else folder / NOTES_FILE
 
     @cached_property
     def _notes(self) -> SurveyNotes | None:
-        return None if self._path is None else SurveyNotes(self._path.parent, NOTES)
+        return None if self._path is None else SurveyNotes(self._path.parent, NOTES_FILE)
 
     @override
     def period(self, robot: Robot) -> None:

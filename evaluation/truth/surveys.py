@@ -22,13 +22,13 @@ from handcart.tasks.domain import domains, imported
 from .arrival_survey import ArrivalSurvey
 from .base_surveys import LocalisationSurvey, PathSurvey
 from .contact_survey import ContactSurvey
-from .hand_claims import HAND, false_hold, things_held
+from .hand_claims import HAND_NAME, false_hold, things_held
 from .sensor_sigmas import BASE_SIGMA_DEG, BASE_SIGMA_MM
 from .survey import Claim, Survey, SurveyedRun
 from .survey_notes import as_noted
 from .true_changes import disturbed, not_restored
 
-GENERAL = (PathSurvey, ContactSurvey, LocalisationSurvey, ArrivalSurvey)
+GENERAL_SURVEYS = (PathSurvey, ContactSurvey, LocalisationSurvey, ArrivalSurvey)
 MOST_DISTURBED_MM = 10.0  # that anything may be moved which isn't the primitive's to move
 S = TypeVar("S", bound=Survey)
 T = TypeVar("T")
@@ -49,7 +49,7 @@ def survey_kinds(run: SurveyedRun | None = None) -> tuple[type[Survey], ...]:
         for domain in domains()
         if domain.survey is not None and (run is None or run.concerns(domain))
     ]
-    return (*GENERAL, *(_kind(name, path) for name, path in named))
+    return (*GENERAL_SURVEYS, *(_kind(name, path) for name, path in named))
 
 
 @cache
@@ -227,8 +227,10 @@ def _own(claim: Claim, run: SurveyedRun) -> set[str]:
     held = things_held(claim.after)
     if claim.primitive.hand_use().before is not Hand.EMPTY:
         held |= things_held(claim.before)
-    meant = [each for each in claim.primitive.meant_contacts(run.model) if each.part == HAND]
-    return held | {name for name in claim.before.bodies if any(each.covers(HAND, name) for each in meant)}
+    meant = [each for each in claim.primitive.meant_contacts(run.model) if each.part == HAND_NAME]
+    return held | {
+        name for name in claim.before.bodies if any(each.covers(HAND_NAME, name) for each in meant)
+    }
 
 
 def _broke(kind: type[Survey], error: Exception) -> str:

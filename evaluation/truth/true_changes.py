@@ -15,14 +15,14 @@ from .sensor_sigmas import (
     BASE_SIGMA_DEG,
     BASE_SIGMA_MM,
     JOINT_SIGMA_DEG,
+    LIMIT_SIGMAS,
     OBJECT_SIGMA_MM,
-    SIGMAS,
     SLIDE_SIGMA_MM,
 )
 
 GRIPPER_SIGMA_MM = 0.05  # of the measured opening
 UNSURE_SHARE = 2.0  # fixed limit of the base in its tolerances: so far off, and as much again unnoticed
-STILL = {
+STILL_LIMITS = {
     "base mm": 0.5,
     "base deg": 0.05,
     "joints deg": 0.05,
@@ -72,24 +72,24 @@ def not_restored(
     allowed = {
         "base mm": _base_limit(tolerance.base_mm, base_sigma[0], BASE_SIGMA_MM),
         "base deg": _base_limit(tolerance.base_deg, base_sigma[1], BASE_SIGMA_DEG),
-        "joints deg": tolerance.joints_deg + SIGMAS * JOINT_SIGMA_DEG,
-        "slides mm": tolerance.slides_mm + SIGMAS * SLIDE_SIGMA_MM,
-        "gripper mm": tolerance.gripper_mm + SIGMAS * GRIPPER_SIGMA_MM,
+        "joints deg": tolerance.joints_deg + LIMIT_SIGMAS * JOINT_SIGMA_DEG,
+        "slides mm": tolerance.slides_mm + LIMIT_SIGMAS * SLIDE_SIGMA_MM,
+        "gripper mm": tolerance.gripper_mm + LIMIT_SIGMAS * GRIPPER_SIGMA_MM,
     }
-    body = tolerance.object_mm + SIGMAS * OBJECT_SIGMA_MM
+    body = tolerance.object_mm + LIMIT_SIGMAS * OBJECT_SIGMA_MM
     return _beyond(moved(before, after), allowed, body)
 
 
 def _base_limit(tolerance: float, sigma: float, of_scans: float) -> float:
     """Return the smaller one of the measured and the fixed limit, in their unit; NaN for a sigma of NaN."""
-    fixed = max(UNSURE_SHARE * tolerance, tolerance + SIGMAS * of_scans)
-    measured = tolerance + SIGMAS * sigma
+    fixed = max(UNSURE_SHARE * tolerance, tolerance + LIMIT_SIGMAS * of_scans)
+    measured = tolerance + LIMIT_SIGMAS * sigma
     return measured if math.isnan(measured) else min(measured, fixed)
 
 
 def not_still(before: GroundTruth, after: GroundTruth) -> list[str]:
     """Return a message for each quantity that changed although the scene should be at rest."""
-    return _beyond(moved(before, after), STILL, STILL["body mm"])
+    return _beyond(moved(before, after), STILL_LIMITS, STILL_LIMITS["body mm"])
 
 
 def disturbed(before: GroundTruth, after: GroundTruth, most_mm: float, without: Collection[str]) -> list[str]:

@@ -7,22 +7,22 @@ from zlib import crc32
 
 Rgb = tuple[int, int, int]
 
-RAY: Rgb = (158, 214, 186)
-HIT: Rgb = (0, 128, 92)
-PLANNED: Rgb = (47, 99, 201)
-DRIVEN: Rgb = (30, 34, 40)
-RESTORED: Rgb = (224, 123, 0)
-BUMPED: Rgb = (213, 94, 0)
-CLOUD: Rgb = (126, 63, 178)
-WALL: Rgb = (173, 182, 194)
-FURNITURE: Rgb = (196, 160, 117)
-GROUND: Rgb = (214, 219, 209)
-FLOOR: Rgb = (238, 240, 243)
+RAY_RGB: Rgb = (158, 214, 186)
+HIT_RGB: Rgb = (0, 128, 92)
+PLANNED_RGB: Rgb = (47, 99, 201)
+DRIVEN_RGB: Rgb = (30, 34, 40)
+RESTORED_RGB: Rgb = (224, 123, 0)
+BUMPED_RGB: Rgb = (213, 94, 0)
+CLOUD_RGB: Rgb = (126, 63, 178)
+WALL_RGB: Rgb = (173, 182, 194)
+FURNITURE_RGB: Rgb = (196, 160, 117)
+GROUND_RGB: Rgb = (214, 219, 209)
+FLOOR_RGB: Rgb = (238, 240, 243)
 
 
 def of_solid(grey: int | None) -> Rgb:
     """Return the colour of a solid by its grey value; without a grey value, that of furniture."""
-    return FURNITURE if grey is None else (grey, grey, grey)
+    return FURNITURE_RGB if grey is None else (grey, grey, grey)
 
 
 def of_thing(name: str, grey: int) -> Rgb:

@@ -18,7 +18,7 @@ from handcart.evaluation.playback.seven import sevens
 
 from .frame import Frame
 from .rays import height_of, rays_of
-from .recorded_frames import STEP
+from .recorded_frames import PATH_STEP_M
 
 Array = NDArray[np.float64]
 
@@ -90,7 +90,7 @@ class LiveFrames:
             self._ranges = self._range.scan().ranges
 
     def _go_on(self, here: Array, restoring: bool) -> None:
-        if not self._way or float(np.linalg.norm(here - self._way[-1])) >= STEP:
+        if not self._way or float(np.linalg.norm(here - self._way[-1])) >= PATH_STEP_M:
             self._way.append(here.copy())
             self._back.append(restoring)
 

@@ -29,9 +29,9 @@ from .page import Page
 if TYPE_CHECKING:
     import viser
 
-FRAMES = 15.0  # in a second, at most
-FASTEST = "fastest"
-SPEEDS = ("1", "2", "5", "20", FASTEST)
+MAX_FRAMES_PER_S = 15.0  # in a second, at most
+FASTEST_LABEL = "fastest"
+SPEED_LABELS = ("1", "2", "5", "20", FASTEST_LABEL)
 Array = NDArray[np.float64]
 
 
@@ -133,7 +133,7 @@ class LiveView(RunObserver):
             if self._taken.wait(0.2):
                 self._taken.clear()
                 self._put()
-            self._over.wait(1.0 / FRAMES)
+            self._over.wait(1.0 / MAX_FRAMES_PER_S)
         self._put()
 
     def _put(self) -> None:
@@ -164,10 +164,10 @@ class LiveView(RunObserver):
 
     def _add_speeds(self, page: Page) -> None:
         with page.panel.controls:
-            speed = self._server.gui.add_button_group("speed", SPEEDS)
+            speed = self._server.gui.add_button_group("speed", SPEED_LABELS)
 
         @speed.on_click
         def _(_: object) -> None:
             assert self._frames is not None
             self._since = (clock.monotonic(), self._frames.time)
-            self._factor = None if speed.value == FASTEST else float(speed.value)
+            self._factor = None if speed.value == FASTEST_LABEL else float(speed.value)

@@ -10,8 +10,8 @@ from handcart.networks.drawing.svg import to_svg
 from handcart.networks.graph.network import ActionNetwork
 from handcart.networks.journal.past_run import PastAction
 
-WIDE, HIGH = 560.0, 260.0  # of the window, in pixels of the network
-BESIDE = 10.0  # of the outermost boxes
+WINDOW_WIDTH_PX, WINDOW_HEIGHT_PX = 560.0, 260.0  # of the window, in pixels of the network
+BOX_MARGIN_PX = 10.0  # of the outermost boxes
 
 
 class NetworkWindow:
@@ -32,9 +32,9 @@ class NetworkWindow:
 
 def _window(picture: NetworkPicture, box: Box) -> str:
     """Return the section around a box as a `viewBox`, no higher than its content."""
-    x = min(max(box.x + box.width / 2 - WIDE / 2, 0.0), max(0.0, picture.width - WIDE))
-    seen = [each for each in picture.boxes if each.x < x + WIDE and each.x + each.width > x]
-    top = min(each.y for each in seen) - BESIDE
-    high = min(HIGH, max(each.y + each.height for each in seen) + BESIDE - top)
-    y = max(top, box.y + box.height / 2 - HIGH / 2) if high == HIGH else top
-    return f"{x:.0f} {y:.0f} {WIDE:.0f} {high:.0f}"
+    x = min(max(box.x + box.width / 2 - WINDOW_WIDTH_PX / 2, 0.0), max(0.0, picture.width - WINDOW_WIDTH_PX))
+    seen = [each for each in picture.boxes if each.x < x + WINDOW_WIDTH_PX and each.x + each.width > x]
+    top = min(each.y for each in seen) - BOX_MARGIN_PX
+    high = min(WINDOW_HEIGHT_PX, max(each.y + each.height for each in seen) + BOX_MARGIN_PX - top)
+    y = max(top, box.y + box.height / 2 - WINDOW_HEIGHT_PX / 2) if high == WINDOW_HEIGHT_PX else top
+    return f"{x:.0f} {y:.0f} {WINDOW_WIDTH_PX:.0f} {high:.0f}"

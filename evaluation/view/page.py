@@ -22,14 +22,14 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 WIDE_PICTURE = 1.6  # width over height of a window that is not known yet
-FEWER = 2  # of the rays that hit something, every how many is drawn
-LAYERS = {
+RAY_STRIDE = 2  # of the rays that hit something, every how many is drawn
+LAYER_NODES = {
     "range sensor": ("rays", "hits"),
     "planned path": ("planned",),
     "what it ran into": ("bumped",),
     "driven path": ("driven", "restored"),
 }
-ESTIMATE = "where it believes to be"
+ESTIMATE_LABEL = "where it believes to be"
 
 
 class Page:
@@ -56,9 +56,9 @@ class Page:
         """Add check boxes for the layers and for following the robot."""
         gui = self._server.gui
         with gui.add_folder("Show", expand_by_default=False):
-            for label, names in LAYERS.items():
+            for label, names in LAYER_NODES.items():
                 self._add_layer(label, [getattr(self._world, name) for name in names])
-            self._add_layer(ESTIMATE, [self._world.cloud, self._world.ellipse])
+            self._add_layer(ESTIMATE_LABEL, [self._world.cloud, self._world.ellipse])
             follow = gui.add_checkbox("follow the robot", self._follow)
 
             @follow.on_update
@@ -87,7 +87,7 @@ class Page:
         self._robot.move(moment.base, moment.joints, moment.width)
         world.estimate(moment.pose, moment.covariance)
         if frame.rays is not None:
-            world.rays.points = frame.rays[::FEWER].astype(np.float32)
+            world.rays.points = frame.rays[::RAY_STRIDE].astype(np.float32)
             world.hits.points = frame.rays[:, 1].astype(np.float32)
         if frame.cloud is not None:
             flat = np.column_stack((frame.cloud[:, :2], np.full(len(frame.cloud), 0.03)))

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from html import escape
 from typing import TYPE_CHECKING
 
-from handcart.evaluation.drawing.palette import OUTCOMES
+from handcart.evaluation.drawing.palette import OUTCOME_COLOURS
 from handcart.networks.graph.network import ActionNetwork
 from handcart.networks.journal.past_run import PastAction
 
@@ -18,7 +18,7 @@ from .time_line import time_line
 if TYPE_CHECKING:
     import viser
 
-LINE = 0.2  # [s] between two pictures of the time line
+TIME_LINE_PERIOD_S = 0.2  # [s] between two pictures of the time line
 _READABLE = """<style>
 label { color: #495057 !important }
 .mantine-Button-root { --button-bg: #00527f !important; --button-hover: #003f61 !important }
@@ -76,7 +76,7 @@ class Panel:
         time = frame.moment.time
         runs = action is not None and action.start <= time < action.end
         self._status.content = self._words(frame, action, runs)
-        if at_once or abs(time - self._line_at) >= LINE * max(1.0, (span[1] - span[0]) / 100.0):
+        if at_once or abs(time - self._line_at) >= TIME_LINE_PERIOD_S * max(1.0, (span[1] - span[0]) / 100.0):
             self._line_at = time
             self._line.content = f'<div style="padding:0.2em 0.8em">{time_line(actions, *span, time)}</div>'
         if frame.picture is not None:
@@ -95,7 +95,7 @@ class Panel:
             way = f"{escape(action.source)} → {escape(action.target)}"
             doing = f"{action.number}. <b>{escape(action.do)}</b> {way}"
             if frame.moment.restoring:
-                doing += f' <b style="color:{OUTCOMES["Fail"]}">restoring</b>'
+                doing += f' <b style="color:{OUTCOME_COLOURS["Fail"]}">restoring</b>'
         return (
             f'{_READABLE}<div style="{_HEAD}">'
             f'<h1 style="font-size:1em;font-weight:600;margin:0">{escape(self._title)}</h1>'

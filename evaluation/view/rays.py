@@ -10,7 +10,7 @@ from handcart.evaluation.playback.seven import transforms
 from handcart.robotics.geometry.transform import transform
 
 Array = NDArray[np.float64]
-HEIGHT = 0.25  # of the sensor above the floor, where the robot's URDF doesn't tell [m]
+DEFAULT_HEIGHT_M = 0.25  # of the sensor above the floor, where the robot's URDF doesn't tell [m]
 
 
 def rays_of(robot: RobotShape, ranges: Array, base: Array, height: float) -> Array:
@@ -46,4 +46,4 @@ def height_of(urdf: str) -> float:
     try:
         return float(base_T_frame(urdf, "range_sensor")[2, 3])
     except ValueError:
-        return HEIGHT
+        return DEFAULT_HEIGHT_M

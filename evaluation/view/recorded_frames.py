@@ -11,8 +11,8 @@ from .frame import Frame
 from .rays import height_of, rays_of
 
 Array = NDArray[np.float64]
-STEP = 0.05  # [m] between two points of the driven path that is drawn
-EVERY = 0.5  # [s] after which the driven path is drawn anew
+PATH_STEP_M = 0.05  # [m] between two points of the driven path that is drawn
+PATH_PERIOD_S = 0.5  # [s] after which the driven path is drawn anew
 
 
 class RecordedFrames:
@@ -81,7 +81,7 @@ class RecordedFrames:
         return self._playback.pictures[number]
 
     def _driven(self, time: float) -> tuple[Array | None, NDArray[np.bool_]]:
-        if abs(time - self._driven_at) < EVERY:
+        if abs(time - self._driven_at) < PATH_PERIOD_S:
             return None, np.zeros(0, dtype=np.bool_)
         self._driven_at = time
         times, points, back = self._way
@@ -95,6 +95,6 @@ def _thinned(playback: Playback) -> tuple[Array, Array, NDArray[np.bool_]]:
     known = np.isfinite(rows.truth[:, 0])
     points = np.where(known[:, None], rows.truth[:, :2], rows.pose[:, :2])
     length = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))))
-    _, chosen = np.unique(np.floor(length / STEP), return_index=True)
+    _, chosen = np.unique(np.floor(length / PATH_STEP_M), return_index=True)
     chosen = np.append(chosen, len(points) - 1)
     return rows.time[chosen], points[chosen], rows.restoring[chosen]

@@ -16,11 +16,11 @@ from .recorded_frames import RecordedFrames
 if TYPE_CHECKING:
     import viser
 
-FRAMES = 25.0  # in a second, at most
-SPEEDS = ("¼", "1", "2", "5", "20")
-FACTORS = {"¼": 0.25}
-BEFORE, NEXT = "◂ before", "next ▸"
-STEP = 0.1  # [s] of the slider
+MAX_FRAMES_PER_S = 25.0  # in a second, at most
+SPEED_LABELS = ("¼", "1", "2", "5", "20")
+SPEED_FACTORS = {"¼": 0.25}
+BEFORE_LABEL, NEXT_LABEL = "◂ before", "next ▸"
+SLIDER_STEP_S = 0.1  # [s] of the slider
 
 
 class Replay:
@@ -80,7 +80,7 @@ class Replay:
         """Draw until `over` returns True; it is called before each frame."""
         before = clock.monotonic()
         while not over():
-            clock.sleep(max(0.001, before + 1.0 / FRAMES - clock.monotonic()))
+            clock.sleep(max(0.001, before + 1.0 / MAX_FRAMES_PER_S - clock.monotonic()))
             now = clock.monotonic()
             self.step(now - before)
             before = now
@@ -90,11 +90,11 @@ class Replay:
     def _add_controls(self, server: viser.ViserServer) -> None:
         gui = server.gui
         with self._page.panel.controls:
-            start, end = self._playback.start, max(self._playback.end, self._playback.start + STEP)
-            self._slider = gui.add_slider("time [s]", start, end, STEP, start)
+            start, end = self._playback.start, max(self._playback.end, self._playback.start + SLIDER_STEP_S)
+            self._slider = gui.add_slider("time [s]", start, end, SLIDER_STEP_S, start)
             self._play = gui.add_button("Play")
-            jump = gui.add_button_group("action", (BEFORE, NEXT))
-            speed = gui.add_button_group("speed", SPEEDS)
+            jump = gui.add_button_group("action", (BEFORE_LABEL, NEXT_LABEL))
+            speed = gui.add_button_group("speed", SPEED_LABELS)
 
         @self._slider.on_update
         def _(event: viser.GuiEvent) -> None:  # type: ignore[type-arg]
@@ -107,15 +107,15 @@ class Replay:
 
         @jump.on_click
         def _(_: object) -> None:
-            self._jump(jump.value == NEXT)
+            self._jump(jump.value == NEXT_LABEL)
 
         @speed.on_click
         def _(_: object) -> None:
-            self._factor = FACTORS.get(speed.value) or float(speed.value)
+            self._factor = SPEED_FACTORS.get(speed.value) or float(speed.value)
 
     def _follow_slider(self) -> None:
-        value = round(self._time / STEP) * STEP
-        if abs(value - float(self._slider.value)) >= STEP / 2:
+        value = round(self._time / SLIDER_STEP_S) * SLIDER_STEP_S
+        if abs(value - float(self._slider.value)) >= SLIDER_STEP_S / 2:
             self._slider.value = min(max(value, self._slider.min), self._slider.max)  # type: ignore[misc]
 
     def _jump(self, on: bool) -> None:
@@ -123,7 +123,7 @@ class Replay:
         starts = [each.start for each in self._playback.run.actions]
         if on:
             target = min(
-                (each for each in starts if each > self._time + STEP / 2), default=self._playback.end
+                (each for each in starts if each > self._time + SLIDER_STEP_S / 2), default=self._playback.end
             )
         else:
             target = max((each for each in starts if each < self._time - 1.0), default=self._playback.start)

@@ -18,9 +18,9 @@ if TYPE_CHECKING:
     import viser
 
 Array = NDArray[np.float64]
-NAME = "/robot"
-BASE = "base"
-FINGERS = ("left_finger", "right_finger")
+ROOT_NODE = "/robot"
+BASE_LINK = "base"
+FINGER_JOINTS = ("left_finger", "right_finger")
 
 
 class RobotNodes:
@@ -33,14 +33,14 @@ class RobotNodes:
         from viser.extras import ViserUrdf
 
         self._shape = shape
-        self._root = server.scene.add_frame(NAME, show_axes=False)
+        self._root = server.scene.add_frame(ROOT_NODE, show_axes=False)
         self._urdf = _loaded(shape.urdf)
-        self._drawn = ViserUrdf(server, self._urdf, root_node_name=NAME)
+        self._drawn = ViserUrdf(server, self._urdf, root_node_name=ROOT_NODE)
         self._actuated = {name: k for k, name in enumerate(self._urdf.actuated_joint_names)}
         self._configuration = np.zeros(len(self._actuated))
         self._urdf.update_cfg(self._configuration)
         links = self._urdf.link_map
-        base = BASE if BASE in links else self._urdf.base_link
+        base = BASE_LINK if BASE_LINK in links else self._urdf.base_link
         self._base_T_root: Transform = inverse(self._urdf.get_transform(base))
 
     def move(self, base: Array, joints: Array, width: float) -> None:
@@ -54,7 +54,7 @@ class RobotNodes:
         pose = sevens((transforms(base[None])[0] @ self._base_T_root)[None])[0]
         self._root.position, self._root.wxyz = pose[:3], pose[3:]
         values = dict(zip(self._shape.joints, joints.tolist(), strict=False))
-        values |= dict.fromkeys(FINGERS, width / 2)
+        values |= dict.fromkeys(FINGER_JOINTS, width / 2)
         configuration = self._configuration.copy()
         for name, value in values.items():
             if name in self._actuated:

@@ -19,12 +19,12 @@ if TYPE_CHECKING:
     import viser
 
 Array = NDArray[np.float64]
-TALL = 1.6  # [m]: what is higher is seen through
-THROUGH = 0.28  # how opaque that is
-ABOVE = 0.015  # of lines over the floor [m]
-CIRCLE = 48  # corners of an ellipse
-SIGMAS = 3.0
-RAISED = 0.3  # [m] of what a map shows, where no solids are known
+SEE_THROUGH_HEIGHT_M = 1.6  # [m]: what is higher is seen through
+SEE_THROUGH_OPACITY = 0.28  # how opaque that is
+LINE_HEIGHT_M = 0.015  # of lines over the floor [m]
+ELLIPSE_CORNERS = 48  # corners of an ellipse
+ELLIPSE_SIGMAS = 3.0
+RAISED_HEIGHT_M = 0.3  # [m] of what a map shows, where no solids are known
 
 
 class WorldNodes:
@@ -45,14 +45,14 @@ class WorldNodes:
         for name, (x, y, _) in scenery.places.items():
             self._scene.add_label(f"/places/{name}", name, position=(x, y, 0.05), font_screen_scale=0.8)
         none = np.zeros((0, 2, 3), np.float32)
-        self.rays = self._lines("/rays", none, colours.RAY, 0.003)
-        self.hits = self._points("/hits", colours.HIT, 0.025)
-        self.bumped = self._points("/bumped", colours.BUMPED, 0.04)
-        self.planned = self._lines("/planned", none, colours.PLANNED, 0.015)
-        self.driven = self._lines("/driven", none, colours.DRIVEN, 0.012)
-        self.restored = self._lines("/restored", none, colours.RESTORED, 0.015)
-        self.ellipse = self._lines("/ellipse", none, colours.CLOUD, 0.015)
-        self.cloud = self._points("/cloud", colours.CLOUD, 0.04)
+        self.rays = self._lines("/rays", none, colours.RAY_RGB, 0.003)
+        self.hits = self._points("/hits", colours.HIT_RGB, 0.025)
+        self.bumped = self._points("/bumped", colours.BUMPED_RGB, 0.04)
+        self.planned = self._lines("/planned", none, colours.PLANNED_RGB, 0.015)
+        self.driven = self._lines("/driven", none, colours.DRIVEN_RGB, 0.012)
+        self.restored = self._lines("/restored", none, colours.RESTORED_RGB, 0.015)
+        self.ellipse = self._lines("/ellipse", none, colours.CLOUD_RGB, 0.015)
+        self.cloud = self._points("/cloud", colours.CLOUD_RGB, 0.04)
 
     # What moves
 
@@ -95,9 +95,9 @@ class WorldNodes:
             covariance: (3, 3) of the pose, in [m] and [rad].
         """
         values, vectors = np.linalg.eigh(covariance[:2, :2].astype(np.float64))
-        angle = np.linspace(0.0, 2.0 * np.pi, CIRCLE + 1)
+        angle = np.linspace(0.0, 2.0 * np.pi, ELLIPSE_CORNERS + 1)
         unit = np.stack((np.cos(angle), np.sin(angle)))
-        radii = SIGMAS * np.sqrt(np.clip(values, 0.0, None))
+        radii = ELLIPSE_SIGMAS * np.sqrt(np.clip(values, 0.0, None))
         if not np.isfinite(radii).all():
             radii = np.zeros(2)
         self.draw(self.ellipse, (vectors @ (np.maximum(radii, 0.02)[:, None] * unit)).T + pose[:2])
@@ -105,14 +105,14 @@ class WorldNodes:
     @staticmethod
     def draw(lines: Any, path: Array, chosen: NDArray[np.bool_] | None = None) -> None:
         """Draw lines along a path (n, 2) in [m], only along the steps chosen by a mask (n - 1,) if given."""
-        points = np.column_stack((path, np.full(len(path), ABOVE)))
+        points = np.column_stack((path, np.full(len(path), LINE_HEIGHT_M)))
         steps = np.stack((points[:-1], points[1:]), axis=1) if len(path) > 1 else np.zeros((0, 2, 3))
         lines.points = (steps if chosen is None else steps[chosen]).astype(np.float32)
 
     # What stays
 
     def _ground(self, scenery: Scenery) -> None:
-        plane = colours.GROUND if scenery.outdoors else colours.FLOOR
+        plane = colours.GROUND_RGB if scenery.outdoors else colours.FLOOR_RGB
         self._scene.add_grid(
             "/ground",
             infinite_grid=True,
@@ -147,7 +147,7 @@ class WorldNodes:
             cast_shadow=False,
         )
         if raised:
-            add_boxes(self._scene, "/map/raised", *_runs(shape, picture), colours.WALL, 1.0)
+            add_boxes(self._scene, "/map/raised", *_runs(shape, picture), colours.WALL_RGB, 1.0)
 
     def _solids(self, solids: Iterable[SolidShape]) -> None:
         passing = [each for each in solids if each.appears_s > 0.0 or each.leaves_s is not None]
@@ -161,12 +161,12 @@ class WorldNodes:
                 wxyz=solid.pose[3:],
             )
             self._passing.append((solid, box))
-        tall = [each for each in staying if each.size_m[2] > TALL]
-        low = [each for each in staying if each.size_m[2] <= TALL]
-        for name, chosen, opacity in (("/tall", tall, THROUGH), ("/solids", low, 1.0)):
+        tall = [each for each in staying if each.size_m[2] > SEE_THROUGH_HEIGHT_M]
+        low = [each for each in staying if each.size_m[2] <= SEE_THROUGH_HEIGHT_M]
+        for name, chosen, opacity in (("/tall", tall, SEE_THROUGH_OPACITY), ("/solids", low, 1.0)):
             poses = np.array([each.pose for each in chosen]).reshape(-1, 7)
             sizes = np.array([each.size_m for each in chosen]).reshape(-1, 3)
-            tints = [colours.WALL if opacity < 1.0 else colours.of_solid(each.grey) for each in chosen]
+            tints = [colours.WALL_RGB if opacity < 1.0 else colours.of_solid(each.grey) for each in chosen]
             add_boxes(self._scene, name, poses, sizes, np.array(tints, np.uint8), opacity)
 
     def _lines(self, name: str, points: NDArray[np.float32], colour: Rgb, thickness: float) -> Any:
@@ -193,6 +193,6 @@ def _runs(shape: MapShape, picture: NDArray[np.uint8]) -> tuple[Array, Array]:
         edges = np.flatnonzero(np.diff(np.concatenate(([0], cells.astype(np.int8), [0]))))
         for a, b in edges.reshape(-1, 2).tolist():
             y = y0 + (height - row - 0.5) * cell
-            poses.append((x0 + (a + b) / 2 * cell, y, RAISED / 2, 1.0, 0.0, 0.0, 0.0))
-            sizes.append(((b - a) * cell, cell, RAISED))
+            poses.append((x0 + (a + b) / 2 * cell, y, RAISED_HEIGHT_M / 2, 1.0, 0.0, 0.0, 0.0))
+            sizes.append(((b - a) * cell, cell, RAISED_HEIGHT_M))
     return np.array(poses).reshape(-1, 7), np.array(sizes).reshape(-1, 3)

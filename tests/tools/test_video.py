@@ -18,7 +18,7 @@ import pytest
 from numpy.typing import NDArray
 
 from handcart.backends.mujoco.rendering import gl_context
-from handcart.evaluation.trials.video import HEIGHT
+from handcart.evaluation.trials.video import HEIGHT_PX
 from tests.tools.conftest import Said
 
 pytest.importorskip("av")
@@ -56,7 +56,7 @@ def test_a_run_is_recorded(handcart: Callable[..., Said], tour: Path, tmp_path: 
     frames = frames_of(film)
     assert len(frames) == pytest.approx(FRAMES * simulated, abs=4)
     assert np.abs(frames[2] - frames[-1]).mean() > 1.0
-    assert frames[0].shape == (HEIGHT, BACKENDS[backend], 3)
+    assert frames[0].shape == (HEIGHT_PX, BACKENDS[backend], 3)
 
 
 @pytest.mark.slow
@@ -87,7 +87,7 @@ def test_without_opengl_the_camera_alone_is_shown(
     assert said.status == 0
     assert "what the hand's camera sees alone" in said.err
     assert "apt install libegl1" in said.err
-    assert frames_of(film)[0].shape == (HEIGHT, 960, 3)
+    assert frames_of(film)[0].shape == (HEIGHT_PX, 960, 3)
 
 
 @pytest.mark.parametrize(

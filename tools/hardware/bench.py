@@ -128,9 +128,9 @@ def _scans(bench: Bench, port: int) -> RangeServer:
 
 
 def _library() -> Path:
-    from handcart.evaluation.trials.rig import LIBRARY
+    from handcart.evaluation.trials.rig import LIBRARY_FOLDER
 
-    return LIBRARY / "world.yaml"
+    return LIBRARY_FOLDER / "world.yaml"
 
 
 def _planned(words: str) -> tuple[str, float, int | None]:

@@ -41,14 +41,14 @@ def bringup(
     from handcart.backends.registry import bench_class
     from handcart.evaluation.bringup.ladder import RUNGS, Ladder
     from handcart.evaluation.bringup.site import Site
-    from handcart.evaluation.trials.rig import LIBRARY
+    from handcart.evaluation.trials.rig import LIBRARY_FOLDER
     from handcart.tools.terminal.writing import check_folder
 
     spec = load_robot(robot)
     check_folder(folder)
     if bench is not None:
         bench_class(bench, CanBackend.name)  # a wrong name is told before the first rung
-    for_what = task or LIBRARY.parent / ("return_book" if spec.arm else "drive_map") / "task.yaml"
+    for_what = task or LIBRARY_FOLDER.parent / ("return_book" if spec.arm else "drive_map") / "task.yaml"
     name = re.sub(r"[^\w.-]", "_", robot.removesuffix(".yaml").strip("./"))
     own, rehearsed = folder / name, folder / f"{name}-bench"
     site = Site(
@@ -58,7 +58,7 @@ def bringup(
         rehearsed if bench else own,
         for_what,
         bench or "",
-        LIBRARY / "world.yaml" if bench else None,
+        LIBRARY_FOLDER / "world.yaml" if bench else None,
         camera,
     )
     ladder = Ladder(site, None if bench else rehearsed)

@@ -30,14 +30,22 @@ def jog(
     from handcart.evaluation.bringup.jog import HAND_SPEED, Jogger, UnknownAxis, slides
     from handcart.evaluation.bringup.operator import BenchOperator, Operator
     from handcart.evaluation.bringup.site import Site
-    from handcart.evaluation.trials.rig import LIBRARY
+    from handcart.evaluation.trials.rig import LIBRARY_FOLDER
     from handcart.tools.terminal.terminal_operator import TerminalOperator
 
     if not math.isfinite(way):
         raise typer.BadParameter(f"way is {way:g}; allowed: a finite number")
     operator: Operator = TerminalOperator() if bench is None else BenchOperator()
     spec = load_robot(robot)
-    site = Site(robot, spec, operator, Path(), LIBRARY / "task.yaml", bench or "", LIBRARY / "world.yaml")
+    site = Site(
+        robot,
+        spec,
+        operator,
+        Path(),
+        LIBRARY_FOLDER / "task.yaml",
+        bench or "",
+        LIBRARY_FOLDER / "world.yaml",
+    )
     turns = axis.startswith("joint") and not slides(spec, axis)
     wanted = math.radians(way) if turns else way / 1e3
     with site.backend() as backend:

@@ -17,9 +17,9 @@ if TYPE_CHECKING:
     from websockets.http11 import Request, Response
 
 Answer = Callable[["ServerConnection", "Request"], "Response | None"]
-WITH = "token."
+TOKEN_PREFIX = "token."
 """Prefix of the token in the subprotocol, the only header of a WebSocket that a script can set."""
-MISSING = "the token is missing or wrong; it is in the address that was printed"
+TOKEN_MISSING_TEXT = "the token is missing or wrong; it is in the address that was printed"
 
 
 class Gate(OwnPage):
@@ -74,7 +74,7 @@ class Gate(OwnPage):
             if "Origin" not in sent:  # browsers tell it always
                 return connection.respond(403, "another program asks for this")
             if not self._has_token(one("Sec-WebSocket-Protocol") or ""):
-                return connection.respond(401, MISSING)
+                return connection.respond(401, TOKEN_MISSING_TEXT)
             return behind(connection, request)
         if "Accept-Encoding" in sent:  # nothing gets faster by it on one machine
             del sent["Accept-Encoding"]
@@ -83,7 +83,9 @@ class Gate(OwnPage):
 
     def _has_token(self, protocols: str) -> bool:
         given = [each.strip() for each in protocols.split(",")]
-        return any(each.startswith(WITH) and self.knows(each.removeprefix(WITH)) for each in given)
+        return any(
+            each.startswith(TOKEN_PREFIX) and self.knows(each.removeprefix(TOKEN_PREFIX)) for each in given
+        )
 
     def _dressed(self, page: Response) -> Response:
         """Return the page with our script before all others, and with the headers that restrict it."""

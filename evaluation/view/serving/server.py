@@ -16,9 +16,9 @@ from .gate import Gate
 if TYPE_CHECKING:
     import viser
 
-HOST = "127.0.0.1"
-PORT = 8080
-TRIES = 100  # ports from the usual one on
+LOOPBACK_HOST = "127.0.0.1"
+FIRST_PORT = 8080
+MAX_PORT_TRIES = 100  # ports from the usual one on
 
 
 class NoView(InputError):
@@ -49,9 +49,9 @@ def open_server(port: int | None, title: str) -> Iterator[Opened]:
     import viser
 
     chosen = _free(port)
-    gate = Gate(f"{HOST}:{chosen}")
+    gate = Gate(f"{LOOPBACK_HOST}:{chosen}")
     with gate.before_servers(), redirect_stdout(StringIO()):  # it greets
-        server = viser.ViserServer(host=HOST, port=chosen, label=title, verbose=False)
+        server = viser.ViserServer(host=LOOPBACK_HOST, port=chosen, label=title, verbose=False)
     try:
         if not gate.guards:
             raise NoView(f"viser {viser.__version__} can't be guarded against strangers; known: 1.1")
@@ -61,20 +61,24 @@ def open_server(port: int | None, title: str) -> Iterator[Opened]:
         server.gui.configure_theme(control_width="large", show_logo=False, show_share_button=False)
         server.gui.main_panel.dock_right()
         server.scene.set_up_direction("+z")
-        yield Opened(server, f"http://{HOST}:{chosen}/#token={gate.token}")
+        yield Opened(server, f"http://{LOOPBACK_HOST}:{chosen}/#token={gate.token}")
     finally:
         with redirect_stdout(StringIO()):
             server.stop()
 
 
 def _free(port: int | None) -> int:
-    for chosen in range(PORT, PORT + TRIES) if port is None else (port,):
+    for chosen in range(FIRST_PORT, FIRST_PORT + MAX_PORT_TRIES) if port is None else (port,):
         with socket.socket() as tried:
             tried.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
             try:
-                tried.bind((HOST, chosen))
+                tried.bind((LOOPBACK_HOST, chosen))
                 return int(tried.getsockname()[1])
             except OSError as error:
                 wrong = error.strerror
-    asked = f"the port {port}" if port is not None else f"any port from {PORT} to {PORT + TRIES - 1}"
+    asked = (
+        f"the port {port}"
+        if port is not None
+        else f"any port from {FIRST_PORT} to {FIRST_PORT + MAX_PORT_TRIES - 1}"
+    )
     raise NoView(f"--port: {asked} can't be had: {wrong}; allowed: a free one, or 0 for any")

@@ -14,7 +14,7 @@ from handcart.backends.description.robot_loading import load_robot
 from handcart.evaluation.bringup.axis_rungs import LimitsRung
 from handcart.evaluation.bringup.operator import BenchOperator
 from handcart.evaluation.bringup.site import Site
-from handcart.evaluation.trials.rig import LIBRARY
+from handcart.evaluation.trials.rig import LIBRARY_FOLDER
 from handcart.evaluation.trials.running import run_task
 from handcart.networks.run_options import RunOptions
 from tests.lift_robot import write_lift_robot
@@ -38,8 +38,10 @@ def test_a_joint_read_a_hair_beyond_its_limit_holds_the_limit(
 def test_its_limits_are_tried_at_bring_up(tmp_path: Path) -> None:
     """The way to the lower limit is none, and its direction is known all the same."""
     name = str(write_lift_robot(tmp_path))
-    task = LIBRARY / "task.yaml"
-    site = Site(name, load_robot(name), BenchOperator(), tmp_path, task, "kinematic", LIBRARY / "world.yaml")
+    task = LIBRARY_FOLDER / "task.yaml"
+    site = Site(
+        name, load_robot(name), BenchOperator(), tmp_path, task, "kinematic", LIBRARY_FOLDER / "world.yaml"
+    )
     facts = LimitsRung().climb(site)["joint 1"]
     assert facts["lower_mm"] == pytest.approx(0.0, abs=0.5)
     assert facts["upper_mm"] == pytest.approx(250.0, abs=0.5)
@@ -50,5 +52,5 @@ def test_it_returns_a_book(tmp_path: Path) -> None:
     options = RunOptions(
         backend="can", bench="kinematic", settings={"robot": str(write_lift_robot(tmp_path))}
     )
-    summary, status = run_task(LIBRARY / "task.yaml", tmp_path / "runs", options)
+    summary, status = run_task(LIBRARY_FOLDER / "task.yaml", tmp_path / "runs", options)
     assert (status, summary["outcome"], summary["metrics"]["untrue"]) == (0, "Success", [])

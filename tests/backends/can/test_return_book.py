@@ -7,14 +7,14 @@ from typing import Any
 
 import pytest
 
-from handcart.evaluation.trials.rig import LIBRARY
+from handcart.evaluation.trials.rig import LIBRARY_FOLDER
 from handcart.evaluation.trials.running import run_task
 from handcart.networks.run_options import RunOptions
 
 
 def run(folder: Path, backend: str, bench: str | None = None) -> tuple[Any, ...]:
     summary, status = run_task(
-        LIBRARY / "task.yaml", folder, RunOptions(backend=backend, errors=False, bench=bench)
+        LIBRARY_FOLDER / "task.yaml", folder, RunOptions(backend=backend, errors=False, bench=bench)
     )
     assert summary["metrics"]["untrue"] == []
     return (status, *(summary[each] for each in ("outcome", "situation", "reason", "actions", "fails")))

@@ -9,7 +9,7 @@ import pytest
 
 from handcart.backends.can.bus.frame_log import NAMES
 from handcart.backends.can.bus.frame_names import FrameNames
-from handcart.evaluation.explanation.bus_log import KINDS, UnreadableLog, read_log
+from handcart.evaluation.explanation.bus_log import LOG_SUFFIXES, UnreadableLog, read_log
 from handcart.evaluation.explanation.frames_around import frames_around
 
 FRAMES = [
@@ -26,7 +26,7 @@ FRAMES = [
 ]
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", LOG_SUFFIXES)
 def test_what_python_can_writes_is_read(tmp_path: Path, kind: str) -> None:
     path = tmp_path / f"bus{kind}"
     with can.Logger(path) as writer:
@@ -46,7 +46,7 @@ def test_what_python_can_writes_is_read(tmp_path: Path, kind: str) -> None:
 
 def test_a_log_that_is_too_long_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """D6: it would fill the memory."""
-    monkeypatch.setattr("handcart.evaluation.explanation.bus_log.MOST", 10)
+    monkeypatch.setattr("handcart.evaluation.explanation.bus_log.MAX_FRAMES", 10)
     path = tmp_path / "bus.log"
     path.write_text("(0.000000) can 080#\n" * 11, encoding="ascii")
     with pytest.raises(UnreadableLog, match="it has more than 10 frames"):
@@ -55,7 +55,7 @@ def test_a_log_that_is_too_long_is_refused(tmp_path: Path, monkeypatch: pytest.M
     assert len(read_log(path)) == 10
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", LOG_SUFFIXES)
 def test_what_is_none_is_told(tmp_path: Path, kind: str) -> None:
     """T1 T14: missing, a folder, another kind, nonsense."""
     path = tmp_path / f"bus{kind}"

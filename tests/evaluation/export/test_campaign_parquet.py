@@ -57,7 +57,7 @@ def test_a_metric_of_several_kinds_is_json(tmp_path: Path) -> None:
 def test_many_are_written_in_parts_and_none_is_a_file_too(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("handcart.evaluation.export.campaign_parquet.TOGETHER", 7)
+    monkeypatch.setattr("handcart.evaluation.export.campaign_parquet.BATCH_TRIALS", 7)
     write_parquet([trial(seed, {"far_mm": float(seed)}) for seed in range(20)], tmp_path / "trials.parquet")
     assert [each["seed"] for each in read(tmp_path / "trials.parquet")] == list(range(20))
     write_parquet([], tmp_path / "none.parquet")

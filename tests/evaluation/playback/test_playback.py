@@ -13,7 +13,7 @@ from handcart.backends.simulation.scene import Scene
 from handcart.evaluation.playback import recorder as recording
 from handcart.evaluation.playback.part import metres, millimetres
 from handcart.evaluation.playback.playback import Playback
-from handcart.evaluation.playback.recorder import EVERY, PlaybackRecorder
+from handcart.evaluation.playback.recorder import ROW_PERIOD_S, PlaybackRecorder
 from handcart.evaluation.playback.seven import transforms
 from handcart.evaluation.truth.survey import simulated_world
 from handcart.networks.coordination.run_end import RunEnd
@@ -77,7 +77,7 @@ def playback(run: Run) -> Playback:
 
 def test_playback_rows_at_10_hz_hold_measured_and_true_values(run: Run, playback: Playback) -> None:
     rows = playback.rows
-    assert np.diff(rows.time) == pytest.approx(EVERY)
+    assert np.diff(rows.time) == pytest.approx(ROW_PERIOD_S)
     assert playback.start == 0.0
     assert playback.end == pytest.approx(SECONDS)
     for time, joints in zip(rows.time[1:], rows.joints[1:], strict=True):
@@ -88,7 +88,7 @@ def test_playback_rows_at_10_hz_hold_measured_and_true_values(run: Run, playback
 
 
 def test_between_two_rows_the_way_is_straight(playback: Playback) -> None:
-    rows, time = playback.rows, float(playback.rows.time[7]) + 0.3 * EVERY
+    rows, time = playback.rows, float(playback.rows.time[7]) + 0.3 * ROW_PERIOD_S
     moment = playback.at(time)
     assert moment.truth is not None
     assert moment.truth[:3] == pytest.approx(0.7 * rows.truth[7, :3] + 0.3 * rows.truth[8, :3])
@@ -114,7 +114,7 @@ def test_a_thing_stays_where_it_is_until_it_is_moved(run: Run, playback: Playbac
 
 def test_scans_are_kept_to_the_millimetre(run: Run, playback: Playback) -> None:
     times = playback.rows.scan_time
-    assert len(times) == round(SECONDS / recording.SCANS) + 1
+    assert len(times) == round(SECONDS / recording.SCAN_PERIOD_S) + 1
     read = run.ranges[round(float(times[5]), 3)]
     found = playback.ranges(5)
     assert np.array_equal(np.isinf(found), np.isinf(read))

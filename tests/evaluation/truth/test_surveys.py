@@ -14,7 +14,7 @@ import pytest
 
 from handcart.backends.saved_state import NotAState
 from handcart.evaluation.truth import surveys
-from handcart.evaluation.truth.judge import NOTES, Judge
+from handcart.evaluation.truth.judge import NOTES_FILE, Judge
 from handcart.evaluation.truth.survey import Claim, Survey
 from handcart.networks.coordination.events import Ended, Started
 from handcart.networks.coordination.run_end import RunEnd
@@ -87,7 +87,7 @@ def also(monkeypatch: pytest.MonkeyPatch) -> Callable[[type[Survey]], None]:
     """Makes a survey one of those that are asked."""
 
     def add(kind: type[Survey]) -> None:
-        monkeypatch.setattr(surveys, "survey_kinds", lambda run: (*surveys.GENERAL, kind))
+        monkeypatch.setattr(surveys, "survey_kinds", lambda run: (*surveys.GENERAL_SURVEYS, kind))
 
     return add
 
@@ -173,14 +173,14 @@ def test_notes_of_another_shape_are_refused_in_a_sentence(
     """D6: damaged notes raise NotAState, never a KeyError, and never yield metrics."""
     also(Puddles)
     drive(prepared, tmp_path)
-    note = orjson.loads((tmp_path / NOTES).read_bytes())
+    note = orjson.loads((tmp_path / NOTES_FILE).read_bytes())
     spoil, words = wrong_notes()[number]
     spoil(note)
-    (tmp_path / NOTES).write_bytes(orjson.dumps(note) + b"\n")
+    (tmp_path / NOTES_FILE).write_bytes(orjson.dumps(note) + b"\n")
     again = Judge(prepared, tmp_path)
     with pytest.raises(NotAState) as refused:
         again.go_on()
-    assert str(refused.value).startswith(f"{tmp_path / NOTES}: {words}")
+    assert str(refused.value).startswith(f"{tmp_path / NOTES_FILE}: {words}")
 
 
 def test_a_claim_knows_how_all_was_before(prepared: Prepared, also: Callable[[type[Survey]], None]) -> None:

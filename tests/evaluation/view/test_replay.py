@@ -15,7 +15,7 @@ from handcart.evaluation.playback.playback import Moment, Playback
 from handcart.evaluation.view.frame import Frame
 from handcart.evaluation.view.panel import Panel
 from handcart.evaluation.view.replay import Replay
-from handcart.evaluation.view.serving.server import HOST, NoView, open_server
+from handcart.evaluation.view.serving.server import LOOPBACK_HOST, NoView, open_server
 from handcart.networks.journal.past_run import PastAction
 
 
@@ -66,7 +66,7 @@ def test_u10_names_that_are_programs_are_text_in_the_panel(server: viser.ViserSe
 
 def test_a_taken_port_is_told() -> None:
     with socket.socket() as taken:
-        taken.bind((HOST, 0))
+        taken.bind((LOOPBACK_HOST, 0))
         taken.listen()
         port = taken.getsockname()[1]
         said = f"--port: the port {port} can't be had: .*; allowed: a free one"

@@ -15,8 +15,8 @@ from handcart.evaluation.playback.seven import seven
 from handcart.evaluation.view.boxes import unit_box
 from handcart.evaluation.view.network_window import NetworkWindow
 from handcart.evaluation.view.rays import rays_of
-from handcart.evaluation.view.recorded_frames import STEP, RecordedFrames
-from handcart.evaluation.view.time_line import WIDE, time_line
+from handcart.evaluation.view.recorded_frames import PATH_STEP_M, RecordedFrames
+from handcart.evaluation.view.time_line import LINE_WIDTH, time_line
 from handcart.networks.drawing.styles import HIGHLIGHT_COLOUR
 from handcart.networks.graph.journaled_network import NamedBinding
 from handcart.networks.graph.network import Action, ActionNetwork, Situation
@@ -72,10 +72,10 @@ def test_the_time_line_has_bars_as_long_as_the_actions() -> None:
     found = re.findall(r'<rect x="([\d.]+)" y="\d+" width="([\d.]+)"', svg)[1:]
     bars = [(float(x), float(wide)) for x, wide in found]
     assert bars == [
-        (0.0, WIDE / 2 - 2.0),
-        (WIDE / 2, WIDE / 2 - 2.0),
-        (0.75 * WIDE, 0.25 * WIDE - 2.0),
-        (0.25 * WIDE, 6.0),
+        (0.0, LINE_WIDTH / 2 - 2.0),
+        (LINE_WIDTH / 2, LINE_WIDTH / 2 - 2.0),
+        (0.75 * LINE_WIDTH, 0.25 * LINE_WIDTH - 2.0),
+        (0.25 * LINE_WIDTH, 6.0),
     ]
     assert time_line([], 0.0, 0.0, 0.0)
 
@@ -97,7 +97,7 @@ def test_a_frame_is_the_same_from_before_and_from_after(toured: Path) -> None:
     assert one.situation == other.situation
     assert forwards.at(middle).rays is None
     steps = np.linalg.norm(np.diff(one.driven, axis=0), axis=1)
-    assert steps.max() < 3 * STEP
+    assert steps.max() < 3 * PATH_STEP_M
 
 
 def test_the_situation_is_that_of_the_journal(toured: Path) -> None:

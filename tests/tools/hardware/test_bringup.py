@@ -14,7 +14,7 @@ from handcart.evaluation.bringup.ladder import RUNGS, BenchFirst, Ladder
 from handcart.evaluation.bringup.operator import BenchOperator, ScriptedOperator
 from handcart.evaluation.bringup.record import read
 from handcart.evaluation.bringup.site import Site
-from handcart.evaluation.trials.rig import LIBRARY
+from handcart.evaluation.trials.rig import LIBRARY_FOLDER
 from tests.tools.conftest import Said
 
 NAMES = [each.name for each in RUNGS]
@@ -32,10 +32,10 @@ ANSWERS = {
 @pytest.fixture
 def site(tmp_path: Path) -> Site:
     """The cart, on a bench."""
-    task = LIBRARY.parent / "drive_map" / "task.yaml"
+    task = LIBRARY_FOLDER.parent / "drive_map" / "task.yaml"
     folder = tmp_path / "cart-bench"
     return Site(
-        "cart", load_robot("cart"), BenchOperator(), folder, task, "kinematic", LIBRARY / "world.yaml"
+        "cart", load_robot("cart"), BenchOperator(), folder, task, "kinematic", LIBRARY_FOLDER / "world.yaml"
     )
 
 

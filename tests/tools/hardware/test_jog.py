@@ -14,7 +14,7 @@ from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.kinematic.kinematic_backend import KinematicBackend
 from handcart.evaluation.bringup.jog import HAND_SPEED, Jogger, Lease, UnknownAxis
-from handcart.evaluation.trials.rig import LIBRARY
+from handcart.evaluation.trials.rig import LIBRARY_FOLDER
 from tests.conftest import Clock
 from tests.tools.conftest import Said
 
@@ -26,7 +26,7 @@ def librarian() -> RobotFile:
 
 @pytest.fixture
 def backend(librarian: RobotFile) -> Iterator[CanBackend]:
-    made = CanBackend.build_on_bench(librarian, LIBRARY / "world.yaml", 0, KinematicBackend)
+    made = CanBackend.build_on_bench(librarian, LIBRARY_FOLDER / "world.yaml", 0, KinematicBackend)
     yield made
     made.close()
 

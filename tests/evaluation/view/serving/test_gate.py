@@ -20,7 +20,7 @@ from websockets.exceptions import InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 from websockets.typing import Subprotocol
 
-from handcart.evaluation.view.serving.server import HOST, NoView, Opened, open_server
+from handcart.evaluation.view.serving.server import LOOPBACK_HOST, NoView, Opened, open_server
 
 SECRET = "what only the operator sees"
 OURS = f"viser-v{viser.__version__}"
@@ -43,10 +43,10 @@ def port_of(opened: Opened) -> int:
 def entered(opened: Opened, *, token: str | None, origin: str | None, host: str = "") -> ClientConnection:
     """A raw socket as a program that calls itself viser's page."""
     protocols = [OURS] if token is None else [OURS, f"token.{token}"]
-    name, _, port = (host or f"{HOST}:{port_of(opened)}").partition(":")
+    name, _, port = (host or f"{LOOPBACK_HOST}:{port_of(opened)}").partition(":")
     return connect(
         f"ws://{name}:{port}/" if port else f"ws://{name}/",
-        sock=socket.create_connection((HOST, port_of(opened)), timeout=20),
+        sock=socket.create_connection((LOOPBACK_HOST, port_of(opened)), timeout=20),
         origin=origin,  # type: ignore[arg-type]
         subprotocols=[Subprotocol(each) for each in protocols],
         open_timeout=20,
@@ -69,7 +69,7 @@ def page_of(opened: Opened, **headers: str) -> bytes:
 
 def said_by(opened: Opened, sent: bytes) -> bytes:
     answer = b""
-    with socket.create_connection((HOST, port_of(opened)), timeout=20) as line:
+    with socket.create_connection((LOOPBACK_HOST, port_of(opened)), timeout=20) as line:
         line.sendall(sent)
         with suppress(ConnectionResetError):
             while got := line.recv(65_536):
@@ -78,7 +78,7 @@ def said_by(opened: Opened, sent: bytes) -> bytes:
 
 
 def test_who_has_the_token_sees_the_run(opened: Opened) -> None:
-    own = f"http://{HOST}:{port_of(opened)}"
+    own = f"http://{LOOPBACK_HOST}:{port_of(opened)}"
     with closing(entered(opened, token=token_of(opened), origin=own)) as line:
         assert line.subprotocol == OURS
         assert line.recv(timeout=20)
@@ -86,7 +86,7 @@ def test_who_has_the_token_sees_the_run(opened: Opened) -> None:
 
 def test_u1_it_listens_on_this_machine_s_one_address(opened: Opened) -> None:
     """A server that listens on all addresses would be reached through another loopback address as well."""
-    socket.create_connection((HOST, port_of(opened)), timeout=20).close()
+    socket.create_connection((LOOPBACK_HOST, port_of(opened)), timeout=20).close()
     with pytest.raises(ConnectionRefusedError):
         socket.create_connection(("127.0.0.2", port_of(opened)), timeout=20)
 
@@ -98,8 +98,8 @@ def test_u2_a_foreign_origin_gets_no_socket(opened: Opened) -> None:
     for origin in (
         "http://evil.example",
         "null",
-        f"https://{HOST}:{port_of(opened)}",
-        f"http://{HOST}:1",
+        f"https://{LOOPBACK_HOST}:{port_of(opened)}",
+        f"http://{LOOPBACK_HOST}:1",
         None,
     ):
         assert refused(opened, token=token_of(opened), origin=origin) == 403
@@ -114,7 +114,7 @@ def test_u3_another_host_s_name_is_refused(opened: Opened, host: str) -> None:
 
 
 def test_u3_two_hosts_are_none(opened: Opened) -> None:
-    own = f"{HOST}:{port_of(opened)}"
+    own = f"{LOOPBACK_HOST}:{port_of(opened)}"
     sent = f"GET / HTTP/1.1\r\nHost: {own}\r\nHost: evil.example\r\n\r\n"
     assert said_by(opened, sent.encode()).split()[1] in (b"400", b"421")
 
@@ -123,11 +123,11 @@ def test_u3_two_hosts_are_none(opened: Opened) -> None:
 def test_u5_without_the_token_there_is_no_socket(opened: Opened, token: str | None) -> None:
     """Other people on this machine can forge all the rest."""
     given = token and token.format(token=token_of(opened))
-    own = f"http://{HOST}:{port_of(opened)}"
+    own = f"http://{LOOPBACK_HOST}:{port_of(opened)}"
     if given == "":
         answer = page_of(
             opened,
-            Host=f"{HOST}:{port_of(opened)}",
+            Host=f"{LOOPBACK_HOST}:{port_of(opened)}",
             Origin=own,
             Connection="Upgrade",
             Upgrade="websocket",
@@ -144,11 +144,11 @@ def test_u5_the_token_is_neither_in_addresses_nor_in_pages_nor_logged(
     opened: Opened, caplog: pytest.LogCaptureFixture, capfd: pytest.CaptureFixture[str]
 ) -> None:
     caplog.set_level(logging.DEBUG)
-    assert opened.address.startswith(f"http://{HOST}:{port_of(opened)}/#token=")
-    page = page_of(opened, Host=f"{HOST}:{port_of(opened)}")
+    assert opened.address.startswith(f"http://{LOOPBACK_HOST}:{port_of(opened)}/#token=")
+    page = page_of(opened, Host=f"{LOOPBACK_HOST}:{port_of(opened)}")
     assert page.split()[1] == b"200"
     assert token_of(opened).encode() not in page
-    own = f"http://{HOST}:{port_of(opened)}"
+    own = f"http://{LOOPBACK_HOST}:{port_of(opened)}"
     entered(opened, token=token_of(opened), origin=own).close()
     refused(opened, token=token_of(opened), origin="http://evil.example")
     heard = capfd.readouterr()
@@ -158,10 +158,10 @@ def test_u5_the_token_is_neither_in_addresses_nor_in_pages_nor_logged(
 
 def test_the_page_may_reach_nothing_else_and_is_in_no_frame(opened: Opened) -> None:
     """U10: also what would get into it could send nothing away."""
-    head, _, page = page_of(opened, Host=f"{HOST}:{port_of(opened)}").partition(b"\r\n\r\n")
+    head, _, page = page_of(opened, Host=f"{LOOPBACK_HOST}:{port_of(opened)}").partition(b"\r\n\r\n")
     policy = next(line for line in head.decode().split("\r\n") if line.startswith("Content-Security-Policy"))
     assert "default-src 'self'" in policy
-    assert f"connect-src 'self' ws://{HOST}:{port_of(opened)} data: blob:;" in policy
+    assert f"connect-src 'self' ws://{LOOPBACK_HOST}:{port_of(opened)} data: blob:;" in policy
     assert "frame-ancestors 'none'" in policy
     assert "*" not in policy
     assert b"<head><script>// Runs before viser's own script" in page
@@ -170,7 +170,7 @@ def test_the_page_may_reach_nothing_else_and_is_in_no_frame(opened: Opened) -> N
 
 def test_the_console_may_lead_there(opened: Opened) -> None:
     """Its page is another site; a socket from there is refused."""
-    own = f"{HOST}:{port_of(opened)}"
+    own = f"{LOOPBACK_HOST}:{port_of(opened)}"
     assert page_of(opened, Host=own, Sec_Fetch_Site="same-site").split()[1] == b"200"
     upgrade = {"Upgrade": "websocket", "Connection": "Upgrade", "Origin": f"http://{own}"}
     assert page_of(opened, Host=own, Sec_Fetch_Site="same-site", **upgrade).split()[1] == b"403"
@@ -190,7 +190,7 @@ NONSENSE = {
 def test_u11_nonsense_is_refused_and_prints_nothing(
     opened: Opened, sent: bytes, capfd: pytest.CaptureFixture[str], caplog: pytest.LogCaptureFixture
 ) -> None:
-    own = f"{HOST}:{port_of(opened)}"
+    own = f"{LOOPBACK_HOST}:{port_of(opened)}"
     assert said_by(opened, sent.replace(b"{host}", own.encode()))[:13].split()[1:2] != [b"200"]
     assert page_of(opened, Host=own).split()[1] == b"200"
     heard = capfd.readouterr()
@@ -215,7 +215,7 @@ def test_no_socket_is_left_open_that_comes_while_the_server_ends() -> None:
         assert ends is not None
         loop.call_soon_threadsafe(time.sleep, 0.1)
         loop.call_soon_threadsafe(ends.set)
-        lines = [socket.create_connection((HOST, port_of(opened)), timeout=20) for _ in range(3)]
+        lines = [socket.create_connection((LOOPBACK_HOST, port_of(opened)), timeout=20) for _ in range(3)]
         begun = time.monotonic()
     thread = inside._server_thread
     assert thread is not None
