@@ -1,1 +1,1 @@
-"""What ground truth says of blocks."""
+"""Ground truth of blocks."""

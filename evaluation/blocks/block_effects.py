@@ -1,4 +1,4 @@
-"""What a Success of those who stack blocks promises."""
+"""Effects that a Success of block primitives promises."""
 
 from __future__ import annotations
 
@@ -52,4 +52,4 @@ def _stacked(survey: Survey, claim: Claim) -> list[str]:
 
 
 EFFECTS: Mapping[str, Effect] = {"FIXATE": _fixated, "PICK_UP_BLOCK": _picked_up, STACK: _stacked}
-"""By the primitive's name."""
+"""Effects by the primitive's name."""

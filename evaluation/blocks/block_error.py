@@ -1,4 +1,4 @@
-"""How far one block stands off its goal."""
+"""Distance of one block from its goal."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 
 class BlockError(NamedTuple):
-    """Of one block, in the frame of its goal (eq. 14: goal minus actual), in [mm]."""
+    """Error of one block in the frame of its goal (eq. 14: goal minus actual), in [mm]."""
 
     number: int
     x: float
@@ -21,13 +21,13 @@ class BlockError(NamedTuple):
     """On the paper's scale of 0.5 mm."""
     read_y: float
     yaw_mrad: float
-    """By which the base had turned since the fixation, when the block was let go."""
+    """Turn of the base from the fixation to the release of the block."""
     lean_mrad: float
-    """The same about the base's x: the paper's pitch."""
+    """Tilt of the base about its x in that time: the paper's pitch."""
 
     @property
     def size(self) -> float:
-        """Of x and y together."""
+        """Norm of x and y."""
         return math.hypot(self.x, self.y)
 
     @property

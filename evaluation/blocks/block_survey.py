@@ -1,4 +1,4 @@
-"""Where blocks come to stand, measured by the ground truth: the errors of Hatano et al. (2000), section 5."""
+"""Final places of blocks by the ground truth: the errors of Hatano et al. (2000), section 5."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ Vector = NDArray[np.float64]
 
 
 class Attitude(NamedTuple):
-    """How the base truly is turned and leans."""
+    """True turn and tilt of the base."""
 
     heading: float
     lean: tuple[float, float]
@@ -40,7 +40,7 @@ class Attitude(NamedTuple):
 
 @dataclass(frozen=True)
 class BlockNotes:
-    """What couldn't be seen again."""
+    """Observations that a resumed run could not repeat."""
 
     reference: tuple[float, tuple[float, float]] | None
     """Heading and lean."""
@@ -52,7 +52,7 @@ class BlockNotes:
 
 
 class BlockSurvey(Survey):
-    """Looks at a scene once a period, and notes how the base stood when blocks were gripped and let go."""
+    """Observes a scene once a period, and records the base's pose when blocks are gripped and released."""
 
     name = "blocks"
     effects = EFFECTS
@@ -65,14 +65,14 @@ class BlockSurvey(Survey):
         self.scene, self.model = run.world, run.model
         self._props = run.world.of(BlockProps)
         self.plan = run.model.of(Blocks).building if STACK in run.does else None
-        """Where blocks are to be stacked; None: none are."""
+        """Building plan; None if no blocks are stacked."""
         self._frames, self._uncorrected = 0, True
         self._fixed: Fixed | None = None
         self._reference: Attitude | None = None
         self._held: Any = None
         self._rested: dict[str, str] = {}
         self._gripped: dict[str, Vector] = {}
-        """By block: the shift (3,) with which it was gripped off a table, in the base frame, in [m]."""
+        """Shift (3,) of each block when it was gripped off a table, in the base frame, in [m]."""
         self._released: dict[str, Vector] = {}
         self._moved: dict[str, tuple[float, float]] = {}
         """Turn and lean about x since the fixation when it was let go, in [rad]."""
@@ -119,7 +119,7 @@ class BlockSurvey(Survey):
         self._frames, self._uncorrected = noted.frames, noted.uncorrected
 
     def errors(self) -> list[BlockError]:
-        """Of all blocks that stand about where they should."""
+        """Return the errors of all blocks that are near their goals."""
         found = []
         for number, goal in enumerate(self.plan.goals if self.plan else (), start=1):
             block = self._props.blocks.get(str(number))
@@ -147,7 +147,9 @@ class BlockSurvey(Survey):
         return result
 
     def faults(self) -> list[str]:
-        """See `Survey`; Success claims that every block of the plan stands about where it should."""
+        """Return false claims of a whole run's Success, which claims that every block of the plan is near its
+        goal.
+        """
         goals, errors = len(self.plan.goals) if self.plan else 0, self.errors()
         far = [
             f"block {error.number} is {error.size:.1f} mm off" for error in errors if error.size > STACKED_MM
@@ -173,7 +175,7 @@ class BlockSurvey(Survey):
         return now.heading - self._reference.heading, now.lean[0] - self._reference.lean[0]
 
     def _shift(self, block: Any) -> Vector:
-        """By how much turning and leaning since the fixation moved the block's place, in the base frame."""
+        """Return the shift of the block's place by turn and tilt since the fixation, in the base frame."""
         if self._reference is None:
             return np.zeros(3)
         now, pivot = self._attitude(), self.scene.robot.errors.lean_pivot_m

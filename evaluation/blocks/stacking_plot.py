@@ -1,4 +1,4 @@
-"""How far blocks stand off their goals, block by block, as figures 4 and 5 of Hatano et al. (2000)."""
+"""Plot of the blocks' errors, block by block, as figures 4 and 5 of Hatano et al. (2000)."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ PAPER_MM = 1.5  # within which all processed errors of figure 4 are
 def draw_stacking_errors(
     errors: Sequence[BlockError], target: Path, limit_mm: float, processed: bool
 ) -> None:
-    """Errors along x and y over the blocks' numbers, and all of them from above; by ground truth.
+    """Plot true errors along x and y over the blocks' numbers, and all of them from above.
 
     Args:
-        errors: of the blocks that stand.
-        target: a file.
-        limit_mm: the most that a block may be off.
-        processed: whether what the base's turning and leaning did is shown taken away as well (eq. 12).
+        errors: errors of the placed blocks.
+        target: file to write.
+        limit_mm: maximum allowed error.
+        processed: True to subtract the effect of the base's turn and tilt as well (eq. 12).
 
     Raises:
-        OSError: it can't be written.
+        OSError: the file cannot be written.
     """
     from matplotlib.figure import Figure
     from matplotlib.patches import Circle

@@ -1,4 +1,4 @@
-"""What is reached from each stop of a task that stacks blocks, found out without moving."""
+"""Reach of the arm from each stop of a stacking task, computed without moving."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ from handcart.robotics.manipulation.placement.stops import BESIDE
 from .stop_reach import StopReach
 
 Work = dict[tuple[str, str], dict[str, LevelPose]]
-"""By place and landmark: the blocks that are taken or laid from there, where they stand."""
+"""Blocks taken or laid from a stop, with their places, by place and landmark."""
 
 
 def block_facts(task: Task) -> dict[str, Any]:
-    """What the arm reaches from each place at which a landmark tells where the base stands."""
+    """Return what the arm reaches from each place at which the base is located by a landmark."""
     blocks = task.knowledge.sections.get("blocks")
     plan = blocks.building if isinstance(blocks, Blocks) else None
     work = {} if plan is None else _work(task, plan)
@@ -64,7 +64,9 @@ def _words(
 
 
 def _work(task: Task, plan: Building) -> Work:
-    """What is done from where, by the network: after each FIXATE until the base drives, or another one."""
+    """Return the work at each stop by the network: from each FIXATE until the base drives, or the next
+    FIXATE.
+    """
     found: Work = {}
     for action in task.network.actions:
         if not _does(action, Fixate) or action.binding is None:

@@ -1,4 +1,4 @@
-"""What the hand does at blocks and landmarks, for the placer of stops; and what it would touch there."""
+"""Poses of the hand at blocks and landmarks for the placer of stops, and its contacts there."""
 
 from __future__ import annotations
 
@@ -60,24 +60,24 @@ class StopReach:
         self._open = arm.with_others({"left_finger": width, "right_finger": width})
 
     def stops(self, landmarks: Sequence[LevelPose]) -> StopPlacer:
-        """The placer, for these landmarks."""
+        """Return the placer for these landmarks."""
         return StopPlacer(self.placer, [partial(self._sight, mark) for mark in landmarks])
 
     def goal(self, place: LevelPose) -> Goal:
-        """What the hand does at a block: it comes from above, and looks at it from above."""
+        """Return the hand's work at a block: it approaches from above, and looks at the block from above."""
         grip = pointing_down(place.floor, place.height_m + self._block[2] - BITE + self._tip)
         work = tool_path([transform((0.0, 0.0, up)) @ grip for up in (ABOVE, ABOVE / 2, 0.0)])
         level = place.floor.theta
         return Goal(work, (self._looking(place.floor, place.height_m + self._block[2], level),))
 
     def touches(self, base: Floats, place: LevelPose, around: Sequence[Box], held: bool) -> str:
-        """What arm or held block would touch over a block's place and at it; nothing where all is clear.
+        """Return the contact of arm or held block above and at a block's place; empty if all is clear.
 
         Args:
             base: map_T_base (3,).
-            place: of the block.
-            around: what stands there, posed on the map.
-            held: whether the hand comes with the block, and puts it down there.
+            place: place of the block.
+            around: surrounding bodies, posed on the map.
+            held: True if the hand carries the block and puts it down there.
         """
         path, stand = self.goal(place).work, Pose2(*base.tolist()).lift()
         try:
@@ -96,7 +96,7 @@ class StopReach:
         return ""
 
     def body(self, place: LevelPose, name: str) -> Box:
-        """A block that stands there, on the map."""
+        """Return a block at that place, on the map."""
         return place.body(self._block, name)
 
     def _sight(self, mark: LevelPose, heading: float) -> ToolPath:

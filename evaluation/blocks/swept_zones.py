@@ -1,4 +1,4 @@
-"""Where the base must keep out of, so that the robot, turning, touches nothing that stands on tables."""
+"""Zones that the base must avoid, so that the turning robot touches nothing on tables."""
 
 from __future__ import annotations
 
@@ -22,13 +22,14 @@ Zone = tuple[float, float, float, float, float]
 
 
 def swept_zones(spec: RobotFile, things: Sequence[Box]) -> list[Zone]:
-    """Zones for a base as wide as its footprint that keep the robot, in its posture `home`, off things.
+    """Return zones for a base of the footprint's width that keep the robot, in its posture `home`, off
+    things.
 
-    What reaches less far at a thing's height than the footprint may come nearer: the zone is that much
-    smaller.
+    A body that reaches less far than the footprint at a thing's height may come nearer: its zone is
+    smaller by that much.
 
     Args:
-        spec: of the robot.
+        spec: robot file.
         things: upright boxes, posed on the map.
     """
     bodies = [_points(shape) for shape in spec.arm_model().link_shapes(np.array(spec.posture("home")))]

@@ -24,17 +24,17 @@ STONE = 60
 
 
 def write_wall(plan: WallPlan, chart: Path, robot: str, folder: Path, world: Path | None = None) -> None:
-    """Write a task with its building plan, places, map, zones to keep out of, and world.
+    """Write a task with its building plan, places, map, keepout zones, and world.
 
     Args:
         plan: how the wall is built.
-        chart: the map's file; it is copied, with its picture.
-        robot: as the task is to name it.
-        folder: is made where it is missing.
-        world: of the simulation; left out: the tables, the landmarks and the blocks as they are drawn.
+        chart: file of the map; it is copied, with its picture.
+        robot: name of the robot in the task.
+        folder: created if it is missing.
+        world: world file (default: tables, landmarks and blocks as drawn).
 
     Raises:
-        OSError: something can't be written.
+        OSError: a file cannot be written.
     """
     folder.mkdir(parents=True, exist_ok=True)
     _copy_map(chart, folder)
@@ -57,7 +57,7 @@ def write_wall(plan: WallPlan, chart: Path, robot: str, folder: Path, world: Pat
 
 
 def _beside_tables(plan: WallPlan) -> GridMap:
-    """What the map shows besides the tables: in the simulated world these stand by themselves."""
+    """Return the map without the tables, which are separate bodies in the simulated world."""
     grid = plan.grid
     outlines = [(each.x_m, each.y_m, each.floor.theta, *each.size_m) for each in plan.drawing.tables.values()]
     size = grid.occupied.shape[1] * grid.resolution, grid.occupied.shape[0] * grid.resolution

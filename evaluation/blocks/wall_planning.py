@@ -1,4 +1,4 @@
-"""From a drawing of a wall and a robot to stops of the base, and the order of the blocks."""
+"""Plan stops of the base and the order of the blocks from a drawing of a wall and a robot."""
 
 from __future__ import annotations
 
@@ -41,16 +41,16 @@ class NamedStop(NamedTuple):
     landmark: str
     """That it is looked at from there."""
     numbers: range
-    """Of the blocks, from 1 in the order of laying."""
+    """Numbers of the blocks, from 1 in the order of laying."""
     score: float
     """The mean of its blocks, 0 to 1."""
     least: int
     """The block that is worth least."""
     clearance: float
-    """From its middle to what it keeps off, in [m]."""
+    """Distance from its middle to the nearest obstacle, in [m]."""
 
     def words(self) -> str:
-        """For people, a line."""
+        """Describe the stop in one line."""
         x, y, turn = self.pose
         blocks = f"blocks {self.numbers[0]} to {self.numbers[-1]}"
         stands = f"({x:.2f}, {y:.2f}) m, {np.degrees(turn):.0f} deg"
@@ -59,20 +59,20 @@ class NamedStop(NamedTuple):
 
 
 class Trip(NamedTuple):
-    """What is fetched and laid in one go."""
+    """Blocks fetched and laid in one go."""
 
     fetched_at: NamedStop
     laid_at: NamedStop
     numbers: range
-    """Of the blocks, from 1."""
+    """Numbers of the blocks, from 1."""
 
 
 class WallPlan(NamedTuple):
-    """How a wall is built."""
+    """Plan of a wall's construction."""
 
     drawing: Drawing
     blocks: tuple[DrawnBlock, ...]
-    """In the order in which they are laid: block 1 is the first."""
+    """Blocks in the order in which they are laid: block 1 is the first."""
     fetching: tuple[NamedStop, ...]
     laying: tuple[NamedStop, ...]
     grid: GridMap
@@ -82,7 +82,7 @@ class WallPlan(NamedTuple):
 
     @property
     def trips(self) -> list[Trip]:
-        """As many blocks at a time as the robot carries, from one stop to one other."""
+        """Return trips from one stop to another, each with at most the blocks that the robot carries."""
         found = []
         numbers = range(1, len(self.blocks) + 1)
         for (fetched, laid), group in groupby(
@@ -142,7 +142,7 @@ def plan_wall(loaded: Loaded[Drawing], spec: RobotFile, grid: GridMap) -> WallPl
 
 
 class _Planning(NamedTuple):
-    """What stays the same for both ends of the way."""
+    """Inputs common to both ends of the route."""
 
     drawing: Drawing
     reach: StopReach
@@ -162,7 +162,9 @@ class _Planning(NamedTuple):
         return tuple(self._named(f"{name}_{n}", stop, places) for n, stop in enumerate(stops, start=1))
 
     def _around(self, places: Sequence[LevelPose], held: bool) -> list[list[Box]]:
-        """What stands when the hand comes to each block: tables, and blocks that are laid, or still wait."""
+        """Return the bodies around each block when the hand comes: tables, and blocks already laid or still
+        waiting.
+        """
         bodies = [self.reach.body(place, f"block {n}") for n, place in enumerate(places, start=1)]
         tables = [table.box for table in self.drawing.tables.values()]
         return [[*tables, *(bodies[:n] if held else bodies[n + 1 :])] for n in range(len(places))]

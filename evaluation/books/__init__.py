@@ -1,1 +1,1 @@
-"""What ground truth says of books; libraries made at random."""
+"""Ground truth of books, and generated libraries."""

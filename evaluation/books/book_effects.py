@@ -1,4 +1,4 @@
-"""What a Success of those who return books promises."""
+"""Effects that a Success of book primitives promises."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ def _released(survey: Survey, _: Claim) -> list[str]:
 
 
 def _in_order(left: list[str], right: list[str], own: str) -> bool:
-    """Whether a call number fits between those left and those right of it that stand in order themselves."""
+    """Return whether a call number fits between the ordered call numbers to its left and right."""
     numbers = [(parse(call), at < len(left)) for at, call in enumerate(left + right)]
     known = [(number, is_left) for number, is_left in numbers if number is not None]
     row = [known[i] for i in longest_rising([number for number, _ in known])]
@@ -121,4 +121,4 @@ EFFECTS: Mapping[str, Effect] = {
     "INSERT": _inserted,
     RELEASE: _released,
 }
-"""By the primitive's name."""
+"""Effects by the primitive's name."""

@@ -1,4 +1,4 @@
-"""Where a robot can hold books, and what it lacks to return them."""
+"""Poses in which a robot can hold books, and parts that it lacks to return them."""
 
 from __future__ import annotations
 
@@ -24,20 +24,22 @@ Span = tuple[float, float] | None
 
 @dataclass(frozen=True)
 class GraspRow:
-    """Where the hand, upright and pointing ahead, can hold a book that stands at some height."""
+    """Range in which the hand, upright and pointing ahead, can hold a book at some height."""
 
     board_m: float
-    """Height of what the book stands on."""
+    """Height of the surface under the book."""
     ahead_m: Span
-    """From and to: x of the finger tips in the base frame, straight ahead (`aside_at_m` tells y)."""
+    """Range of x of the finger tips in the base frame, straight ahead (`aside_at_m` is their y)."""
     line_m: float
     """y of that line."""
     aside_m: Span
-    """From and to: y of the finger tips, `BEFORE_SHELF` ahead."""
+    """Range of y of the finger tips, `BEFORE_SHELF` ahead."""
 
 
 def book_facts(robot: RobotFile, reach: Reach | None) -> DomainFacts:
-    """Where the hand can hold books, for a robot with a tray, and what one lacks that is to return them."""
+    """Return where the hand of a robot with a tray can hold books, and what the robot lacks to return
+    them.
+    """
     remarks = _lacking(robot)
     if reach is None or not robot.has_tray:
         return DomainFacts(remarks)
@@ -53,7 +55,7 @@ def book_facts(robot: RobotFile, reach: Reach | None) -> DomainFacts:
 
 
 def _lacking(robot: RobotFile) -> list[str]:
-    """Of a robot with a tray, or that looks for tags on one."""
+    """Return the missing parts of a robot with a tray, or of one that looks for tags on a tray."""
     if robot.arm is None:
         return []
     if not robot.has_tray:

@@ -1,4 +1,4 @@
-"""Whether books stand where they belong, and how exactly the robot stopped on the way there."""
+"""Survey of the books' places, and of the robot's stopping errors on the way there."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from .stop_errors import stop_errors
 
 @dataclass(frozen=True)
 class BookNotes:
-    """What couldn't be seen again."""
+    """Observations that a resumed run could not repeat."""
 
     accessions: tuple[int, ...] | None
-    """Of the books that are to be returned; None: none are."""
+    """Accession numbers of the books to return; None if no books are returned."""
     fronts: list[tuple[int, float]]
-    """Of each standing book accession and where its spine was at first, see `Shelving`."""
+    """Accession number and initial position of the spine of each standing book, as in `Shelving`."""
     labels: int
     stops: dict[str, float]
 

@@ -1,4 +1,4 @@
-"""Books for generated libraries: measures, call numbers, who stands where."""
+"""Books of generated libraries: sizes, call numbers, order."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class GeneratedBook:
 
 @dataclass(frozen=True)
 class Row:
-    """What stands on one shelf, from left to right: books, and gaps as their width in [mm]."""
+    """Content of one shelf, from left to right: books, and gaps as their width in [mm]."""
 
     shelf: str
     standing: tuple[GeneratedBook | float, ...]
@@ -44,7 +44,7 @@ class Row:
     """The books whose gaps are in the row, from left to right."""
     light: float = 0.1
     objects: tuple[dict[str, float], ...] = ()
-    """What is no book, as in a world's file."""
+    """Other objects, as in a world's file."""
 
 
 def call_numbers(rng: np.random.Generator, count: int, first: int) -> list[str]:

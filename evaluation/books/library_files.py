@@ -1,4 +1,4 @@
-"""Writing a library: the files of its world, and those that its robot is told."""
+"""Write a library: the files of its world, and the files for its robot."""
 
 from __future__ import annotations
 
@@ -109,7 +109,7 @@ def _pose(pose: Pose2) -> str:
 
 
 def _unusual(row: Row) -> list[str]:
-    """What not every shelf has."""
+    """Return the lines of unusual properties of a shelf."""
     lines = [f"    light: {row.light:g}"] if row.light != Row.light else []
     if row.objects:
         pairs = [", ".join(f"{key}: {value:g}" for key, value in each.items()) for each in row.objects]

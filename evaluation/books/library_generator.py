@@ -55,7 +55,7 @@ class Library:
     surprises: tuple[Surprise, ...]
     map: GridMap
     no_slot: Mapping[int, str]
-    """Why there is no slot for a lent book, by its accession."""
+    """Reason why a lent book has no slot, by its accession number."""
 
 
 def make_library(
@@ -68,17 +68,17 @@ def make_library(
     unfriendly: tuple[str, ...] = (),
     level: float = 1.0,
 ) -> Library:
-    """A library of five shelves.
+    """Return a library of five shelves.
 
     Args:
-        seed: of everything that chance decides.
-        misplaced: one book on each shelf stands directly beside a gap where it doesn't belong.
-        gap: whether the gap of the book to return is there; else its row is closed.
-        tag: of the book to return.
-        books: how many are to be returned, each to another shelf.
-        blocked: a box stands on the way to the shelf: with another way, or in the only doorway.
-        unfriendly: what makes it hard, of `FACTORS`, or `all`.
-        level: how hard, from 0 (not at all) to 1.
+        seed: seed of all random choices.
+        misplaced: True to put one misplaced book directly beside a gap on each shelf.
+        gap: True to leave the gap of the book to return; otherwise its row is closed.
+        tag: tag of the book to return.
+        books: number of books to return, each to another shelf.
+        blocked: box on the way to the shelf: with another route, or in the only doorway.
+        unfriendly: factors that make it hard, of `FACTORS`, or `all`.
+        level: difficulty, from 0 (none) to 1.
     """
     factors = _factors(unfriendly)
     for value, kind in ((tag, Tag), (blocked, Blocked)):
@@ -118,7 +118,7 @@ def _unfriendly(
     level: float,
     seed: int,
 ) -> tuple[tuple[Row, ...], tuple[GeneratedBook, ...], dict[int, str]]:
-    """Rows made harder, the wanted books as they are then, and why a slot is none, by the lent book."""
+    """Return harder rows, the wanted books in them, and reasons for missing slots by the lent book."""
     if not factors or level <= 0.0:
         return rows, wanted, {}
     numbers = [book.accession for book in wanted]
@@ -159,7 +159,7 @@ def _walls(corner: bool) -> tuple[tuple[float, float, float, float], ...]:
 
 
 def _map(walls: tuple[tuple[float, float, float, float], ...]) -> GridMap:
-    """What a floor plan shows: walls, furniture, the plinths of the shelves."""
+    """Return the floor plan: walls, furniture, the plinths of the shelves."""
     boxes = [
         Box(
             (x0 + x1) / 2,

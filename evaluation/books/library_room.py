@@ -1,4 +1,4 @@
-"""The room that generated libraries stand in."""
+"""Room of generated libraries."""
 
 from __future__ import annotations
 

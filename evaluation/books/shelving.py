@@ -1,4 +1,4 @@
-"""Whether books stand where they belong, by the ground truth."""
+"""Judge the places of books by the ground truth."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ MOST_TILT_DEG = 5.0
 
 
 class ShelvedBooks(NamedTuple):
-    """How the books that were to be returned stand; of several, the worst of each."""
+    """State of the returned books; of several, the worst value of each."""
 
     slot_correct: bool
     proud_mm: float
-    """How far its spine stands before the line of its neighbours' spines."""
+    """Distance by which its spine protrudes beyond the line of its neighbours' spines."""
     tilt_deg: float
     pushed_mm: float
-    """How far any other book of the shelf was pushed back at most."""
+    """Largest distance by which any other book of the shelf was pushed back."""
 
     @property
     def right(self) -> bool:
-        """Whether a librarian would be content."""
+        """True if the books are shelved as a librarian would."""
         return (
             self.slot_correct
             and abs(self.proud_mm) <= MOST_PROUD_MM
@@ -37,7 +37,7 @@ class ShelvedBooks(NamedTuple):
         )
 
     def figures(self) -> dict[str, Any]:
-        """For a run's metrics; what can't be said of a book that stands on no shelf is left out."""
+        """Return figures for a run's metrics; undefined figures of books off the shelves are omitted."""
         fields = self._asdict()
         return {
             name: value if isinstance(value, bool) else round(value, 2)
@@ -48,14 +48,14 @@ class ShelvedBooks(NamedTuple):
 
 @dataclass(frozen=True)
 class Shelving:
-    """Which books are to be returned, and how the shelves were at first."""
+    """Books to return, and the initial state of the shelves."""
 
     accessions: tuple[int, ...]
     fronts: Mapping[int, float]
     """S x of each standing book's spine, by accession, in [m]."""
 
     def judge(self, books: BookProps) -> ShelvedBooks:
-        """How the books stand now."""
+        """Return the current state of the books."""
         pushed = self._pushed(books)
         each = [self._judge(books, number, pushed) for number in self.accessions]
         return ShelvedBooks(
@@ -88,7 +88,7 @@ def shelving(books: BookProps, accessions: tuple[int, ...]) -> Shelving:
 
 
 def _in_order(row: Sequence[Any], at: int) -> bool:
-    """Whether the book at `at` stands between its right neighbours: those that stand in order themselves."""
+    """Return whether the book at `at` is between its correct neighbours, among those that are in order."""
     numbers = [parse(each.book.spec.call) for each in row]
     wanted = numbers[at]
     others = [i for i in range(len(row)) if i != at and numbers[i] is not None]

@@ -1,4 +1,4 @@
-"""How far from where it should the robot truly stopped, before a shelf and before a slot."""
+"""True stopping errors of the robot, in front of a shelf and in front of a slot."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def _dock(scene: Scene, place: str) -> dict[str, float]:
 
 
 def _slot(scene: Scene, shelf: str) -> dict[str, float]:
-    """How far the leading edge of the held book is beside the middle of the slot before it."""
+    """Return the distance of the held book's leading edge from the middle of the slot in front of it."""
     book, books = scene.held, scene.of(BookProps)
     if shelf not in books.shelves or not isinstance(book, Book):
         return {}

@@ -1,4 +1,4 @@
-"""What makes a library hard: covers, light, labels, gloss, leaning rows, things in between."""
+"""Factors that make a library hard: covers, light, labels, gloss, leaning rows, things in between."""
 
 from __future__ import annotations
 
@@ -164,7 +164,7 @@ FACTORS: Mapping[str, Callable[[_Making], _Making]] = {
 
 
 def no_slot(row: Row, book: GeneratedBook, spoilt: Mapping[int, str]) -> str:
-    """Why there is no slot that this lent book could be put into; empty where there is one."""
+    """Return why this lent book has no slot; empty if it has one."""
     if book.accession in spoilt:
         return spoilt[book.accession]
     at = [i for i, each in enumerate(row.standing) if _is_slot(each)][row.lent.index(book)]
@@ -208,7 +208,7 @@ def _width(standing: Collection[GeneratedBook | float]) -> float:
 
 
 def _gap_ends(row: Row, number: int) -> tuple[float, float]:
-    """Where the slot of a lent book begins, from the left panel, and how wide it is, in [mm]."""
+    """Return the start of a lent book's slot, from the left panel, and its width, in [mm]."""
     before, seen = 0.0, 0
     for each in row.standing:
         if _is_slot(each):

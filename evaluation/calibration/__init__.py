@@ -1,1 +1,1 @@
-"""What ground truth says of calibrations."""
+"""Ground truth of calibrations."""

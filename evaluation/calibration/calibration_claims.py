@@ -1,4 +1,4 @@
-"""Whether what a calibration claims to have found, with its sigmas, is so."""
+"""Check the results that a calibration claims, with their sigmas."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ MIDDLE_PX = 2.0  # the same of the picture's middle, against the mount
 LENS = {"k1": 0.02, "k2": 0.1}  # the same of the lens
 ARM_MRAD = 2.0  # by which an arm's own errors turn a mount
 SPOTS = {"yaw_mrad_per_swing": 0.15, "roll_mrad_per_m": 1.5, "pitch_mrad_per_m": 1.5}
-"""By which spots on a wall, read with a ruler, may be off."""
+"""Allowed error of laser spots on a wall, read with a ruler."""
 FIXED_SHARE = 2.5  # fixed limit of a calibration's error in the figures above, however large its sigma
 
 
@@ -50,11 +50,11 @@ def camera_faults(robot: RobotFile, seed: int, found: Mapping[str, Calibrated]) 
 
 
 def suspension_faults(spots: Mapping[str, float], found: Mapping[str, Calibrated]) -> list[str]:
-    """Return the parameters that are further from those by laser spots than 5 sigma explain, or their limits.
+    """Return the parameters that differ from those by laser spots by more than 5 sigma, or their limits.
 
     Args:
         spots: figures of a `LaserSurvey`.
-        found: what the run calibrated, by key.
+        found: results of the run's calibration, by key.
     """
     return _beyond(found, {name: (spots[f"laser_{name}"], most) for name, most in SPOTS.items()})
 

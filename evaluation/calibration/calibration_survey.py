@@ -1,4 +1,4 @@
-"""What calibrations found, beside the truth or another way of measuring it."""
+"""Compare calibrations with the truth or with another measurement."""
 
 from __future__ import annotations
 
@@ -66,5 +66,9 @@ class CalibrationSurvey(FiguresSurvey):
             self._figures |= self.spots()
 
     def spots(self) -> dict[str, float]:
-        """What the lasers tell; raises ValueError where the arm moved too little."""
+        """Return the lasers' figures.
+
+        Raises:
+            ValueError: the arm moved too little.
+        """
         return {} if self._lasers is None else self._lasers.figures()

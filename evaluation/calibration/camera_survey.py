@@ -1,4 +1,4 @@
-"""How far a calibrated camera is from the one that takes the pictures, by the ground truth."""
+"""Difference between a calibrated camera and the camera that takes the pictures, by the ground truth."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ _KEY = "camera.calibrated."
 def camera_figures(
     spec: CameraSpec, arm: ArmModel, errors: Errors, seed: int, found: Mapping[str, Calibrated]
 ) -> dict[str, float]:
-    """For a run's metrics: where points are thought to be that the picture shows, before and after.
+    """Return figures for a run's metrics: errors of points located by a picture, before and after.
 
     Args:
-        spec: of the camera, as it was in the run.
-        arm: that carries it.
-        errors: of the simulated robot.
-        seed: of the run.
-        found: what the run calibrated, by key.
+        spec: camera as it was in the run.
+        arm: arm that carries it.
+        errors: errors of the simulated robot.
+        seed: seed of the run.
+        found: results of the run's calibration, by key.
     """
     true = true_camera(spec, arm, errors, seed)
     after = {key.removeprefix(_KEY): each.value for key, each in found.items() if key.startswith(_KEY)}
@@ -49,7 +49,9 @@ def camera_figures(
 
 
 def _points(camera: MountedCamera) -> NDArray[np.float64]:
-    """(n, 3) in the hand frame in [m]: what pixels all over the picture show of a plane before the camera."""
+    """Return (n, 3) points in the hand frame in [m] that pixels of the picture show on a plane in front of
+    the camera.
+    """
     model = camera.model
     columns, rows = np.meshgrid(
         np.linspace(0, model.width - 1, _COLUMNS), np.linspace(0, model.height - 1, _ROWS)

@@ -22,13 +22,13 @@ Vector = NDArray[np.float64]
 
 
 def read_spot(world_T_base: Transform, world_T_first: Transform, heading: float, scale: float) -> Vector:
-    """How far (2,) in [m] the spot has moved to the left and up, as a person with a ruler reads it.
+    """Return the spot's shift (2,) in [m] to the left and up, as a person reads it with a ruler.
 
     Args:
         world_T_base: (4, 4), by the ground truth.
-        world_T_first: the same at the reference posture; the wall stands at right angles to that beam.
-        heading: of the beam in the base frame, in [rad].
-        scale: what the ruler shows, in [m]; 0: everything.
+        world_T_first: world_T_base at the reference posture; the wall is perpendicular to that beam.
+        heading: heading of the beam in the base frame, in [rad].
+        scale: graduation of the ruler, in [m]; 0: exact.
     """
     base_T_laser = transform((0.0, 0.0, HEIGHT), (0.0, 0.0, heading))
     world_T_wall = world_T_first @ base_T_laser @ transform((DISTANCE, 0.0, 0.0)) @ _FACING
@@ -40,7 +40,7 @@ _FACING = np.array([[0.0, 0.0, 1.0, 0.0], [1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 
 
 
 class LaserSurvey:
-    """Somebody who reads two spots whenever the arm stands, ahead and to the left, and counts its swings."""
+    """Person who reads two spots whenever the arm rests, ahead and to the left, and counts its swings."""
 
     def __init__(self, scene: Any, scale: float = SCALE) -> None:
         """`scene` is a simulated world's; `scale` that of the ruler, in [m]."""
@@ -80,11 +80,15 @@ class LaserSurvey:
             shifts.append(SpotShift((x, y), float(self._swings), *spot.tolist()))
 
     def rates(self) -> Rates:
-        """What the spots tell; raises ValueError where the arm moved too little."""
+        """Return the rates fitted to the spots.
+
+        Raises:
+            ValueError: the arm moved too little.
+        """
         return fit_spots(self._ahead, self._left, DISTANCE)
 
     def figures(self) -> dict[str, float]:
-        """For a run's metrics."""
+        """Return figures for a run's metrics."""
         rates = self.rates()
         return {
             "laser_yaw_mrad_per_swing": round(1e3 * rates.yaw_per_swing, 4),

@@ -1,1 +1,1 @@
-"""What ground truth says of sensors laid in a field."""
+"""Ground truth of sensors laid in a field."""

@@ -34,13 +34,13 @@ PAPER_MM = (("figure 9, straight", 58.0, 148.0, "--"), ("figure 10, zigzag", 283
 
 
 class Laying(Protocol):
-    """What was seen of it."""
+    """Observations of a run that lays sensors."""
 
     tracks: dict[str, list[Place]]
     station: TotalStation | None
 
     def placements(self) -> list[Placement]:
-        """Of all sensors."""
+        """Return the placements of all sensors."""
         ...
 
 
@@ -74,14 +74,14 @@ def draw_as_laid(folder: Path, survey: Laying, sensors: list[AsLaid]) -> Path:
 
 
 def _same_scale(*axes: Axes) -> None:
-    """As wide and high as the widest needs, about zero."""
+    """Give all axes the limits that the widest needs, symmetric about zero."""
     most = max(abs(end) for each in axes for end in (*each.get_xlim(), *each.get_ylim()))
     for each in axes:
         each.set(xlim=(-most, most), ylim=(-most, most))
 
 
 def _tall(survey: Laying) -> float:
-    """Of a panel with the whole course, in [in]."""
+    """Return the height of a panel with the whole course, in [in]."""
     if len(survey.tracks["truth"]) < 2:
         return TALL[0]
     long, high = np.ptp(np.array(survey.tracks["truth"]), axis=0)
@@ -129,7 +129,7 @@ def _hand(axes: Axes, survey: Laying) -> None:
 
 
 def _key(axes: Axes) -> None:
-    """In the title's line, where no point is."""
+    """Put the legend into the title's line, where no points are."""
     add_legend(axes, loc="lower right", bbox_to_anchor=(1.0, 1.0), fontsize="small", ncols=4, frameon=False)
 
 
@@ -149,7 +149,7 @@ def _errors(axes: Axes, survey: Laying) -> None:
 
 
 def _ellipses(axes: Axes, survey: Laying, sensors: list[AsLaid]) -> None:
-    """What the report says against where the sensors lie."""
+    """Plot the report's ellipses against the sensors' true places."""
     axes.set_title("as-laid report about the true places")
     lies = {each.name: np.array(each.lies) for each in survey.placements()}
     known = [sensor for sensor in sensors if sensor.name in lies]

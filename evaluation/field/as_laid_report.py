@@ -55,7 +55,9 @@ class AsLaid(NamedTuple):
 
 
 def as_laid(robot: Robot, model: WorldModel) -> list[AsLaid]:
-    """All sensors that were let go; smoothed where its localization can be, else as believed then."""
+    """Return all released sensors, smoothed if the localizer can do it, otherwise with the estimate at
+    release.
+    """
     work = model.of(FieldWork)
     beliefs = robot.localization.smoothed()
     if len(beliefs) != len(work.laid):

@@ -1,4 +1,4 @@
-"""What a Success of who lays sensors in a field promises."""
+"""Effects that a Success of field primitives promises."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ DEPLOY = "DEPLOY"
 
 
 def _deployed(survey: Survey, claim: Claim) -> list[str]:
-    """Compare where the sensor stands with where it is believed to, and should.
+    """Compare the sensor's true place with the estimate and with the target.
 
-    The fixed limit is of the sigma that DEPLOY was to wait for (`sure_mm`), not of the one that it claims.
+    The fixed limit uses the sigma that DEPLOY had to wait for (`sure_mm`), not the claimed one.
     """
     model, name = survey.run.model, claim.primitive.target
     work = model.of(FieldWork)
@@ -42,4 +42,4 @@ def _deployed(survey: Survey, claim: Claim) -> list[str]:
 
 
 EFFECTS: Mapping[str, Effect] = {DEPLOY: _deployed}
-"""By the primitive's name."""
+"""Effects by the primitive's name."""

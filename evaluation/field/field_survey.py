@@ -1,4 +1,4 @@
-"""Where sensors come to lie, measured by the total station: the errors of Ohki et al. (2012), section VI."""
+"""Places of laid sensors, measured by the total station: the errors of Ohki et al. (2012), section VI."""
 
 from __future__ import annotations
 
@@ -39,10 +39,10 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class FieldNote:
-    """What is new since the last one."""
+    """Changes since the last note."""
 
     laid: dict[str, tuple[str, Place | None]]
-    """By sensor: the block that it is, and where it was measured to lie."""
+    """For each sensor, the block that it is, and its measured place."""
     tracks: dict[str, list[Place]]
     sights: list[tuple[float, float, float, float]]
     """Time in [s], place in [m]."""
@@ -69,10 +69,10 @@ class FieldSurvey(Survey):
         self.tracks: dict[str, list[Place]] = {name: [] for name in TRACKS}
         """Points (x, y) in [m], for plots."""
         self._as_laid: list[AsLaid] = []
-        """Of a run that has ended."""
+        """Report of a run that has ended."""
         self._next = 0.0
         self._cloud_at: Place | None = None
-        """Where the robot was at the last cloud of particles."""
+        """Position of the robot at the last recorded cloud of particles."""
         self._held = ""
         simulated = run.folder is not None and run.scene is not None
         self._notes = SurveyNotes(run.folder, NOTES) if run.folder is not None and simulated else None
@@ -102,7 +102,7 @@ class FieldSurvey(Survey):
         self._held = "" if held is None else held.spec.name
 
     def _go_on(self) -> None:
-        """Take up what was noted of the run that this one goes on with."""
+        """Restore the notes of the run that this one resumes."""
         if self._notes is not None:
             for note in self._notes.until(self._scene.time):
                 self._take_up(self._notes.checked(note, FieldNote))
@@ -119,7 +119,7 @@ class FieldSurvey(Survey):
             self.station.sights += [Sight(time, np.array(place)) for time, *place in note.sights]
 
     def _lengths(self) -> dict[str, int]:
-        """How many points there are of each kind."""
+        """Return the number of points of each kind."""
         sights = len(self.station.sights) if self.station is not None else 0
         return {"sights": sights, **{name: len(points) for name, points in self.tracks.items()}}
 
@@ -228,7 +228,7 @@ class FieldSurvey(Survey):
             self._follow_particles(robot)
 
     def _follow_particles(self, robot: Robot) -> None:
-        """How their cloud draws together, as figure 3 of the paper shows it."""
+        """Record how the cloud of particles contracts, as in figure 3 of the paper."""
         here, cloud = (self._scene.base.x, self._scene.base.y), robot.localization.particles
         if cloud is None or (self._cloud_at is not None and math.dist(here, self._cloud_at) < CLOUD_EVERY):
             return
@@ -238,7 +238,7 @@ class FieldSurvey(Survey):
 
 
 def _row(each: Placement) -> dict[str, Any]:
-    """Of the summary."""
+    """Return a row of the summary."""
     error = each.error_mm
     true = [1e3 * (lies - goal) for lies, goal in zip(each.lies, each.target, strict=True)]
     xx, _, yy = each.believed.covariance

@@ -1,4 +1,4 @@
-"""Where one sensor came to lie."""
+"""Place of one laid sensor."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ class Placement(NamedTuple):
 
     name: str
     target: tuple[float, float]
-    """In [m]."""
+    """Target, in [m]."""
     believed: Laid
-    """What the robot held when it let the sensor go."""
+    """Robot's estimate when it released the sensor."""
     measured: tuple[float, float] | None
-    """By the total station, in [m]; None where it had lost sight of the reflector."""
+    """Measurement by the total station, in [m]; None if the reflector was out of sight."""
     lies: tuple[float, float]
     """The ground truth, in [m]."""
 

@@ -27,15 +27,15 @@ class Sight(NamedTuple):
 
 
 class TotalStation:
-    """Reads the ground truth, for evaluation only.
+    """Reads the ground truth, only for evaluation.
 
-    Every 0.3 s it measures the reflector, unless body or mast of the robot, or something in the field, stands
-    between. The reflector sits right above the sensor, where the paper has it on top of the slide: there, a
-    slide that isn't upright would be taken for an error.
+    Every 0.3 s it measures the reflector, unless body or mast of the robot, or an object in the field, is
+    in between. The reflector is directly above the sensor; the paper has it on top of the slide, where a
+    tilted slide would count as an error.
     """
 
     def __init__(self, spec: StationSpec, scene: Any, seed: int) -> None:
-        """Stand in the field of a scene."""
+        """Set the station up in the field of a scene."""
         self._spec, self._scene, self._seed = spec, scene, seed
         self._place = np.array([spec.x_m, spec.y_m, spec.height_m])
         shapes = scene.arm.link_shapes(scene.joints)
@@ -46,7 +46,7 @@ class TotalStation:
         self.sights: list[Sight] = []
         """All readings."""
         self.hidden = 0
-        """How often the reflector couldn't be seen."""
+        """Number of readings at which the reflector was hidden."""
 
     def look(self) -> None:
         """A period has passed."""
@@ -62,12 +62,12 @@ class TotalStation:
         self.sights.append(Sight(self._scene.time, reflector + self.sigma * noise))
 
     def _due(self) -> int:
-        """How many readings a station has taken by now."""
+        """Return the number of readings that a station has taken by now."""
         return int(self._scene.time / self._spec.period_s + 1e-6)
 
     @property
     def sigma(self) -> float:
-        """Of a reading, along each axis, in [m]."""
+        """Sigma of a reading, along each axis, in [m]."""
         return self._spec.accuracy_mm / 2e3
 
     def _hidden(self, reflector: Array) -> bool:
@@ -77,7 +77,7 @@ class TotalStation:
 
 
 class _Boxes(NamedTuple):
-    """Boxes that may stand between."""
+    """Boxes that may be in between."""
 
     poses: Array
     """(n, 4, 4)."""
@@ -86,13 +86,13 @@ class _Boxes(NamedTuple):
 
     @classmethod
     def of(cls, boxes: Sequence[Box]) -> _Boxes:
-        """As arrays."""
+        """Return the boxes as arrays."""
         poses = np.array([box.pose for box in boxes]).reshape(-1, 4, 4)
         return cls(poses, np.array([box.size for box in boxes]).reshape(-1, 3) / 2)
 
 
 def _cut(boxes: _Boxes, start: Array, end: Array) -> bool:
-    """Whether the line between two points (3,) goes through any box (slabs)."""
+    """Return whether the line between two points (3,) passes through any box (slab method)."""
     turns, middles = boxes.poses[:, :3, :3], boxes.poses[:, :3, 3]
     here, ray = np.einsum("ni,nij->nj", start - middles, turns), (end - start) @ turns
     ray = np.where(np.abs(ray) < 1e-12, 1e-12, ray)

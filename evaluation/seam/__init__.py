@@ -1,1 +1,1 @@
-"""What ground truth says of tracked seams, and where a base should stand for one."""
+"""Ground truth of tracked seams, and places of the base for a seam."""

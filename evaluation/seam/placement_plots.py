@@ -23,7 +23,7 @@ BODY = (0.9, 0.65)  # [m] length and width of the base that is drawn
 
 
 class DividedPath(NamedTuple):
-    """What one panel shows."""
+    """Content of one panel."""
 
     title: str
     bases: Floats
@@ -34,10 +34,10 @@ class DividedPath(NamedTuple):
 def draw_planar_divisions(
     arm: PlanarArm, path: ToolPath, panels: Sequence[DividedPath], target: Path
 ) -> None:
-    """As figure 2: the two-link arm in some postures of each segment, panel below panel.
+    """Draw the two-link arm in some postures of each segment, one panel below the other, as in figure 2.
 
     Raises:
-        OSError: the file can't be written.
+        OSError: the file cannot be written.
     """
     figure, axes = _figure(len(panels), (7.0, 2.6 * len(panels)))
     for ax, panel in zip(axes, panels, strict=True):
@@ -58,10 +58,11 @@ def draw_planar_divisions(
 def draw_divisions(
     path: ToolPath, panels: Sequence[DividedPath], target: Path, arm: PitchArm | None = None
 ) -> None:
-    """As figure 4: the path, the bases and a pitch arm's postures from above, and the path from ahead.
+    """Draw the path, the bases and a pitch arm's postures from above, and the path from ahead, as in figure
+    4.
 
     Raises:
-        OSError: the file can't be written.
+        OSError: the file cannot be written.
     """
     figure, axes = _figure(2 * len(panels), (8.0, 4.2 * len(panels)), [2.2, 1.0] * len(panels))
     for above, ahead, panel in zip(axes[::2], axes[1::2], panels, strict=True):

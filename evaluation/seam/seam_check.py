@@ -1,4 +1,4 @@
-"""Whether a task's seam can be tracked, found out without moving."""
+"""Check without moving whether a task's seam can be tracked."""
 
 from __future__ import annotations
 
@@ -18,11 +18,12 @@ from handcart.robotics.manipulation.placement.untrackable import Untrackable
 
 
 def seam_facts(task: Task) -> dict[str, Any]:
-    """What DIVIDE would find where the robot sets out; empty for a task that divides no seam.
+    """Return the result of DIVIDE at the robot's start; empty for a task that divides no seam.
 
     Raises:
-        FileError: a point of the seam can't be tracked: the first one, why, and the nearest that can be; or
-            the robot has nothing to track it with.
+        FileError: a point of the seam cannot be tracked (the first one, with reason and nearest reachable
+            point), or the robot
+            lacks a tool or arm for it.
     """
     divides, file = _divides(task), task.path("knowledge", "seam")
     if not divides or file is None:

@@ -1,4 +1,4 @@
-"""What a Success of those who track a seam promises."""
+"""Effects that a Success of seam primitives promises."""
 
 from __future__ import annotations
 
@@ -26,4 +26,4 @@ def _tracked(survey: Survey, _: Claim) -> list[str]:
 
 
 EFFECTS: Mapping[str, Effect] = {"DIVIDE": _divided, "TRACK": _tracked}
-"""By the primitive's name."""
+"""Effects by the primitive's name."""

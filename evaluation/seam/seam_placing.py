@@ -1,4 +1,4 @@
-"""From a robot and a seam to a task that tracks it, with a picture of the division."""
+"""Create a task that tracks a seam from a robot and the seam, with a picture of the division."""
 
 from __future__ import annotations
 
@@ -38,12 +38,12 @@ Floats = NDArray[np.float64]
 
 
 class NoToolArm(InputError):
-    """A robot can't follow a seam with a tool, wherever it stands."""
+    """Error: a robot cannot follow a seam with a tool from any place."""
 
     def __init__(self, robot: RobotFile, reason: str) -> None:
         lacking = "arm" if robot.arm is None else "tool" if robot.tool is None else None
         self.key = ("arm", "joints") if lacking is None else ()
-        """What says so in the robot's file."""
+        """Key of the robot's file that causes the error."""
         super().__init__(f"{reason}; needed: a section `{lacking}`" if lacking else reason)
 
 
@@ -56,7 +56,7 @@ class PlacedSeam(NamedTuple):
     grid: GridMap
     work_piece: WorkPiece | None
     start: Pose2
-    """Where the robot sets out."""
+    """Start of the robot."""
 
     @property
     def share(self) -> float:
@@ -80,15 +80,16 @@ def place_seam(
     """Divide a seam among places on an open floor.
 
     Args:
-        spec: of the robot.
-        file: of the seam.
-        work_piece: what the seam is on; None: the floor under the seam is taken to be occupied.
-        count: of placements at most; None: as few as there must be.
+        spec: robot file.
+        file: file of the seam.
+        work_piece: boxes around the seam; None: the floor under the seam counts as occupied.
+        count: maximum number of placements; None: as few as possible.
 
     Raises:
-        FileError: the seam's file is wrong, or a point of it can't be tracked: the first one, and why.
+        FileError: the seam's file is invalid, or a point of it cannot be tracked: the first one, with the
+            reason.
         NoToolArm: the robot has no tool, or no arm that can use it.
-        UnknownPosture: its file has no posture `home`.
+        UnknownPosture: the robot's file has no posture `home`.
     """
     seam = load_seam(file)
     try:
@@ -123,13 +124,13 @@ def _outline(box: WorkBox) -> tuple[float, float, float, float, float]:
 
 
 def _corner(grid: GridMap, spec: RobotFile) -> Pose2:
-    """In a corner of the floor, which is free by its making."""
+    """Return a pose in a corner of the floor, which is free by construction."""
     away = spec.footprint_radius_m + ROOM_AT_GOAL + 2 * RESOLUTION
     return Pose2(grid.origin_x + away, grid.origin_y + away, 0.0)
 
 
 def _start(placements: Placements, seam: ToolPath, room: StandingRoom) -> Pose2:
-    """Some way back from the first place; that place where there is no room."""
+    """Return a pose some distance back from the first place, or that place if there is no room."""
     base = placements.bases[placements.segments[0].placement]
     back = base[:2] - seam.points[0, :2]
     spot = base.copy()
@@ -141,13 +142,13 @@ def write_task(placed: PlacedSeam, file: Path, robot: str, folder: Path) -> None
     """Write a task with all its files, and `placements.svg`.
 
     Args:
-        placed: what is to be done.
-        file: of the seam; it is copied.
-        robot: as the task is to name it.
-        folder: is made where it is missing.
+        placed: divided seam.
+        file: file of the seam; it is copied.
+        robot: name of the robot in the task.
+        folder: created if it is missing.
 
     Raises:
-        OSError: something can't be written.
+        OSError: a file cannot be written.
     """
     folder.mkdir(parents=True, exist_ok=True)
     piece = placed.work_piece
@@ -168,7 +169,11 @@ def write_task(placed: PlacedSeam, file: Path, robot: str, folder: Path) -> None
 
 
 def draw_placements(placed: PlacedSeam, target: Path) -> None:
-    """As figure 4 of Shin (2005); raises OSError."""
+    """Draw the placements as in figure 4 of Shin (2005).
+
+    Raises:
+        OSError: the file cannot be written.
+    """
     division = Division(placed.placements.segments, placed.placements.score)
     panel = DividedPath(f"{len(division.segments)} placements", placed.placements.bases, division)
     draw_divisions(placed.seam, [panel], target, placed.placer.pitch_arm)

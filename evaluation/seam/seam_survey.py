@@ -1,4 +1,4 @@
-"""How exactly a seam was tracked, by ground truth."""
+"""Accuracy of a tracked seam, by the ground truth."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ SENSORS = 0.0015  # [m]: five sigma of positioning and arm, beyond what TRACK al
 
 
 class Stretch:
-    """What was commanded, and where the tool truly was, period by period, along a part of the seam."""
+    """Commanded and true poses of the tool, period by period, along a part of the seam."""
 
     def __init__(self, part: ToolPath) -> None:
         self.part = part
@@ -65,7 +65,7 @@ class SeamSurvey(Survey):
         self.tracks: Track | None = None
         """The running one."""
         self.stretches: list[Stretch] = []
-        """Of the TRACKs that succeeded."""
+        """Stretches of successful TRACKs."""
         self._now: Stretch | None = None
 
     @classmethod
@@ -106,7 +106,7 @@ class SeamSurvey(Survey):
         self.stretches = [_again(each, self.run.robot.arm_model.dof) for each in noted]
 
     def errors(self) -> list[tuple[Floats, Floats]]:
-        """For each stretch times (k,) in [s] and distances (k,) of the tool from the seam in [m]."""
+        """Return times (k,) in [s] and distances (k,) of the tool from the seam in [m], for each stretch."""
         return [
             (np.array(each.times), distances(np.array(each.tips), each.part.points))
             for each in self.stretches
@@ -151,7 +151,7 @@ class SeamSurvey(Survey):
             draw_tracking_errors(stretches, folder / "tracked.svg", self.limits["tracking_error_mm_max"])
 
     def uses(self) -> list[LimitUse]:
-        """What each stretch took of the joints' speeds and torques, the tool's force included."""
+        """Return each stretch's use of the joints' speeds and torques, including the tool's force."""
         return [self._use(each) for each in self.stretches]
 
     def _violations(self) -> int:
@@ -178,7 +178,11 @@ def _noted(stretch: Stretch) -> StretchNotes:
 
 
 def _again(noted: StretchNotes, dof: int) -> Stretch:
-    """Raises ValueError for what is no stretch of such an arm."""
+    """Restore a stretch from its notes.
+
+    Raises:
+        ValueError: the notes are not a stretch of such an arm.
+    """
     part = {name: np.array(value, dtype=np.float64) for name, value in noted.part.items()}
     joints, tips = np.array(noted.joints, dtype=np.float64), np.array(noted.tips, dtype=np.float64)
     found = {name: each.shape for name, each in {**part, "joints": joints, "tips": tips}.items()}

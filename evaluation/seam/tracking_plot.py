@@ -1,4 +1,4 @@
-"""How far a tool was off its path, as figure 5 of Shin (2005) shows it."""
+"""Plot of the tool's distance from its path, as in figure 5 of Shin (2005)."""
 
 from __future__ import annotations
 
