@@ -1,4 +1,4 @@
-"""How the base leans, as its accelerometers feel it, beside what its suspension's model says."""
+"""Tilt of the base that its accelerometers measure beyond the suspension's model."""
 
 from __future__ import annotations
 
@@ -20,10 +20,11 @@ Vector = NDArray[np.float64]
 
 
 def felt_beside(robot: Robot) -> Generator[None, None, Vector]:
-    """Roll and pitch (2,) in [rad] beside what the suspension's model says, with the hand where it is.
+    """Return the measured roll and pitch (2,) in [rad], less those of the suspension's model for the current
+    hand.
 
-    Averaged while the robot stands; it has inertial sensors, and is at rest. Whatever the sensors are mounted
-    askew by, and the floor isn't level by, is in it.
+    The accelerations are averaged while the robot is at rest; it needs an IMU. The result includes the
+    mounting error of the sensors and the slope of the floor.
     """
     felt = []
     for _ in range(_count(robot)):
@@ -36,17 +37,17 @@ def felt_beside(robot: Robot) -> Generator[None, None, Vector]:
 
 
 def unmodelled_leans(robot: Robot, then: Vector, now: Vector) -> tuple[Transform, Transform]:
-    """By how much the base leant otherwise than its model says, and leans now, as motions (4, 4).
+    """Return the tilts that the suspension's model misses, then and now, as motions (4, 4) of the base.
 
-    The model is linear in where the hand is; the weight of a real arm isn't. What sensors and floor are askew
-    by is the same then and now, so only the difference counts, half of it each time: the least that explains
-    what was felt. It is shrunk by how much of it is noise (James and Stein 1961, positive part, by axis):
-    where the model is right, hardly any is left.
+    The model is linear in the position of the hand; the weight of a real arm is not. Mounting error and
+    slope of the floor are equal then and now, so only the difference counts; each tilt gets half of it,
+    the smallest tilts that explain the measurement. They are shrunk by their share of noise (James and
+    Stein 1961, positive part, per axis): where the model is right, hardly anything is left.
 
     Args:
-        robot: its suspension's model is meant.
-        then: what `felt_beside` gave.
-        now: and gives now.
+        robot: robot whose suspension model is used.
+        then: earlier result of `felt_beside`.
+        now: current result of `felt_beside`.
     """
     half, pivot = (now - then) / 2.0, robot.spec.suspension.model.pivot
     half = half * np.maximum(0.0, 1.0 - _variance(robot) / 2.0 / np.maximum(half**2, 1e-18))
@@ -59,6 +60,6 @@ def _count(robot: Robot) -> int:
 
 
 def _variance(robot: Robot) -> float:
-    """Of a mean tilt, in [rad²]."""
+    """Return the variance of an averaged tilt, in [rad²]."""
     assert robot.spec.imu is not None
     return (robot.spec.imu.accelerometer_sigma_m_s2 / GRAVITY) ** 2 / _count(robot)

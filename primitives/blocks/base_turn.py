@@ -1,4 +1,4 @@
-"""By how much the base has turned on the spot since a fixation, and how sure that is."""
+"""Yaw of the base since a fixation, and its standard deviation."""
 
 from __future__ import annotations
 
@@ -21,13 +21,17 @@ class BaseTurn(NamedTuple):
 
 
 def turn_by_model(robot: Robot, swings: int) -> BaseTurn:
-    """What the suspension's model says of so many swings of the loaded arm (Hatano et al. 2000, eq. 12)."""
+    """Return the yaw that the suspension's model predicts for `swings` of the loaded arm (Hatano et al. 2000,
+    eq. 12).
+    """
     known = robot.spec.suspension
     return BaseTurn(known.model.yaw_per_swing * swings, known.yaw_sigma_mrad / 1e3 * math.sqrt(swings))
 
 
 def turn_by_gyros(robot: Robot, before: Fixed, now: Fixed | None = None) -> BaseTurn:
-    """What the gyros felt from one fixation to another, or until now; the robot has some."""
+    """Return the yaw that the gyros measured from one fixation to another, or until now; the robot needs an
+    IMU.
+    """
     assert robot.spec.imu is not None
     yaw, moved = (robot.attitude.yaw, robot.attitude.moved) if now is None else (now.attitude[2], now.moved)
     walk = math.radians(robot.spec.imu.angle_random_walk_deg_rt_s)
@@ -35,11 +39,11 @@ def turn_by_gyros(robot: Robot, before: Fixed, now: Fixed | None = None) -> Base
 
 
 def fused(before: Fixed, turn: BaseTurn, now: Fixed) -> Fixed:
-    """What was found now, with what was found before and the base's turn since then.
+    """Return a fixation that fuses the current one with an earlier one and the base's turn since then.
 
-    Where the base stands it kept. Both weigh by their variance (a Kalman filter's update of states that are
-    measured one by one). Where they are further apart than chance has it, the base was moved meanwhile: what
-    was found before is over.
+    The position of the base is assumed unchanged. Both are weighed by their variance (update of a Kalman
+    filter with states measured one by one). If they differ by more than `GATE` sigmas, the base was moved
+    meanwhile: the earlier fixation is dropped.
     """
     spread = math.hypot(before.sigma[1], turn.sigma)
     place = (before.sigma[0] ** 2, now.sigma[0] ** 2)

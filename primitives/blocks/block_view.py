@@ -1,4 +1,4 @@
-"""Seeing where a block stands, from above."""
+"""Measure the pose of a block with the camera above it."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ LOOKS = 2  # pictures
 def see_block(
     robot: Robot, plan: Building, base_T_block: Transform, evidence: Evidence, around: Sequence[Box] = ()
 ) -> Generator[None, None, Pose2 | None]:
-    """Move the camera over a block and measure where it stands, in the base frame; None: it isn't there.
+    """Move the camera over a block and measure its pose in the base frame; None if it is not seen.
 
     Args:
-        robot: its hand is empty.
-        plan: tells the block's size.
-        base_T_block: (4, 4), where it should stand.
+        robot: robot with an empty hand.
+        plan: building plan with the size of the blocks.
+        base_T_block: (4, 4), expected pose.
         evidence: takes the picture.
         around: bodies to keep clear of, in the base frame.
     """

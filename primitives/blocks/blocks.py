@@ -1,4 +1,4 @@
-"""What is known of blocks."""
+"""World model section of blocks."""
 
 from __future__ import annotations
 
@@ -16,25 +16,25 @@ from handcart.robotics.geometry.pose2 import Pose2
 
 
 class Fixed(NamedTuple):
-    """Where the base stands, by a landmark."""
+    """Pose of the base, measured at a landmark."""
 
     landmark: str
     place: str
-    """At which place of the map the base should stand."""
+    """Name of the base's target place."""
     pose: Pose2
     """map_T_base, with the hand where it was then."""
     sigma: tuple[float, float]
-    """Of its position in [m] and its heading in [rad]."""
+    """Standard deviations of the position in [m] and the heading in [rad]."""
     reach: tuple[float, float]
-    """Where the hand was, in the base frame, in [m]: the base leans after it."""
+    """x and y of the hand at the measurement, in the base frame, in [m]: the base tilts with it."""
     attitude: tuple[float, float, float]
     """Roll, pitch and yaw by the inertial sensors then, in [rad]."""
     travel: tuple[float, float]
-    """What the wheels had rolled then, in [m]: once they roll on, this pose is over."""
+    """Travel of the wheels at the measurement, in [m]; the pose is invalid once they roll on."""
     moved: float
     """Over how long the gyros' rates had been added up then, in [s]: by `Attitude.moved`."""
     swings: int = 0
-    """Of the loaded arm since then."""
+    """Swings of the loaded arm since the measurement."""
 
     @property
     def covariance(self) -> NDArray[np.float64]:
@@ -49,12 +49,12 @@ class Placed(NamedTuple):
     pose: Pose2
     """On the map."""
     height: float
-    """Of its foot, in [m]."""
+    """Height of its foot, in [m]."""
 
 
 @dataclass
 class Blocks(Section):
-    """Of a robot that stacks them."""
+    """Knowledge of a robot that stacks blocks."""
 
     FILES: ClassVar = {"building": Building}
     LEARNED: ClassVar = ("fixed", "placed", "taken")
@@ -62,11 +62,11 @@ class Blocks(Section):
     building: Building | None = None
     """The building plan."""
     fixed: Fixed | None = None
-    """Where the base stands by the landmark that was seen last."""
+    """Pose of the base by the latest landmark."""
     placed: tuple[Placed, ...] = ()
-    """The blocks that stand where they go."""
+    """Blocks that were put at their goals."""
     taken: tuple[int, ...] = ()
-    """The blocks that don't wait any more."""
+    """Numbers of the blocks that have left the supply."""
 
     @override
     def names(self) -> Mapping[str, Collection[object]]:

@@ -1,4 +1,4 @@
-"""What a robot that stacks blocks is told beforehand: where they wait, where they go, and by what it sees."""
+"""Building plan of a robot that stacks blocks: supply, goals, landmarks and tables."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ class LandmarkPlan(LevelPose):
 
     side_mm: Positive = 60.0
     place: str
-    """From which place of the base it is looked at."""
+    """Place of the base from which the landmark is viewed."""
 
 
 class BlockPlace(LevelPose):
-    """Where a block goes, on the map."""
+    """Goal of a block, on the map."""
 
     landmark: str | None = None
-    """One that stands beside it, if any."""
+    """Name of a landmark next to the goal, if any."""
 
 
 class BoardPlan(LevelPose, BoardLayout):
@@ -64,11 +64,11 @@ class Building(FileModel):
     boards: Annotated[dict[str, BoardPlan], Field(default_factory=dict)]
     """To calibrate the camera with."""
     supply: tuple[LevelPose, ...] = ()
-    """Where the blocks wait, on the map; the first one is block 1."""
+    """Poses of the waiting blocks, on the map; the first one is block 1."""
     carried: tuple[LevelPose, ...] = ()
-    """Where they stand on the robot's own table, in the base frame, in the same order, again and again."""
+    """Seats of the blocks on the robot's own table, in the base frame, reused in the same order."""
     goals: tuple[BlockPlace, ...] = ()
-    """Where they go."""
+    """Goals of the blocks, on the map."""
 
     @property
     def block(self) -> tuple[float, float, float]:
@@ -78,14 +78,14 @@ class Building(FileModel):
 
     @property
     def numbers(self) -> range:
-        """Of the blocks, from 1."""
+        """Return the numbers of the blocks, from 1."""
         return range(1, max(len(self.supply), len(self.carried), len(self.goals)) + 1)
 
     def seat(self, number: int) -> LevelPose:
-        """Where block `number`, from 1, stands on the robot's own table."""
+        """Return the seat of block `number`, from 1, on the robot's own table, in the base frame."""
         return self.carried[(number - 1) % len(self.carried)]
 
 
 def name_of_block(number: int) -> str:
-    """How the world calls a block of a plan, or a sensor."""
+    """Return the name of a block in the world and in sensor readings."""
     return f"block {number}"

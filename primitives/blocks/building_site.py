@@ -1,4 +1,4 @@
-"""Where the robot builds: the plan, what stands around, and where the base stands."""
+"""Building site: the plan, the obstacles around, and the pose of the base."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def surroundings(robot: Robot, model: ModelView) -> tuple[Box, ...]:
 
 
 def standing(robot: Robot, model: ModelView) -> Pose2:
-    """map_T_base: by the landmark where one was seen from here, else as estimated."""
+    """Return map_T_base: by the landmark if one was seen from here, otherwise as estimated."""
     fixed = model.of(Blocks).fixed
     here = fixed is not None and fixed.travel == tuple(robot.base.wheel_travel())
     return fixed.pose if fixed is not None and here else robot.pose

@@ -1,4 +1,4 @@
-"""A wall as it is drawn: its rows, where its blocks wait, what it stands on; how it is built is left open."""
+"""Drawing of a wall: rows, supply and tables; the order of the work is not part of it."""
 
 from __future__ import annotations
 
@@ -37,26 +37,26 @@ class DrawnRow(LevelPose):
     """Blocks beside each other, on the map: its pose is that of a block at 0."""
 
     along_mm: Annotated[tuple[float, ...], Field(min_length=1)]
-    """Where the blocks stand along the row's own y."""
+    """Positions of the blocks along the row's own y axis."""
 
 
 class DrawnBlock(NamedTuple):
     """A block of a drawing."""
 
     row: int
-    """From 0."""
+    """Index of the row, from 0."""
     column: int
-    """From 0."""
+    """Index in the row, from 0."""
     place: BlockPlace
 
     @property
     def key(self) -> tuple[str | int, ...]:
-        """Where it stands in the file."""
+        """Return the key path of the block in the file."""
         return "rows", self.row, "along_mm", self.column
 
     @property
     def words(self) -> str:
-        """For people."""
+        """Name of the block for people."""
         return f"block {self.column + 1} of row {self.row + 1}"
 
 
@@ -65,18 +65,18 @@ class Drawing(FileModel):
 
     format: Literal["handcart-drawing/1"]
     start: Start
-    """Where the robot sets out."""
+    """Start pose of the robot."""
     block_mm: tuple[Positive, Positive, Positive]
     """Length (along which the fingers close), width, height of all blocks."""
     landmarks: Annotated[dict[str, DrawnLandmark], Field(min_length=1)]
     tables: Annotated[dict[str, Table], Field(min_length=1)]
-    """What carries blocks; a stone that a row ends at is one, too."""
+    """Tables that carry blocks; a stone at the end of a row is one, too."""
     supply: Annotated[tuple[LevelPose, ...], Field(min_length=1)]
-    """Where the blocks wait, on the map, in the order in which they are taken."""
+    """Poses of the waiting blocks, on the map, in the order in which they are taken."""
     carried: Annotated[tuple[LevelPose, ...], Field(min_length=1)]
-    """Where they stand on the robot's own table, in the base frame."""
+    """Seats of the blocks on the robot's own table, in the base frame."""
     rows: Annotated[tuple[DrawnRow, ...], Field(min_length=1)]
-    """Of the wall, in any order."""
+    """Rows of the wall, in any order."""
 
     @property
     def block(self) -> tuple[float, float, float]:

@@ -1,4 +1,4 @@
-"""FIXATE: find out by a landmark where the base stands."""
+"""FIXATE: measure the pose of the base at a landmark."""
 
 from __future__ import annotations
 
@@ -30,25 +30,25 @@ MOST_TURNED = 0.002  # [rad] that the base may turn once it was found
 
 
 class Fixate(ActionPrimitive):
-    """Turn the hand until the landmark stands in the middle of the picture; that tells the travelling error.
+    """Move the hand until a landmark is in the middle of the picture, and derive the base's error from it.
 
-    Hatano et al. (2000), section 2.2, with the equations put right. The middle of the picture is where the
-    lens distorts least, and a closed loop forgives errors of the arm. A landmark out of view is searched for.
-    Landmarks look alike: which is which is told by all that are seen, as the plan has them, and by where the
-    base is believed to stand. Where that leaves two answers, the camera looks beside, until only one is left.
+    Hatano et al. (2000), section 2.2, with corrected equations. The middle of the picture has the least
+    distortion of the lens, and a closed loop tolerates errors of the arm. A landmark out of view is
+    searched for. Landmarks look alike: all visible ones together, the plan and the believed pose of the
+    base identify them. If two answers are left, the camera looks next to them until only one is left.
     """
 
     landmark: LandmarkName
     """Its name in the building plan."""
     place: PlaceName | None = None
-    """Where the base should stand; left out: where the plan says that the landmark is looked at from."""
+    """Target place of the base (default: the place from which the plan views the landmark)."""
     rule: Rule = "residual"
     """When the hand is close enough, and what of the rest counts: `residual` stops within 0.5 mm and 3.5 mrad
     and takes the rest in; `paper` stops within 0.5 mm and 0.2 rad, and forgets it."""
     looks: Annotated[int, Field(ge=1, le=10)] = 4
-    """How often the hand comes to stand over it at least: the error is the mean of what is then seen."""
+    """Minimum number of views over the landmark; the error is their mean."""
     search: bool = True
-    """Whether a landmark out of view is searched for."""
+    """Search for a landmark that is out of view."""
 
     needs: ClassVar = (Arm, Camera)
     reads: ClassVar = ("places", "building", "placed", "taken")
@@ -80,7 +80,9 @@ class Fixate(ActionPrimitive):
         robot.localization.found_at(pose, upright_sigma(blocks.fixed, pose))
 
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
-        """The base stands as it was found: its gyros, where it has some, have felt no turn since."""
+        """Return whether the base has kept its pose: its gyros, if it has any, have measured no turn
+        since.
+        """
         blocks = model.of(Blocks)
         fixed, feels = blocks.fixed, robot.spec.imu is not None
         if fixed is not None and feels and abs(turn_by_gyros(robot, fixed).yaw) >= MOST_TURNED:

@@ -1,4 +1,4 @@
-"""Fixation: turning the hand until a landmark stands in the middle of the picture, closed loop."""
+"""Fixation: move the hand in a closed loop until a landmark is in the middle of the picture."""
 
 from __future__ import annotations
 
@@ -45,34 +45,34 @@ RINGS = 2  # of views in a search
 MOST_VIEWS = 8  # to tell landmarks apart
 MOST_TRIES = 20  # of views that the arm may not reach
 SPREAD = np.diag([0.010, 0.010, 0.010]) ** 2
-"""[m², rad²] of where the base stands, besides what is known of that: it leans and turns under the arm."""
+"""Covariance in [m², rad²] added to the believed pose of the base, which tilts and turns under the arm."""
 
 
 class Fixation(NamedTuple):
-    """What a fixation gives."""
+    """Result of a fixation."""
 
     planned_T_base: Pose2
     """dT_M, the travelling error."""
     base_T_hand: Transform
-    """Where the hand is."""
+    """Final pose of the hand."""
     frames: int
     """Pictures that were taken."""
     moves: int
-    """Of the hand after it came to the planned posture."""
+    """Moves of the hand after it reached the planned posture."""
     seen: tuple[Pose2, ...]
-    """The error by each picture that it was taken from: after each move the arm errs anew."""
+    """Error by each of the pictures: after each move the arm has another error."""
 
 
 def planned_view(
     robot: Robot, mark: LandmarkPlan, planned: Pose2, hand: Transform | None = None
 ) -> PlannedView:
-    """How a landmark is to be seen from a base that stands where it should (relation A).
+    """Return the view of a landmark from a base at its target place (relation A).
 
     Args:
-        robot: its hand-eye calibration counts.
+        robot: robot whose hand-eye calibration is used.
         mark: the landmark.
         planned: map_T_base.
-        hand: base_T_hand (4, 4) from where it is looked at; left out: with the camera straight above it.
+        hand: base_T_hand (4, 4) of the view (default: the camera straight above the landmark).
     """
     base_T_mark = inverse(planned.lift()) @ mark.pose
     hand_T_camera = robot.camera.hand_T_camera
@@ -90,11 +90,11 @@ def sought(
     stands: Pose2,
     covariance: NDArray[np.float64],
 ) -> Sought:
-    """A landmark of the plan, for a base that should stand at `planned` and is believed to be at `stands`.
+    """Return a landmark of the plan to search for, from a base planned at `planned` and believed at `stands`.
 
     Args:
-        name: of the landmark.
-        marks: all of the plan.
+        name: name of the landmark.
+        marks: all landmarks of the plan.
         planned: map_T_base.
         stands: map_T_base.
         covariance: (3, 3) of `stands`, of x, y in [m] and heading in [rad], on the map.
@@ -122,24 +122,23 @@ def fixate(
 ) -> Generator[None, None, Fixation]:
     """Move the hand until the landmark is seen as planned (Hatano et al. 2000, eq. 1 to 11, corrected).
 
-    Which of several landmarks it is, all that is seen tells together. Where that leaves two answers, more
-    is looked at.
+    All visible landmarks together identify the wanted one. If two answers are left, more views are taken.
 
     Args:
-        robot: its arm may be anywhere.
-        view: how the landmark is to be seen.
-        sought: which landmark, among which, from a base that stands about where.
-        rule: when to stop; `paper` also forgets what is left then.
+        robot: robot with its arm anywhere.
+        view: planned view of the landmark.
+        sought: the landmark, all landmarks of the plan, and the believed pose of the base.
+        rule: stop rule; `paper` also forgets the error left at the stop.
         evidence: takes the deciding picture.
-        held: in the hand, posed in its frame.
+        held: object in the hand, posed in the hand frame.
         around: bodies to keep clear of, in the base frame.
-        search: whether a landmark that isn't in the picture is searched for.
-        looks: how often the hand is to come to stand over it at least; what is found is their mean.
-        known: the travelling error as far as it is known: from there the landmark is looked for.
+        search: search for a landmark that is not in the picture.
+        looks: minimum number of views over the landmark; the result is their mean.
+        known: known part of the travelling error: the search starts from there.
 
     Raises:
-        Discrepancy: it isn't found, it can't be told from another one, or the hand doesn't come to stand
-            over it.
+        Discrepancy: the landmark is not found, cannot be distinguished from another one, or the hand does
+            not get over it.
     """
     start = view.base_T_hand if known is None else placing_posture(known.lift(), view.base_T_hand)
     yield from move_to_pose(robot, start, held, around)
@@ -167,7 +166,7 @@ def fixate(
 
 
 def fixed_by(robot: Robot, name: str, place: str, planned: Pose2, found: Fixation) -> Fixed:
-    """Where the base stands, for the world model; `planned` is map_T_base of the place."""
+    """Return the pose of the base for the world model; `planned` is map_T_base of the place."""
     pose = planned.compose(found.planned_T_base)
     reach = (float(found.base_T_hand[0, 3]), float(found.base_T_hand[1, 3]))
     attitude = (*robot.attitude.tilt, robot.attitude.yaw)
@@ -191,10 +190,10 @@ def covariance_of_mean(seen: Sequence[Pose2], noise: tuple[float, float]) -> NDA
 
 
 def upright(fixed: Fixed, known: SuspensionModel, height: float, beside: Transform) -> Pose2:
-    """Return map_T_base as it would stand if it did not lean.
+    """Return map_T_base of the same base without tilt.
 
-    It leaned as its model says, and by `beside` (4, 4) more: a landmark at that height in [m] is seen
-    displaced.
+    It tilted as its model says, and by `beside` (4, 4) more, which displaces a landmark at `height` [m] in
+    the picture.
     """
     hand = transform((*fixed.reach, height))
     seen = beside @ known.displaced(hand, np.eye(4), 0)
@@ -213,13 +212,15 @@ def _agree(one: Pose2, other: Pose2) -> bool:
 
 
 def _mean(poses: Sequence[Pose2]) -> Pose2:
-    """Of poses close together."""
+    """Return the mean of poses close together."""
     x, y, turn = np.mean(np.array(poses), axis=0).tolist()
     return Pose2(x, y, turn)
 
 
 def _level(base_T_hand: Transform, view: PlannedView) -> Transform:
-    """The same at the planned height, pointing as planned but for the turn about the vertical."""
+    """Return the pose at the planned height, with the planned orientation but for the turn about the
+    vertical.
+    """
     turn = base_T_hand[:3, :3] @ view.base_T_hand[:3, :3].T
     yaw = math.atan2(turn[1, 0] - turn[0, 1], turn[0, 0] + turn[1, 1])
     result = transform(rpy=(0.0, 0.0, yaw)) @ view.base_T_hand
@@ -276,7 +277,7 @@ def _make_sure(
 def _search(
     robot: Robot, start: Transform, views: LandmarkViews, held: Box | None, around: Sequence[Box]
 ) -> Periods:
-    """Look around in rings about the first view; what the arm can't reach is left out."""
+    """Look around in rings about the first view; skip views out of the arm's reach."""
     for x, y in offsets(RINGS):
         hand = start.copy()
         hand[:2, 3] += (x, y)
@@ -289,7 +290,7 @@ def _search(
 def _reached(
     robot: Robot, base_T_hand: Transform, held: Box | None, around: Sequence[Box]
 ) -> Generator[None, None, bool]:
-    """Whether the hand could be moved to a pose (4, 4)."""
+    """Return whether the hand could be moved to a pose (4, 4)."""
     try:
         yield from move_to_pose(robot, base_T_hand, held, around)
     except Discrepancy:

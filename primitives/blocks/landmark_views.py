@@ -1,4 +1,4 @@
-"""What the pictures of a fixation show together: which of the plan's landmarks is which."""
+"""Identify the plan's landmarks by all pictures of a fixation together."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class Sought(NamedTuple):
     among: tuple[Mark, ...]
     """All of the plan, `mark` as well."""
     belief: Belief
-    """Where the base stands, as far as it is known."""
+    """Believed pose of the base."""
 
 
 class _Seen(NamedTuple):
@@ -61,7 +61,7 @@ class _Difference(NamedTuple):
     place: Pose2
     """base_T_mark."""
     weight: float
-    """What seeing that the likeliest explanation is right there adds to its lead."""
+    """Gain of the likeliest explanation's lead if the view confirms it."""
 
 
 class LandmarkViews:
@@ -124,7 +124,7 @@ class LandmarkViews:
         return None
 
     def hides(self) -> bool:
-        """Whether the last picture should show it, but doesn't."""
+        """Return whether the landmark is missing in the last picture although it should be in view."""
         if self.explanation is None or self.wanted() is not None:
             return False
         mark = self._sought.mark
@@ -132,10 +132,10 @@ class LandmarkViews:
         return bool(self._inside(self._cameras[-1], mark.kind, [place])[0])
 
     def telling_hands(self, start: Transform) -> list[Transform]:
-        """Poses base_T_hand from where a picture tells the explanations apart, the most telling one first.
+        """Return poses base_T_hand whose pictures separate the explanations, the most informative one first.
 
         Args:
-            start: base_T_hand (4, 4) that they are beside, at its height.
+            start: base_T_hand (4, 4); the poses are around it, at its height.
         """
         best, *others = self.explanations
         here = self._robot.base_T("hand")[:2, 3]
@@ -191,13 +191,15 @@ class LandmarkViews:
         return found
 
     def _distance(self, base_T_camera: Transform, kind: Kind) -> float:
-        """From the camera down to a landmark, in [m]; to the wanted one as planned."""
+        """Return the distance from the camera down to a landmark, in [m]; for the wanted one the planned
+        distance.
+        """
         wanted = self._sought.mark.kind
         planned = float(self._view.camera_T_landmark[2, 3])
         return planned if kind == wanted else float(base_T_camera[2, 3]) - kind.height
 
     def _is_over(self, seen: _Seen, base_T_camera: Transform) -> bool:
-        """Whether a remembered mark should be in the last picture; what that shows then holds."""
+        """Return whether a remembered mark should be in the last picture, which then replaces it."""
         again = any(
             at.distance(last.at[kind]) < OVERLAP
             for last in self._last

@@ -1,4 +1,4 @@
-"""In which order the blocks of a drawing can be laid: none before what carries it."""
+"""Order in which the blocks of a drawing can be laid: each after its supports."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ Rectangle = tuple[tuple[float, float], tuple[float, float], float]
 
 
 def wall_findings(loaded: Loaded[Drawing]) -> Iterator[Finding]:
-    """What of a drawing no robot could build: blocks in each other, blocks that nothing carries."""
+    """Report parts of a drawing that cannot be built: overlapping blocks, and blocks without support."""
     drawing = loaded.value
     blocks, (length, width, height) = drawing.blocks, drawing.block
     for number, block in enumerate(blocks):
@@ -64,7 +64,7 @@ def laying_orders(drawing: Drawing) -> list[list[DrawnBlock]]:
 def _order(
     drawing: Drawing, blocks: Sequence[DrawnBlock], rank: Callable[[DrawnBlock], tuple[float, float]]
 ) -> list[DrawnBlock]:
-    """The first by rank of those whose support stands, and again."""
+    """Return the blocks in laying order: repeatedly the first by rank whose supports are laid."""
     below = {block: [each for each in blocks if _carries(drawing, each, block)] for block in blocks}
     laid, waiting = list[DrawnBlock](), [(rank(block), block) for block in blocks if not below[block]]
     heapq.heapify(waiting)
@@ -115,6 +115,6 @@ def _area(corners: Floats) -> float:
 
 
 def _inside(corners: Floats, floor: Pose2) -> float:
-    """How far a pose lies inside the hull of corners (n, 2), in [m]; less than zero: outside."""
+    """Return the distance of a pose inside the hull of corners (n, 2), in [m]; negative outside."""
     hull = cv2.convexHull((corners - floor[:2]).astype(np.float32))
     return float(cv2.pointPolygonTest(hull, (0.0, 0.0), True))

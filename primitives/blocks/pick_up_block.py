@@ -1,4 +1,4 @@
-"""PICK_UP_BLOCK: take a block from where it is known to stand."""
+"""PICK_UP_BLOCK: take a block from its known pose."""
 
 from __future__ import annotations
 
@@ -41,19 +41,18 @@ THICKNESS_ERROR = 0.002  # [m]
 
 
 class PickUpBlock(ActionPrimitive):
-    """Take a block from above: at the supply, where the landmark says it is, or off the robot's own table.
+    """Take a block from above: at the supply, where the landmark locates it, or off the robot's own table.
 
-    Closing, the fingers centre it between them: whatever it was off in that direction is gone. Along the
-    fingers it stays as it was (Hatano et al. 2000, sections 5.4 and 5.5), unless the camera looks first where
-    it stands.
+    The closing fingers centre the block between them and remove its offset in that direction. The offset
+    along the fingers remains (Hatano et al. 2000, sections 5.4 and 5.5), unless `look` measures it first.
     """
 
     number: BlockNumber
-    """Of the block, by the building plan."""
+    """Number of the block in the building plan."""
     at: Literal["supply", "robot"]
-    """Where it stands: at the supply, or on the robot's own table."""
+    """Location of the block: the supply, or the robot's own table."""
     look: bool = False
-    """Whether to look first where exactly it stands."""
+    """Measure the pose of the block with the camera first."""
 
     needs: ClassVar = (Arm, Gripper, Camera)
     reads: ClassVar = ("building", "fixed", "placed")
@@ -117,7 +116,7 @@ class PickUpBlock(ActionPrimitive):
         yield
 
     def meant_contacts(self, model: WorldModel) -> Sequence[MeantContact]:
-        """Its block, and what that stands on."""
+        """Return the contacts with the block and its support."""
         own, plan = MeantContact("hand", name_of_block(self.number)), model.of(Blocks).building
         if self.at == "robot":
             return own, MeantContact("held", TRAY)
@@ -126,7 +125,7 @@ class PickUpBlock(ActionPrimitive):
         return own, *held_on(plan, plan.supply[self.number - 1], plan.supply)
 
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
-        """Played backwards, the block stands where it stood; then a picture tells whether it does."""
+        """Play the motion backwards, so that the block is put back, and check its pose with a picture."""
         self._held, blocks = False, model.of(Blocks)
         blocks.taken = tuple(number for number in blocks.taken if number != self.number)
         yield from retrace(robot, start, trace)
@@ -156,7 +155,7 @@ class PickUpBlock(ActionPrimitive):
         return seen.lift(float(stands[2, 3]))
 
     def _stands(self, robot: Robot, model: ModelView, plan: Building) -> Transform:
-        """base_T_block (4, 4) by the plan and where the base stands."""
+        """Return base_T_block (4, 4) by the plan and the pose of the base."""
         if self.at == "robot":
             return plan.seat(self.number).pose
         if self.number > len(plan.supply):
@@ -167,7 +166,7 @@ class PickUpBlock(ActionPrimitive):
 
 
 def unlike_block(robot: Robot, model: ModelView) -> str:
-    """Return why what the fingers hold is no block of the plan; empty if it may be one."""
+    """Return why the held object cannot be a block of the plan; empty if it may be one."""
     plan = building(model)
     if _grips(robot, plan):
         return ""

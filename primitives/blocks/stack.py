@@ -61,26 +61,26 @@ FEEL_LEAN = "fix_again_imu"
 class Stack(ActionPrimitive):
     """Move the held block over its goal, lower it until it touches down, let go, withdraw, and look at it.
 
-    The goal is split into where the base should stand and the arm's posture from there; the posture is
-    corrected for where the base does stand (Hatano et al. 2000, eq. 7). That is known from the last fixation.
-    Since then the base turned and leans otherwise; what of that is corrected is the method. `fix_once`:
-    nothing, as in the paper. `model`: what the suspension's model says (eq. 12). `imu`: what the inertial
-    sensors felt. `fix_again`: the landmark is looked at once more, with the block in hand. `fix_again_model`:
-    that, and the model from there on, and what was found before. `fix_again_imu`: the same, but for the turn,
-    which the gyros feel, and for how the accelerometers feel that the base leans beside the model. `servo`: a
-    landmark beside the goal is looked at.
+    The goal is split into a place of the base and a posture of the arm from there; the posture is
+    corrected for the actual pose of the base (Hatano et al. 2000, eq. 7), known from the last fixation.
+    Since then the base has turned and tilted; `method` says which part is corrected. `fix_once`: nothing,
+    as in the paper. `model`: the prediction of the suspension's model (eq. 12). `imu`: the measurement of
+    the inertial sensors. `fix_again`: the landmark is viewed once more, with the block in hand.
+    `fix_again_model`: as `fix_again`, then the model from there on, fused with the earlier fixation.
+    `fix_again_imu`: as `fix_again_model`, with the turn by the gyros and the tilt beyond the model by the
+    accelerometers. `servo`: a landmark next to the goal is viewed.
     """
 
     number: BlockNumber
-    """Of the block, by the building plan."""
+    """Number of the block in the building plan."""
     onto: Literal["goal", "robot"]
-    """Where to: its goal, or its seat on the robot's own table."""
+    """Destination: its goal, or its seat on the robot's own table."""
     method: Method = "fix_again_model"
-    """What is done about the base's turning and leaning."""
+    """Correction of the base's turn and tilt."""
     rule: Rule = "residual"
     """When a fixation is close enough; see FIXATE."""
     stow: bool = False
-    """Whether the arm goes home in the end, as it must before the base drives away."""
+    """Move the arm home in the end, as it must be before the base drives away."""
 
     needs: ClassVar = (Arm, Gripper, Camera)
     reads: ClassVar = ("places", "building", "taken")
@@ -91,7 +91,7 @@ class Stack(ActionPrimitive):
     _felt_then: NDArray[np.float64] = PrivateAttr()
     """Roll and pitch beside the model, when the base was fixed."""
     _leans: tuple[Transform, Transform] = PrivateAttr(default_factory=lambda: (np.eye(4), np.eye(4)))
-    """How the base leant beside the model when it was fixed, and leans now."""
+    """Tilts of the base beyond the model at the fixation and now, as motions (4, 4)."""
 
     def thing(self, model: ModelView) -> str:
         return name_of_block(self.number)
@@ -179,7 +179,7 @@ class Stack(ActionPrimitive):
         return base_T_block
 
     def _turned(self, robot: Robot, fixed: Fixed, swings_to_come: int) -> float:
-        """By how much the base has turned since it was fixed, and is still to turn, in [rad]."""
+        """Return the base's turn since the fixation including the swings to come, in [rad]."""
         if self.method in FEEL:
             return turn_by_gyros(robot, fixed).yaw + turn_by_model(robot, swings_to_come).yaw
         return turn_by_model(robot, fixed.swings + swings_to_come).yaw
@@ -206,12 +206,12 @@ class Stack(ActionPrimitive):
         return gripping(robot, plan.block, placing_posture(error, planned_T_block))
 
     def _place(self, model: ModelView, mark: LandmarkPlan) -> str:
-        """Where the base should stand."""
+        """Return the name of the base's target place."""
         blocks = model.of(Blocks)
         return blocks.fixed.place if blocks.fixed is not None else mark.place
 
     def _view_height(self, robot: Robot, surface: float) -> float:
-        """Of the hand, from which the camera looks down on a surface as in a fixation."""
+        """Return the height of the hand for a view of a surface, in [m]."""
         level = pointing_down(Pose2(0.0, 0.0, 0.0), 0.0)
         return surface + VIEW - float((level @ robot.camera.hand_T_camera)[2, 3])
 
@@ -266,7 +266,9 @@ class Stack(ActionPrimitive):
         self.found(touched_mm=round(1e3 * touched, 2))
 
     def _check(self, robot: Robot, model: ModelView, plan: Building, goal: LevelPose) -> Periods:
-        """Look where the block stands."""
+        """Measure the pose of the placed block with the camera, and raise `Discrepancy` if it is off its
+        goal.
+        """
         blocks = model.of(Blocks)
         expected = self._corrected(robot, model, plan, goal)
         seen = yield from see_block(robot, plan, expected, self.evidence, surroundings(robot, model))
@@ -283,7 +285,7 @@ class Stack(ActionPrimitive):
 
 
 def _is_swing(robot: Robot, base_T_hand: Transform) -> int:
-    """1 where carrying the load to there swings the arm so far that the base gives, else 0."""
+    """Return 1 if the motion with the load is long enough to turn the base, otherwise 0."""
     here = robot.arm_model.forward(robot.arm.command())
     across = float(np.linalg.norm(base_T_hand[:2, 3] - here[:2, 3]))
     return int(across >= robot.spec.suspension.swing_from_mm / 1e3)

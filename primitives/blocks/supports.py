@@ -1,4 +1,4 @@
-"""What should carry a block, by the building plan."""
+"""Supports of a block by the building plan."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ TRAY = "tray"
 
 
 def held_on(plan: Building, foot: LevelPose, among: Sequence[LevelPose]) -> tuple[MeantContact, ...]:
-    """The contacts of a held block with what carries it at `foot`.
+    """Return the contacts of a held block with its supports at `foot`.
 
     Args:
-        plan: with the tables.
-        foot: where the block stands, on the map.
-        among: where the other blocks stand, in the order of their numbers, on the map.
+        plan: building plan with the tables.
+        foot: pose of the block, on the map.
+        among: poses of the other blocks, in the order of their numbers, on the map.
     """
     length, width, height = plan.block
     blocks = [
@@ -42,6 +42,6 @@ def held_on(plan: Building, foot: LevelPose, among: Sequence[LevelPose]) -> tupl
 
 
 def _below(foot: Pose2, middle: Pose2, size: tuple[float, float]) -> bool:
-    """Whether a foot is within a rectangle of that size about a middle."""
+    """Return whether a foot is within a rectangle of `size` around `middle`."""
     off = foot.relative_to(middle)
     return abs(off.x) < size[0] / 2 and abs(off.y) < size[1] / 2

@@ -1,1 +1,1 @@
-"""Books: what is known of them, and how they are returned to their shelves."""
+"""Books: their catalogue, slots and the primitives that return them to their shelves."""

@@ -49,15 +49,15 @@ SURELY = 0.005  # [m]: the same where nothing but its place tells it from anothe
 class Approach(ActionPrimitive):
     """Bring the held book before its slot, straight and centred, just above the board.
 
-    A planned motion goes to where SEARCH saw the slot. There the camera, which sits left of the hand, sees
-    the slot's left side past the book; the hand is moved until the book's middle is half a slot beside it.
-    What counts is hand and slot in one picture: errors of base, arm and SEARCH cancel.
+    A planned motion leads to the slot that SEARCH found. There the camera, which sits left of the hand,
+    sees the slot's left side past the book; the hand is moved until the book's middle is half a slot next
+    to it. Hand and slot are measured in one picture, so errors of base, arm and SEARCH cancel.
     """
 
     shelf: PlaceName
     """The place before the shelf."""
     correct: bool = True
-    """Whether the hand is corrected by what it sees."""
+    """Correct the hand by the camera's picture."""
 
     needs: ClassVar = (Arm, Gripper, Camera, RangeSensor)
     reads: ClassVar = ("places", "book")

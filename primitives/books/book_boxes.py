@@ -19,11 +19,11 @@ INSIDE = 0.25  # [m] of its depth that counts
 
 
 def shelf_boxes(base_T_shelf: Transform, shelf: Shelf) -> tuple[Box, ...]:
-    """A shelf for who stays before it, in the base frame: solid from just before its spines.
+    """Return boxes of a shelf in front of the robot, in the base frame: solid from just before its spines.
 
     Args:
         base_T_shelf: (4, 4), as measured.
-        shelf: what is known of it.
+        shelf: dimensions of the shelf.
     """
     depth, height = INSIDE + PROUD, shelf.board_m + ABOVE
     middle = transform((depth / 2 - PROUD, 0.0, height / 2 - shelf.board_m))
@@ -32,7 +32,7 @@ def shelf_boxes(base_T_shelf: Transform, shelf: Shelf) -> tuple[Box, ...]:
 
 
 def tray_box(robot: Robot) -> Box:
-    """Where some book may stand on the tray, in the base frame."""
+    """Return the region of the tray that may hold a book, in the base frame."""
     rear, *size = ON_TRAY
     tray = robot.spec.tray_shape
     middle = transform((tray.rear + rear + size[0] / 2, tray.middle[1], tray.top + size[2] / 2))

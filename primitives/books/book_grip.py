@@ -1,4 +1,4 @@
-"""How the hand holds a book: by the rear of its covers, beside the spine."""
+"""Grip of a book: on the rear of its covers, next to the spine."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ NOTHING = 2.0  # [mm] between the pads: less is no book
 
 
 def hand_to_spine(robot: Robot) -> float:
-    """From the frame `hand` to the spine of a book that it holds, in [m]."""
+    """Return the distance from the frame `hand` to the spine of a held book, in [m]."""
     return hand_to_tips(robot) - BITE
 
 
 def holds(robot: Robot, book: Book) -> bool:
-    """Whether the fingers press on something as thick as that book."""
+    """Return whether the fingers hold an object as thick as that book."""
     return grip.holds(robot, book.thickness_mm / 1e3, THICKNESS_ERROR)
 
 
@@ -49,7 +49,9 @@ def unlike_book(robot: Robot, model: ModelView) -> str:
 
 
 def opening(robot: Robot, book: Book | None) -> Measured:
-    """What the gripper reads, for a Discrepancy: how far from a book's thickness, or the width alone."""
+    """Return the gripper's reading for a Discrepancy: its difference from a book's thickness, or the width
+    alone.
+    """
     if book is None or not robot.gripper.closed_on_something():
         return width_read(robot)
     off = abs(1e3 * robot.gripper.width() - book.thickness_mm)

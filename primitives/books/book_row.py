@@ -1,4 +1,4 @@
-"""What a held book touches in its slot."""
+"""Contacts of a held book in its slot."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from handcart.primitives.contract.meant_contact import MeantContact
 from handcart.primitives.knowledge.world_model import WorldModel
 
 PARTS = ("board", "panel", "left panel", "right panel", "book end")
-"""Of a shelf, as the world calls them."""
+"""Parts of a shelf, by their names in the world."""
 
 
 def row_contacts(model: WorldModel, shelf: str) -> tuple[MeantContact, ...]:
-    """Of the held book with its shelf, and with the two books that its slot is between."""
+    """Return the contacts of the held book with its shelf and with the two neighbours of its slot."""
     known = model.of(Books)
     slot = known.slot
     beside = () if slot is None else tuple(call for call in (slot.after, slot.before) if call)

@@ -1,4 +1,4 @@
-"""What is known of books."""
+"""World model section of books."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ NO_BOOKS = Catalogue(format="handcart-catalogue/1", books=())
 
 
 class Slot(NamedTuple):
-    """Where a book belongs on its shelf, in the shelf's frame."""
+    """Slot of a book on its shelf, in the shelf's frame."""
 
     shelf: str
     """Name of the place with the shelf."""
@@ -24,7 +24,7 @@ class Slot(NamedTuple):
     right: float
     """y of the right neighbour's side, in [m]; less than `left`."""
     sigma: float
-    """Of both, in [m]."""
+    """Standard deviation of both sides, in [m]."""
     after: str
     """Call number of the left neighbour; empty at the end of the row."""
     before: str
@@ -40,7 +40,7 @@ class Slot(NamedTuple):
 
 @dataclass
 class Books(Section):
-    """Of a robot that returns them to their shelves."""
+    """Knowledge of a robot that returns books to their shelves."""
 
     FILES: ClassVar = {"catalogue": Catalogue}
     LEARNED: ClassVar = ("book", "book_pose", "slot")
@@ -48,9 +48,9 @@ class Books(Section):
 
     catalogue: Catalogue = NO_BOOKS
     book: Book | None = None
-    """The one that is to be returned."""
+    """Book that is to be returned."""
     book_pose: Pose2 | None = None
-    """base_T_book while it stands on the tray: middle of its spine, x along its depth."""
+    """base_T_book of the book on the tray: middle of its spine, x along its depth."""
     slot: Slot | None = None
 
     @override

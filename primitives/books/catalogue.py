@@ -50,5 +50,5 @@ class Catalogue(FileModel):
 
 
 def name_of_book(book: Book) -> str:
-    """How the world calls it."""
+    """Return the name of a book in the world."""
     return f"book {book.accession}"

@@ -1,4 +1,4 @@
-"""What the camera on the hand shows of a shelf, past what the hand holds."""
+"""Picture of a shelf from the camera on the hand, past the held object."""
 
 from __future__ import annotations
 
@@ -40,9 +40,9 @@ def look(robot: Robot, base_T_shelf: Transform, held: Box | None) -> Generator[N
     """Wait until the hand is at rest, and take a picture of the shelf.
 
     Args:
-        robot: its camera before the shelf.
+        robot: robot with its camera before the shelf.
         base_T_shelf: (4, 4), as measured.
-        held: what the hand holds, posed in the hand frame.
+        held: object in the hand, posed in the hand frame.
     """
     yield from settle(robot)
     base_T_camera = robot.base_T("hand") @ robot.camera.hand_T_camera
@@ -69,7 +69,7 @@ def _free(robot: Robot, held: Box | None) -> NDArray[np.bool_]:
 
 
 def _fingers(robot: Robot) -> Sequence[Box]:
-    """The fingers as they stand, in the hand frame."""
+    """Return the fingers at their current opening, in the hand frame."""
     gripper = robot.backend.get(Gripper)  # type: ignore[type-abstract]
     if gripper is None:
         return []

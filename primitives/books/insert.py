@@ -57,33 +57,33 @@ REACHED = 0.004  # [m]
 
 
 class _Course(NamedTuple):
-    """Of all pushes, as measured before the first."""
+    """Insertion geometry, measured once before the first push."""
 
     start: Transform
     """base_T_hand (4, 4)."""
     end: Transform
-    """The same; in the slot the hand yields aside."""
+    """base_T_hand (4, 4) at the end; in the slot the hand yields sideways."""
     edge: float
-    """From the hand to the book's leading edge, in [m]."""
+    """Distance from the hand to the book's leading edge, in [m]."""
     held: Box
     """The book, in the hand's frame."""
 
 
 class Insert(TreePrimitive):
-    """Push the held book straight into its slot, until the finger tips stand just before the spines.
+    """Push the held book straight into its slot, until the finger tips are just before the spines.
 
-    Where it enters is where APPROACH brought it; how far it goes is measured on the shelf's front. A book
-    that jams is pulled out and tried a few millimetres beside; one that jams everywhere is a Fail, pulled
-    back to where it was. No sensor sees whether a neighbour was pushed back, so the force must tell: above
-    10 N a person has to look. Taught, the hand plays back `insert_1` and on, whatever the range sensor says.
+    APPROACH has set the point of entry; the depth is measured on the shelf's front. A book that jams is
+    pulled out and tried a few millimetres to the side; a book that jams everywhere is a Fail and is pulled
+    back to the start. No sensor sees a neighbour that was pushed back, so the force decides: above 10 N a
+    person has to look. With `taught`, the hand plays back `insert_1` and on, and ignores the lidar.
     """
 
     shelf: PlaceName
     """The place before the shelf."""
     method: Literal["planned", "taught"] = "planned"
-    """How the hand finds its way."""
+    """Source of the hand's motion."""
     wiggle: bool = True
-    """Whether a book that jams is tried beside."""
+    """Try a book that jams again, a little to the side."""
 
     needs: ClassVar = (Arm, Gripper, RangeSensor)
     reads: ClassVar = ("places", "book")
@@ -93,7 +93,7 @@ class Insert(TreePrimitive):
     _base_T_end: Transform | None = PrivateAttr(default=None)
     """base_T_hand (4, 4) where the push ends, once the book is in the slot."""
     _resists: float = PrivateAttr(default=0.0)
-    """What the last push met, in [N]."""
+    """Force that resisted the last push, in [N]."""
     _strongest: float = PrivateAttr(default=0.0)
 
     def thing(self, model: ModelView) -> str:
@@ -103,7 +103,7 @@ class Insert(TreePrimitive):
         return unlike_book(robot, model)
 
     def tree(self, robot: Robot, model: ModelView) -> Behaviour:
-        """What comes before, and the ways to push: the first in which the book goes in ends it."""
+        """Return the preparing steps and the pushes; the first push that gets the book in ends them."""
         begin = {
             "measure how far it goes": lambda: self._measure(robot, model),
             "note what is about to be done": lambda: self.intend("the book is pushed between its neighbours"),
@@ -126,7 +126,7 @@ class Insert(TreePrimitive):
         self._course = _Course(start, end, edge, held_box(robot, books.book))
 
     def _try(self, robot: Robot, way: str, number: int) -> Generator[None, None, bool]:
-        """Whether the book goes in; one that jams is pulled out again."""
+        """Return whether the book goes in; pull it out again if it jams."""
         start, end, edge, held = self._course
         yield from move_straight(robot, start @ _about(edge, *WIGGLES[way]), held)
         pushed = yield from self._push(robot, end)
@@ -178,7 +178,7 @@ class Insert(TreePrimitive):
             )
 
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
-        """The book is still held, and the hand stands where it was to go."""
+        """Return whether the book is still held; raise `Discrepancy` if the hand is not at its goal."""
         books = model.of(Books)
         if self._base_T_end is None or books.book is None:
             return False
@@ -232,6 +232,6 @@ def _yield_aside(robot: Robot) -> Generator[None, None, float]:
 
 
 def _about(edge: float, aside: float, turn: float) -> Transform:
-    """hand_T_hand (4, 4) moved aside, and turned about a point so far ahead that the leading edge stays."""
+    """Return hand_T_hand (4, 4): moved by `aside`, and turned about a point `edge` [m] ahead."""
     there = transform((edge, aside, 0.0), (0.0, 0.0, turn))
     return there @ transform((-edge, 0.0, 0.0))

@@ -56,15 +56,15 @@ TAG_SIDE = 0.010  # [m] of the tag's black square
 
 
 class PickUp(TreePrimitive):
-    """Take the book from the tray: grip the rear of its covers, beside the spine, lift it and carry it.
+    """Take the book from the tray: grip the rear of its covers, next to the spine, lift it and carry it.
 
-    Planned, the hand comes in line with the book where RECOGNIZE saw it; taught, it plays back postures
-    (`pick_up_1` before the book, `pick_up_2` gripping it, `pick_up_3` and on lifted) and trusts that the book
-    stands where it stood when they were taught.
+    With `planned`, the hand lines up with the book that RECOGNIZE saw; with `taught`, it plays back
+    postures (`pick_up_1` before the book, `pick_up_2` gripping it, `pick_up_3` and on lifted) and assumes
+    that the book is where it was when they were taught.
     """
 
     method: Literal["planned", "taught"] = "planned"
-    """How the hand finds its way."""
+    """Source of the hand's motion."""
 
     needs: ClassVar = (Arm, Gripper, Camera)
     reads: ClassVar = ("book", "book_pose", "catalogue")
@@ -80,14 +80,14 @@ class PickUp(TreePrimitive):
         return book_in(model)
 
     def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
-        """Return that the book, or where it stands, is not known."""
+        """Return a reason if the book or its pose is unknown."""
         books = model.of(Books)
         if books.book is None or books.book_pose is None:
             return "no book has been recognized on the tray"
         return ""
 
     def observe(self, robot: Robot, model: ModelView) -> Generator[None, None, Seen]:
-        """Where the book's tag is, in the base frame; nothing where it isn't seen."""
+        """Return the position of the book's tag in the base frame; empty if it is not seen."""
         books = model.of(Books)
         if books.book is None:
             raise Discrepancy("no book has been recognized", permanent=True)
@@ -126,7 +126,7 @@ class PickUp(TreePrimitive):
         yield from open_to(robot, None)
 
     def _go(self, robot: Robot, model: ModelView) -> Periods:
-        """In line with the book, then straight."""
+        """Line up with the book, then move straight."""
         before = self._base_T_grip @ transform((-BEFORE, 0.0, 0.0))
         yield from move_to_pose(robot, before, around=_standing(robot, model))
         pushed = yield from push(robot, self._base_T_grip, SPEED, TOUCH)
@@ -174,13 +174,13 @@ class PickUp(TreePrimitive):
         yield
 
     def meant_contacts(self, model: WorldModel) -> Several[MeantContact]:
-        """Its book, which stands on the tray."""
+        """Return the contacts with the book and of the book with the tray."""
         books = model.of(Books)
         book = "" if books.book is None else name_of_book(books.book)
         return MeantContact("hand", book), MeantContact("held", "tray")
 
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
-        """Played backwards, the lifted book stands on the tray again before the fingers open."""
+        """Play the motion backwards: the lifted book is on the tray again before the fingers open."""
         self._held = False
         yield from retrace(robot, start, trace)
 

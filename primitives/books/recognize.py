@@ -1,4 +1,4 @@
-"""RECOGNIZE: tell which book stands on the tray, and where."""
+"""RECOGNIZE: identify and locate the book on the tray."""
 
 from __future__ import annotations
 
@@ -50,9 +50,9 @@ class _Sighting(NamedTuple):
 class Recognize(ActionPrimitive):
     """Read the tag of the book on the tray, and look it up in the catalogue.
 
-    The tag is read in a few views from beside each other: where their lines of sight meet stands the spine.
-    How far the book is turned can't be seen on a tag of 10 mm: it counts as set straight, and the fingers
-    turn it.
+    The tag is read in a few views from neighbouring positions: the spine is where their lines of sight
+    meet. The turn of the book cannot be measured on a tag of 10 mm: the book is assumed to be straight,
+    and the fingers turn it.
     """
 
     needs: ClassVar = (Arm, Camera)
@@ -129,9 +129,10 @@ def _sighting(tag: Tag, camera: CameraModel, base_T_camera: Transform) -> _Sight
 
 
 def _place(seen: Sequence[_Sighting]) -> Vector:
-    """Where the lines of sight meet best, (3,) in [m]; they tell depth better than the tag's small size does.
+    """Return the best intersection of the lines of sight, (3,) in [m].
 
-    Least squares over the distances from the lines, and with little weight along them.
+    Least squares over the distances from the lines, with little weight along them: several lines give the
+    depth more exactly than the size of a small tag.
     """
     normal, right = np.zeros((3, 3)), np.zeros(3)
     for sighting in seen:

@@ -59,8 +59,8 @@ SAME_PLACE = 0.012  # [m] between where the book was let go and where its label 
 class Release(TreePrimitive):
     """Let the book go in its slot and push it home: lower, open, back off, close, push, withdraw, look.
 
-    From opening on it can't be undone: pushed home, the book offers the fingers nothing to take it by. Its
-    label must then be read in its slot, between the right neighbours; else a person has to look.
+    It cannot be undone from the opening on: pushed home, the book has nothing left to grip. Its label must
+    then be read in its slot, between the right neighbours; otherwise a person has to look.
     """
 
     shelf: PlaceName
@@ -74,7 +74,7 @@ class Release(TreePrimitive):
     _lateral: float = PrivateAttr(default=0.0)
     """y in the shelf frame where the book is let go, in [m]."""
     _open_to: float | None = PrivateAttr(default=None)
-    """How far the fingers are to open, in [m], while they do."""
+    """Target opening of the fingers in [m], while they open."""
 
     def thing(self, model: ModelView) -> str:
         return book_in(model)
@@ -186,7 +186,7 @@ class Release(TreePrimitive):
         yield from move_to_posture(robot, "home", around=around)
 
     def _stands(self, labels: list[Label], model: ModelView) -> bool:
-        """Whether the book's label is among those read, where the hand let it go, in order."""
+        """Return whether the book's label was read where the hand released it, and in order."""
         books = model.of(Books)
         numbers = [(label.lateral, label.call_number) for label in labels if label.call_number is not None]
         own = parse(books.book.call) if books.book else None

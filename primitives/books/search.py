@@ -59,19 +59,21 @@ class Search(ActionPrimitive):
     """Look along the shelf, read the labels, and find the slot where the book belongs.
 
     The camera moves on a straight line from left to right, past the held book, and stops for each view (a
-    book on the tray would stand in the hand's way: pick it up first). The slot is then looked at twice more
-    from nearly straight ahead. Where it is holds in the shelf's frame as the robot has it at this stop;
-    APPROACH sees to the rest.
+    book on the tray would be in the hand's way: pick it up first). The slot is then viewed twice more from
+    nearly straight ahead. Its position is valid in the shelf's frame as measured at this stop; APPROACH
+    corrects the rest.
     """
 
     shelf: PlaceName
     """The place before the shelf."""
     reader: Literal["ocr", "template"] = "ocr"
-    """How labels are read: letter by letter, or compared with pictures of those in the catalogue."""
+    """Method for reading labels: letter by letter, or by comparison with pictures of the catalogue's
+    labels.
+    """
     fuse: bool = True
-    """Whether what several views show of one book is aligned, averaged and voted on."""
+    """Align, average and vote on several views of one book."""
     misplacement: bool = True
-    """Whether a book that stands out of order is seen through."""
+    """Ignore a book that is out of order."""
 
     needs: ClassVar = (Arm, Camera, RangeSensor)
     reads: ClassVar = ("places", "catalogue", "book", "book_pose")
@@ -82,9 +84,9 @@ class Search(ActionPrimitive):
     _around: tuple[Box, ...] = PrivateAttr(default=())
     _views: list[SpineView] = PrivateAttr(default_factory=list)
     _labels: list[Label] = PrivateAttr(default_factory=list)
-    """What was read in all views."""
+    """Labels that were read in all views."""
     _thicknesses: dict[CallNumber, float] = PrivateAttr(default_factory=dict)
-    """Of the books in the catalogue, in [m]."""
+    """Thickness of the books in the catalogue by call number, in [m]."""
     _last: HandView | None = PrivateAttr(default=None)
 
     def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
@@ -136,7 +138,7 @@ class Search(ActionPrimitive):
         return [float(y) for y in np.linspace(first, last, count)]
 
     def _away(self, robot: Robot) -> float:
-        """From the camera to the spines, in [m]."""
+        """Return the distance from the camera to the spines, in [m]."""
         if self._held is None:
             return AWAY
         return max(
@@ -144,7 +146,9 @@ class Search(ActionPrimitive):
         )
 
     def _past(self, robot: Robot) -> float:
-        """How far to the right of the camera the spines are seen past the held book, in [m]."""
+        """Return the offset to the right of the camera at which spines are visible past the held book, in
+        [m].
+        """
         assert self._held is not None
         eye = robot.camera.hand_T_camera[:3, 3]
         ahead = hand_to_spine(robot) + self._held.size[0] - float(eye[0])
@@ -269,7 +273,7 @@ def _wanted(model: ModelView) -> tuple[Book, CallNumber]:
 
 
 def _thicknesses(catalogue: Catalogue) -> dict[CallNumber, float]:
-    """In [m]; without numbers that books of different thickness share."""
+    """Return the thicknesses by call number in [m], without numbers of books that differ in thickness."""
     known: dict[CallNumber, set[float]] = {}
     for book in catalogue.books:
         if (number := parse(book.call)) is not None:
@@ -287,10 +291,11 @@ def _sides_left_of(y: float, reading: ShelfReading) -> tuple[float, ...]:
 
 
 def _end_of_row(reading: ShelfReading, number: CallNumber, no_gap: bool) -> float | None:
-    """y of the last book's right side in [m], where the wanted one belongs to the right of all in order.
+    """Return y of the last book's right side in [m] if the wanted book belongs after all others; None
+    otherwise.
 
-    The slot there is bounded by a book end, which stands back: only straight before it is its place seen.
-    Where the last book is a misplaced one, the slot may also be left of it: then `no_gap` was found there.
+    That slot ends at a book end, which is set back: its position is visible only from straight ahead. If
+    the last book is misplaced, the slot may also be left of it, unless `no_gap` was found there.
     """
     known = [(book.right, book.call_number) for book in reading.books if book.call_number is not None]
     read = ordered([name for _, name in known])

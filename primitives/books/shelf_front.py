@@ -1,4 +1,4 @@
-"""Where the shelf stands that the robot has docked on."""
+"""Pose of the shelf in front of the docked robot."""
 
 from __future__ import annotations
 

@@ -31,20 +31,20 @@ DARKER = 0.65  # a slot's brightness, against the spine's
 
 
 def seen_past(view: HandView) -> Strips:
-    """What is seen past a held book, at the height at which it goes in."""
+    """Return the strips visible past a held book, at the height at which it goes in."""
     return _strips(view, HEIGHTS)
 
 
 def slot_edge(strips: Strips, expected: float, within: float, surely: float) -> float | None:
-    """y in the shelf frame of a slot's left side, in [m]; None where no such side is seen.
+    """Return y of a slot's left side in the shelf frame, in [m]; None if no such side is seen.
 
-    In most shelves a slot is darker than its neighbour: such an edge is taken before others.
+    In most shelves a slot is darker than its neighbour: such an edge takes precedence.
 
     Args:
-        strips: past the held book.
-        expected: y of the side as it was seen before, in [m].
-        within: how far from there it may be, in [m].
-        surely: the same of an edge that isn't darker on the slot's side.
+        strips: strips past the held book.
+        expected: y of the side in an earlier view, in [m].
+        within: maximum distance from there, in [m].
+        surely: maximum distance of an edge that is not darker on the slot's side, in [m].
     """
     darker: list[float] = []
     others: list[float] = []
@@ -58,15 +58,15 @@ def slot_edge(strips: Strips, expected: float, within: float, surely: float) -> 
 
 
 def moved(strips: Strips, sides: Sequence[float], within: float) -> float | None:
-    """By how much books' sides, as a whole, are seen beside where they were, in [m]; None where fewer than
-    two, or fewer than half of those in view, agree.
+    """Return the common shift of the books' sides since an earlier view, in [m]; None if too few agree.
 
-    Each edge may be each side's; the shift that the most sides agree on is taken, of several the smallest.
+    At least two sides, and half of those in view, must agree. Each edge may belong to each side; the shift
+    with the most sides is taken, the smallest of several.
 
     Args:
-        strips: past the held book.
-        sides: y in the shelf frame as they were seen before, in [m].
-        within: how far they may have moved, in [m].
+        strips: strips past the held book.
+        sides: y in the shelf frame in an earlier view, in [m].
+        within: maximum shift, in [m].
     """
     edges = np.array(all_sides(strips))
     in_view = np.array([y for y in sides if strips.seen(y + within, y - within, HEIGHTS[1]) > SEEN])
@@ -83,22 +83,24 @@ def moved(strips: Strips, sides: Sequence[float], within: float) -> float | None
 
 
 def side_near(strips: Strips, expected: float) -> float:
-    """y in the shelf frame of the edge that is where a side is expected, in [m]; where there is none (a dark
-    spine before a dark slot), `expected`."""
+    """Return y of the edge near an expected side in the shelf frame, in [m]; `expected` if there is no edge.
+
+    A dark spine before a dark slot has no edge.
+    """
     near = [y for y in all_sides(strips) if abs(y - expected) < ALIKE]
     return min(near, key=lambda y: abs(y - expected), default=expected)
 
 
 def book_end(view: HandView, left: float, thickness: float) -> float | None:
-    """y in the shelf frame of the book end right of the last book, in [m]; None where none is seen.
+    """Return y of the book end right of the last book in the shelf frame, in [m]; None if none is seen.
 
-    It may be as dark as some spines are, so its edge tells it, not its grey. It stands back: the camera must
-    be straight before it.
+    It may be as dark as some spines, so it is recognized by its edge, not by its grey level. It is set
+    back: the camera must be straight before it.
 
     Args:
-        view: from before the book end's edge.
+        view: view from before the book end's edge.
         left: y of the last book's right side, in [m].
-        thickness: of a book for which there would be a slot between, in [m].
+        thickness: thickness of a book that a slot before the book end would take, in [m].
     """
     strips = _strips(view, LOW_HEIGHTS)
     edges = falling_edges(strips.mirrored())
