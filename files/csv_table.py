@@ -24,15 +24,16 @@ class CsvRow(NamedTuple):
 
 
 def read_csv(path: Path | str, most: int, max_bytes: int = MAX_BYTES) -> Iterator[CsvRow]:
-    """The rows of a CSV file in UTF-8, the header first; one without anything in it has no cells.
+    """Yield the rows of a CSV file in UTF-8, the header first; an empty row has no cells.
 
     Args:
         path: the file.
-        most: rows, beside the header.
-        max_bytes: larger files are not read.
+        most: maximum number of rows, not counting the header.
+        max_bytes: maximum size of the file, in [bytes].
 
     Raises:
-        FileError: it can't be read, is no text or too large, has a line too long or too many rows.
+        FileError: the file cannot be read, is not text or is too large, has a line too long or too many
+            rows.
     """
     content = read_regular_file(path, max_bytes)
     # Spreadsheets begin with one.
@@ -52,7 +53,7 @@ def read_csv(path: Path | str, most: int, max_bytes: int = MAX_BYTES) -> Iterato
 
 
 def number_in(cell: str) -> float:
-    """Parse a cell as a decimal number; NaN if it is none, also in digits of other scripts."""
+    """Parse a cell as a decimal number; NaN if it is not one, also in digits of other scripts."""
     try:
         return float(cell if cell.isascii() and "_" not in cell else "nan")
     except ValueError:

@@ -1,11 +1,11 @@
-"""The root of all errors of handcart, and those that files cause.
+"""Root of all errors of handcart, and the errors of files.
 
     HandcartError                    exit status 5
     └── InputError (ValueError)      exit status 2: refused before anything moved
-        ├── FileError                what is wrong in a file, all of it at once
-        └── UnsafePath               a path in a file leads where it must not
+        ├── FileError                all findings in a file at once
+        └── UnsafePath               a path in a file leads out of its root
 
-Other layers hang their own classes under `HandcartError` (or `InputError`, for bad input).
+Other layers derive their own classes from `HandcartError` (or `InputError`, for bad input).
 """
 
 from collections.abc import Iterable
@@ -23,17 +23,17 @@ class HandcartError(Exception):
 
 
 class InputError(HandcartError, ValueError):
-    """What the user gave cannot be used; found before anything moved."""
+    """Unusable input of the user, found before anything moved."""
 
     exit_status: ClassVar[int] = 2
 
 
 @dataclass(frozen=True, order=True)
 class Finding:
-    """One thing wrong at one place of a file.
+    """One problem at one place of a file.
 
-    `message` reads "what is wrong; what is allowed". `line` and `column` count from 1; line 0 says
-    that `file` has no lines (`--set KEY=VALUE` on the command line).
+    `message` reads "what is wrong; what is allowed". `line` and `column` count from 1; line 0 means that
+    `file` has no lines (`--set KEY=VALUE` on the command line).
     """
 
     file: str
@@ -59,7 +59,7 @@ class FileError(InputError):
 
 
 class UnsafePath(InputError):
-    """A path in a file that is absolute, leaves its root or is no portable relative path."""
+    """A path in a file that is absolute, leads out of its root or is not a portable relative path."""
 
     def __init__(self, path: str, reason: str) -> None:
         self.path = path

@@ -18,7 +18,7 @@ EXTRAS: dict[str, Sequence[str]] = {
     "console": ("aiohttp",),
     "xacro": ("xacrodoc",),
 }
-"""By the name of an extra in pyproject.toml: the modules that come with it."""
+"""Modules of each extra in pyproject.toml, by the extra's name."""
 
 
 def extra_of(error: ImportError) -> str | None:
@@ -28,7 +28,7 @@ def extra_of(error: ImportError) -> str | None:
 
 
 def lack(who: str, extra: str) -> str | None:
-    """Says that somebody needs an extra, and how to install it; None where all of it is there."""
+    """Return that `who` needs an extra, and how to install it; None if all its modules are installed."""
     missing = [module for module in EXTRAS[extra] if not is_there(module)]
     if not missing:
         return None
@@ -36,7 +36,7 @@ def lack(who: str, extra: str) -> str | None:
 
 
 def is_there(module: str) -> bool:
-    """Whether a module can be found; nothing is imported but what it is in."""
+    """Return whether a module can be found; only its parent package is imported."""
     try:
         return find_spec(module) is not None
     except (ImportError, ValueError):

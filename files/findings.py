@@ -1,4 +1,4 @@
-"""Collecting what is wrong, so that all of it is told at once."""
+"""Collector of findings, which reports all of them at once."""
 
 from collections.abc import Iterable
 

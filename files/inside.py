@@ -22,9 +22,9 @@ _REFUSED = (
 
 
 def portable(path: str) -> str:
-    """`path` as it is, if it is a relative path on every system; raises `UnsafePath` (a ValueError).
+    """Return `path` unchanged if it is a relative path on every system; otherwise raise `UnsafePath`.
 
-    It may still have `..` in it: whether that leads out of its root only `resolve_inside` can tell.
+    It may still contain `..`: only `resolve_inside` can say whether that leads out of its root.
     """
     for pattern, reason in _REFUSED:
         if pattern.fullmatch(path):
@@ -43,11 +43,19 @@ FilePath = Annotated[str, AfterValidator(portable)]
 
 
 def resolve_inside(root: Path, relative: str, *, start: Path | None = None) -> Path:
-    """The absolute path of `relative`, with every symbolic link followed, inside `root`.
+    """Return the absolute path of `relative` inside `root`, with every symbolic link followed.
 
-    start: folder inside `root` that `relative` starts from; `root` itself by default.
-    The file need not exist. Raises `UnsafePath` if the path is no portable relative one, or leads
-    to `root` itself or out of it, by `..` or by a link.
+    The file need not exist.
+
+    Args:
+        root: folder that must contain the path.
+        relative: path to resolve.
+        start: folder inside `root` that `relative` starts from (default: `root`).
+
+    Raises:
+        UnsafePath: the path is not a portable relative one, or leads to `root` itself or out of it, by
+            `..`
+            or by a link.
     """
     portable(relative)
     try:

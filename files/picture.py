@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from PIL.Image import Image
 
 FORMATS = {"PNG": "PNG", "PPM": "PGM", "BMP": "BMP", "JPEG": "JPEG", "TIFF": "TIFF", "WEBP": "WebP"}
-"""What is read, by Pillow's name: what map servers of ROS and mapping programs write."""
+"""Accepted formats, by Pillow's name: those that map servers of ROS and mapping programs write."""
 MAX_BYTES = 1 << 26
 MAX_PIXELS = 25_000_000
 """A map of 250 m by 250 m in cells of 5 cm. Pictures of 30,000 by 30,000 pixels fit in 109 kB."""
@@ -33,11 +33,12 @@ class Grey(NamedTuple):
 
 
 def read_grey(path: Path, max_pixels: int = MAX_PIXELS) -> Grey:
-    """The grey levels of a picture; of one with 16 bits the upper eight.
+    """Return the grey levels of a picture; of 16 bits the upper eight.
 
     Raises:
-        FileError: it is missing or no regular file, has too many bytes or pixels, is none of the `FORMATS`,
-            or is broken.
+        FileError: the picture is missing or not a regular file, has too many bytes or pixels, is not one
+            of
+            the `FORMATS`, or is broken.
     """
     from PIL import Image, UnidentifiedImageError
 

@@ -1,4 +1,4 @@
-"""What other packages bring, by their entry points."""
+"""Plugins of other packages, found by their entry points."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ if TYPE_CHECKING:
 
 
 def entry_points_of(group: str) -> list[EntryPoint]:
-    """Those of a group that the installed packages name, by their names.
+    """Return the entry points of a group in the installed packages, sorted by name.
 
-    The standard library reads every package's, and takes longer to import than all of `handcart --help`: it
-    is asked only where a package has the group at all.
+    The standard library reads every package's, and takes longer to import than all of `handcart --help`:
+    it is used only if a package has the group at all.
     """
     if not any(_may_have(folder or ".", f"[{group}]") for folder in sys.path):
         return []
@@ -31,7 +31,7 @@ def entry_points_of(group: str) -> list[EntryPoint]:
 
 
 class BrokenPlugin(InputError):
-    """What another package brings cannot be used."""
+    """A plugin of another package that cannot be used."""
 
     def __init__(self, what: str, wrong: str) -> None:
         how = "allowed: to fix the package, or to uninstall it"
@@ -46,10 +46,10 @@ def paths_of(group: str, own: Mapping[str, str]) -> dict[str, str]:
 def check_name(name: str, group: str, own: Mapping[str, str]) -> None:
     """Refuse a name that an entry point shares with one of ours, or with another entry point.
 
-    Which one is meant cannot be known; the one that is shipped is never replaced silently.
+    The meaning of such a name is ambiguous; a shipped one is never replaced silently.
 
     Raises:
-        BrokenPlugin: both have it.
+        BrokenPlugin: two have the name.
     """
     points = [each for each in entry_points_of(group) if each.name == name]
     others = [f"{each.value}{package_of(each)}" for each in points if each.value != own.get(name)]
@@ -123,7 +123,7 @@ def _package_folder(point: EntryPoint) -> Path | None:
 
 
 def _may_have(folder: str, section: str) -> bool:
-    """Whether an entry of Python's path may hold a package with that section; of archives nobody knows."""
+    """Return whether an entry of Python's path may hold a package with that section; True for archives."""
     try:
         changed = os.stat(folder).st_mtime_ns
         return any(section in text for text in _entry_points_in(folder, changed))
@@ -135,14 +135,14 @@ def _may_have(folder: str, section: str) -> bool:
 
 @lru_cache(maxsize=256)
 def _entry_points_in(folder: str, changed: int) -> tuple[str, ...]:
-    """Return what the packages in a folder declare; read again when one was added or removed.
+    """Return the declarations of the packages in a folder; read again after one was added or removed.
 
     Args:
         folder: an entry of Python's path.
         changed: time of the folder's last change, in [ns].
 
     Raises:
-        OSError: it is no folder, or cannot be read.
+        OSError: it is not a folder, or cannot be read.
     """
     infos = (
         name

@@ -24,14 +24,14 @@ def _escaped(character: str) -> str:
 
 
 def clipped(text: str, longest: int = 60) -> str:
-    """The beginning of `text`, with dots where something is left out."""
+    """Return the beginning of `text`, with dots in place of the rest."""
     return text if len(text) <= longest else f"{text[: longest - 3]}..."
 
 
 def composed(text: str) -> str:
     """Return the text in Unicode's composed form (NFC), in which names are compared.
 
-    The same name typed on another system may have its accents as characters of their own.
+    A name typed on another system may have its accents as separate characters.
     """
     return text if text.isascii() else unicodedata.normalize("NFC", text)
 

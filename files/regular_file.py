@@ -14,7 +14,7 @@ MAX_LINE = 20_000
 """[characters]. The YAML parser takes 8 s for a tag that fills a line of 1 MiB: quadratic."""
 ALLOWED = "a regular file that can be read"
 BYTE_ORDER_MARK = b"\xef\xbb\xbf"
-"""In UTF-8: what some programs begin a text with."""
+"""Byte order mark in UTF-8, which some programs write at the beginning of a text."""
 _MARKS = (
     (BYTE_ORDER_MARK, "a UTF-8 byte order mark"),
     (b"\xff\xfe", "a UTF-16 byte order mark"),
@@ -54,7 +54,7 @@ def open_regular(path: Path | str) -> BinaryIO:
     """Open a regular file for reading; a pipe without a writer is not waited for.
 
     Raises:
-        OSError: it cannot be opened, or is something else.
+        OSError: it cannot be opened, or is not a regular file.
     """
     descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC | os.O_NOCTTY)
     try:
@@ -66,15 +66,19 @@ def open_regular(path: Path | str) -> BinaryIO:
 
 
 def check_regular(descriptor: int) -> None:
-    """Raise OSError where an open file is no regular one."""
+    """Raise OSError if an open file is not a regular one."""
     mode = os.fstat(descriptor).st_mode
     if not stat.S_ISREG(mode):
         raise OSError(errno.EINVAL, f"it is {_kind(mode)}, no regular file")
 
 
 def decode_text(content: bytes, file: str, longest_line: int | None = MAX_LINE) -> str:
-    """The text of UTF-8 bytes; raises `FileError` with the place of the first byte that is none,
-    of a character that no text has, of a byte order mark or of a line of more than `longest_line` characters.
+    """Return the text of UTF-8 bytes.
+
+    Raises:
+        FileError: at the first byte that is not UTF-8, at a control character, at a byte order mark or at
+            a
+            line of more than `longest_line` characters.
     """
     for mark, name in _MARKS:
         if content.startswith(mark):
@@ -102,7 +106,7 @@ def _at_end_of(before: str, file: str, message: str) -> Finding:
 
 
 def _inside(folder: Path) -> str:
-    """What may have been meant: a task's file first, else the first of its YAML files."""
+    """Return a file that may have been meant: the task file in the folder, otherwise its first YAML file."""
     found = sorted(folder.glob("*.yaml"), key=lambda path: (path.name != "task.yaml", path.name))
     return f"a file, such as {found[0]}" if found else ALLOWED
 

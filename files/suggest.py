@@ -11,10 +11,10 @@ _MAX_ENTRIES = 5000  # of a folder that are looked at
 
 
 def suggest(name: str, allowed: Iterable[str]) -> str:
-    """Give the second half of a message about an unknown name.
+    """Return the second half of a message about an unknown name.
 
-    `"; did you mean 'speed'? allowed: place, speed"`; the question only when a name is near, the
-    list in the given order and cut after twelve names, `"; allowed: nothing"` when there is none.
+    `"; did you mean 'speed'? allowed: place, speed"`; the question only if a name is near, the list in the
+    given order and cut after twelve names, `"; allowed: nothing"` if it is empty.
     """
     names = list(dict.fromkeys(allowed))
     near = nearest(name, names)
@@ -31,7 +31,7 @@ def nearest(name: str, allowed: Iterable[str]) -> str | None:
 
 
 def listed(names: Iterable[str]) -> str:
-    """The names separated by commas, cut after twelve with the number of those left out."""
+    """Return the names separated by commas, cut after twelve with the number of the remaining ones."""
     every = list(names)
     if not every:
         return "nothing"
@@ -60,9 +60,9 @@ def similar_file(path: Path) -> Path | None:
 
 
 def did_you_mean(path: Path) -> str:
-    """Return the question of a message about a file that is missing, "" where none is like it.
+    """Return the question of a message about a missing file, "" if no file has a similar name.
 
-    It names the last part of the path, from the first folder on that is spelled otherwise.
+    It names the last part of the path, from the first folder on that is spelled differently.
     """
     try:
         found = similar_file(path)

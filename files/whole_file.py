@@ -12,8 +12,7 @@ _FLAGS = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC | os.O_NOFOLLOW
 
 
 def write_whole(path: Path, content: bytes | str, *, sync: bool = True, private: bool = False) -> None:
-    """Put a file where the name points, all at once: whoever looks, and whatever ends this process, finds the
-    old content or the new.
+    """Write a file atomically: readers, and a crash at any time, find the old content or the new.
 
     The new file keeps the old one's mode. A link there is replaced, never followed.
 
@@ -21,10 +20,10 @@ def write_whole(path: Path, content: bytes | str, *, sync: bool = True, private:
         path: its name.
         content: its bytes, or its text, written as UTF-8.
         sync: whether a power cut, too, leaves one of the two; that takes a moment.
-        private: whether nobody but its owner may read a new file.
+        private: whether only its owner may read a new file.
 
     Raises:
-        OSError: it can't be written, or what stands there is no regular file; nothing has changed.
+        OSError: it cannot be written, or the existing file is not a regular one; nothing has changed.
     """
     raw = content.encode() if isinstance(content, str) else content
     mode = _mode(path)

@@ -19,16 +19,16 @@ MAX_DEPTH = 32
 
 @dataclass(frozen=True)
 class XmlTag:
-    """Where an element begins."""
+    """Start tag of an element, with its parents."""
 
     name: str
     attributes: Mapping[str, str]
     parents: tuple[XmlTag, ...]
-    """From the root down."""
+    """Parent elements, from the root down."""
 
 
 Check = Callable[[XmlTag], Iterable[str]]
-"""What is wrong with an element, each "what is wrong; what is allowed"."""
+"""Function that yields the problems of an element, each as "what is wrong; what is allowed"."""
 
 
 def read_xml_text(path: Path | str, check: Check | None = None, max_bytes: int = MAX_BYTES) -> str:
@@ -48,7 +48,7 @@ def read_xml_text(path: Path | str, check: Check | None = None, max_bytes: int =
 
 
 def checked_xml(content: bytes, file: str, check: Check | None = None) -> str:
-    """The same of `content`, called `file` in messages."""
+    """Return `content` as text after the checks of an XML file, called `file` in messages."""
     # Robots exported by programs on Windows begin with one.
     text = decode_text(content.removeprefix(BYTE_ORDER_MARK), file, longest_line=None)
     _Walk(file, check or (lambda _: ())).through(text)

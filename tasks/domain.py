@@ -1,4 +1,4 @@
-"""What a domain of tasks brings: books, blocks, sensors in a field, potted plants ..."""
+"""Domains of tasks, such as books, blocks, sensors in a field or potted plants."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class BrokenDomain(InputError):
 
 
 class Knowledge(NamedTuple):
-    """What of a domain a robot is told, and learns."""
+    """Domain knowledge that a robot is given, and learns."""
 
     section: str
     """A `handcart.primitives.knowledge.section:Section`."""
@@ -43,7 +43,7 @@ class Command(NamedTuple):
     """A command of `handcart` that belongs to a domain."""
 
     function: str
-    """What typer makes a command of."""
+    """Import path of the function that typer makes a command of."""
     help: str
 
 
@@ -51,56 +51,63 @@ class Command(NamedTuple):
 class Domain:
     """All parts of a domain, each by the import path "module:name" of what is imported when it is needed.
 
-    A package of somebody else names its own by an entry point of the group `handcart.domains`.
+    Another package names its domain in an entry point of the group `handcart.domains`.
     """
 
     name: str
     primitives: Mapping[str, str] = field(default_factory=dict)
-    """By the name that task files use."""
+    """Primitives by the name in task files."""
     knowledge: Knowledge | None = None
     props: str | None = None
-    """A `handcart.backends.simulation.props:Props`: what of the domain stands in simulated worlds."""
+    """A `handcart.backends.simulation.props:Props`: the domain's objects in simulated worlds."""
     physics: str | None = None
     """A mapping: the bodies of its props in physics, whatever the engine, by the class of a thing or of the
     props."""
     survey: str | None = None
-    """A `handcart.evaluation.truth.survey:Survey`: what ground truth says of the domain's outcomes."""
+    """A `handcart.evaluation.truth.survey:Survey`: ground truth of the domain's outcomes."""
     faults: str | None = None
-    """A sequence of `handcart.evaluation.conformance.faults.fault:Fault`: what may happen in a simulated
-    world to what the domain's primitives work on. The conformance kit injects them into these primitives."""
+    """A sequence of `handcart.evaluation.conformance.faults.fault:Fault`: faults of the domain's objects in a
+    simulated world. The conformance kit injects them into the domain's primitives.
+    """
     files: Mapping[str, str] = field(default_factory=dict)
-    """Models of its kinds of file, by what stands behind `handcart-` under their key `format`."""
+    """Models of its kinds of file, by the part of their key `format` after `handcart-`."""
     checks: str | None = None
-    """A sequence of `handcart.evaluation.conformance.checks.check:Check`: what must hold of every backend
-    that shows the domain's things. The conformance kit makes them with its own."""
+    """A sequence of `handcart.evaluation.conformance.checks.check:Check`: requirements for every backend that
+    shows the domain's objects. The conformance kit runs them with its own.
+    """
     worlds: Mapping[str, str] = field(default_factory=dict)
-    """By name, what makes a `handcart.evaluation.campaigns.campaign_setting:WorldGenerator` of its options,
-    given as keyword arguments: `handcart campaign --generate NAME.KEY=VALUE`."""
+    """Functions by name that make a `handcart.evaluation.campaigns.campaign_setting:WorldGenerator` of their
+    keyword arguments, the options of `handcart campaign --generate NAME.KEY=VALUE`.
+    """
     commands: Mapping[str, Command] = field(default_factory=dict)
     """Commands of `handcart`, by name."""
     task_facts: str | None = None
-    """A function from a `handcart.networks.task.task_file:Task` to figures by name: what `handcart check`
-    tells of a task; it may take seconds, and raise FileError."""
+    """A function from a `handcart.networks.task.task_file:Task` to figures by name, which `handcart check`
+    reports for a task; it may take seconds, and raise FileError.
+    """
     robot_facts: str | None = None
-    """A function from a robot's file, and what its hand reaches or None, to a
-    `handcart.evaluation.robot_report.domain_facts:DomainFacts`: what `handcart check` tells of a robot."""
+    """A function from a robot's file, and the reach of its hand or None, to a
+    `handcart.evaluation.robot_report.domain_facts:DomainFacts`, which `handcart check` reports for a
+    robot.
+    """
     rehearsals: Mapping[Path, Mapping[str, str]] = field(default_factory=dict)
-    """Task files that the conformance kit runs, and in whose actions it injects faults: for that with these
-    settings, so that an action of each kind is enough. The robot that a file names is tried in it."""
+    """Task files that the conformance kit runs and injects faults into, with settings that make one action of
+    each kind enough. A file serves the robot that it names.
+    """
 
 
 def imported(path: str) -> Any:
-    """What an import path "module:name" stands for."""
+    """Return the object at an import path "module:name"."""
     module, _, name = path.partition(":")
     return getattr(import_module(module), name)
 
 
 @cache
 def domains() -> tuple[Domain, ...]:
-    """All domains, the shipped ones first, then those of other packages by their names.
+    """Return all domains, the shipped ones first, then those of other packages by their names.
 
     Raises:
-        BrokenDomain: one of another package can't be imported, is none, or has another one's name.
+        BrokenDomain: a domain of another package cannot be imported, is not a domain, or shares a name.
     """
     found: dict[str, Domain] = {name: imported(f"handcart.tasks.{name}:DOMAIN") for name in OWN}
     for point in entry_points_of("handcart.domains"):
@@ -114,7 +121,7 @@ def domains() -> tuple[Domain, ...]:
 
 
 def _names(domain: Domain) -> set[str]:
-    """What only one domain can have."""
+    """Return the names that only one domain can have."""
     keys = domain.knowledge.files if domain.knowledge else ()
     kinds = {
         "the primitive": domain.primitives,

@@ -26,10 +26,10 @@ def named_tasks() -> dict[str, Path]:
 
 
 def task_path(given: Path | str) -> Path:
-    """Return the task file that a path or a name stands for; an existing path wins over a name.
+    """Return the task file for a path or a name; an existing path wins over a name.
 
     Raises:
-        FileError: it looks like a name (no suffix, nothing there), and no task has it.
+        FileError: it looks like a name (no suffix, no such path), and no task has it.
     """
     path = Path(given)
     if path.suffix or path.is_absolute() or _exists(path):

@@ -46,31 +46,33 @@ MapPlace = Annotated[str, AfterValidator(_place)]
 
 
 class MapFile(FileModel):
-    """A map in ROS format (map_server). Keys that other programs put there are left out of account."""
+    """Map file in ROS format (map_server). Unknown keys, which other programs add, are ignored."""
 
     model_config = ConfigDict(extra="ignore")
 
     image: MapPlace
-    """The picture (PGM, PNG, BMP, JPEG, TIFF, WebP), or a MovingAI map.
+    """Picture (PGM, PNG, BMP, JPEG, TIFF, WebP), or a MovingAI map.
 
-    In the file's own folder or below, or by its absolute path."""
+    It is in the file's own folder or below, or given by its absolute path.
+    """
     resolution: Annotated[float, Field(ge=1e-3, le=100.0)]
     """Side of a cell, in [m]."""
     origin: tuple[Metres, Metres, float]
-    """Where the lower-left corner is, in [m], and by how much the map is turned, in [rad]."""
+    """Lower-left corner in [m], and turn of the map in [rad]."""
     negate: Annotated[int, Field(ge=0, le=1)] | bool = 0
     """1: dark means free."""
     occupied_thresh: Share = 0.65
-    """From this occupancy on a cell is occupied."""
+    """Occupancy above which a cell is occupied."""
     free_thresh: Share = 0.25
     """Up to this occupancy a cell is free."""
     mode: Mode = "trinary"
-    """How the picture is read; between the thresholds `scale` has percents. Where a robot drives, 100 is
-    a wall and 0 is free."""
+    """Meaning of the grey levels; between the thresholds `scale` has percents. For driving, 100 is a wall and
+    0 is free.
+    """
 
 
 class OccupancyFile(NamedTuple):
-    """What a map's file says, before anybody says what it is for."""
+    """Content of a map file, independent of its use."""
 
     values: NDArray[np.int8]
     """(h, w) in percent, -1 for unknown, row 0 at the bottom."""
@@ -82,28 +84,28 @@ class OccupancyFile(NamedTuple):
 
     @property
     def grid(self) -> GridMap:
-        """What stands there."""
+        """Occupancy grid of the map."""
         return from_occupancy(self.values, self.resolution, self.origin)
 
 
 def is_map(document: Document) -> bool:
-    """Whether a file says of itself that it is a map in ROS format."""
+    """Return whether a file has the keys of a map in ROS format."""
     keys = document.data.keys() if isinstance(document.data, dict) else set()
     return "format" not in keys and {"image", "resolution", "origin"} <= keys
 
 
 def is_map_file(path: Path) -> bool:
-    """Whether a file is a map; raises `FileError` where it can't be read."""
+    """Return whether a file is a map; raise `FileError` if it cannot be read."""
     return path.suffix == SUFFIX or is_map(read_document(path))
 
 
 def map_path(root: Path, name: str, *, start: Path) -> Path:
-    """Where a map is that another file names: inside `root`, from `start`, as all files.
+    """Return the path of a map that another file names: inside `root`, from `start`, as for all files.
 
-    Or, since maps lie where ROS put them, by its absolute path, if there is a map.
+    Maps of ROS have their own folders, so an absolute path is allowed as well if there is a map.
 
     Raises:
-        UnsafePath: it leads elsewhere.
+        UnsafePath: the path leads elsewhere.
     """
     if name.startswith("/"):
         with suppress(FileError):
@@ -113,7 +115,7 @@ def map_path(root: Path, name: str, *, start: Path) -> Path:
 
 
 def load_map(path: Path) -> tuple[GridMap, str | None]:
-    """A map, and a warning about it, if there is one.
+    """Return a map, and a warning about it if there is one.
 
     Raises:
         FileError: the file or its picture is missing or wrong.
@@ -123,7 +125,7 @@ def load_map(path: Path) -> tuple[GridMap, str | None]:
 
 
 def read_occupancy(path: Path) -> OccupancyFile:
-    """What stands in a map's file and its picture; raises `FileError` with every finding."""
+    """Read a map file and its picture; raise `FileError` with every finding."""
     if path.suffix == SUFFIX:
         warning = f"a MovingAI map tells no size of its cells: {CELL:g} m is taken; "
         advice = f"a map's file with `image: {path.name}` and `resolution` tells another"
@@ -188,7 +190,9 @@ def _picture_path(loaded: Loaded[MapFile], path: Path) -> Path:
 
 
 def _beside(path: Path, image: str) -> Path:
-    """In the folder of the map's file; or, where that is a link (as ROS installs packages), of its target."""
+    """Resolve the picture in the folder of the map file; if that is a link (as in ROS packages), of its
+    target.
+    """
     try:
         return resolve_inside(path.parent, image)
     except UnsafePath:

@@ -16,7 +16,7 @@ from handcart.robotics.navigation.maps.grid_map import FREE, OCCUPIED, UNKNOWN
 SUFFIX = ".map"
 MAX_BYTES = MAX_PIXELS + (1 << 20)
 _MEANING = {".": FREE, "G": FREE, "S": FREE, "@": OCCUPIED, "O": OCCUPIED, "T": OCCUPIED, "W": UNKNOWN}
-"""Ground, swamp; out of bounds, trees. Water is in the way and is no wall: as unknown space."""
+"""Ground, swamp; out of bounds, trees. Water is impassable but not a wall: it counts as unknown space."""
 _HEADER = (("type", r"type\s+octile"), ("height", r"height\s+(\d{1,6})"), ("width", r"width\s+(\d{1,6})"))
 
 

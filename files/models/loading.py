@@ -1,4 +1,4 @@
-"""From a YAML file to a typed value, with everything that is wrong told at once."""
+"""Loading of a typed value from a YAML file, with all findings reported at once."""
 
 import json
 from collections.abc import Mapping
@@ -20,13 +20,15 @@ M = TypeVar("M")
 
 @dataclass(frozen=True)
 class Loaded(Generic[M]):
-    """A checked value together with the document it came from, for checks that come later."""
+    """Checked value together with its document, for checks that come later."""
 
     value: M
     document: Document
 
     def finding(self, path: KeyPath, message: str, *, at_key: bool = False) -> Finding:
-        """What is wrong with the value (or key) at `path`: "what is wrong; what is allowed"."""
+        """Return a finding at the value (or key) at `path`; `message` reads "what is wrong; what is
+        allowed".
+        """
         return self.document.finding(path, message, at_key=at_key)
 
     def refuse(self, path: KeyPath, message: str, *, at_key: bool = False) -> FileError:
@@ -40,12 +42,18 @@ def load(
     overrides: Mapping[str, str] | None = None,
     context: object = None,
 ) -> M:
-    """The value of the type `model` in the YAML file `path`.
+    """Return the value of type `model` in the YAML file `path`.
 
-    overrides: what `--set KEY=VALUE` gave, VALUE unparsed, for keys of the file's section
-        `parameters`; checked as if it stood in the file.
-    context: handed to the validators of the model (`info.context`).
-    Raises `FileError` with every finding.
+    Args:
+        path: the file.
+        model: type of the value.
+        overrides: unparsed values of `--set KEY=VALUE`, for keys of the file's section `parameters`;
+            checked
+            like values in the file.
+        context: passed to the validators of the model (`info.context`).
+
+    Raises:
+        FileError: with every finding.
     """
     return load_document(with_settings(read_document(path), overrides or {}), model, context).value
 
@@ -58,11 +66,13 @@ def load_document(document: Document, model: type[M] | TypeAdapter[M], context: 
 def load_part(
     document: Document, path: KeyPath, model: type[M] | TypeAdapter[M], context: object = None
 ) -> M:
-    """What stands at `path` in `document` as a `model` (a class, or a TypeAdapter of any type).
+    """Return the value at `path` in `document` as a `model` (a class, or a TypeAdapter of any type).
 
-    For parts whose type is known only when something else was read: the parameters of a primitive.
-    The file's own kinds hold: text is no number, true is no 1, 1.0 is no whole number.
-    Raises `FileError` with every finding.
+    For parts whose type depends on another part of the file, such as the parameters of a primitive. Kinds
+    are not converted: text is not a number, true is not 1, 1.0 is not a whole number.
+
+    Raises:
+        FileError: with every finding.
     """
     adapter: TypeAdapter[M] = model if isinstance(model, TypeAdapter) else TypeAdapter(model)
     node, there = document.root.deepest(path)
@@ -77,7 +87,7 @@ def load_part(
 
 
 def collect(findings: Findings, document: Document, path: KeyPath, model: Any, context: object = None) -> Any:
-    """As `load_part`, but gives None and adds to `findings` where that would raise."""
+    """Call `load_part`; if it raises, add to `findings` and return None."""
     try:
         return load_part(document, path, model, context)
     except FileError as error:

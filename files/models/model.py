@@ -4,10 +4,10 @@ from pydantic import BaseModel, ConfigDict
 
 
 class FileModel(BaseModel):
-    """A mapping in a file.
+    """Mapping in a file.
 
-    Unknown keys are refused, values are frozen and finite; what stands under a field in the class
-    is its description in the JSON Schema. Units are in the names of the fields: `width_mm`.
+    Unknown keys are refused, values are frozen and finite; the docstring under a field in the class is its
+    description in the JSON Schema. Units are in the names of the fields: `width_mm`.
     """
 
     model_config = ConfigDict(

@@ -123,7 +123,7 @@ class _Wording:
 
 
 def _says_bound(allowed: str, context: Mapping[str, Any]) -> bool:
-    """Whether a description names the bound that was broken; one set around a validator it does not."""
+    """Return whether a description names the broken bound; one set around a validator is not named."""
     broken = (context[bound] for bound in _BOUNDS if bound in context)
     return all((f"{b:.12g}" if isinstance(b, int | float) else str(b)) in allowed for b in broken)
 
@@ -134,7 +134,7 @@ def _key(path: KeyPath) -> str:
 
 
 def _name(path: KeyPath) -> str:
-    """What a message calls the value at `path`: `width_mm`, `corner_m[1]`, `item 2`."""
+    """Return the name of the value at `path` for messages: `width_mm`, `corner_m[1]`, `item 2`."""
     indices = ""
     for step in reversed(path):
         if isinstance(step, str):

@@ -1,8 +1,8 @@
-"""Following the place that pydantic names for an error through the schema of the model.
+"""Translation of pydantic's location of an error to a place in the file and in the schema.
 
-pydantic's places hold more than keys and indices: the member of a union that was tried, the tag
-of a discriminated one, `[key]`. The schema tells them apart, and knows what would have been
-allowed there. Schemas as in pydantic_core.core_schema.
+pydantic's locations hold more than keys and indices: the tried member of a union, the tag of a
+discriminated one, `[key]`. The schema distinguishes them, and says what would have been allowed there.
+Schemas as in pydantic_core.core_schema.
 """
 
 from collections.abc import Mapping
@@ -21,11 +21,11 @@ _ANY: Schema = {"type": "any"}
 
 @dataclass(frozen=True)
 class SchemaPlace:
-    """Where an error is: the `path` in the file, the schema of the value that belongs there.
+    """Location of an error: the `path` in the file, and the schema of the value that belongs there.
 
-    `parent` is the schema of the list or mapping around it. `unions` holds, for each union without
-    a tag on the way, its path and the label of its member that was tried. `key` says that the error
-    is about the key, not its value.
+    `parent` is the schema of the list or mapping around it. `unions` holds, for each union without a tag
+    on the path, its path and the label of its tried member. `key` is true if the error is about the key,
+    not its value.
     """
 
     path: KeyPath
@@ -66,7 +66,7 @@ class SchemaWalk:
                 return schema
 
     def fields(self, schema: Schema) -> dict[str, Schema]:
-        """The keys of a mapping with known keys, as they stand in the file, with their schemas."""
+        """Return the keys of a mapping with known keys, as spelled in the file, with their schemas."""
         if schema["type"] not in ("model-fields", "typed-dict"):
             return {}
         return {

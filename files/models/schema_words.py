@@ -1,4 +1,4 @@
-"""What a schema allows, in words: "a number from 15 to 45 mm"."""
+"""Description in words of the values that a schema allows: "a number from 15 to 45 mm"."""
 
 from typing import Any
 
@@ -40,7 +40,7 @@ def shown(value: object) -> str:
 
 
 def described(walk: SchemaWalk, schema: Schema, key: str = "") -> str:
-    """What may stand where `schema` applies, with the unit that `key` names; "" if anything may."""
+    """Return the values that `schema` allows in words, with the unit that `key` names; "" if anything is."""
     match schema["type"]:
         case "int" | "float" | "decimal":
             return _number(schema, unit_of(key))
@@ -63,7 +63,7 @@ def described(walk: SchemaWalk, schema: Schema, key: str = "") -> str:
 
 
 def names_of(schema: Schema) -> list[str]:
-    """The words that a literal or an enumeration allows, as they stand in a file."""
+    """Return the words that a literal or an enumeration allows, as spelled in a file."""
     if schema["type"] == "enum":
         return [_word(member.value) for member in schema["members"]]
     if schema["type"] == "literal":

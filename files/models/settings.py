@@ -14,11 +14,11 @@ from handcart.files.yaml.yaml_node import KeyPath, Node
 
 _OTHER_BASE = re.compile(r"0[xX][0-9a-fA-F]+|0[oO][0-7]+")
 SECTION: KeyPath = ("parameters",)
-"""Where a task declares what may be set."""
+"""Section of a task file with the keys that can be set."""
 
 
 def split_setting(text: str) -> tuple[str, str]:
-    """Key and value of `KEY=VALUE`; raises `FileError` if there is no key or no `=`."""
+    """Return key and value of `KEY=VALUE`; raise `FileError` if there is no key or no `=`."""
     key, equals, value = text.partition("=")
     if not equals or not key.strip():
         raise FileError([Finding(f"--set {text}", 0, 0, "no setting; allowed: KEY=VALUE")])
@@ -26,10 +26,13 @@ def split_setting(text: str) -> tuple[str, str]:
 
 
 def setting_value(key: str, text: str) -> Node:
-    """What `text` means as the value of `key`.
+    """Parse `text` as the value of `key`.
 
-    An unquoted word by the rules for those; lists, mappings and quoted text as in a file. What is
-    wrong with the node later on is reported as `--set KEY=VALUE: ...`. Raises `FileError`.
+    An unquoted word is resolved by the rules for those; lists, mappings and quoted text are parsed as in a
+    file. Later findings about the node are reported as `--set KEY=VALUE: ...`.
+
+    Raises:
+        FileError: the text is not a value.
     """
     name = f"--set {key}={text}"
     try:
@@ -48,7 +51,7 @@ def setting_value(key: str, text: str) -> Node:
 
 
 def _resolve_word(text: str) -> Scalar:
-    """Resolve an unquoted word; a number is decimal, for a person may have meant 0x10 as text or as 10."""
+    """Resolve an unquoted word; a number must be decimal, because 0x10 may be meant as text or as 10."""
     if _OTHER_BASE.fullmatch(text):
         wrong = f"{text!r} is a number to base {16 if text[1] in 'xX' else 8}"
         raise UnclearScalar(f"{wrong}; allowed: {int(text, 0)}, or in quotes if it is text")
@@ -65,9 +68,15 @@ def _without_lines(node: Node) -> Node:
 
 
 def with_settings(document: Document, settings: Mapping[str, str], section: KeyPath = SECTION) -> Document:
-    """`document` with values of its `section` changed; only what stands there can be set.
+    """Return `document` with changed values of its `section`; only existing keys can be set.
 
-    settings: values by key, unparsed. Raises `FileError` with everything wrong with any of them.
+    Args:
+        document: document to change.
+        settings: unparsed values by key.
+        section: key path of the section.
+
+    Raises:
+        FileError: with every finding in any of the values.
     """
     findings = Findings()
     declared, there = document.root.deepest(section)

@@ -1,6 +1,6 @@
-"""What an unquoted word in a YAML file means: the core schema of YAML 1.2, less what is ambiguous.
+"""Values of unquoted words in a YAML file: the core schema of YAML 1.2, without ambiguous words.
 
-Source: YAML 1.2.2, section 10.3.2; https://yaml.org/type/ for what version 1.1 made of the rest.
+Source: YAML 1.2.2, section 10.3.2; https://yaml.org/type/ for the meaning of the rest in version 1.1.
 """
 
 import math
@@ -38,10 +38,10 @@ class UnclearScalar(ValueError):
 
 
 def resolve_plain(text: str) -> Scalar:
-    """The value of the unquoted word `text`; anything that is no constant and no number is text.
+    """Return the value of the unquoted word `text`; anything but a constant or a number is text.
 
-    Raises `UnclearScalar` for words that readers of YAML disagree on, and for numbers that are
-    not finite or longer than any quantity.
+    Raises:
+        UnclearScalar: readers of YAML disagree on the word, or a number is not finite or too long.
     """
     if text in _CONSTANTS:
         return _CONSTANTS[text]

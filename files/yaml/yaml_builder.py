@@ -1,7 +1,7 @@
-"""From the events of a YAML parser to a tree, refusing what a task file has no use for.
+"""Builder of a tree from the events of a YAML parser, which refuses features useless in a task file.
 
-Works on events, one after the other, so that nothing is ever expanded, constructed or recursed
-into: the cost is bounded by the number of values allowed, whatever the file says.
+It works on events, one after the other, so that nothing is ever expanded, constructed or recursed into:
+the cost is bounded by the allowed number of values, for any file.
 """
 
 import re
@@ -20,10 +20,10 @@ _HALVES = re.compile("[\ud800-\udfff]")
 
 
 class TreeBuilder:
-    """Takes the events of one file; `root` is its tree once all are taken.
+    """Takes the events of one file; `root` is its tree after the last event.
 
-    `take` raises `FileError` where going on makes no sense (too deep, too many, a second document);
-    everything else is collected in `findings`.
+    `take` raises `FileError` where it cannot continue (too deep, too many, a second document); everything
+    else is collected in `findings`.
     """
 
     def __init__(self, file: str, max_nodes: int) -> None:

@@ -30,18 +30,18 @@ MAX_NODES = 50_000
 _READ_DIFFERENTLY = re.compile("[\t\r\x85\u2028\u2029\ufeff&*!%?]")
 
 Changes = Mapping[Path, Mapping[KeyPath, float]]
-"""By a file's absolute path: numbers by where they stand."""
+"""Replacement numbers by key path, by a file's absolute path."""
 _NONE: Changes = {}
 _CHANGES: ContextVar[Changes] = ContextVar("changes", default=_NONE)
 
 
 @dataclass(frozen=True)
 class Document:
-    """What stands in a file.
+    """Content of a file.
 
-    `file` is its name as the user gave it, `content` the bytes that were read: whoever runs them
-    runs what was checked, whatever happens to the file meanwhile. Values set from the command line
-    change `root`, not `content`.
+    `file` is its name as the user gave it, `content` the bytes that were read: a run uses exactly the
+    bytes that were checked, even if the file changes meanwhile. Values set from the command line change
+    `root`, not `content`.
     """
 
     file: str
@@ -74,13 +74,15 @@ class Document:
         return (node.key_line, node.key_column) if whole else (node.line, node.column)
 
     def finding(self, path: KeyPath, message: str, *, at_key: bool = False) -> Finding:
-        """What is wrong with the value (or its key) at `path`: "what is wrong; what is allowed"."""
+        """Return a finding at the value (or its key) at `path`; `message` reads "what is wrong; what is
+        allowed".
+        """
         node, _ = self.root.deepest(path)
         line, column = self.key_position(path) if at_key else (node.line, node.column)
         return Finding(node.file, line, column, message)
 
     def is_set(self, path: KeyPath) -> bool:
-        """Whether the value at `path` was given on the command line: its paths start from there."""
+        """Return whether the value at `path` was given on the command line: its paths start from there."""
         return self.root.deepest(path)[0].line == 0
 
     def with_value(self, path: KeyPath, value: Node) -> "Document":
@@ -96,7 +98,7 @@ def read_document(path: Path | str, *, max_bytes: int = MAX_BYTES, max_nodes: in
 
 @contextmanager
 def changed_numbers(changes: Changes) -> Iterator[None]:
-    """Whoever reads one of these files meanwhile finds these numbers in it: they vary by trial."""
+    """Replace numbers in files read inside this context; campaigns vary them by trial."""
     token = _CHANGES.set(changes)
     try:
         yield
@@ -105,7 +107,7 @@ def changed_numbers(changes: Changes) -> Iterator[None]:
 
 
 def _with_changes(path: Path, root: Node) -> Node:
-    """The tree of a file with the numbers that stand for its own; raises KeyError where one isn't there."""
+    """Return the tree of a file with its numbers replaced; raise KeyError if one is missing."""
     if not (changes := _CHANGES.get()):
         return root
     for key, value in changes.get(path.resolve(), {}).items():

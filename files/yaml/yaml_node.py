@@ -1,4 +1,4 @@
-"""The tree of a YAML file: values with the places where they stand."""
+"""Tree of a YAML file: values with their lines and columns."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ KeyPath: TypeAlias = tuple[str | int, ...]
 
 @dataclass(frozen=True, slots=True)
 class Node:
-    """A value and where it stands (lines and columns from 1); for a value in a mapping also its key."""
+    """Value with its line and column (from 1); for a value in a mapping also those of its key."""
 
     content: "Scalar | list[Node] | dict[str, Node]"
     file: str
@@ -22,7 +22,7 @@ class Node:
     key_column: int
 
     def child(self, step: str | int) -> "Node | None":
-        """The value under a key or index, None if there is none."""
+        """Return the value under a key or index, None if there is not one."""
         if isinstance(self.content, dict) and isinstance(step, str):
             return self.content.get(step)
         if isinstance(self.content, list) and isinstance(step, int) and 0 <= step < len(self.content):

@@ -1,4 +1,4 @@
-"""What a YAML parser says of a file that is none, in the words of handcart."""
+"""Syntax errors of a YAML parser, as findings in plain words."""
 
 from typing import Any
 
@@ -27,7 +27,7 @@ _MARKED_AT_THEIR_BEGINNING = ("could not find expected ':'", "found unexpected e
 
 
 def syntax_error(file: str, error: Exception, latest_mark: Any) -> FileError:
-    """The parser's `error` as a finding, at its own mark or else at that of the latest event."""
+    """Return the parser's `error` as a finding, at its own mark or otherwise at that of the latest event."""
     problem = getattr(error, "problem", None)
     if problem is None:
         return _at(file, latest_mark, "an escape or a version that is out of range; allowed: YAML 1.2")

@@ -20,11 +20,11 @@ Vector = NDArray[np.float64]
 
 
 def felt_beside(robot: Robot) -> Generator[None, None, Vector]:
-    """Return the measured roll and pitch (2,) in [rad], less those of the suspension's model for the current
-    hand.
+    """Return the measured roll and pitch (2,) in [rad], less those of the suspension's model.
 
-    The accelerations are averaged while the robot is at rest; it needs an IMU. The result includes the
-    mounting error of the sensors and the slope of the floor.
+    The model's tilt is that for the current pose of the hand. The accelerations are averaged while the
+    robot is at rest; it needs an IMU. The result includes the mounting error of the sensors and the slope
+    of the floor.
     """
     felt = []
     for _ in range(_count(robot)):

@@ -21,17 +21,16 @@ class BaseTurn(NamedTuple):
 
 
 def turn_by_model(robot: Robot, swings: int) -> BaseTurn:
-    """Return the yaw that the suspension's model predicts for `swings` of the loaded arm (Hatano et al. 2000,
-    eq. 12).
+    """Return the yaw that the suspension's model predicts for `swings` of the loaded arm.
+
+    Hatano et al. (2000), eq. 12.
     """
     known = robot.spec.suspension
     return BaseTurn(known.model.yaw_per_swing * swings, known.yaw_sigma_mrad / 1e3 * math.sqrt(swings))
 
 
 def turn_by_gyros(robot: Robot, before: Fixed, now: Fixed | None = None) -> BaseTurn:
-    """Return the yaw that the gyros measured from one fixation to another, or until now; the robot needs an
-    IMU.
-    """
+    """Return the yaw that the gyros measured between two fixations, or until now; the robot needs an IMU."""
     assert robot.spec.imu is not None
     yaw, moved = (robot.attitude.yaw, robot.attitude.moved) if now is None else (now.attitude[2], now.moved)
     walk = math.radians(robot.spec.imu.angle_random_walk_deg_rt_s)

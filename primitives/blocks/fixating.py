@@ -218,9 +218,7 @@ def _mean(poses: Sequence[Pose2]) -> Pose2:
 
 
 def _level(base_T_hand: Transform, view: PlannedView) -> Transform:
-    """Return the pose at the planned height, with the planned orientation but for the turn about the
-    vertical.
-    """
+    """Return the pose at the planned height, oriented as planned but for the turn about the vertical."""
     turn = base_T_hand[:3, :3] @ view.base_T_hand[:3, :3].T
     yaw = math.atan2(turn[1, 0] - turn[0, 1], turn[0, 0] + turn[1, 1])
     result = transform(rpy=(0.0, 0.0, yaw)) @ view.base_T_hand

@@ -266,9 +266,7 @@ class Stack(ActionPrimitive):
         self.found(touched_mm=round(1e3 * touched, 2))
 
     def _check(self, robot: Robot, model: ModelView, plan: Building, goal: LevelPose) -> Periods:
-        """Measure the pose of the placed block with the camera, and raise `Discrepancy` if it is off its
-        goal.
-        """
+        """Measure the placed block with the camera; raise `Discrepancy` if it is off its goal."""
         blocks = model.of(Blocks)
         expected = self._corrected(robot, model, plan, goal)
         seen = yield from see_block(robot, plan, expected, self.evidence, surroundings(robot, model))

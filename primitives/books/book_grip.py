@@ -49,9 +49,7 @@ def unlike_book(robot: Robot, model: ModelView) -> str:
 
 
 def opening(robot: Robot, book: Book | None) -> Measured:
-    """Return the gripper's reading for a Discrepancy: its difference from a book's thickness, or the width
-    alone.
-    """
+    """Return the gripper's reading for a Discrepancy: its error from a book's thickness, or the width."""
     if book is None or not robot.gripper.closed_on_something():
         return width_read(robot)
     off = abs(1e3 * robot.gripper.width() - book.thickness_mm)

@@ -146,9 +146,7 @@ class Search(ActionPrimitive):
         )
 
     def _past(self, robot: Robot) -> float:
-        """Return the offset to the right of the camera at which spines are visible past the held book, in
-        [m].
-        """
+        """Return how far right of the camera the spines are visible past the held book, in [m]."""
         assert self._held is not None
         eye = robot.camera.hand_T_camera[:3, 3]
         ahead = hand_to_spine(robot) + self._held.size[0] - float(eye[0])
@@ -291,8 +289,7 @@ def _sides_left_of(y: float, reading: ShelfReading) -> tuple[float, ...]:
 
 
 def _end_of_row(reading: ShelfReading, number: CallNumber, no_gap: bool) -> float | None:
-    """Return y of the last book's right side in [m] if the wanted book belongs after all others; None
-    otherwise.
+    """Return y of the last book's right side in [m]; None unless the wanted book belongs after all others.
 
     That slot ends at a book end, which is set back: its position is visible only from straight ahead. If
     the last book is misplaced, the slot may also be left of it, unless `no_gap` was found there.

@@ -1,4 +1,4 @@
-"""From where a camera looks at a calibration board."""
+"""Camera poses for views of a calibration board."""
 
 from __future__ import annotations
 

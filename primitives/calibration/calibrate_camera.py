@@ -41,24 +41,24 @@ USUAL_WIDTH = 0.18  # [m] of the board that `board_views` looks at
 
 
 class Found(NamedTuple):
-    """Of one calibration."""
+    """Result of one calibration."""
 
     camera: CameraCalibration
     hand_eye: HandEyeCalibration
 
 
 class CalibrateCamera(ActionPrimitive):
-    """Look at a calibration board from all sides; find the camera's intrinsics and where it sits on the hand.
+    """Look at a calibration board from all sides; find the camera's intrinsics and its pose on the hand.
 
-    Zhang (2000) for the intrinsics, `cv2.calibrateHandEye` and a refinement for the mount. The base leans as
-    the arm moves: what the suspension's model knows of that is taken out. What was found is a proposal for
-    the robot's file.
+    Zhang (2000) for the intrinsics, `cv2.calibrateHandEye` and a refinement for the mount. The base tilts
+    as the arm moves: the tilt that the suspension's model predicts is removed. The result is a proposal
+    for the robot's file.
     """
 
     board: Annotated[str, Field(min_length=1)]
     """Its name in the building plan."""
     views: Annotated[int, Field(ge=10, le=100)] = 36
-    """How many pictures are taken."""
+    """Number of pictures."""
 
     needs: ClassVar = (Arm, Camera)
     reads: ClassVar = ("building", "placed", "fixed", "taken")
@@ -158,7 +158,7 @@ def _board_of(model: ModelView, name: str) -> BoardPlan:
 
 
 def _calibrated(robot: Robot, views: Sequence[HandEyeView]) -> Found:
-    """Raises ValueError where the views tell too little."""
+    """Return the calibration by the views; raise ValueError if they do not determine it."""
     known = robot.camera.model
     boards = [view.board for view in views]
     camera = calibrate_camera(boards, known.width, known.height, square_pixels=True)

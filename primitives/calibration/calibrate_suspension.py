@@ -46,7 +46,7 @@ Names = Annotated[tuple[LandmarkName, ...], Field(min_length=3)]
 
 
 class Surroundings(NamedTuple):
-    """What the hand moves among, in the base frame."""
+    """Landmarks, held object and obstacles around the hand, in the base frame."""
 
     marks: list[LandmarkPlan]
     base_T_marks: list[Transform]
@@ -55,21 +55,22 @@ class Surroundings(NamedTuple):
 
 
 class CalibrateSuspension(ActionPrimitive):
-    """Look at landmarks near and far, then swing the load out and back; find how the base leaned and turned.
+    """View landmarks near and far, then swing the load out and back; fit the base's tilt and turn.
 
-    The base leans to where the hand is: from near and far, high and low, landmarks then seem to have moved
+    The base tilts towards the hand: in views from near and far, high and low, landmarks seem to have moved
     and to have come nearer. It turns with each swing: then the same landmark is seen turned. Between the
-    landmarks the hand goes in short steps, so that the one isn't mixed with the other. What was found is a
-    proposal for the robot's file (Hatano et al. 2000, section 4).
+    landmarks the hand moves in short steps, which keeps the two effects apart. The result is a proposal
+    for the robot's file (Hatano et al. 2000, section 4).
     """
 
     landmarks: Names
-    """Their names in the building plan: on one table, near and far, to both sides. Over the first one the
-    hand stands between the swings."""
+    """Names of the landmarks in the building plan: on one table, near and far, to both sides. The hand is
+    over the first one between the swings.
+    """
     rounds: Annotated[int, Field(ge=1, le=20)] = 6
-    """How often each is looked at from each height."""
+    """Number of views of each landmark from each height."""
     swings: Annotated[int, Field(ge=4, le=200)] = 20
-    """How often the hand swings out and back."""
+    """Number of swings of the hand, out and back."""
 
     needs: ClassVar = (Arm, Gripper, Camera)
     reads: ClassVar = ("building", "placed", "fixed", "taken")
@@ -172,7 +173,7 @@ def _farthest(robot: Robot, scene: Surroundings, here: Transform) -> Transform:
 
 
 def _fitted(robot: Robot, scene: Surroundings, sightings: Sequence[Sighting], yaw: float) -> SuspensionFit:
-    """How the base leans; raises ValueError where the sightings don't tell it."""
+    """Return the fitted tilt of the base; raise ValueError if the sightings do not determine it."""
     known = {"yaw_per_swing": yaw}
     assert robot.spec.arm is not None
     off = robot.spec.arm.accuracy_mm / 1e3

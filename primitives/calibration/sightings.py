@@ -29,12 +29,12 @@ NEARER = 0.06  # [m] by which it may be nearer or farther than planned
 
 
 class Seen(NamedTuple):
-    """A landmark, and how the arm stood by its joints."""
+    """Sighting of a landmark, with the pose of the hand by the joints."""
 
     landmark: Landmark
     base_T_hand: Transform
     base_T_landmark: Pose2
-    """On its table, the base taken to stand level."""
+    """Pose on its table, with the base assumed to be level."""
 
 
 def above(robot: Robot, base_T_mark: Transform, height: float) -> Transform:
@@ -47,9 +47,9 @@ def above(robot: Robot, base_T_mark: Transform, height: float) -> Transform:
 def creep(
     robot: Robot, base_T_hand: Transform, held: Box, around: Sequence[Box]
 ) -> Generator[None, None, int]:
-    """Move the hand straight to a pose (4, 4), in steps too short to be swings; gives the swings made.
+    """Move the hand straight to a pose (4, 4), in steps too short to be swings; return the swings made.
 
-    Where any motion is a swing it is one motion.
+    If any motion is a swing, it is one motion.
     """
     start = robot.arm_model.forward(robot.arm.command())
     way = base_T_hand[:3, 3] - start[:3, 3]

@@ -58,7 +58,7 @@ class GeneratorBehaviour(Behaviour):
         self._periods: Generator[None, None, bool | None] | None = None
 
     def initialise(self) -> None:
-        """Start anew."""
+        """Start again from the beginning."""
         self._periods = self._factory()
 
     def update(self) -> Status:
@@ -81,8 +81,8 @@ class GeneratorBehaviour(Behaviour):
 def leaves(steps: Mapping[str, Step]) -> list[Behaviour]:
     """Return a leaf for each named step.
 
-    In a composite with memory they take as long as one generator: when one ends, the next begins in that
-    period.
+    In a composite with memory, the next leaf begins in the period in which the previous one ends, so the
+    leaves take as long as one generator.
     """
     return [GeneratorBehaviour(name, step) for name, step in steps.items()]
 

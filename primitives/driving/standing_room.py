@@ -1,4 +1,4 @@
-"""Free poses of base and arm around some work, for planners that choose places."""
+"""Free poses of base and arm around a work place, for planners that choose places."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ Masks = NDArray[np.bool_]
 
 
 class StandingRoom:
-    """Obstacles around some work, for one robot."""
+    """Obstacles around a work place, for one robot."""
 
     def __init__(
         self,

@@ -59,28 +59,30 @@ Vector = NDArray[np.float64]
 
 
 class Deploy(TreePrimitive):
-    """Lay a sensor on its target: the base stands to the left of it (Ohki et al. 2012, section V-B).
+    """Lay a sensor on its target: the base is to the left of it (Ohki et al. 2012, section V-B).
 
-    The base stands until it is known well enough where the target is. The fingers close on the sensor that
-    the magazine gives them; the arm goes through its middle state, its tip then on straight lines to
-    above the target by resolved rates, roll and pitch of the base taken into account; what the fixes told
-    meanwhile corrects it. The sensor is lowered until it touches the ground and let go in small steps, which
-    can't be undone; where it leans on a finger, the hand gives way until it stands by itself; the fingers
-    feel for its top, where it stands; then the arm goes back the way it came. Where arm and base move
-    together, MOVE_TO has brought the sensor over the target already, and the next one brings the arm back:
-    here it is only lifted, unless this was the last sensor.
+    The base stays at rest until the target's position is known well enough. The fingers close on the
+    sensor in the magazine. The arm goes through its middle state; then its tip moves on straight lines to
+    above the target by resolved rates, with roll and pitch of the base included, and is corrected by fixes
+    that arrive meanwhile. The sensor is lowered until it touches the ground and released in small steps,
+    which cannot be undone; if it leans on a finger, the hand gives way until it stands by itself. The
+    fingers feel for its top; then the arm returns the same way. If arm and base move together, MOVE_TO has
+    already brought the sensor over the target, and the next MOVE_TO brings the arm back: here it is only
+    lifted, unless this was the last sensor.
     """
 
     target: TargetName
-    """Which."""
+    """Name of the target."""
     settle_s: Annotated[float, Limited(ge=0.0, le=600.0)] = 0.0
-    """How long the base stands at least before the arm moves."""
+    """Minimum time at rest before the arm moves."""
     sure_mm: Annotated[float, Limited(gt=0.0)] = 250.0
-    """One sigma of where the target is, along the worst direction: it stands until it is that well known."""
+    """Maximum standard deviation of the target's position, along the worst direction: the base waits for
+    it.
+    """
     longest_s: Annotated[float, Limited(ge=0.0, le=3600.0)] = 120.0
-    """How long it stands for that at most; then it Fails."""
+    """Maximum time of that wait; then the action Fails."""
     together: bool = False
-    """The arm is brought back while the base departs, by the next MOVE_TO."""
+    """Bring the arm back while the base departs, in the next MOVE_TO."""
 
     needs: ClassVar = (Arm, Gripper, Imu)
     reads: ClassVar = ("targets", "field")
@@ -166,7 +168,7 @@ class Deploy(TreePrimitive):
         yield from open_to(robot, wide)
 
     def _feel(self, robot: Robot, model: ModelView, arm: SensorArm) -> Periods:
-        """Lower the fingers, nearly closed, onto its top; of one that fell over there is none."""
+        """Lower the nearly closed fingers onto the sensor's top; raise `Discrepancy` if it fell over."""
         field, _ = self._field_and_target(model)
         top = float(robot.arm.command()[2]) - field.gripped_mm / 1e3
         yield from arm.slide(max(0.0, top - ABOVE))
@@ -179,7 +181,7 @@ class Deploy(TreePrimitive):
         yield from arm.slide(max(0.0, top - ABOVE))
 
     def _lift(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
-        """Whether that was all: the base may drive on, to one more target."""
+        """Lift the arm and return True if the base drives on to another target; otherwise return False."""
         work = model.of(FieldWork)
         if not self.together or len(work.laid) >= len(work.targets):
             return False
@@ -187,7 +189,7 @@ class Deploy(TreePrimitive):
         return True
 
     def base_room(self, robot: Robot, model: ModelView) -> float:
-        """As far as the arm still reaches the target from beside where the base is to stand for it."""
+        """Return how far the base may be off its place with the target still in the arm's reach, in [m]."""
         work = model.of(FieldWork)
         if self.target not in work.targets:
             return math.inf
@@ -205,7 +207,9 @@ class Deploy(TreePrimitive):
         )
 
     def finish(self, robot: Robot, model: ModelView) -> Periods:
-        """Let the sensor go to the end, for half open fingers let it slide; lift the slide, stow the arm."""
+        """Open the fingers completely, because half open ones drag the sensor; lift the slide and stow the
+        arm.
+        """
         yield from settle(robot)
         if not self._let_go_whole:
             field, _ = self._field_and_target(model)
@@ -219,7 +223,7 @@ class Deploy(TreePrimitive):
         return work.field, work.targets[self.target]
 
     def _be_sure(self, robot: Robot, model: ModelView) -> Periods:
-        """Stand until it is known well enough where the target is."""
+        """Wait at rest until the target's position is known well enough."""
         field, target = self._field_and_target(model)
         self._arm, self._target = SensorArm(robot, field), target
         yield from robot.wait(self.settle_s)
@@ -242,12 +246,14 @@ class Deploy(TreePrimitive):
         self.found(stood_s=round(robot.time - begun + self.settle_s, 2), sigma_mm=round(1e3 * sigma, 1))
 
     def _sigma(self, robot: Robot, target: Target) -> float:
-        """Of the target in the base's frame, along the worst direction, in [m]."""
+        """Return the standard deviation of the target in the base frame, along the worst direction, in
+        [m].
+        """
         away = np.array([target.x - robot.pose.x, target.y - robot.pose.y])
         return math.sqrt(float(np.linalg.eigvalsh(_spread(robot, away))[-1]))
 
     def _lower(self, robot: Robot, arm: SensorArm, target: Target) -> Periods:
-        """Down until the sensor stands on the ground."""
+        """Lower the sensor until it stands on the ground."""
         point = world_to_base(robot.pose, robot.localization.tilt, np.array([target.x, target.y, 0.0]))
         down = arm.scara.mount[2] - arm.below - float(point[2])
         lowest = arm.scara.slide[1]
@@ -270,7 +276,7 @@ class Deploy(TreePrimitive):
         )
 
     def _lift_off(self, robot: Robot, arm: SensorArm, down: float, force: float) -> Periods:
-        """It stands on something already: on ground that isn't level, unless that is too high."""
+        """Lift a sensor that touches uneven ground early; raise `Discrepancy` if the contact is too high."""
         at = float(robot.arm.command()[2])
         if at < down - UNEVEN:
             felt = Measured("Arm", "force from below", force, TOUCHES, "N")
@@ -292,7 +298,9 @@ class Deploy(TreePrimitive):
         yield from self._lead_clear(robot, arm, better, moved)
 
     def _lead_clear(self, robot: Robot, arm: SensorArm, place: Vector, way: float) -> Periods:
-        """Lead the tip to a place `way` [m] off; what touches rising ground there is lifted, not dragged."""
+        """Lead the tip to a place at a distance of `way` [m], lifting the sensor where it touches rising
+        ground.
+        """
         yield from arm.slide(max(0.0, float(robot.arm.command()[2]) - RISES * way))
         for _ in range(LIFTS):
             for _ in arm.lead(place):
@@ -306,7 +314,7 @@ class Deploy(TreePrimitive):
         raise Discrepancy("something stands where the sensor goes", measured=felt)
 
     def _laid(self, robot: Robot, arm: SensorArm) -> Laid:
-        """What is believed of the sensor that is about to be let go."""
+        """Return the believed position of the sensor that is about to be released."""
         foot = arm.scara.base_tip(robot.arm.joints()) - (0.0, 0.0, arm.below)
         x, y, _ = base_to_world(robot.pose, robot.localization.tilt, foot).tolist()
         spread = _spread(robot, np.array([x - robot.pose.x, y - robot.pose.y]))

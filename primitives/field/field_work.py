@@ -1,4 +1,4 @@
-"""What is known of work in a field."""
+"""World model section of work in a field."""
 
 from __future__ import annotations
 
@@ -28,16 +28,16 @@ from .target_list import load_targets, place_of
 
 @dataclass
 class FieldWork(Section):
-    """Of a robot that lays sensors."""
+    """Knowledge of a robot that lays sensors."""
 
     LEARNED: ClassVar = ("laid",)
 
     field: Field | None = None
-    """What is known to stand there."""
+    """Bounds and known obstacles of the field."""
     targets: Mapping[str, Target] = dataclass_field(default_factory=dict)
-    """Where sensors go."""
+    """Targets of the sensors, by name."""
     laid: tuple[Laid, ...] = ()
-    """Sensors that were let go."""
+    """Sensors that were released."""
     listed_in: Path = Path()
     """The file of the targets."""
 
@@ -57,7 +57,7 @@ class FieldWork(Section):
         return {"targets": list(self.targets)} if self.targets else {}
 
     def places(self) -> Mapping[str, Place]:
-        """See `Section`: where the base stands for each target."""
+        """Return the place of the base for each target."""
         ground = self.field
         if ground is None:
             return {}
@@ -68,7 +68,7 @@ class FieldWork(Section):
         return np.empty((0, 3)) if self.field is None else self.field.discs
 
     def faults(self, robot: RobotFile) -> Iterator[Finding]:
-        """See `Section`: targets that can't be reached, as what stands there is too near to them."""
+        """Report targets that cannot be reached because a rock is too near."""
         if self.field is None:
             return
         room = robot.footprint_radius_m
@@ -95,7 +95,9 @@ class FieldWork(Section):
         return (self.sensor_contact(place),) if place in self.targets else ()
 
     def sensor_contact(self, target: str) -> MeantContact:
-        """Of the hand with the sensor that goes to a target: they are laid as the magazine gives them."""
+        """Return the contact of the hand with the sensor for a target; sensors are laid in the magazine's
+        order.
+        """
         laid = [each.name for each in self.laid]
         number = laid.index(target) if target in laid else len(laid)
         return MeantContact("hand", f"sensor {number + 1}")

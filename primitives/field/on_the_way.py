@@ -1,4 +1,4 @@
-"""What the arm does while the base drives from one target to the next."""
+"""Arm motion while the base drives from one target to the next."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class SensorOnTheWay:
     """
 
     def __init__(self, robot: Robot, field: Field, target: Target) -> None:
-        """Of a robot on its way to a target."""
+        """Create the arm motion for the drive to a target."""
         self._robot, self._field, self._target = robot, field, target
 
     def motion(self, remaining: Callable[[], float]) -> Iterator[None]:
@@ -43,7 +43,9 @@ class SensorOnTheWay:
 
 
 def _check_inside(robot: Robot, arm: SensorArm, beside: np.ndarray) -> None:
-    """Raise `Discrepancy` where arm or sensor would stand out over the footprint at a place (2,) beside."""
+    """Raise `Discrepancy` if arm or sensor would extend beyond the footprint with the tip at `beside`
+    (2,).
+    """
     elbow = math.hypot(*arm.scara.mount[:2]) + arm.scara.upper
     out = max(elbow, float(np.hypot(*beside)) + arm.wide)
     if out > robot.spec.footprint_radius_m:

@@ -14,10 +14,10 @@ LEVEL = 1e-6
 
 
 def scara_of(robot: Robot) -> Scara:
-    """Lengths, limits and postures; the tip is the frame `hand`.
+    """Return lengths, limits and postures of the robot's SCARA arm; its tip is the frame `hand`.
 
     Raises:
-        Discrepancy: the arm is none: two upright axes, then a slide straight down.
+        Discrepancy: the arm does not have two upright axes and then a slide straight down.
     """
     model, spec = robot.arm_model, robot.spec.arm
     if spec is None or model.dof != 3:
@@ -47,7 +47,7 @@ def scara_of(robot: Robot) -> Scara:
 
 
 def _axis(robot: Robot, joints: np.ndarray[tuple[int], np.dtype[np.float64]], joint: int) -> np.ndarray:
-    """(2,) where the upright axis of a joint stands in the base frame, in [m]."""
+    """Return x and y of a joint's upright axis in the base frame, (2,) in [m]."""
     J = robot.arm_model.jacobian(joints)
     hand = robot.arm_model.forward(joints)[:3, 3]
     if np.abs(J[3:, joint] - (0.0, 0.0, 1.0)).max() > LEVEL:

@@ -1,4 +1,4 @@
-"""What DEPLOY and MOVE_TO share: the arm that carries a sensor to its target."""
+"""Arm that carries a sensor to its target, shared by DEPLOY and MOVE_TO."""
 
 from __future__ import annotations
 
@@ -43,18 +43,18 @@ class SensorArm:
     """
 
     def __init__(self, robot: Robot, field: Field) -> None:
-        """Of a robot in a field; raises `Discrepancy` where its arm is no SCARA arm."""
+        """Read the geometry of the robot's arm; raise `Discrepancy` if it is not a SCARA arm."""
         self._robot, self._field = robot, field
         self.scara = scara_of(robot)
         self.below = field.below(hand_to_tips(robot))
-        """From the frame `hand` down to the foot of a sensor, in [m]."""
+        """Height of the frame `hand` above the foot of a held sensor, in [m]."""
         self.wide = math.hypot(*field.sensor_mm[:2]) / 2e3
         """Half of a sensor's diagonal, seen from above, in [m]."""
         self._home, self._middle = (np.array(robot.spec.posture(name)) for name in ("home", "middle"))
 
     @property
     def holds(self) -> bool:
-        """Whether the fingers press on something as wide as a sensor."""
+        """Return whether the fingers hold an object as wide as a sensor."""
         return self._robot.gripper.closed_on_something() and self._off() < WIDTH_ERROR
 
     def not_ready(self) -> str:
@@ -84,14 +84,16 @@ class SensorArm:
             raise Discrepancy("the magazine gives no sensor", permanent=True, measured=read)
 
     def place_of(self, point: Vector) -> Vector:
-        """Of a point (2,) of the ground in the field, in [m], by what is known now."""
+        """Return a ground point (2,) of the field in the arm's own frame, (2,) in [m], by the current
+        estimate.
+        """
         robot = self._robot
         return self.place_beside(
             world_to_base(robot.pose, robot.localization.tilt, np.array([*point, 0.0]))[:2]
         )
 
     def place_beside(self, point: Vector) -> Vector:
-        """Of a point (2,) in the base frame, in [m]."""
+        """Return a point (2,) of the base frame in the arm's own frame, (2,) in [m]."""
         mount = self.scara.mount
         cos, sin = math.cos(mount[3]), math.sin(mount[3])
         return np.asarray((point - np.array(mount[:2])) @ np.array([[cos, -sin], [sin, cos]]))
@@ -130,7 +132,7 @@ class SensorArm:
             raise Discrepancy(f"{hits[0][0]} would touch {hits[0][1]} on the way to the target")
 
     def line_free(self, place: Vector) -> bool:
-        """Whether the tip may go straight to a place from where it is, and from there all the way down."""
+        """Return whether the tip can move straight to a place and from there all the way down."""
         here = self._robot.arm.command()
         line = line_postures(self.scara, here, place)
         if line is None or not self.scara.within(line[-1], working=True):
@@ -154,7 +156,7 @@ class SensorArm:
             yield
 
     def _top(self) -> float:
-        """What the turning joints may do, in [rad/s]."""
+        """Return the speed limit of the turning joints, in [rad/s]."""
         return float(self._robot.joint_speeds[:2].min()) * (1.0 - 1e-6)
 
     def slide(self, goal: float, speed: float = FAST) -> Generator[None, None, float]:
@@ -172,7 +174,7 @@ class SensorArm:
         return 0.0
 
     def give_way(self) -> Periods:
-        """Follow what leans on one of the open fingers, until it stands by itself."""
+        """Move the open fingers with the sensor that leans on one of them, until it stands by itself."""
         robot, push, gone, free = self._robot, 0.0, 0.0, 0.0
         share = min(1.0, robot.period / SMOOTHED)
         while free < FREE and gone < FARTHEST:

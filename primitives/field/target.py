@@ -1,4 +1,4 @@
-"""Where sensors go."""
+"""Targets of sensors, and the sensors that were laid."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Target(NamedTuple):
     stand: Pose2
     """world_T_base from which it is laid: the target is to the right."""
     line: int = 0
-    """Of the file that told it."""
+    """Line of the target in its file."""
     column: int = 0
 
 
@@ -35,14 +35,14 @@ class Laid(NamedTuple):
 
     name: str
     x: float
-    """Where the robot believes that it lies, in [m]."""
+    """x of the sensor's believed position, in [m]."""
     y: float
     covariance: tuple[float, float, float]
-    """Of x, of x with y, of y, in [m²]."""
+    """Variance of x, covariance of x and y, variance of y, in [m²]."""
     beside: tuple[float, float]
-    """From the base to it, along the base's heading and to the left of that, level, in [m]."""
+    """Position relative to the base, level, along its heading and to the left of it, in [m]."""
     time: float
-    """In [s]."""
+    """Time of the release, in [s]."""
 
     @property
     def spread(self) -> NDArray[np.float64]:

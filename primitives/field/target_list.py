@@ -31,7 +31,7 @@ SHOWN = 60  # characters of what is wrong
 
 
 class Row(NamedTuple):
-    """One target as it stands in a file."""
+    """One target in a file, unparsed."""
 
     line: int
     columns: dict[str, int]
@@ -39,15 +39,15 @@ class Row(NamedTuple):
 
 
 def load_targets(path: Path, field: Field, start: Pose2) -> dict[str, Target]:
-    """The targets by name, in the order of the file, each with where the base is to stand.
+    """Return the targets by name, in the order of the file, each with the place of the base for it.
 
-    That is to the target's left, on the straight line from where it stood before, `start` at first; or with
-    the heading that the file tells.
+    The place is to the target's left, on the straight line from the previous place (at first from
+    `start`), or with the heading given in the file.
 
     Args:
-        path: a CSV file with a header, name and x_m, y_m or latitude_deg, longitude_deg, perhaps
+        path: CSV file with a header, name and x_m, y_m or latitude_deg, longitude_deg, optionally
             heading_deg; or GeoJSON points.
-        field: in which they lie.
+        field: field with the targets.
         start: world_T_base at first.
 
     Raises:
@@ -76,7 +76,7 @@ def load_targets(path: Path, field: Field, start: Pose2) -> dict[str, Target]:
 
 
 def place_of(target: Target, field: Field) -> Place:
-    """Where the base stands for it, as a place of the map, as exactly as the field's file says."""
+    """Return the place of the base for a target, with the tolerances of the field's file."""
     stand = target.stand
     return Place(
         x_m=stand.x,

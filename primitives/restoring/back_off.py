@@ -1,4 +1,4 @@
-"""Leave an obstacle that the base ran into, before anything else."""
+"""Back off from an obstacle that the base ran into, before any other motion."""
 
 from __future__ import annotations
 

@@ -33,20 +33,23 @@ LOOK = 0.2  # [m] of a way between looks at whether it is free
 
 
 class Divide(ActionPrimitive):
-    """Divide the rest of the seam among places that the base gets to, each part where the arm does it best.
+    """Divide the rest of the seam among reachable places of the base, with the best part for the arm at each.
 
-    Only knowledge changes: the places get names, `place_1` and so on. A division whose next place can still
-    be reached stays as it is. Where something was sensed on the way, or the arm couldn't do its part, the
-    rest is divided anew.
+    Only knowledge changes: the places get the names `place_1` and so on. A division is kept while its next
+    place can be reached. If an obstacle was sensed on the way, or the arm could not do its part, the rest
+    is divided again.
     """
 
     placements: Annotated[int, Field(ge=1, le=50)]
-    """Among how many places at most."""
+    """Maximum number of places."""
     move_m: Annotated[float, Field(ge=0.0, le=100.0)] = 0.5
-    """What one more place has to gain, in metres of seam tracked at the best instead of only just; where the
-    base stands."""
+    """Required gain of one more place, in metres of seam tracked at the best instead of only just; only if
+    the base stands.
+    """
     base: Literal["stands", "drives"] = "stands"
-    """While the tool is on the seam; one that drives goes straight on from its place, level with it."""
+    """Motion of the base while the tool is on the seam; `drives`: straight on from its place, level with the
+    tool.
+    """
 
     needs: ClassVar = (Arm,)
     reads: ClassVar = ("map", "seam", "work_piece", "obstacles", "bumps", "arm_bumps")
@@ -72,7 +75,7 @@ class Divide(ActionPrimitive):
         self.found(placements=len(parts), score=round(found.score / rest.length, 4))
 
     def _stays(self, work: SeamWork, room: StandingRoom) -> bool:
-        """Whether the next place of a division can still be stood at, and its way be driven."""
+        """Return whether the base can still use the next place of a division and its straight way."""
         return work.next is not None and not room.blocked(_way(work.next)).any()
 
     def divided(self, placer: Placer, rest: ToolPath, room: StandingRoom) -> Placements:
@@ -98,7 +101,7 @@ class Divide(ActionPrimitive):
 
 
 def seam_of(model: ModelView) -> ToolPath:
-    """The seam; raises `Discrepancy` where the task tells none."""
+    """Return the seam; raise `Discrepancy` if the task has none."""
     work = model.of(Seam)
     if work.seam is None:
         raise Discrepancy("the task tells no seam", permanent=True)

@@ -23,10 +23,10 @@ MOST_BESIDE = 0.06  # [m] from its place
 
 
 def way_from_here(robot: Robot, place: str, planned: Pose2) -> Pose2:
-    """Where the planned way begins for a base that stopped a little ahead of its place, or behind.
+    """Return the start of the planned way for a base that stopped a little ahead of its place, or behind it.
 
     Raises:
-        Discrepancy: the base stands elsewhere.
+        Discrepancy: the base is elsewhere.
     """
     off = robot.pose.distance(planned)
     if off > MOST_BESIDE:
@@ -38,10 +38,10 @@ def way_from_here(robot: Robot, place: str, planned: Pose2) -> Pose2:
 
 
 class DrivenBase:
-    """Drives the base level with the tool, and tells the arm's joints for where the base will be.
+    """Drives the base level with the tool, and finds the arm's joints for the base's next pose.
 
-    The base strays from its way by wheels that slip; the localizer sees it, once a period, and the arm makes
-    it good in the next: "base feedback" of Shin et al. (2005), section 4.
+    The base strays from its way when wheels slip; the localizer measures it once a period, and the arm
+    corrects it in the next: "base feedback" of Shin et al. (2005), section 4.
     """
 
     def __init__(
@@ -58,7 +58,7 @@ class DrivenBase:
         """
         self._robot, self._follower, self._tools = robot, follower, tools
         self.heading = start.theta
-        """Of the way, in [rad]."""
+        """Heading of the way, in [rad]."""
         self._spots = level_with(start, tools.points)[:, :2]
         self._along = (self._spots - start[:2]) @ (math.cos(start.theta), math.sin(start.theta))
         self._way = StraightWay(start, robot.drive_limits)
@@ -69,10 +69,10 @@ class DrivenBase:
         return self._spots[max(0, index - 1) :]
 
     def joints(self, index: int) -> Floats:
-        """Drive for the period that comes; the arm's joints (n,) that have the tool at a point at its end.
+        """Drive for the next period; return the arm's joints (n,) for the tool's point `index` at its end.
 
         Raises:
-            Discrepancy: something stands in the base's way, or the arm doesn't reach the seam any more.
+            Discrepancy: an obstacle is in the base's way, or the arm does not reach the seam any more.
         """
         robot, dt = self._robot, self._robot.period
         if robot.held is not None:

@@ -11,13 +11,15 @@ MOST = 32  # that are kept
 
 
 class KeptDivisions:
-    """By all that a division follows from."""
+    """Cache of divisions, by all data that they depend on."""
 
     def __init__(self) -> None:
         self._kept: dict[bytes, Placements] = {}
 
     def division(self, follows_from: Iterable[bytes], find: Callable[[], Placements]) -> Placements:
-        """The division that was found for the same before; else `find` is asked, and may raise."""
+        """Return the kept division for the same data; otherwise call `find`, which may raise, and keep its
+        result.
+        """
         whole = hashlib.sha256()
         for each in follows_from:
             whole.update(len(each).to_bytes(8, "little") + each)

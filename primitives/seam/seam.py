@@ -1,4 +1,4 @@
-"""What is known of a seam."""
+"""World model section of a seam."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ from handcart.robotics.manipulation.tracking.tool_path import ToolPath
 
 @dataclass
 class Seam(Section):
-    """Of a robot that tracks it."""
+    """Knowledge of a robot that tracks a seam."""
 
     LEARNED: ClassVar = ("seam_work",)
 
     seam: ToolPath | None = None
     """The path of the tool, on the map."""
     work_piece: WorkPiece | None = None
-    """What the seam is on."""
+    """Work piece with the seam."""
     seam_work: SeamWork = dataclass_field(default_factory=SeamWork)
-    """How far it is tracked, and from where."""
+    """Progress on the seam, and the places of the remaining parts."""
 
     @classmethod
     @override

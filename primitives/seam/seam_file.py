@@ -22,13 +22,13 @@ LARGEST = 1e6  # [m] or [deg]
 
 
 def load_seam(path: Path | str) -> ToolPath:
-    """The path of a tool that points along the x axis of its frame, on the map.
+    """Return the path of a tool on the map; the tool points along the x axis of its frame.
 
     The file's first line names the columns; lengths are in [m], roll, pitch and yaw in [deg] as in a URDF.
-    Point i of the path stands in line i + 2.
+    Point i of the path is in line i + 2.
 
     Raises:
-        FileError: it is no such file, or the first bad point: NaN, a repeated position, a jump.
+        FileError: the file is not a seam, or the first bad point: NaN, a repeated position, a jump.
     """
     file = str(path)
     lines = read_csv(path, MOST)

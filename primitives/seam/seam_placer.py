@@ -1,4 +1,4 @@
-"""What divides seams for a robot."""
+"""Placer that divides seams for a robot."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ FREE = {"nothing": FreeTurn.NONE, "azimuth": FreeTurn.VERTICAL, "roll": FreeTurn
 
 
 def work_of(spec: RobotFile, speed: float | None = None) -> Work:
-    """What the robot's tool does, by its file; raises `Discrepancy` where it has none."""
+    """Return the work of the robot's tool by the robot's file; raise `Discrepancy` if it has no tool."""
     tool = spec.tool
     if tool is None:
         raise Discrepancy("the robot's file has no tool", permanent=True)
@@ -23,7 +23,7 @@ def work_of(spec: RobotFile, speed: float | None = None) -> Work:
 
 
 def placer_of(spec: RobotFile, speed: float | None = None) -> Placer:
-    """What divides seams for the robot; raises `Discrepancy` where arm or tool can't."""
+    """Return a placer of seams for the robot; raise `Discrepancy` if arm or tool cannot do the work."""
     try:
         return Placer(working_arm(spec), work_of(spec, speed))
     except ValueError as wrong:

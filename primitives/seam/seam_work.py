@@ -1,4 +1,4 @@
-"""How far the work on a seam is, and from where it goes on."""
+"""Progress of the work on a seam, and its remaining parts."""
 
 from __future__ import annotations
 
@@ -17,24 +17,24 @@ class DrivesTo(NamedTuple):
 
 
 class SeamPart(NamedTuple):
-    """What of a seam is tracked from one place, or on the straight way from it."""
+    """Part of a seam that is tracked from one place, or on the straight way from it."""
 
     place: str
-    """Name of the place that the base is to stand at."""
+    """Name of the base's target place."""
     pose: Pose2
     """map_T_base there."""
     first: int
-    """Point of the seam where it begins."""
+    """Index of its first point on the seam."""
     last: int
-    """Where it ends; the next part begins there."""
+    """Index of its last point; the next part begins there."""
     score: float
     """Integral along it, in [m]: up to its length."""
     end: DrivesTo | None = None
-    """Where the base drives meanwhile, straight on and level with the tool; None: it stands."""
+    """End of the base's straight way level with the tool; None if the base stands."""
 
     @property
     def empty(self) -> bool:
-        """Whether there is nothing to track."""
+        """Whether the part has no length."""
         return self.first == self.last
 
 
@@ -44,13 +44,13 @@ class SeamWork(NamedTuple):
     tracked: int = 0
     """Up to this point it is done."""
     next: SeamPart | None = None
-    """What is tracked next; None: it isn't divided. When all is tracked, an empty part at the last place."""
+    """Next part; None before a division. When all is tracked, an empty part at the last place."""
     after: tuple[SeamPart, ...] = ()
-    """What follows then."""
+    """Parts after the next one."""
     named: int = 0
     """Places that were named so far."""
     avoided: tuple[Pose2, ...] = ()
-    """Where the base stood, or was to stand, and the arm could not do its part."""
+    """Poses of the base, reached or planned, at which the arm could not do its part."""
 
     @property
     def rest(self) -> tuple[SeamPart, ...]:

@@ -1,4 +1,4 @@
-"""TRACK: follow a part of the seam with the tool, from a base that stands or drives along."""
+"""TRACK: follow a part of the seam with the tool, from a base at rest or driving along."""
 
 from __future__ import annotations
 
@@ -53,25 +53,25 @@ Floats = NDArray[np.float64]
 
 
 class _Plan(NamedTuple):
-    """How a part of the seam is tracked."""
+    """Planned motion for a part of the seam."""
 
     timed: TimedTracking
     tools: ToolPath
-    """Where the tool is to be, one point each period."""
+    """Path of the tool, one point each period."""
     way_in: Floats
     """(m, n) joint angles that lead to the first point."""
 
 
 class Track(ActionPrimitive):
-    """Follow the next part of the seam with the tool, from a base that stands or drives, by DIVIDE's plan.
+    """Follow the next part of the seam with the tool, from a base at rest or driving, by DIVIDE's plan.
 
-    A base never stops where it was planned: joint angles are found for where the positioning says that it
-    stands. Then the arm is as exact as positioning and arm are, and a moving base's errors don't count. While
-    the base drives, they do: the angles are found anew each period, for where the base will be at its end.
+    A base never stops exactly at its planned pose: joint angles are found for the measured pose. A base at
+    rest is then as exact as positioning and arm, and errors of its motion do not count. For a driving base
+    they do: the angles are found again each period, for the base's pose at its end.
     """
 
     speed_m_s: Annotated[float, Field(gt=0.0, le=2.0)] | None = None
-    """Of the tool; left out: the tool's, by the robot's file."""
+    """Speed of the tool (default: as in the robot's file)."""
 
     needs: ClassVar = (Arm, Positioning)
     reads: ClassVar = ("map", "seam", "work_piece")
@@ -143,7 +143,7 @@ class Track(ActionPrimitive):
         yield from retrace(robot, start, folded)
 
     def _planned(self, robot: Robot, placer: Placer, part: ToolPath, start: Pose2 | None) -> _Plan:
-        """Of a base that drives on from `start`, map_T_base, or stands where it is."""
+        """Return the plan for a base that drives on from `start`, map_T_base, or stays where it is."""
         limits = self._limits(robot, placer.arm)
         if start is None:
             angles = placer.joints(np.array(robot.pose), part)
@@ -194,7 +194,7 @@ def _away(robot: Robot, placer: Placer) -> Periods:
 
 
 def _check_known(robot: Robot) -> None:
-    """Raise `Discrepancy` where the positioning didn't tell well enough where the base stands."""
+    """Raise `Discrepancy` if the pose of the base is not known well enough."""
     x, y, turn = np.sqrt(np.diag(robot.localization.covariance)).tolist()
     off = SURE * math.hypot(x, y, REACH * turn)
     if off > MOST_OFF:
@@ -203,7 +203,7 @@ def _check_known(robot: Robot) -> None:
 
 
 def _lead(pose: Floats) -> ToolPath:
-    """From a pose (4, 4) of the tool straight back along it."""
+    """Return a straight path from a pose (4, 4) of the tool back along it."""
     return tool_path([pose @ transform((-away, 0.0, 0.0)) for away in np.linspace(0.0, AWAY, 7)])
 
 

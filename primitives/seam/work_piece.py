@@ -1,4 +1,4 @@
-"""What a robot is told of what it works on: boxes on the map."""
+"""Work piece of a seam: boxes on the map."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class WorkBox(FileModel):
     y_m: float
     heading_deg: float = 0.0
     above_m: Annotated[float, Field(ge=0.0, le=10.0)] = 0.0
-    """Of its underside above the floor."""
+    """Height of its underside above the floor."""
     size_m: tuple[Positive, Positive, Positive]
     """Along its own x, along its own y, height."""
 
