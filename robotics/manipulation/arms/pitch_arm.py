@@ -1,4 +1,4 @@
-"""An arm that turns about a vertical axis, bends in the plane through it, and has no wrist yaw."""
+"""An arm that turns around a vertical axis, bends in the plane through it, and has no wrist yaw."""
 
 from __future__ import annotations
 
@@ -19,29 +19,29 @@ _FREE = (-np.inf, np.inf)
 
 
 class PitchArm(NamedTuple):
-    """Yaw, three pitch joints and a roll about the tool: the arm of Shin (2005), in closed form.
+    """Yaw, three pitch joints and a roll around the tool: the arm of Shin (2005), in closed form.
 
-    It puts the tool's tip where the path is, with the path's elevation. It can't choose the tool's azimuth:
-    that is where the arm comes from, and a path allows it within a tolerance. The roll joint turns the tool
-    about itself and moves nothing else; the limits of a `ScoreRule` are those of the other four. The elbow is
+    It puts the tool's tip on the path, with the path's elevation. It can't choose the tool's azimuth,
+    which follows from the base's position; a path allows a tolerance. The roll joint turns the tool around
+    itself and moves nothing more; the limits of a `ScoreRule` are those of the other four. The elbow is
     up. Joint angles are 0 with the arm stretched out level and ahead, above zero upwards and to the left.
     """
 
     ahead: float = 0.35
     """The yaw axis before the base's centre, in [m]."""
     height: float = 0.80
-    """Of the shoulder above the floor, in [m]."""
+    """Height of the shoulder above the floor, in [m]."""
     links: tuple[float, float, float] = (0.55, 0.55, 0.25)
     """Upper arm, forearm, and wrist to tool tip, in [m]."""
     yaw_limit: float = np.radians(150.0)
     """To both sides, in [rad]."""
     azimuth_tolerance: float = np.radians(60.0)
-    """How far the tool's azimuth may be from the path's, in [rad]."""
+    """Largest difference between the azimuths of tool and path, in [rad]."""
     pitch_limits: tuple[tuple[float, float], tuple[float, float], tuple[float, float]] = (_FREE, _FREE, _FREE)
     """Lowest and highest angles of the pitch joints, in [rad]."""
 
     def scores(self, bases: Floats, path: ToolPath, rule: ScoreRule) -> PlacementScores:
-        """Of base poses (b, 3) on the floor: x and y in [m], heading in [rad]."""
+        """Return the scores of base poses (b, 3) on the floor: x and y in [m], heading in [rad]."""
         values, usable = pitch_arm_table(
             self._stands(bases), self.marks(path), self._figures(), int(rule.measure), rule.limits
         )
@@ -52,7 +52,7 @@ class PitchArm(NamedTuple):
         return pitch_arm_joints(self._stands(np.atleast_2d(base))[0], self.marks(path), self._figures())
 
     def shoulders(self, bases: Floats) -> Floats:
-        """(b, 2): where the yaw axis stands, in [m]."""
+        """Return the position (b, 2) of the yaw axis for each base pose, in [m]."""
         return self._stands(bases)[:, :2]
 
     def _stands(self, bases: Floats) -> Floats:

@@ -1,4 +1,4 @@
-"""Whether an arm of a URDF is one that the closed form of `PitchArm` knows."""
+"""Recognition of URDF arms that the closed form of `PitchArm` fits."""
 
 from __future__ import annotations
 
@@ -41,14 +41,16 @@ def pitch_arm_of(arm: ArmModel, azimuth_tolerance: float) -> PitchArm | None:
 
 
 def _measures(chain: ScrewChain) -> tuple[float, float, tuple[float, float, float]]:
-    """How far the yaw axis is ahead, the shoulder's height, and the links' lengths, in [m]."""
+    """Return the yaw axis' distance ahead of the base, the shoulder's height, and the links' lengths, in
+    [m].
+    """
     knots = np.append(chain.points[1:4, 0], chain.base_T_tip[0, 3])
     upper, fore, wrist = np.diff(knots).tolist()
     return float(chain.points[0, 0]), float(chain.points[1, 2]), (upper, fore, wrist)
 
 
 def _in_line(chain: ScrewChain, ahead: float, height: float) -> bool:
-    """Whether yaw axis and shoulder meet, and all else lies straight ahead of them."""
+    """Return True if yaw axis and shoulder meet, and all other joints lie straight ahead of them."""
     level = np.append(chain.points[1:, 2], chain.base_T_tip[2, 3])
     beside = np.array([chain.points[0, 1], chain.points[4, 1], chain.base_T_tip[1, 3]])
     sizes = (abs(chain.points[1, 0] - ahead), np.abs(level - height).max(), np.abs(beside).max())

@@ -28,7 +28,7 @@ class PlanarArm(NamedTuple):
     """1: the elbow is to the left of the line from base to tool; -1: to the right."""
 
     def scores(self, bases: Floats, path: ToolPath, rule: ScoreRule) -> PlacementScores:
-        """Of base poses (b, 3): x and y in [m], heading in [rad] (which doesn't matter to this arm)."""
+        """Return the scores of base poses (b, 3): x and y in [m], heading in [rad] (ignored by this arm)."""
         values, usable = _table(
             np.ascontiguousarray(bases[:, :2]),
             path.points,

@@ -16,21 +16,21 @@ STEP = 0.005  # [m] between postures that are looked at before a line is driven
 
 
 class RateLimits(NamedTuple):
-    """Of tip and joints."""
+    """Limits of tip and joints."""
 
     speed: float = 0.2
-    """Of the tip, in [m/s]."""
+    """Maximum speed of the tip, in [m/s]."""
     acceleration: float = 0.4
-    """Of the tip, in [m/s²]."""
+    """Maximum acceleration of the tip, in [m/s²]."""
     rate: float = 1.5
-    """Of each joint, in [rad/s]."""
+    """Maximum rate of each joint, in [rad/s]."""
 
 
 class ResolvedRate:
     """Whitney's (1969) resolved rates, with the Jacobian of the middle of the period.
 
-    Along the line the tip speeds up and brakes; beside it, what it has strayed is driven back. Where a joint
-    can't follow, the tip gets slower, not crooked.
+    The tip speeds up and brakes along the line; its lateral error is driven to zero. If a joint can't
+    follow, the tip becomes slower but stays on the line.
     """
 
     def __init__(
@@ -86,10 +86,11 @@ def line_postures(arm: Scara, q: Array, target: Array) -> Array | None:
 
 
 def way_to(arm: Scara, q: Array, target: Array) -> list[Array] | None:
-    """Places (2,) in [m] to lead the tip through by straight lines, to a target in reach; None out of reach.
+    """Return positions (2,) in [m] to lead the tip through by straight lines to a target; None if out of
+    reach.
 
-    One line where it keeps the limits; else a chain of short ones that swings round the shoulder while it
-    reaches out or in.
+    One line if it keeps the limits; otherwise a chain of short ones that swings around the shoulder while
+    it reaches out or in.
     """
     goal = arm.inverse(target)
     if goal is None:

@@ -1,7 +1,7 @@
-"""A SCARA arm on a base that may stand askew: two turning joints, then a slide straight down.
+"""A SCARA arm on a base that may be tilted: two turning joints, then a slide straight down.
 
-Ohki et al. (2012), section V, with a Jacobian that is the derivative of the tip: in the printed one, J11 has
-a cosine where a sine belongs, and J21 the second link's length where the first one's belongs.
+Ohki et al. (2012), section V, with a Jacobian that is the derivative of the tip: in the printed one, J11
+has a cosine where a sine belongs, and J21 the second link's length where the first one's belongs.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class Scara(NamedTuple):
     slide: tuple[float, float] = (0.0, 0.6)
     """Limits in [m]."""
     stowed: tuple[float, float] = (math.radians(150.0), math.radians(-15.0))
-    """In [rad]."""
+    """Joint angles of the stowed arm, in [rad]."""
     middle: tuple[float, float] = (math.radians(120.0), math.radians(-60.0))
     """Between stowed and any target, so that the tip doesn't come to the wheels, in [rad]."""
 
@@ -81,7 +81,7 @@ class Scara(NamedTuple):
         return q if self.within(q, working=True) else None
 
     def within(self, q: Array, working: bool = False) -> bool:
-        """Whether angles (2,) keep the limits, on the way or at a target."""
+        """Return True if angles (2,) keep the limits, those of working targets if `working`."""
         low, high = self.theta1_working if working else self.theta1
         inside = low - 1e-9 <= q[0] <= high + 1e-9
         return bool(inside and self.theta2[0] - 1e-9 <= q[1] <= self.theta2[1] + 1e-9)
@@ -102,9 +102,10 @@ class Scara(NamedTuple):
         return np.array([*angles, lowered])
 
     def room_beside(self, point: Array, turn: float) -> float:
-        """How far the base may stand from where it should, turned by up to `turn` [rad], in [m].
+        """Return how far the base may be from its planned pose, in [m], turned by up to `turn` [rad].
 
-        From anywhere there the tip still gets over a `point` (2,) in [m] of the base frame as it should be.
+        From everywhere within that distance the tip still reaches a `point` (2,) in [m] of the planned
+        base frame.
         """
         x, y, _, yaw = self.mount
         arm_T_base = Pose2(x, y, yaw).inverse()

@@ -25,22 +25,22 @@ class FreeTurn(IntEnum):
 
     NONE = NOTHING_FREE
     VERTICAL = VERTICAL_FREE
-    """The azimuth, within a tolerance: for arms without wrist yaw."""
+    """Azimuth, within a tolerance: used for arms without wrist yaw."""
     TOOL = TOOL_FREE
-    """About the tool's own x axis: for tools that are round."""
+    """Turn around the tool's own x axis: used for round tools."""
 
 
 class ScrewArm:
     """Inverse kinematics of all cells by descent, each from the point before it on the path.
 
-    Whether a point is reached is found by trying: a cell may be called out of reach that isn't, never the
-    other way round. Exact top speeds for arms with as many joints as the task has numbers or one more; with
-    more joints to spare the speed is that of the least joint motion, which is less.
+    Reachability is found by trial: a reachable cell may be reported as out of reach, never the other way
+    round. Top speeds are exact for arms with as many joints as the task has numbers or one more; with more
+    redundant joints the speed is that of the least joint motion, which is lower.
 
     Args:
         arm: the arm; all its joints turn, and its base link is upright.
-        free: what the path leaves free.
-        azimuth_tolerance: for FreeTurn.VERTICAL, in [rad].
+        free: turn of the tool that the path leaves free.
+        azimuth_tolerance: used with FreeTurn.VERTICAL, in [rad].
         postures: number of random postures that descents start from.
     Raises:
         ValueError: a joint slides.
@@ -66,7 +66,7 @@ class ScrewArm:
         return pool_poses(self.chain.axes, self.chain.points, self.chain.base_T_tip, self._pool)
 
     def scores(self, bases: Floats, path: ToolPath, rule: ScoreRule) -> PlacementScores:
-        """Of base poses (b, 3) on the floor: x and y in [m], heading in [rad]."""
+        """Return the scores of base poses (b, 3) on the floor: x and y in [m], heading in [rad]."""
         values, usable, joined = self._table(bases, path, rule, np.empty((0, 0, 0)))
         return PlacementScores(values.T, usable.T, joined.T)
 

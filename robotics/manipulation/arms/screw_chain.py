@@ -1,4 +1,4 @@
-"""A serial arm as screws: what compiled loops need of an `ArmModel`."""
+"""A serial arm as screws: the part of an `ArmModel` that compiled loops need."""
 
 from __future__ import annotations
 
@@ -31,7 +31,8 @@ class ScrewChain(NamedTuple):
 
     @classmethod
     def of_arm(cls, arm: ArmModel) -> ScrewChain:
-        """From the Jacobian and the tip's pose at zero: its columns are the screws.
+        """Return the chain of an arm, from the Jacobian (its columns are the screws) and the tip's pose at
+        zero.
 
         Raises:
             ValueError: a joint of the arm slides.

@@ -26,7 +26,7 @@ _LONGEST_STEP = 0.5  # [rad]
 
 @compiled
 def turn_matrix(axis: Floats, angle: float, out: Floats) -> None:
-    """Rodrigues: the rotation (3, 3) about a unit vector, into `out`."""
+    """Write the rotation (3, 3) around a unit vector into `out` (Rodrigues' formula)."""
     s, c = math.sin(angle), math.cos(angle)
     d = 1.0 - c
     x, y, z = axis[0], axis[1], axis[2]
@@ -80,7 +80,9 @@ def tip_and_jacobian(
 
 @compiled
 def pose_error(pose: Floats, target: Floats, free: int, error: Floats) -> None:
-    """What is missing to the target (6,), in [m; rad] and the axes of the base, a free turn left out."""
+    """Write the error (6,) to the target, without a free turn, into `error`, in [m; rad] and the axes of the
+    base.
+    """
     goal = target[:3, :3].copy()
     if free == 1:
         across = along = 0.0

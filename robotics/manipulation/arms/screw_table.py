@@ -46,7 +46,9 @@ def in_base(stand: Floats, world_T_tool: Floats, out: Floats) -> None:
 
 @compiled
 def _turned(pose: Floats, target: Floats, free: int) -> float:
-    """2 - 2 cos of the turn between two poses, a free turn left out: its square where it is small."""
+    """Return 2 - 2 cos of the turn between two poses, without a free turn: the turn's square if it is
+    small.
+    """
     if free == 0:
         trace = 0.0
         for i in range(3):
@@ -205,10 +207,11 @@ def screw_table(
     limits: Floats,
     angles: Floats,
 ) -> tuple[NDArray[np.float32], Masks, Masks]:
-    """Scores and usable (p, b), joined (p-1, b); `angles` (b, p, n) is filled unless it is empty.
+    """Return scores and usable (p, b), joined (p-1, b); fill `angles` (b, p, n) unless it is empty.
 
-    Along the path a descent starts from the point before; where there is none or it doesn't arrive, from the
-    postures of the pool that are nearest, and the best score of those that arrive is taken.
+    Along the path a descent starts from the point before. At the first point, or if that descent fails,
+    descents start from the nearest postures of the pool, and the best score of those that succeed is
+    taken.
     """
     p, bases, n = len(targets), len(stands), len(axes)
     values = np.zeros((p, bases), dtype=np.float32)

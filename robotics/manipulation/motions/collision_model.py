@@ -20,23 +20,25 @@ _TOUCH = 1e-6  # coal calls overlapping bodies free at margin 0: its GJK stops a
 
 
 class CollisionModel:
-    """What the arm must not touch, seen from one stand of the base.
+    """Collision checks of an arm against obstacles, for one pose of the base.
 
     Bodies are convex (a mesh counts as its hull), checked by coal (the successor of FCL that comes with
     Pinocchio: all pairs in one call, signed distances). Checked are links against links (except a link and
     its neighbour along the chain, and links that can't move against each other), links against obstacles,
-    and the held body against both (except the hand that holds it). What the arm doesn't move (the base)
-    isn't checked against the obstacles. An object doesn't change; build another when the hand takes
+    and the held body against both (except the hand that holds it). Links that the arm doesn't move (the
+    base) aren't checked against the obstacles. The model doesn't change; build another when the hand takes
     something.
 
     Args:
-        arm: the arm; fingers stand as in it (`ArmModel.with_others`).
+        arm: the arm; finger positions as in it (`ArmModel.with_others`).
         obstacles: bodies posed in the frame world.
         held: a body posed in the frame of the arm's tip, or None.
-        world_T_base: (4, 4) pose of the arm's base link in the frame of the obstacles; None: the same frame.
+        world_T_base: (4, 4) pose of the arm's base link in the frame of the obstacles; None: the same
+            frame.
         margin: pairs closer than this count as in collision, in [m].
-        allowed: pairs of names (links, obstacles' names, "held") that may touch, such as a held book and
-            the tray that it stands on; beside those of the arm itself.
+        allowed: pairs of names (links, obstacles' names, "held") that may touch in addition to those of
+            the arm
+            itself, such as a held book and the tray below it.
     """
 
     def __init__(
@@ -79,7 +81,7 @@ class CollisionModel:
         return len(self._bodies.collisionPairs)
 
     def in_collision(self, q: Vector) -> bool:
-        """Whether any pair is closer than the margin at joint angles `q` (n,)."""
+        """Return True if any pair is closer than the margin at joint angles `q` (n,)."""
         angles = self.arm.ordered(q)
         found: bool = pin.computeCollisions(self._model, self._model_data, self._tree, angles, True)
         return found
@@ -91,7 +93,7 @@ class CollisionModel:
         return float(self._data.distanceResults[closest].min_distance)
 
     def contacts(self, q: Vector) -> list[tuple[str, str]]:
-        """Names of all pairs closer than the margin at `q` (n,), for a message that a person understands."""
+        """Return the names of all pairs closer than the margin at `q` (n,), for messages."""
         arguments = (self._model, self._model_data, self._bodies, self._data, self.arm.ordered(q))
         pin.computeCollisions(*arguments, False)
         hits = zip(self._bodies.collisionPairs, self._data.collisionResults, strict=True)
@@ -99,11 +101,14 @@ class CollisionModel:
         return list(dict.fromkeys(pairs))
 
     def line_free(self, q_from: Vector, q_to: Vector, step: float = 0.01) -> bool:
-        """Whether the straight joint line between two angles (n,) is free, ends included.
+        """Return True if the straight joint line between two angles (n,) is free, ends included.
 
         Args:
-            step: largest joint motion between two checks, in [rad]. At 0.9 m reach 0.01 rad is at most 9 mm
-                at the fingertips; a `margin` of half of that closes what is between checks.
+            q_from: (n,) joint angles, in [rad].
+            q_to: (n,) joint angles, in [rad].
+            step: largest joint motion between two checks, in [rad]. At 0.9 m reach 0.01 rad is at most 9
+                mm
+                at the fingertips; a `margin` of half of that covers the gaps between checks.
         """
         count = max(1, int(np.ceil(float(np.abs(q_to - q_from).max()) / step)))
         if self.in_collision(q_to) or self.in_collision(q_from):
@@ -112,7 +117,7 @@ class CollisionModel:
         return not any(self.in_collision(q) for q in between[_coarse_first(len(between))])
 
     def path_free(self, path: NDArray[np.float64], step: float = 0.01) -> bool:
-        """Whether all straight joint lines along `path` (m, n) are free."""
+        """Return True if all straight joint lines along `path` (m, n) are free."""
         if len(path) == 1:
             return not self.in_collision(path[0])
         return all(self.line_free(a, b, step) for a, b in pairwise(path))

@@ -29,14 +29,16 @@ def plan_motion(
     max_branches: int = 4000,
     step: float = 0.01,
 ) -> Path | None:
-    """A free path from `q_start` (n,) to `q_goal` (n,) of straight joint lines, (m, n) in [rad], or None.
+    """Return a free path of straight joint lines (m, n) in [rad] from `q_start` (n,) to `q_goal` (n,), or
+    None.
 
-    The straight line is taken when it is free; else RRT-Connect (Kuffner and LaValle 2000, from OMPL)
-    searches between the joint limits and its path is shortened. Continuous joints turn the shorter way: the
-    path ends in the turn of `q_goal` that is nearest to `q_start`; if no path is found, one of them after
-    the other turns the longer way. The same seed gives the same path: effort is bounded by `max_branches`
-    lines tried for each, not by time. `step` [rad] lies between checks on a line. None too when an end
-    itself is in collision (`collision.contacts` says with what) or beyond the limits.
+    The straight line is taken when it is free; otherwise RRT-Connect (Kuffner and LaValle 2000, from OMPL)
+    searches between the joint limits and its path is shortened. Continuous joints turn the shorter way:
+    the path ends in the turn of `q_goal` that is nearest to `q_start`; if no path is found, one of them
+    after the other turns the longer way. The same seed gives the same path: effort is bounded by
+    `max_branches` lines tried for each, not by time. `step` [rad] is the distance of checks on a line. The
+    result is also None if an end itself is in collision (`collision.contacts` names the pairs) or beyond
+    the limits.
     """
     if not (arm.within(q_start) and arm.within(q_goal)):
         return None
@@ -107,7 +109,7 @@ def _between(start: pin.SE3, goal: pin.SE3, share: float) -> Transform:
 
 
 class _Lines(ob.MotionValidator):  # type: ignore[misc]  # ompl ships no types
-    """Tells OMPL which straight lines are free, by the same check that the result must pass."""
+    """OMPL's check of straight lines, by the same function that the result must pass."""
 
     def __init__(
         self, information: ob.SpaceInformation, collision: CollisionModel, dof: int, step: float
@@ -199,7 +201,9 @@ def _shorten(path: Path, free: Callable[[Vector, Vector], bool], rng: np.random.
 
 
 def _without_detours(path: Path, free: Callable[[Vector, Vector], bool]) -> Path:
-    """From each point straight on to the furthest point that a free line leads to."""
+    """Replace stretches of a path by free lines, from each point to the furthest one that a free line
+    reaches.
+    """
     kept = [0]
     while kept[-1] < len(path) - 1:
         here = kept[-1]
@@ -209,6 +213,6 @@ def _without_detours(path: Path, free: Callable[[Vector, Vector], bool]) -> Path
 
 
 def _merged(path: Path) -> Path:
-    """The same path without points that repeat the one before."""
+    """Return the path without points that repeat the one before."""
     moved = np.linalg.norm(np.diff(path, axis=0), axis=1) > 1e-9
     return path[np.concatenate(([True], moved))]

@@ -1,4 +1,4 @@
-"""How fast a path can be followed within the limits of each joint."""
+"""Highest speed along a path within the limits of each joint."""
 
 from __future__ import annotations
 
@@ -18,15 +18,16 @@ Vector = NDArray[np.float64]
 
 
 def highest_speed(rounded: RoundedPath, velocity: Vector, acceleration: Vector) -> tuple[Vector, Vector]:
-    """Arc lengths (g,) and the highest speed along the path at each (g,), starting and ending at rest.
+    """Return arc lengths (g,) and the highest speed along the path at each (g,), starting and ending at rest.
 
     Source: TOPP-RA, Pham and Pham 2018.
 
     Args:
         rounded: the path, in [rad].
-        velocity, acceleration: limits (n,), in [rad/s] and [rad/s²].
+        velocity: limits (n,), in [rad/s].
+        acceleration: limits (n,), in [rad/s²].
     Raises:
-        RuntimeError: there is none.
+        RuntimeError: no speed profile keeps the limits.
     """
     limits = [
         JointVelocityConstraint(np.column_stack((-velocity, velocity))),

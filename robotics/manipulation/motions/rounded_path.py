@@ -67,7 +67,7 @@ class RoundedPath:
     def _assemble(
         self, corners: NDArray[np.float64], directions: NDArray[np.float64], half: Vector, cut: Vector
     ) -> None:
-        """Pieces in order: line, arc, line, ..., line; a piece of no length is left out."""
+        """Assemble the pieces in order: line, arc, line, ..., line; skip pieces of length zero."""
         pieces: list[tuple[float, Vector, Vector, Vector, float]] = []
         trimmed_before = np.concatenate(([0.0], cut))
         trimmed_after = np.concatenate((cut, [0.0]))

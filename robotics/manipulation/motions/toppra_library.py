@@ -1,4 +1,4 @@
-"""What is used of toppra; matplotlib's pyplot, which only its plots use, is loaded when it is used."""
+"""The used parts of toppra; matplotlib's pyplot, used only by its plots, is loaded on first use."""
 
 from __future__ import annotations
 

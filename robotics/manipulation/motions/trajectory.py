@@ -87,7 +87,7 @@ def _progress(s: Vector, speed: Vector, times: Vector, at: Vector) -> Vector:
 
 
 def _excess(set_points: NDArray[np.float64], velocity: Vector, acceleration: Vector, period: float) -> float:
-    """By what factor the limits are exceeded: of accelerations, or of squared speeds."""
+    """Return the factor by which the limits are exceeded: of accelerations, or of squared speeds."""
     rest = np.zeros((1, set_points.shape[1]))
     speeds = np.vstack((rest, np.diff(set_points, axis=0) / period, rest))
     fastest = float(np.max(np.abs(speeds) / velocity))

@@ -1,1 +1,1 @@
-"""Where a base has to stand for a path of its arm's tool."""
+"""Base placements for a path of the arm's tool."""

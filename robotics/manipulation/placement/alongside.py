@@ -35,9 +35,9 @@ class Leg(NamedTuple):
 
 
 def level_with(start: Pose2, points: Floats) -> Floats:
-    """(p, 3) poses of a base that drives straight on from `start`, level with points (p, 3) of a path.
+    """Return poses (p, 3) of a base that drives straight on from `start`, level with points (p, 3) of a path.
 
-    Where the path leads backwards, so does the base.
+    If the path leads backwards, so does the base.
     """
     ahead = np.array([np.cos(start.theta), np.sin(start.theta)])
     along = (points[:, :2] - points[0, :2]) @ ahead
@@ -58,22 +58,23 @@ def seen_from(bases: Floats, path: ToolPath) -> ToolPath:
 def place_alongside(
     placer: Placer, path: ToolPath, blocked: Blocked, count: int, free: Free | None = None
 ) -> Placements:
-    """Straight ways beside a path, as few as there must be; the path is cut into equal parts for them.
+    """Return as few straight drives along a path as possible; the path is cut into equal parts for them.
 
-    The score is that of a standing base (`Placer`), at each point where the base is then: even if it went no
-    farther from there, the arm alone would be fast and strong enough.
+    The score is that of a base at rest (`Placer`), at each point with the base's pose then: even if it
+    went no farther from there, the arm alone would be fast and strong enough.
 
     Args:
-        placer: of the arm and its work.
-        blocked: asked of many base poses.
-        count: of ways at most.
-        free: asked of places on the way, with the angles (1, n) there.
+        placer: placer of the arm and its work.
+        path: path of the tool.
+        blocked: check of many base poses.
+        count: maximum number of drives.
+        free: check of poses along a drive, with the angles (1, n) there.
 
     Returns:
-        Placements whose `bases` are where each way begins.
+        Placements whose `bases` are the beginnings of the drives.
 
     Raises:
-        Untrackable: there are no such ways, with the first point at which the last try failed.
+        Untrackable: no such drives exist; names the first point at which the last try failed.
     """
     failed: Untrackable | None = None
     for number in range(1, count + 1):
@@ -106,7 +107,7 @@ def _leg(placer: Placer, path: ToolPath, blocked: Blocked, free: Free | None) ->
 
 
 def _ranked(placer: Placer, path: ToolPath, blocked: Blocked) -> Iterator[tuple[Pose2, float]]:
-    """Where ways may begin, with their scores, the best first."""
+    """Yield possible beginnings of a drive with their scores, the best first."""
     way = path.points[-1, :2] - path.points[0, :2]
     x, y = path.points[0, :2].tolist()
     origin = Pose2(x, y, float(np.arctan2(way[1], way[0])))

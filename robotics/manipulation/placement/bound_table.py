@@ -64,13 +64,16 @@ def _lift(fastest: float, low: float, high: float, most: float) -> float:
 def bound_table(
     centres: Floats, radius: float, marks: Floats, arm: Floats, sure: bool, low: Floats, high: Floats
 ) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
-    """(p, b): no shoulder in the disc of `radius` about a centre (b, 2) has a better score; and whether any
-    may be usable.
+    """Return upper bounds (p, b) of the score of all shoulders in a disc, and True where any may be usable.
 
     Args:
+        centres: (b, 2) centres of the discs, in [m].
+        radius: radius of the discs, in [m].
         marks: (p, 9) position, tangent; the tool's level and upright parts, and its rate of elevation.
         arm: height, three links, 4 for yaw and pitches or 2 for a planar arm, and its elbow's side.
-        sure: whether the speed margin counts.
+        sure: True if the speed margin counts.
+        low: as in `ScoreRule`, in [m].
+        high: as in `ScoreRule`, in [m].
     """
     height, l1, l2, l3, planar, side = arm[0], arm[1], arm[2], arm[3], arm[4] == 2.0, arm[5]
     gap = l2 * l2 - l1 * l1

@@ -1,8 +1,8 @@
-"""How well an arm can move and push along a path: Shin (2005), with its flaws mended.
+"""Ability of an arm to move and push along a path: Shin (2005), with its flaws corrected.
 
-All functions take Jacobians (..., m, n) and directions (..., m) with any leading axes; m is 2 for an arm in a
-plane, 6 for tool poses. The direction is the tool's motion for each metre of path (`ToolPath.twists`): a unit
-tangent, and the turn that goes with it.
+All functions take Jacobians (..., m, n) and directions (..., m) with any leading axes; m is 2 for an arm
+in a plane, 6 for tool poses. The direction is the tool's motion for each metre of path
+(`ToolPath.twists`): a unit tangent, and the turn that goes with it.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ def top_speed(jacobian: Floats, direction: Floats, velocity: Floats) -> Floats:
 
 
 def top_speed_by_program(jacobian: Floats, direction: Floats, velocity: Floats) -> float:
-    """The same for one Jacobian (m, n) by linear programming (HiGHS), in [m/s]; any rank."""
+    """Return the top speed for one Jacobian (m, n) of any rank by linear programming (HiGHS), in [m/s]."""
     n = jacobian.shape[1]
     objective = np.append(np.zeros(n), -1.0)
     equal = np.column_stack((jacobian, -direction))

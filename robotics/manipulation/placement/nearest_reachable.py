@@ -1,4 +1,4 @@
-"""What could be tracked instead of a point that can't."""
+"""Nearest trackable position to a point that can't be tracked."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ _FINEST = 0.001  # [m]
 
 
 def with_nearest(error: Untrackable, scorer: Scorer, path: ToolPath, bases: Floats) -> Untrackable:
-    """The same refusal, with the nearest position that could be tracked from one of the base poses (b, 3).
+    """Return the error with the nearest position that could be tracked from one of the base poses (b, 3).
 
     The point is moved along 26 directions, outwards until some placement can use it, and back to within a
-    millimetre; tool and tangent stay as they are. So "nearest" is among these directions.
+    millimetre; tool and tangent are unchanged. So "nearest" is among these directions.
     """
     return Untrackable(error.index, error.why, _nearest(scorer, path, bases, error.index))
 

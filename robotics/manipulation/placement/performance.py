@@ -1,7 +1,7 @@
-"""What a placement is worth at a point of the path: from 0 (at a limit) to 1.
+"""Performance of a placement at a point of the path: from 0 (at a limit) to 1.
 
-The limits are lengths. With v the tool's speed and F the force that it pushes with, a joint has
-low = v / (its speed limit) and high = (its torque limit) / F, in [m]: b_min and b_max of Shin (2005).
+The limits are lengths. With v the tool's speed and F the force that it pushes with, a joint has low = v /
+(its speed limit) and high = (its torque limit) / F, in [m]: b_min and b_max of Shin (2005).
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ def performance(elements: Floats, low: Floats, high: Floats) -> Floats:
 
 
 def speed_margin(top_speed: Floats, speed: float) -> Floats:
-    """1 - v/(top speed), at least 0: what the arm could be faster than asked, exactly.
+    """Return 1 - v/(top speed), at least 0: the arm's exact reserve of speed.
 
     With equal limits it is 1 - b_min/g, g = 1/max|J^-1 k|.
     """

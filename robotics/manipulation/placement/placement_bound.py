@@ -1,9 +1,10 @@
-"""What no placement can be worth more than: a proven bound for arms in closed form.
+"""Upper bound of the score of all placements, proven for arms in closed form.
 
-A score is bounded over all shoulders in a disc at once, by intervals of the distances and angles in it. Among
-discs that cover where shoulders may stand, the exact division of these bounds is at least as good as that of
-any placements anywhere, so the gap between it and a division found is proven. Yaw limits and the azimuth
-tolerance are left out, which only raises the bound. It falls to the true score as the discs shrink.
+A score is bounded over all shoulders in a disc at once, by intervals of the distances and angles in it.
+Among discs that cover all positions of shoulders, the exact division of these bounds is at least as good
+as that of any placements anywhere, so the gap between it and a division found is proven. Yaw limits and
+the azimuth tolerance are ignored, which only raises the bound. It falls to the true score as the discs
+shrink.
 """
 
 from __future__ import annotations
@@ -34,11 +35,17 @@ def score_bound(
     step: float,
     count: int,
 ) -> float:
-    """The most that any division among at most `count` placements is worth, in [m]: proven.
+    """Return a proven upper bound of the score of any division among at most `count` placements, in [m].
 
     Args:
-        corner, size: (2,) of the rectangle in which shoulders may stand, in [m]. The shoulder of a planar arm
+        arm: an arm in closed form.
+        path: path of the tool.
+        rule: measure and limits.
+        corner: (2,) lower corner of the rectangle that holds the shoulders, in [m]. The shoulder of a
+            planar arm
             is its base; that of a pitch arm is its yaw axis.
+        size: (2,) sides of the rectangle, in [m].
+        count: maximum number of placements.
         step: distance of the discs that cover it, in [m].
     Raises:
         ValueError: the measure is not DIRECTIONAL or SURE.

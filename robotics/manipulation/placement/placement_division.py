@@ -19,7 +19,9 @@ Masks = NDArray[np.bool_]
 
 
 class Segment(NamedTuple):
-    """What is tracked from one placement. The next segment begins at this one's last point."""
+    """Part of the path that is tracked from one placement. The next segment begins at this one's last
+    point.
+    """
 
     placement: int
     """Number of the base pose."""
@@ -58,19 +60,21 @@ def fewest_placements(scores: PlacementScores) -> int:
 
 
 def best_division(scores: PlacementScores, lengths: Floats, count: int) -> Division:
-    """The division among at most `count` placements with the greatest integral: exact.
+    """Return the division among at most `count` placements with the greatest integral: exact.
 
-    By layered dynamic programming over the steps j of the path and the placements b:
-    D_k(j, b) = gain(b, j) + max(D_k(j-1, b), max over b' of D_{k-1}(j-1, b')). The integral never falls with
-    more placements, so their number must be given; see `best_division_by_cost`.
+    By layered dynamic programming over the steps j of the path and the placements b: D_k(j, b) = gain(b,
+    j) + max(D_k(j-1, b), max over b' of D_{k-1}(j-1, b')). The integral never falls with more placements,
+    so their number must be given; see `best_division_by_cost`.
 
-    Of equals the placement with the lowest number is taken: order base poses by preference.
+    Among equals the placement with the lowest number is taken: order base poses by preference.
 
     Args:
+        scores: scores of the placements.
         lengths: arc length of the points (p,), in [m].
+        count: maximum number of placements.
     Raises:
         Untrackable: no set of placements tracks the path.
-        TooFewPlacements: `count` don't.
+        TooFewPlacements: `count` placements are not enough.
     """
     needed = _longest_first(scores)
     if count < len(needed):
@@ -90,13 +94,14 @@ def best_division_by_cost(scores: PlacementScores, lengths: Floats, cost: float)
 
 
 def greedy_division(scores: PlacementScores, lengths: Floats) -> Division:
-    """The paper's rule: the placement with the greatest integral for what is left of the path; and again.
+    """Divide by the paper's rule: take the placement with the greatest integral on the remaining path, and
+    repeat.
 
-    The paper doesn't say where a segment begins and ends. Here it begins where the one before ended, and ends
-    where the placement can't be used any more.
+    The paper doesn't define the ends of a segment. Here it begins at the end of the one before, and ends
+    where the placement becomes unusable.
 
     Raises:
-        Untrackable: no placement goes on from some point.
+        Untrackable: no placement continues from some point.
     """
     values, usable, joined, steps = _arrays(scores, lengths)
     first, segments = 0, []
@@ -112,7 +117,7 @@ def greedy_division(scores: PlacementScores, lengths: Floats) -> Division:
 def division_by_hand(
     scores: PlacementScores, lengths: Floats, placements: Sequence[int], cuts: Sequence[int]
 ) -> Division:
-    """A division that somebody chose: `cuts` are the points between one placement and the next.
+    """Return a division chosen by the caller: `cuts` are the points between one placement and the next.
 
     Raises:
         Untrackable: a placement can't track its part; the first bad point is named.
@@ -149,7 +154,7 @@ def _arrays(scores: PlacementScores, lengths: Floats) -> tuple[Singles, Masks, M
 
 
 def _longest_first(scores: PlacementScores) -> list[Segment]:
-    """Longest segment first, and again: no division has fewer, for a part of a usable run is usable."""
+    """Divide by longest segments: no division has fewer, because a part of a usable run is usable."""
     _, usable, joined, steps = _arrays(scores, np.arange(scores.usable.shape[1], dtype=np.float64))
     scores.check()
     first, segments = 0, []
@@ -168,7 +173,7 @@ def _stuck(scores: PlacementScores, index: int) -> Untrackable:
 
 
 def _division(placements: NDArray[np.int64], scores: PlacementScores, lengths: Floats) -> Division:
-    """From the placement of each step (p-1,)."""
+    """Build the division from the placement of each step (p-1,)."""
     starts = np.flatnonzero(np.concatenate(([True], placements[1:] != placements[:-1])))
     ends = np.append(starts[1:], len(placements))
     segments = [Segment(int(placements[a]), int(a), int(b)) for a, b in zip(starts, ends, strict=True)]

@@ -24,14 +24,14 @@ _FINEST = 1e-3  # of the first radius
 
 
 class Refinement(NamedTuple):
-    """A division among placements that stand anywhere."""
+    """A division among placements that are not bound to a grid."""
 
     bases: Floats
     """(k, 3): one for each segment, x and y in [m], heading in [rad]."""
     division: Division
     """Placement numbers are rows of `bases`."""
     gain: float
-    """How much the score rose, in [m]; never below zero."""
+    """Increase of the score, in [m]; never below zero."""
 
 
 def refine(
@@ -43,14 +43,18 @@ def refine(
     turn: float,
     seed: int = 0,
 ) -> Refinement:
-    """Moves each placement to where its segment is worth most, divides again among old and new; and again.
+    """Move each placement to its segment's best score, divide again among old and new, and repeat.
 
-    It ends where neither helps: a local optimum, never worse than what it began with. How far the best of all
-    is from it, this search can't tell: see `placement_bound`.
+    It ends when neither helps: a local optimum, never worse than the beginning. This search does not bound
+    its distance from the best of all: see `placement_bound`.
 
     Args:
+        scorer: returns the scores of base poses.
+        path: path of the tool.
         bases: (b, 3) base poses that the division numbers.
-        radius, turn: how far from a placement the search begins, in [m] and [rad]: the steps of the grid.
+        division: the division to begin with.
+        radius: distance from a placement at which the search begins, in [m]: the step of the grid.
+        turn: turn from a placement at which the search begins, in [rad]: the step of the grid.
     """
     rng = np.random.default_rng(seed)
     count = len(division.segments)

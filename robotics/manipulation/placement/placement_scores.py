@@ -1,4 +1,4 @@
-"""What each base placement is worth at each point of a path."""
+"""Scores of base placements at the points of a path."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ class PlacementScores(NamedTuple):
     """(b, p-1): whether the arm gets from a point to the next without a jump; None: it always does."""
 
     def without(self, blocked: NDArray[np.bool_]) -> PlacementScores:
-        """The same with some placements (b,) ruled out: by an obstacle, or because no way leads there."""
+        """Return the scores without some placements (b,), which an obstacle or a missing route excludes."""
         return self.restricted(self.usable & ~blocked[:, None])
 
     def restricted(self, usable: NDArray[np.bool_]) -> PlacementScores:
-        """The same where only some of what is usable counts as usable (b, p)."""
+        """Return the scores with only some cells `usable` (b, p)."""
         usable = np.asfortranarray(usable)
         return self._replace(values=np.where(usable, self.values, np.float32(0.0)), usable=usable)
 

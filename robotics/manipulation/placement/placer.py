@@ -1,4 +1,4 @@
-"""Dividing a path among places that a robot's base can stand at, whatever its arm."""
+"""Division of a path among base placements, with any arm."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ from .untrackable import Untrackable
 Floats = NDArray[np.float64]
 Masks = NDArray[np.bool_]
 Blocked = Callable[[Floats], Masks]
-"""Which of base poses (b, 3) the base can't stand at, or doesn't get to."""
+"""Check that marks the base poses (b, 3) that the base can't occupy, or doesn't reach."""
 Free = Callable[[Floats, Floats], bool]
-"""Whether nothing is touched from a base pose (3,) at joint angles (p, n)."""
+"""Check that nothing is touched from a base pose (3,) at joint angles (p, n)."""
 
 _ATTEMPTS = 20  # at a division all of whose parts the arm follows, point by point
 _SPARE = 0.08  # [rad] before a joint's limit, for a base that stops elsewhere
@@ -42,7 +42,7 @@ _FEW = 60  # base poses that a nearest reachable point is looked for from
 
 
 class Work(NamedTuple):
-    """What a tool does along a path."""
+    """Speed, force and tolerances of a tool along a path."""
 
     speed: float
     """[m/s]"""
@@ -50,7 +50,7 @@ class Work(NamedTuple):
     """Along the path, at most, in [N]."""
     free: FreeTurn
     azimuth_tolerance: float
-    """For FreeTurn.VERTICAL, in [rad]."""
+    """Azimuth tolerance used with FreeTurn.VERTICAL, in [rad]."""
 
 
 class Placements(NamedTuple):
@@ -65,18 +65,18 @@ class Placements(NamedTuple):
 
     @property
     def score(self) -> float:
-        """Of the whole path, in [m]."""
+        """Score of the complete path, in [m]."""
         return sum(self.scores)
 
 
 class _Grid(NamedTuple):
-    """How densely places are tried."""
+    """Density of the base poses that are tried."""
 
     step: float
     """[m]"""
     headings: int
     points: int
-    """Of the path, at most."""
+    """Maximum number of points of the path."""
     bases: int
     """At most, about: where more would be tried, the step grows."""
 
@@ -87,12 +87,12 @@ _HALVINGS = 2  # of the coarse grid, around the places found on it
 
 
 class Placer:
-    """Finds placements for one arm and its work: exact on a grid, then each moved to where it is worth most.
+    """Finds placements for one arm and its work: exact on a grid, then each moved to its best score nearby.
 
     Scores are the sure ones: eq. 6 of Shin (2005), and the exact condition for speed. An arm with a closed
-    form (`PitchArm`) is tried from about 20,000 base poses, any other from about 2000, on fewer points. Every
-    part of a division is then followed point by point; a base from which that fails is left out, and it
-    begins again.
+    form (`PitchArm`) is tried from about 20,000 base poses, any other from about 2000, on fewer points.
+    Every part of a division is then followed point by point; a base from which that fails is excluded, and
+    the search begins again.
 
     Raises:
         ValueError: a joint of the arm slides, or has no lever that is fast and strong enough.
@@ -113,7 +113,7 @@ class Placer:
         self._work = work
 
     def scores(self, bases: Floats, path: ToolPath) -> PlacementScores:
-        """Of base poses (b, 3)."""
+        """Return the scores of base poses (b, 3)."""
         return self._scores(bases, path, self._rule)
 
     def reached(self, bases: Floats, path: ToolPath) -> Masks:
@@ -122,7 +122,7 @@ class Placer:
 
     @property
     def spacing(self) -> tuple[float, float]:
-        """Of the `candidates`: in [m], and of their headings in [rad]."""
+        """Spacing of the `candidates` in [m], and of their headings in [rad]."""
         return self._step, 2.0 * np.pi / self._grid.headings
 
     def _scores(self, bases: Floats, path: ToolPath, rule: ScoreRule) -> PlacementScores:
@@ -131,9 +131,11 @@ class Placer:
         return self._screw_arm.scores(bases, path, rule)
 
     def _robust(self, bases: Floats, path: ToolPath) -> PlacementScores:
-        """The same, usable only what is reached from where a base may stop as well.
+        """Return the scores, with only those cells usable that are reached from neighbouring stops of the
+        base as well.
 
-        An arm with a closed form is left as it is: there the few places that are chosen are looked at.
+        Scores of an arm with a closed form are unchanged: there only the few chosen placements are
+        checked.
         """
         scores = self.scores(bases, path)
         if self.pitch_arm is not None or not len(bases):
@@ -191,7 +193,7 @@ class Placer:
         return float(self._screw_arm.chain.reach + np.hypot(*self._screw_arm.chain.points[0, :2]))
 
     def followed(self, base: Floats, path: ToolPath) -> Floats:
-        """The same as `joints`, and it raises where the arm doesn't follow from a little beside the place."""
+        """Return `joints`; raise if the arm can't follow from poses slightly off the placement."""
         angles = self.joints(base, path)
         self._check_around(base, path)
         return angles
@@ -214,17 +216,18 @@ class Placer:
         free: Free | None = None,
         cost: float = 0.0,
     ) -> Placements:
-        """The best division of a path.
+        """Return the best division of a path.
 
         Args:
-            blocked: asked of many base poses.
-            count: of placements at most; None: as few as there must be.
-            free: asked of those that are chosen, with the angles along their part.
-            cost: what one more placement has to gain, in [m] of score.
-
+            path: path of the tool.
+            blocked: check of many base poses.
+            count: maximum number of placements; None: as few as possible.
+            free: check of the chosen ones, with the angles along their part.
+            cost: score that one more placement must gain, in [m].
 
         Raises:
-            Untrackable: no set of placements tracks the path, with the first bad point and the nearest that
+            Untrackable: no set of placements tracks the path, with the first bad point and the nearest
+                that
                 can be reached; or more than `count` are needed.
         """
         kept = _thinned(len(path.points), self._grid.points)
@@ -360,7 +363,7 @@ def _worthwhile(scores: PlacementScores, path: ToolPath, count: int | None, cost
 
 
 def _near(bases: Floats, base: Floats, distance: float) -> Masks:
-    """(b,): which of base poses (b, 3) stand about where another (3,) does."""
+    """Return (b,) True for base poses (b, 3) within `distance` of another (3,)."""
     return np.asarray(np.linalg.norm(bases[:, :2] - base[:2], axis=1) < distance)
 
 

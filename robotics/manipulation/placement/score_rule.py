@@ -1,4 +1,4 @@
-"""Which of the measures a placement is scored with, and the limits that it knows."""
+"""Measure that a placement is scored with, and its limits."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ UNUSABLE = -1.0
 
 
 class Measure(IntEnum):
-    """What a placement is scored by at a point that it reaches."""
+    """Score of a placement at a point that it reaches."""
 
     REACHABILITY = 0
     """1 wherever the arm reaches: figure 2a of Shin (2005)."""
@@ -41,7 +41,8 @@ class ScoreRule(NamedTuple):
     def of_limits(
         cls, measure: Measure, velocity: Floats, torque: Floats, speed: float, force: float
     ) -> ScoreRule:
-        """From limits (n,) in [rad/s] and [Nm], a tool speed in [m/s] and a force along the path in [N].
+        """Return the rule for limits (n,) in [rad/s] and [Nm], a tool speed in [m/s] and a force along the
+        path in [N].
 
         Raises:
             ValueError: a limit, the speed or the force isn't above zero, or they leave a joint no room.
@@ -59,7 +60,7 @@ class ScoreRule(NamedTuple):
 
     @classmethod
     def uniform(cls, measure: Measure, low: float, high: float, joints: int) -> ScoreRule:
-        """The same limits for all joints, in [m]: as in the paper."""
+        """Return the rule with equal limits for all joints, in [m], as in the paper."""
         return cls(measure, np.full(joints, low), np.full(joints, high))
 
     @property

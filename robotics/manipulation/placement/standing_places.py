@@ -1,4 +1,4 @@
-"""Where a base can stand: clear of what is there, and with a way to it."""
+"""Poses that a base can occupy: clear of obstacles, and with a route to them."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Masks = NDArray[np.bool_]
 
 
 class OpenFloor:
-    """Where a round base can go without touching what a map knows: rooms with no way from one to another."""
+    """Areas of a map in which a round base can move freely, without a route from one to another."""
 
     def __init__(self, grid: GridMap, radius: float) -> None:
         """Divide a map.
@@ -43,7 +43,7 @@ class OpenFloor:
         return np.asarray((self._rooms == home) & (home != 0))
 
     def leads_to(self, bases: Floats, reached: Masks) -> Masks:
-        """(b,): which of base poses (b, 3) stand on `reached` cells."""
+        """Return (b,) True for base poses (b, 3) on `reached` cells."""
         inside = self._grid.inside(bases[:, :2])
         cells = self._grid.to_cell(bases[inside, :2])
         found = np.zeros(len(bases), dtype=np.bool_)
@@ -54,13 +54,16 @@ class OpenFloor:
 def stands_clear(
     bases: Floats, bodies: Sequence[Shape], obstacles: Sequence[Shape], margin: float = 0.0
 ) -> Masks:
-    """(b,): base poses (b, 3) at which none of the robot's bodies is within `margin`, in [m], of an obstacle.
+    """Return (b,) True for base poses (b, 3) with all bodies of the robot farther than `margin` from
+    obstacles.
 
-    In space, by coal: a base may stand below what hangs high enough.
+    Checked in space, by coal: a base may be below an obstacle that hangs high enough.
 
     Args:
-        bodies: of the robot, posed in the frame of its base, as it stands while it drives.
-        obstacles: posed in world.
+        bases: (b, 3) base poses on the floor, x and y in [m], heading in [rad].
+        bodies: bodies of the robot, posed in the frame of its base, in its driving posture.
+        obstacles: obstacles, posed in world.
+        margin: minimum distance, in [m].
     """
     clear = np.ones(len(bases), dtype=np.bool_)
     for body in bodies:

@@ -19,9 +19,9 @@ from .untrackable import Untrackable
 Floats = NDArray[np.float64]
 Masks = NDArray[np.bool_]
 Sight = Callable[[float], ToolPath]
-"""How the hand looks at a landmark from a base of that heading in [rad]."""
+"""Motion of the hand with which it looks at a landmark from a base of that heading in [rad]."""
 Touches = Callable[[Floats, int], str]
-"""What is touched from a base pose (3,) at the goal of that number; nothing where all is clear."""
+"""Check that names the obstacle touched from a base pose (3,) at the goal of that number; empty if clear."""
 
 BESIDE = 0.05  # [m] by which a base stops beside its place
 TURNED = 0.05  # [rad]
@@ -40,12 +40,12 @@ _NO_SIGHT = "is reached only from where no landmark can be looked at"
 
 
 class Goal(NamedTuple):
-    """What the hand does at one place."""
+    """Work of the hand at one place."""
 
     work: ToolPath
-    """Its motion there: what it is scored along."""
+    """Motion of the hand there, along which it is scored."""
     looks: tuple[ToolPath, ...] = ()
-    """Where else it has to come."""
+    """Other poses that the hand must reach."""
 
 
 class Stop(NamedTuple):
@@ -80,19 +80,19 @@ class Table(NamedTuple):
 
 
 class StopPlacer:
-    """Divides goals, in their order, among stops of the base: what Placer is for paths.
+    """Divides goals, in their order, among stops of the base, as Placer does for paths.
 
     Hatano et al. (2000), section 3, split each goal into a pose of the base and a posture of the arm, and
-    leave open which. Here a stop is worth the directional manipulability (Shin 2005) along the motions at its
-    goals, and each stop more has to gain `cost`. A landmark must be in sight, and all of that must hold from
-    where the base may stop beside its place as well.
+    leave the choice open. Here the value of a stop is the directional manipulability (Shin 2005) along the
+    motions at its goals, and each additional stop has to gain `cost`. A landmark must be in sight, and all
+    of that must also hold from poses slightly off the stop.
     """
 
     def __init__(self, placer: Placer, sights: Sequence[Sight]) -> None:
         self._placer, self._sights = placer, sights
 
     def table(self, bases: Floats, goals: Sequence[Goal]) -> Table:
-        """Of base poses (b, 3)."""
+        """Return the table of base poses (b, 3) against goals."""
         values = np.zeros((len(bases), len(goals)))
         served = np.zeros((len(bases), len(goals)), dtype=np.bool_)
         sights = self._in_sight(bases)
@@ -113,16 +113,16 @@ class StopPlacer:
     def place(
         self, goals: Sequence[Goal], blocked: Blocked, touches: Touches | None = None, cost: float = 0.3
     ) -> tuple[Stop, ...]:
-        """The best stops.
+        """Return the best stops.
 
         Args:
             goals: in their order.
-            blocked: asked of many base poses.
-            touches: asked of the stops that are chosen.
-            cost: what one more stop has to gain, in scores of goals.
+            blocked: check of many base poses.
+            touches: check of the chosen stops.
+            cost: score that one more stop must gain, in scores of goals.
 
         Raises:
-            Untrackable: no stop serves a goal: its number, and why.
+            Untrackable: no stop serves a goal; names its number and the reason.
         """
         around = _joined(goals)
         candidates = self._placer.candidates(around)
@@ -145,7 +145,9 @@ class StopPlacer:
         raise Untrackable(bad[0][1], f"{bad[0][2]}; so it was with {_ATTEMPTS} divisions")
 
     def _also_beside(self, bases: Floats, path: ToolPath, good: Masks) -> Masks:
-        """Of base poses (b, 3) that are `good`: whether all of a path is reached also from beside them."""
+        """Return True for `good` base poses (b, 3) from whose neighbourhood the complete path is reached as
+        well.
+        """
         good = good.copy()
         for aside in ((0.0, 0.0, 0.0), *_ASIDE):
             some = np.flatnonzero(good)
@@ -171,7 +173,7 @@ class StopPlacer:
         blocked: Blocked,
         refused: Sequence[tuple[Floats, int, str]],
     ) -> tuple[Stop, ...]:
-        """The same number of stops, each moved to where it is worth more."""
+        """Return as many stops, each moved to a better score."""
         step, turn = self._placer.spacing
         for _ in range(_HALVINGS):
             step, turn = step / 2, turn / 2

@@ -1,8 +1,8 @@
-"""Fixation: turning the hand until the landmark is seen as planned, and what that tells of the base.
+"""Fixation: turn the hand until the landmark is seen as planned, and derive the base's error from it.
 
 Hatano et al., "Construction robot systems using mobile manipulators" (2000), sections 2 and 5.2, with the
-errors in its equations put right. The paper's frames here: M0 and M are the base as `planned` and as it
-stands, 6 the hand, C the camera, P0 the landmark, B0 the block's goal.
+errors in its equations corrected. The paper's frames here: M0 and M are the base as `planned` and the
+actual base, 6 the hand, C the camera, P0 the landmark, B0 the block's goal.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ class StopRule(NamedTuple):
     """eps2, about the camera's z, in [rad]."""
 
     def met(self, planned: Transform, seen: Transform) -> bool:
-        """Whether camera_T_landmark as `seen` is near enough to the `planned` one."""
+        """Return True if camera_T_landmark as `seen` is near enough to the `planned` one."""
         x, y = (seen[:2, 3] - planned[:2, 3]).tolist()
         return (
             abs(x) <= self.position and abs(y) <= self.position and self.turned(planned, seen) <= self.angle
@@ -40,9 +40,9 @@ PAPER_RULE = StopRule(0.0005, 0.2)
 
 
 class PlannedView(NamedTuple):
-    """How the landmark is to be seen from a base that stands where it should: relation A of the paper.
+    """View of the landmark from a base at its planned pose: relation A of the paper.
 
-    Its corrected equations, none of which needs to know where in the world all this is:
+    Its corrected equations, all independent of the pose in the world:
 
         (4)   dT_C = C0_T_P0 · C_T_P0⁻¹                                     `camera_error`
         (9)   W_T_M0 · M0_T_60 · 60_T_C0 · dT_C = W_T_M · M_T_60 · 60_T_C0  follows from (1), (2) and (4)
@@ -70,10 +70,10 @@ class PlannedView(NamedTuple):
         return base_T_hand @ self.hand_T_camera @ back @ inverse(self.hand_T_camera)
 
     def travelling_error(self, base_T_hand: Transform, camera_T_landmark: Transform) -> Transform:
-        """dT_M, planned_T_base: where the base stands, seen from where it should.
+        """Return dT_M, planned_T_base: the actual pose of the base in the planned one.
 
-        Eq. 11 with the posture that the next move would give: what was left when fixation stopped is thus
-        taken in. At the planned posture this is eq. 5.
+        Eq. 11 with the posture that the next move would give, so that the remaining error of the fixation
+        is included. At the planned posture this is eq. 5.
         """
         return self.travelling_error_by_posture(self.next_hand(base_T_hand, camera_T_landmark))
 
@@ -86,9 +86,10 @@ class PlannedView(NamedTuple):
 
 
 def placing_posture(planned_T_base: Transform, planned_T_goal: Transform) -> Transform:
-    """base_T_goal: what the arm must reach from where the base stands (eq. 7, and eq. 6 for the hand).
+    """Return base_T_goal, the pose that the arm must reach from the actual base (eq. 7, and eq. 6 for the
+    hand).
 
-    `planned_T_base` is dT_M, `planned_T_goal` is M0_T_B0, the posture from where the base should stand.
+    `planned_T_base` is dT_M, `planned_T_goal` is M0_T_B0, the posture from the planned base.
     """
     return inverse(planned_T_base) @ planned_T_goal
 
@@ -99,8 +100,9 @@ def split_goal(world_T_goal: Transform, world_T_base: Transform) -> Transform:
 
 
 def on_floor(planned_T_base: Transform) -> Pose2:
-    """The same error of a base that can but drive: x, y in [m] and heading in [rad]; tilt and height fall
-    away."""
+    """Return the error of a base that can only drive: x, y in [m] and heading in [rad], without tilt and
+    height.
+    """
     turn = planned_T_base[:3, :3]
     heading = math.atan2(turn[1, 0] - turn[0, 1], turn[0, 0] + turn[1, 1])
     return Pose2(float(planned_T_base[0, 3]), float(planned_T_base[1, 3]), heading)

@@ -14,33 +14,38 @@ Floats = NDArray[np.float64]
 
 
 class Rates(NamedTuple):
-    """What angles tell of a `SuspensionModel`: all but the height of the pivot."""
+    """Parameters of a `SuspensionModel` that angles reveal: all but the height of the pivot."""
 
     yaw_per_swing: float
-    """In [rad]."""
+    """Yaw of the base for each swing, in [rad]."""
     roll_per_m: float
-    """In [rad/m]; 0 where no laser pointed sideways."""
+    """Roll of the base for each metre of reach, in [rad/m]; 0 without a laser that points sideways."""
     pitch_per_m: float
-    """In [rad/m]; 0 where no laser pointed ahead."""
+    """Pitch of the base for each metre of reach, in [rad/m]; 0 without a laser that points ahead."""
 
 
 class SpotShift(NamedTuple):
-    """How far the spot of a laser has moved on the wall since the reference posture, and after what."""
+    """Motion of a laser's spot on the wall since the reference posture, and the arm's motion that caused
+    it.
+    """
 
     reach: tuple[float, float]
-    """How far the hand has moved along the base's x and y since then, in [m]."""
+    """Motion of the hand along the base's x and y since then, in [m]."""
     swings: float
     """Moves out and back since then."""
     left: float
-    """Of the spot along the wall, to the left as seen from the robot, in [m]."""
+    """Motion of the spot along the wall, to the left as seen from the robot, in [m]."""
     up: float
-    """Of the spot, in [m]."""
+    """Upward motion of the spot, in [m]."""
 
 
 def spot_on_wall(world_T_base: Transform, base_T_laser: Transform, world_T_wall: Transform) -> Floats:
-    """Where on the wall (2,) the spot is: (x, y) of the wall's frame in [m], whose plane is z = 0.
+    """Return the position (2,) of the spot: (x, y) of the wall's frame in [m], whose plane is z = 0.
 
-    The beam goes along the laser's x axis. Raises ValueError for a beam that doesn't meet the wall.
+    The beam points along the laser's x axis.
+
+    Raises:
+        ValueError: the beam doesn't meet the wall.
     """
     wall_T_laser = inverse(world_T_wall) @ world_T_base @ base_T_laser
     start, along = wall_T_laser[:3, 3], wall_T_laser[:3, 0]
@@ -51,18 +56,21 @@ def spot_on_wall(world_T_base: Transform, base_T_laser: Transform, world_T_wall:
 
 
 def turned(shift: SpotShift, distance: float) -> tuple[float, float]:
-    """How far the beam has turned to the left and up, in [rad], for a wall at right angles to it.
+    """Return the beam's turn to the left and up, in [rad], for a wall at right angles to it.
 
-    `distance` [m] is from the pointer to the wall, as in the paper: that the pointer itself moves isn't seen.
+    `distance` [m] is from the pointer to the wall, as in the paper: the pointer's own motion is neglected.
     """
     return float(np.arctan2(shift.left, distance)), float(np.arctan2(shift.up, distance))
 
 
 def fit_spots(ahead: Sequence[SpotShift], left: Sequence[SpotShift], distance: float) -> Rates:
-    """The rates, by least squares, from spots of a laser that points ahead (+x) and of one to the left (+y).
+    """Fit the rates, by least squares, from spots of a laser that points ahead (+x) and of one to the left
+    (+y).
 
-    Either may be empty; the paper has the one to the left. Raises ValueError where hand and arm moved too
-    little to tell a rate.
+    Either may be empty; the paper has the one to the left.
+
+    Raises:
+        ValueError: hand and arm moved too little to fit a rate.
     """
     yaws = [(shift.swings, turned(shift, distance)[0]) for shift in (*ahead, *left)]
     # A beam ahead sinks with the front, one to the left rises with it.

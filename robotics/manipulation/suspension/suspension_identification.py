@@ -28,7 +28,7 @@ class Swing(NamedTuple):
     """One move of the arm: where it took the hand, counted from the reference posture."""
 
     base_T_hand: Transform
-    """By the joints, (4, 4)."""
+    """Pose of the hand by the joints, (4, 4)."""
     reference: Transform
     """base_T_hand at the reference posture, (4, 4)."""
     swings: float
@@ -40,9 +40,9 @@ class Sighting(NamedTuple):
 
     swing: Swing
     corners: Floats
-    """Where its corners are printed on the sheet, (4, 3) in [m]."""
+    """Printed positions of its corners on the sheet, (4, 3) in [m]."""
     rays: Floats
-    """Where they are seen, (4, 2), as `Landmark.rays`."""
+    """Rays to its corners in the picture, (4, 2), as `Landmark.rays`."""
 
 
 class SuspensionFit(NamedTuple):
@@ -52,16 +52,18 @@ class SuspensionFit(NamedTuple):
     sigmas: SuspensionModel
     """Standard deviation of each parameter; 0 for those that were given."""
     rms: float
-    """Of what the model leaves unexplained: in [m]; of sightings, 1 if they are as good as was said."""
+    """Root mean square of the residuals: in [m]; of sightings, 1 if they are as good as stated."""
 
 
 def fit_displacements(
     swings: Sequence[Swing], displacements: Floats, known: Mapping[str, float] | None = None
 ) -> SuspensionFit:
-    """The model from displacements (n, 3) of the hand in [m], in the base as it stood at the reference.
+    """Fit the model to displacements (n, 3) of the hand in [m], in the base frame at the reference.
 
-    `known` gives parameters that aren't to be found. Raises ValueError where the swings can't tell one of the
-    others.
+    `known` gives parameters that aren't fitted.
+
+    Raises:
+        ValueError: the swings don't determine one of the others.
     """
 
     def residuals(model: SuspensionModel, _: Floats) -> Floats:
@@ -78,15 +80,17 @@ def fit_sightings(
     known: Mapping[str, float] | None = None,
     arm_error: float = 3e-4,
 ) -> SuspensionFit:
-    """The model from landmarks of one sheet, seen from many postures.
+    """Fit the model to landmarks of one sheet, seen from many postures.
 
-    What the arm is off by, with a standard deviation of `arm_error` [m] along each axis, moves the corners of
-    a landmark together, and sideways more than it changes their size: each sighting is weighed so, or the
-    heights, which tell the lean from the pivot, would be lost in what the arm does sideways.
+    The arm's error, with a standard deviation of `arm_error` [m] along each axis, moves the corners of a
+    landmark together, and sideways more than it changes their size: each sighting is weighted so.
+    Otherwise the heights, which separate tilt from pivot, would be lost in the arm's sideways error.
 
-    Where the sheet lies is found as well, its height and its tilt too: at the reference posture the base
-    leans already, by what nobody knows yet. `base_T_sheet` (4, 4) need be good to a few centimetres only.
-    Raises ValueError where the sightings can't tell a parameter.
+    The pose of the sheet is fitted as well, its height and its tilt too: at the reference posture the base
+    is already tilted by an unknown angle. `base_T_sheet` (4, 4) need be good to a few centimetres only.
+
+    Raises:
+        ValueError: the sightings don't determine a parameter.
     """
     seen = np.array([each.rays for each in sightings])
     weights = np.array([_weight(each, hand_T_camera, base_T_sheet, arm_error) for each in sightings])

@@ -1,7 +1,7 @@
-"""How the base yaws and leans when the arm moves, and where hand and block then are.
+"""Yaw and tilt of the base when the arm moves, and the resulting poses of hand and block.
 
-Hatano et al., "Construction robot systems using mobile manipulators" (2000), section 4. The paper's pitch is
-about the base's x axis (its blocks stand in a row along y); here that is roll, as in URDF.
+Hatano et al., "Construction robot systems using mobile manipulators" (2000), section 4. The paper's pitch
+is around the base's x axis (its blocks are in a row along y); here that is roll, as in URDF.
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ Floats = NDArray[np.float64]
 
 
 def base_motion(yaw: float, roll: float = 0.0, pitch: float = 0.0, pivot: float = 0.0) -> Transform:
-    """The base as it has turned, in the base as it was: dPsi · dPhi of eq. 12, in [rad].
+    """Return the turned base in the frame of the base before: dPsi · dPhi of eq. 12, in [rad].
 
-    It leans about a point of its z axis at the height `pivot` in [m], which the paper leaves out.
+    It tilts around a point of its z axis at the height `pivot` in [m], which the paper omits.
     """
     lean = transform((0.0, 0.0, pivot)) @ transform(rpy=(roll, pitch, 0.0)) @ transform((0.0, 0.0, -pivot))
     return np.asarray(transform(rpy=(0.0, 0.0, yaw)) @ lean)
@@ -33,16 +33,16 @@ class SuspensionModel(NamedTuple):
     """
 
     yaw_per_swing: float
-    """In [rad]."""
+    """Yaw of the base for each swing, in [rad]."""
     roll_per_m: float
-    """For each metre that the hand is to the left (+y); negative where the left side sinks. In [rad/m]."""
+    """Roll in [rad/m] for each metre of the hand to the left (+y); negative if the left side sinks."""
     pitch_per_m: float
-    """For each metre that the hand is in front (+x); positive where the front sinks. In [rad/m]."""
+    """Pitch in [rad/m] for each metre of the hand to the front (+x); positive if the front sinks."""
     pivot: float
     """Height of the axes of lean above the base frame's origin, in [m]."""
 
     def motion(self, base_T_hand: Transform, reference: Transform, swings: float) -> Transform:
-        """reference_T_base: how the base has moved since the hand stood at `reference` (base_T_hand).
+        """Return reference_T_base: the base's motion since the hand was at `reference` (base_T_hand).
 
         `swings` were made in between. That is dPsi · dPhi of eq. 12.
         """
@@ -50,11 +50,13 @@ class SuspensionModel(NamedTuple):
         return np.asarray(base_motion(self.yaw_per_swing * swings) @ lean)
 
     def displaced(self, base_T_hand: Transform, reference: Transform, swings: float) -> Transform:
-        """Where the hand truly is, in the base as it stood at `reference` (eq. 12)."""
+        """Return the true pose of the hand, in the base frame at `reference` (eq. 12)."""
         return self.motion(base_T_hand, reference, swings) @ base_T_hand
 
     def corrected(self, base_T_goal: Transform, reference: Transform, swings: float) -> Transform:
-        """base_T_hand to command, for the hand to come to `base_T_goal` (in the base as at `reference`)."""
+        """Return the base_T_hand to command so that the hand comes to `base_T_goal` (in the base frame at
+        `reference`).
+        """
         command = base_T_goal
         for _ in range(_REFINEMENTS):
             command = inverse(self.motion(command, reference, swings)) @ base_T_goal
@@ -76,10 +78,10 @@ def stacking_error(world_T_goal: Transform, world_T_block: Transform) -> Floats:
 def processed_error(
     world_T_goal: Transform, world_T_block: Transform, world_T_base: Transform, motion: Transform
 ) -> Floats:
-    """E_x, E_y (2,) in [m] without what the base's `motion` did: the paper's processed error (section 5.4).
+    """Return E_x, E_y (2,) in [m] without the effect of the base's `motion`: processed error (section 5.4).
 
-    `world_T_base` is the base as it stood at the reference posture, `motion` is `base_motion` with the
-    angles measured for this block.
+    `world_T_base` is the base at the reference posture, `motion` is `base_motion` with the angles measured
+    for this block.
     """
     undone = world_T_base @ inverse(motion) @ inverse(world_T_base) @ world_T_block
     return stacking_error(world_T_goal, undone)

@@ -1,4 +1,4 @@
-"""By how much the base turns each time that the arm swings, from its heading between the swings."""
+"""Yaw of the base for each swing of the arm, estimated from its heading between the swings."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _FEWEST = 3  # of steps between stops
 
 
 class SwingYaw(NamedTuple):
-    """What the headings tell."""
+    """Estimate of the yaw for each swing."""
 
     yaw_per_swing: float
     """Mean, in [rad]."""
@@ -22,7 +22,7 @@ class SwingYaw(NamedTuple):
     spread: float
     """Standard deviation of a single swing's, in [rad]."""
     spread_sigma: float
-    """How well that is known."""
+    """Standard error of the spread."""
     noise: float
     """Standard deviation of one look's heading, in [rad]."""
 

@@ -1,4 +1,4 @@
-"""Joint angles that keep a tool on a path, from a base that stands."""
+"""Joint angles that keep a tool on a path, with the base at rest."""
 
 from __future__ import annotations
 
@@ -26,15 +26,15 @@ _SINGULAR = 1e-3
 class ToolFollower:
     """Inverse kinematics point after point, each from the one before, so that the arm keeps its branch.
 
-    For a base that didn't stop where it was planned, call `joints` with where it was measured to stand, near
-    the angles that were planned: the tool is on the path again, as exactly as the base was measured.
+    If a base didn't stop at its planned pose, call `joints` with its measured pose, near the planned
+    angles: the tool is on the path again, as exactly as the base was measured.
 
-    An arm with joints to spare, a free turn of the tool included, keeps away from its limits meanwhile.
+    A redundant arm, a free turn of the tool included, keeps away from its limits meanwhile.
 
     Args:
         arm: the arm; all its joints turn.
         free: the turn of the tool that the path leaves free.
-        azimuth_tolerance: for FreeTurn.VERTICAL, in [rad].
+        azimuth_tolerance: used with FreeTurn.VERTICAL, in [rad].
     Raises:
         ValueError: a joint slides.
     """
@@ -97,7 +97,7 @@ class ToolFollower:
         return np.asarray(q + ease * min(1.0, _EASES / max(1e-12, float(np.abs(ease).max()))))
 
     def _limit(self, q: Floats) -> str:
-        """Which joints stopped the arm, in words."""
+        """Return the names of the joints at their limits, for messages."""
         held = ~self.arm.endless & (np.minimum(q - self.arm.lower, self.arm.upper - q) < 1e-6)
         names = [name for name, at_limit in zip(self.arm.joint_names, held, strict=True) if at_limit]
         return f": {', '.join(names)} at the limit" if names else ""

@@ -76,12 +76,15 @@ def tool_path(
     longest_step: float = LONGEST_STEP,
     longest_turn: float = LONGEST_TURN,
 ) -> ToolPath:
-    """The path through world_T_tool `poses` (p, 4, 4).
+    """Return the path through world_T_tool `poses` (p, 4, 4).
 
     Args:
-        longest_step, longest_turn: between two points, in [m] and [rad]; more is a jump.
+        poses: (p, 4, 4) world_T_tool.
+        longest_step: maximum distance between two points, in [m]; more is a jump.
+        longest_turn: maximum turn between two points, in [rad]; more is a jump.
     Raises:
-        Untrackable: a point has a NaN, is no pose, repeats the one before or jumps; the first one is named.
+        Untrackable: a point has a NaN, is not a pose, repeats the one before or jumps; the first one is
+            named.
         ValueError: fewer than two poses.
     """
     poses = np.asarray(poses, dtype=np.float64)
@@ -123,7 +126,9 @@ def _check(poses: Floats, longest_step: float, longest_turn: float) -> None:
 
 
 def _check_steps(steps: Floats, rotations: Floats, longest_step: float, longest_turn: float) -> None:
-    """Of the points before the first that is no pose."""
+    """Raise `Untrackable` if a step repeats a point or jumps; covers the points before the first invalid
+    pose.
+    """
     turned = np.zeros(len(steps))
     if len(steps) > 1:
         turned[1:] = np.linalg.norm(_turns(rotations), axis=1)

@@ -1,4 +1,4 @@
-"""How much of its joints' limits an arm uses while it tracks."""
+"""Utilization of an arm's joint limits while it tracks."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class LimitUse(NamedTuple):
 
 
 class ArmLoad:
-    """Torques of an arm in motion, by the recursive Newton-Euler algorithm; the base stands upright.
+    """Torques of an arm in motion, by the recursive Newton-Euler algorithm; the base is upright.
 
     Attributes:
         torque: limits (n,) of the URDF, in [Nm].
@@ -49,15 +49,19 @@ class ArmLoad:
         return arm.of_arm(pin.rnea(self._model, self._data, *moved))
 
     def push(self, q: Floats, force: Floats) -> Floats:
-        """(n,) in [Nm]: for a force (3,) of the tool on its surroundings, in [N] and the base's axes."""
+        """Return the torques (n,) in [Nm] for a force (3,) of the tool on its surroundings, in [N] and the
+        base's axes.
+        """
         return np.asarray(self._arm.jacobian(q)[:3].T @ force)
 
     def use(self, set_points: Floats, period: float, torque: Floats, push: Floats | None = None) -> LimitUse:
-        """What set-points (k, n), one each `period` in [s], take from rest to rest.
+        """Return the use of the limits by set-points (k, n), one each `period` in [s], from rest to rest.
 
         Args:
+            set_points: (k, n) joint angles, in [rad].
+            period: time between two set-points, in [s].
             torque: limits (n,), in [Nm].
-            push: torques (k, n) that the tool's work takes, in [Nm]; they may point either way.
+            push: torques (k, n) of the tool's work, in [Nm]; they may point either way.
         """
         padded = np.vstack((set_points[:1], set_points, set_points[-1:]))
         steps = np.diff(padded, axis=0) / period

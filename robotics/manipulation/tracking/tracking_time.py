@@ -32,14 +32,14 @@ class TimedTracking(NamedTuple):
     lengths: Floats
     """(k,): how far along the path each is, in [m]."""
     use: LimitUse
-    """What they take of the limits, at every set-point; nothing above 1."""
+    """Use of the limits, at every set-point; nothing above 1."""
 
 
 class TrackingLimits(NamedTuple):
-    """What the arm may do while it tracks."""
+    """Limits of the arm while it tracks."""
 
     speed: float
-    """Of the tool, in [m/s]."""
+    """Maximum speed of the tool, in [m/s]."""
     acceleration: Floats
     """(n,), in [rad/s²]."""
     torque: Floats
@@ -88,14 +88,19 @@ def time_tracking(
 def time_evenly(
     arm: ArmModel, path: ToolPath, angles: Floats, limits: TrackingLimits, ramp: float, period: float
 ) -> TimedTracking:
-    """Set-points at one speed of the tool but for a ramp at both ends: for a base that drives along.
+    """Return set-points at one speed of the tool with a ramp at both ends, for a base that drives along.
 
     Args:
-        arm, path, angles, limits, period: as for `time_tracking`.
+        arm: as for `time_tracking`.
+        path: as for `time_tracking`.
+        angles: as for `time_tracking`.
+        limits: as for `time_tracking`.
         ramp: acceleration along the path at its ends, in [m/s²].
+        period: as for `time_tracking`.
 
     Raises:
-        Untrackable, ValueError: as for `time_tracking`; ValueError also where `ramp` isn't above zero.
+        Untrackable: as for `time_tracking`.
+        ValueError: as for `time_tracking`, or `ramp` isn't above zero.
     """
     if min(limits.speed, ramp, *limits.torque, period) <= 0.0 or limits.force < 0.0:
         raise ValueError("speed, ramp, torque and period must be above zero, the force not below")

@@ -141,8 +141,7 @@ def _stretch_clearance(
     column: int,
     limit: float,
 ) -> float:
-    """Return the least distance of a stretch within one cell to any blocked square, or `limit` if that is
-    less.
+    """Return the least distance of a stretch within one cell to any blocked square, at most `limit`.
 
     It is -1 within a blocked square, 0 on its border.
 

@@ -16,14 +16,14 @@ STEPS = 32
 
 
 class ExpectedEchoes(NamedTuple):
-    """What each beam of a scan should show."""
+    """Expected echo of each beam of a scan."""
 
     met: NDArray[np.bool_]
     """(n,) whether it meets an occupied cell of the map within reach."""
     cells: NDArray[np.int64]
-    """(n,) number of the first such cell in the map, by rows; -1 where there is none."""
+    """Number (n,) of the first such cell in the map, by rows; -1 if the beam meets none."""
     ranges: NDArray[np.float64]
-    """(n,) how far it is, in [m]; infinity where there is none."""
+    """Range (n,) of that cell, in [m]; infinity if the beam meets none."""
 
 
 def expected_echoes(

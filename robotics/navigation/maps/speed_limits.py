@@ -30,7 +30,7 @@ class SpeedLimits(NamedTuple):
     multiplier: float
 
     def at(self, points: NDArray[np.float64], top: float) -> NDArray[np.float64]:
-        """Return the speed (n,) allowed at points (n, 2), in [m/s], for a robot with that top speed."""
+        """Return the speed limits (n,) at points (n, 2) of a robot with that top speed, both in [m/s]."""
         nothing = np.zeros(self.values.shape, dtype=np.bool_)
         grid = GridMap(nothing, nothing, self.resolution, *self.origin)
         cells, inside = grid.to_cell(points), grid.inside(points)

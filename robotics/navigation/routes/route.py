@@ -33,7 +33,7 @@ class Route(NamedTuple):
     """A way to drive, from where the robot is to where it is to be."""
 
     points: NDArray[np.float64]
-    """Points (n, 2) in [m], evenly spaced by about a cell; the first is the start, the last the goal."""
+    """Points (n, 2) in [m], evenly spaced by roughly a cell; the first is the start, the last the goal."""
     clearance: NDArray[np.float64]
     """(n,) least distance to any blocked cell's square along the stretches that meet at each point, in [m].
 

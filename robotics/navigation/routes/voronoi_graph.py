@@ -81,7 +81,7 @@ class VoronoiGraph:
     radius: float
     """Radius by which obstacles were grown, in [m]."""
     squares: BlockedSquares
-    """Blocked squares of the map, for exact distances."""
+    """Blocked squares of the map, used for exact distances."""
     need: float
     """Clearance of every way, in [cells]: the radius less rounding, and always more than touching."""
     clearance: NDArray[np.float32]

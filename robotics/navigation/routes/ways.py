@@ -49,7 +49,7 @@ class Way(NamedTuple):
     part.
     """
     route: Route | None
-    """Route to the goal; None if there is no route."""
+    """Route to the goal, or None."""
     why: Why
     """Reason why the goal has no route."""
     narrow: tuple[float, float] | None = None
