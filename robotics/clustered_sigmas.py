@@ -1,4 +1,4 @@
-"""How well least squares know their result where measurements are wrong in groups."""
+"""Accuracy of a least-squares result whose measurements have errors in groups."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ _POSE = 6  # numbers that a group can tell at most: it is wrong as a pose is
 def clustered_sigmas(
     jacobian: Floats, residuals: Floats, groups: NDArray[np.integer], best: float = 0.0
 ) -> Floats:
-    """Standard deviations (k,) of parameters found by least squares; infinite where nothing tells them.
+    """Return standard deviations (k,) of parameters found by least squares; infinite for undetermined ones.
 
-    What was measured from one posture is off alike by the arm's error. So residuals of a group count
-    together: the clustered "sandwich" estimate (Liang and Zeger, 1986), and a group for no more than a pose's
+    Measurements from one posture share the arm's error. So residuals of a group count together: the
+    clustered "sandwich" estimate (Liang and Zeger, 1986), and a group counts at most as much as a pose's
     six numbers.
 
     Args:
         jacobian: (n, k) at the result.
         residuals: (n,).
         groups: (n,) numbers from 0.
-        best: no residual is believed to be smaller than this (rms).
+        best: lower bound of the residuals (rms).
     """
     parameters = jacobian.shape[1]
     scales = np.linalg.norm(jacobian, axis=0)

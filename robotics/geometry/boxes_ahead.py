@@ -1,4 +1,4 @@
-"""How far straight ways go until they meet a box."""
+"""Length of straight lines until they meet a box."""
 
 from __future__ import annotations
 

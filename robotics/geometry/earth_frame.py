@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 
 class EarthFrame:
-    """An azimuthal equidistant projection about a field's origin: x is east, y north, on WGS 84.
+    """An azimuthal equidistant projection around a field's origin: x is east, y north, on WGS 84.
 
     Right to a millimetre within 10 km.
     """

@@ -1,4 +1,4 @@
-"""How far straight ways go until they meet rough ground."""
+"""Length of straight lines until they meet rough ground."""
 
 from __future__ import annotations
 

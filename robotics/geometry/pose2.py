@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 
 def wrap(angle: float) -> float:
-    """The same angle in (-pi, pi], in [rad]."""
+    """Return the angle wrapped to (-pi, pi], in [rad]."""
     return -((math.pi - angle) % (2.0 * math.pi) - math.pi)
 
 
@@ -58,7 +58,7 @@ class Pose2(NamedTuple):
         return abs(wrap(self.theta - other.theta))
 
     def lift(self, z: float = 0.0) -> NDArray[np.float64]:
-        """The same pose in space, (4, 4), at height `z` in [m]."""
+        """Return the pose in space, (4, 4), at height `z` in [m]."""
         cos, sin = math.cos(self.theta), math.sin(self.theta)
         return np.array(
             [[cos, -sin, 0.0, self.x], [sin, cos, 0.0, self.y], [0.0, 0.0, 1.0, z], [0.0, 0.0, 0.0, 1.0]]

@@ -54,12 +54,12 @@ def apply(a_T_b: Transform, points: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def distance(a_T_b: Transform, a_T_c: Transform) -> float:
-    """How far the origins of b and c are apart, in [m]."""
+    """Return the distance between the origins of b and c, in [m]."""
     return float(np.linalg.norm(a_T_b[:3, 3] - a_T_c[:3, 3]))
 
 
 def difference(a_T_b: Transform, a_T_c: Transform) -> tuple[float, float]:
-    """How far b and c are apart: distance in [m], and angle of the turn between them in [rad]."""
+    """Return the distance between b and c in [m], and the angle of the turn between them in [rad]."""
     # Late: whatever reads a robot's file imports this module, and few ask for an angle.
     from scipy.spatial.transform import Rotation
 

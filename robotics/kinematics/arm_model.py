@@ -21,21 +21,21 @@ Vector = NDArray[np.float64]
 class ArmModel:
     """The joints `joint_names` of a URDF robot, from its link `base` to its link `tip`.
 
-    All other joints (wheels, fingers) stand still: at `others[name]` in [rad] or [m], else at zero; those
-    that mimic one of the arm's follow it, wherever they are in the tree. A joint that slides has [m] where
-    others have [rad]. Poses are given in `base`. A link's mesh counts as its convex hull; its file is named
-    by an absolute path.
-    An object holds work space: use it from one thread at a time.
+    All other joints (wheels, fingers) are fixed: at `others[name]` in [rad] or [m], otherwise at zero;
+    those that mimic one of the arm's follow it, at any place in the tree. A joint that slides has [m]
+    where others have [rad]. Poses are given in `base`. A link's mesh counts as its convex hull; its file
+    is named by an absolute path. An object holds work space: use it from one thread at a time.
 
     Attributes:
         lower, upper: joint limits (n,), in [rad]; of a continuous joint -pi and pi, one turn of many.
-        endless: (n,) whether a joint is continuous: it has no limits, see `within` and `nearest`.
+        endless: (n,) True for continuous joints: they have no limits, see `within` and `nearest`.
         followers: names (k,) of joints that mimic one of the arm's.
         velocity: joint speed limits (n,), in [rad/s].
-        slides: (n,) whether a joint is prismatic, so that its numbers are in [m].
+        slides: (n,) True for prismatic joints, whose numbers are in [m].
         allowed: pairs of links that may touch each other.
     Raises:
-        ValueError: a joint or link is not in the URDF, a mesh can't be read, or the arm moves `base` itself.
+        ValueError: a joint or link is not in the URDF, a mesh can't be read, or the arm moves `base`
+            itself.
     """
 
     def __init__(
@@ -84,9 +84,9 @@ class ArmModel:
         self._base_T_root = self._root_T_base.inverse()
 
     def with_others(self, others: Mapping[str, float]) -> ArmModel:
-        """The same arm with other joints standing elsewhere, for example fingers opened to hold a book.
+        """Return the arm with other joints at other positions, for example fingers opened to hold a book.
 
-        Asked again, it is the same object.
+        Repeated calls return the same object.
         """
         key = tuple(sorted(others.items()))
         if key not in self._alike:
@@ -124,7 +124,9 @@ class ArmModel:
         return np.where(self.endless, q + 2.0 * np.pi * turns, q)
 
     def forward(self, q: Vector, frame: str | None = None) -> Transform:
-        """base_T_frame (4, 4) at the joint angles `q` (n,) in [rad]; `frame` is any link, else the tip."""
+        """Return base_T_frame (4, 4) at the joint angles `q` (n,) in [rad]; `frame` is any link, the tip if
+        None.
+        """
         index = self._tip_id if frame is None else self._frame(frame)
         key = q.tobytes(), index
         placement = self._last_poses.get(key)
@@ -231,16 +233,20 @@ class ArmModel:
         return [shape for body, shape in bodies if body.parentJoint > 0]
 
     def for_collision(self) -> tuple[pin.Model, pin.GeometryModel, pin.SE3]:
-        """For a collision checker: Pinocchio's model, its own copy of the bodies, and root_T_base."""
+        """Return the data of a collision checker: Pinocchio's model, a copy of the bodies, and
+        root_T_base.
+        """
         return self._model, self._geometry.copy(), self._root_T_base
 
     def tip_mount(self) -> tuple[int, pin.SE3]:
-        """For a collision checker: Pinocchio's index of the joint that carries the tip, and joint_T_tip."""
+        """Pinocchio's index of the joint that carries the tip, and joint_T_tip: data of a collision
+        checker.
+        """
         frame = self._model.frames[self._tip_id]
         return frame.parentJoint, frame.placement
 
     def ordered(self, q: Vector) -> Vector:
-        """Return the angles (m,) of all joints that move, in Pinocchio's order, for those of the arm (n,)."""
+        """Return the angles (m,) of all movable joints, in Pinocchio's order, given those of the arm (n,)."""
         if self._spread is not None:
             return np.asarray(self._spread @ q + self._offset)
         result = np.empty(self.dof)

@@ -37,10 +37,10 @@ def coal_body(shape: Shape) -> object:
 
 
 def shape_of(geometry: object, pose: Transform, name: str) -> Shape:
-    """A geometry of coal as a shape; a mesh as its convex hull.
+    """Return a geometry of coal as a shape; a mesh as its convex hull.
 
     Raises:
-        ValueError: it is something else, or a mesh without volume.
+        ValueError: it is another kind of geometry, or a mesh without volume.
     """
     match geometry:
         case pin.coal.Box():

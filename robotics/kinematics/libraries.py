@@ -1,6 +1,6 @@
-"""Libraries that only robots with arms need: imported when something of them is first used.
+"""Libraries that only robots with arms need, imported on first use.
 
-So a module that names an arm costs nothing, and asks for nothing, where there is none.
+So a module that names an arm costs nothing, and needs no library, on a robot without one.
 """
 
 from __future__ import annotations
@@ -12,10 +12,10 @@ __all__ = ["fcl", "pin"]
 
 
 class LazyLibrary:
-    """Stands for a library; an attribute that is asked for imports it, and is kept.
+    """Proxy of a library that is imported when one of its attributes is first used.
 
     Raises:
-        ImportError: at that moment, where the library is missing.
+        ImportError: at that moment, if the library is missing.
     """
 
     def __init__(self, name: str) -> None:

@@ -1,4 +1,4 @@
-"""Convex bodies that stand for robot links, furniture and held objects."""
+"""Convex bodies of robot links, furniture and held objects."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ from handcart.robotics.geometry.transform import Transform
 
 @dataclass(frozen=True, eq=False)
 class Box:
-    """A box about its centre: `pose` (4, 4), `size` along its own x, y, z in [m]."""
+    """A box centred at `pose` (4, 4), with `size` along its own x, y, z in [m]."""
 
     pose: Transform
     size: tuple[float, float, float]
     name: str = "box"
 
     def seen_from(self, a_T_b: Transform) -> Box:
-        """The same box of the frame b, posed in a."""
+        """Return the box of the frame b, posed in a."""
         return Box(a_T_b @ self.pose, self.size, self.name)
 
 
 @dataclass(frozen=True, eq=False)
 class Cylinder:
-    """A cylinder about its centre: `pose` (4, 4), axis along its own z; `radius`, `length` in [m]."""
+    """A cylinder centred at `pose` (4, 4), axis along its own z; `radius`, `length` in [m]."""
 
     pose: Transform
     radius: float
@@ -35,7 +35,7 @@ class Cylinder:
 
 @dataclass(frozen=True, eq=False)
 class Sphere:
-    """A ball about its centre: `pose` (4, 4), `radius` in [m]."""
+    """A ball centred at `pose` (4, 4), `radius` in [m]."""
 
     pose: Transform
     radius: float

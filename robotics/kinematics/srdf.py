@@ -1,4 +1,4 @@
-"""What a SRDF, MoveIt's file beside a URDF, says of links that may touch."""
+"""Reading of the links that may touch from an SRDF, MoveIt's file next to a URDF."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from handcart.robotics.kinematics.urdf_reading import UrdfFaults, read_xml
 
 
 def disabled_pairs(text: str) -> list[tuple[str, str]]:
-    """Pairs of links that need no check against each other, as `disable_collisions` has them.
+    """Return the pairs of links in `disable_collisions`, which need no check against each other.
 
     Raises:
-        UrdfFaults: the text is no SRDF, or a pair lacks a link.
+        UrdfFaults: the text is not an SRDF, or a pair lacks a link.
     """
     robot = read_xml(text)
     if robot.tag != "robot":

@@ -18,7 +18,7 @@ class Part(NamedTuple):
     onto: str
     """The link that carries it."""
     xyz: tuple[float, float, float]
-    """Where the part's root link stands in that link, in [m]."""
+    """Position of the part's root link in that link, in [m]."""
     rpy: tuple[float, float, float]
     """Its roll, pitch and yaw there, in [rad], as in a URDF."""
     prefix: str = ""
@@ -26,10 +26,10 @@ class Part(NamedTuple):
 
 
 def with_part(urdf_text: str, part: Part) -> str:
-    """A URDF with another one fixed onto a link of it. Only links, joints and materials are taken over.
+    """Return a URDF with another one fixed onto a link of it. Only links, joints and materials are copied.
 
     Raises:
-        ValueError: one of the two can't be read, the link isn't there, or both have a name.
+        ValueError: one of the two can't be read, the link is missing, or both have a name.
     """
     robot, added = read_urdf(urdf_text), read_urdf(part.urdf_text)
     links = _names(robot, "link")
@@ -57,8 +57,8 @@ def with_mesh_files(
 
     Args:
         urdf_text: the URDF.
-        found: gives the new name of a mesh for the one in the URDF.
-        unit_m: gives the unit of the coordinates in a mesh file in [m], for the name in the URDF.
+        found: returns the new name of a mesh, given the one in the URDF.
+        unit_m: returns the unit of the coordinates in a mesh file in [m], given the name in the URDF.
     """
     robot = read_urdf(urdf_text)
     for mesh in robot.iter("mesh"):
@@ -70,7 +70,7 @@ def with_mesh_files(
 
 
 def _multiply_scale(mesh: ElementTree.Element, factor: float) -> None:
-    """Multiply the scale of a mesh; one of a visual mesh that is no list of numbers stays as it is."""
+    """Multiply the scale of a mesh; keep a scale of a visual mesh that is not a list of numbers."""
     try:
         scales = [factor * float(word) for word in mesh.get("scale", "1 1 1").split()]
     except ValueError:
@@ -84,18 +84,18 @@ Names = dict[str, str]
 def with_names(
     urdf_text: str, links: Sequence[tuple[str, str]], joints: Sequence[tuple[str, str]]
 ) -> tuple[str, Names, Names]:
-    """A URDF with some links and joints named anew, and by their old names what these are called now.
+    """Return a URDF with some links and joints renamed, and maps from the old names to the new ones.
 
-    A joint that is named anew takes the link that it moves along. A second name of a link becomes a frame
-    fixed on it. What has a name already that is given to another gets an underscore behind it.
+    A renamed joint is the one that moves that link. A second name of a link becomes a frame fixed on it.
+    An element whose name is given to another gets an underscore appended.
 
     Args:
-        urdf_text: where all of them are.
+        urdf_text: the URDF that holds all of them.
         links: old and new name.
         joints: old and new name.
 
     Raises:
-        ValueError: the text is no URDF.
+        ValueError: the text is not a URDF.
     """
     robot = read_urdf(urdf_text)
     now: dict[str, Names] = {"link": {}, "joint": {}}
@@ -143,10 +143,10 @@ def _frame(robot: ElementTree.Element, onto: str, name: str) -> ElementTree.Elem
 
 
 def root_link(robot: ElementTree.Element) -> str:
-    """The link that no joint moves.
+    """Return the link that no joint moves.
 
     Raises:
-        ValueError: there are none or several.
+        ValueError: the URDF has none or several.
     """
     children = {child.get("link") for child in robot.findall("joint/child")}
     roots = [name for name in _names(robot, "link") if name not in children]

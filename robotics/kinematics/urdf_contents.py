@@ -1,4 +1,4 @@
-"""What stands in a URDF: joints with limits, links with masses, bodies, meshes."""
+"""Contents of a URDF: joints with limits, links with masses, bodies, meshes."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from handcart.robotics.kinematics.urdf_reading import known_urdf
 from handcart.robotics.kinematics.urdf_tree import MOVABLE
 
 INERTIA_ROUNDED = 1e-9
-"""By this share of its largest moment an inertia may not be that of a body: rounding took it."""
+"""Share of its largest moment by which an inertia may violate a body's conditions, because of rounding."""
 
 
 class JointFacts(NamedTuple):
@@ -59,18 +59,30 @@ class MeshUse(NamedTuple):
 
 
 def link_names(urdf_text: str) -> list[str]:
-    """The names of all links; raises ValueError where the text is no URDF."""
+    """Return the names of all links.
+
+    Raises:
+        ValueError: the text is not a URDF.
+    """
     return [each.get("name", "") for each in known_urdf(urdf_text).findall("link")]
 
 
 def joints_of(urdf_text: str) -> list[JointFacts]:
-    """The joints that move, in the file's order; raises ValueError where the text is no URDF."""
+    """Return the movable joints, in the file's order.
+
+    Raises:
+        ValueError: the text is not a URDF.
+    """
     moving = [each for each in known_urdf(urdf_text).findall("joint") if each.get("type") in MOVABLE]
     return [_joint(each) for each in moving]
 
 
 def links_of(urdf_text: str) -> list[LinkFacts]:
-    """The links, in the file's order; raises ValueError where the text is no URDF."""
+    """Return the links, in the file's order.
+
+    Raises:
+        ValueError: the text is not a URDF.
+    """
     return [_link(each) for each in known_urdf(urdf_text).findall("link")]
 
 
@@ -89,7 +101,11 @@ def links_with_bodies(urdf_text: str) -> list[str]:
 
 
 def meshes_of(urdf_text: str) -> list[MeshUse]:
-    """The meshes, in the file's order; raises ValueError where the text is no URDF."""
+    """Return the meshes, in the file's order.
+
+    Raises:
+        ValueError: the text is not a URDF.
+    """
     return [
         MeshUse(link.get("name", ""), kind, mesh.get("filename", ""), _scale(mesh))
         for link in known_urdf(urdf_text).findall("link")
@@ -113,7 +129,7 @@ def bodies_of(urdf_text: str) -> list[Shape]:
 
 
 def _body(solid: ElementTree.Element, pose: Transform, link: str) -> Shape:
-    """Of the four kinds that a sound URDF has; for a mesh alone coal is asked."""
+    """Return the shape of one of the four kinds that a sound URDF has; only a mesh needs coal."""
     match solid.tag:
         case "box":
             return Box(pose, triple(solid, "size"), link)

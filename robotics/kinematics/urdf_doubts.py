@@ -1,4 +1,4 @@
-"""What is doubtful about a URDF's joints: limits in other units, followers driven beyond their limits."""
+"""Doubtful facts of a URDF's joints: limits in other units, followers driven beyond their limits."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def _mimic_doubt(
 
 
 def _driven(joint: UrdfElement, joints: Mapping[str, UrdfElement]) -> Range | None:
-    """Where the joint's leader takes it, itself driven by another or not; None if nothing limits that."""
+    """Return the range over which the joint's leader drives it, through chains too; None if unlimited."""
     factor, offset = 1.0, 0.0
     for _ in range(_MAX_CHAIN):
         mimic = joint.find("mimic")

@@ -53,7 +53,7 @@ def urdf_faults(text: str) -> list[UrdfFault]:
 
 
 def _expression(robot: UrdfElement) -> UrdfFault | None:
-    """Where the file is one for xacro, or wasn't made by it to the end."""
+    """Return a fault if the file is a xacro file, or holds unexpanded xacro expressions."""
     how = "allowed: what `xacro FILE > robot.urdf` makes of it"
     for each in _elements(robot):
         if "xacro" in str(each.tag):
@@ -67,7 +67,7 @@ def _expression(robot: UrdfElement) -> UrdfFault | None:
 
 
 def _within(robot: UrdfElement, element: UrdfElement) -> str:
-    """The link or joint that an element stands in, for the head of a message."""
+    """Return the link or joint that holds an element, as the head of a message."""
     for kind in ("link", "joint"):
         for each in _children(robot, kind):
             if any(element is part for part in each.iter()):
@@ -328,7 +328,7 @@ def _colour_fault(title: str, colour: UrdfElement) -> Iterator[UrdfFault]:
 
 
 def _float(text: str) -> float | None:
-    """A finite number as C's `strtod` reads it; None for anything else."""
+    """Return a finite number as C's `strtod` reads it; None if it is not one."""
     try:
         value = float(text)
     except ValueError:

@@ -1,4 +1,4 @@
-"""Where the links of a URDF stand while all its joints are at zero: by their origins, asking no library."""
+"""Poses of the links of a URDF with all its joints at zero, computed from origins without any library."""
 
 from __future__ import annotations
 
@@ -19,7 +19,11 @@ def origin_of(element: ElementTree.Element) -> Transform:
 
 
 def link_poses(urdf_text: str) -> dict[str, Transform]:
-    """Pose (4, 4) of each link in the root link; raises ValueError where the text is no URDF."""
+    """Return the pose (4, 4) of each link in the root link.
+
+    Raises:
+        ValueError: the text is not a URDF.
+    """
     robot = known_urdf(urdf_text)
     above = {_end(joint, "child"): joint for joint in robot.findall("joint")}
     found: dict[str, Transform] = {}

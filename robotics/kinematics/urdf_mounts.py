@@ -1,4 +1,4 @@
-"""Which joints of a URDF move a link, and which move one link against another."""
+"""Joints of a URDF that move a link, or one link against another."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ def joints_above(urdf_text: str, link: str) -> list[str]:
 
     Args:
         urdf_text: a sound URDF.
-        link: name of a link; of an unknown one no joint is returned.
+        link: name of a link; an unknown one gives an empty list.
 
     Raises:
-        ValueError: the text is no URDF.
+        ValueError: the text is not a URDF.
     """
     above = {}
     for joint in known_urdf(urdf_text).findall("joint"):
@@ -38,7 +38,7 @@ def joints_between(urdf_text: str, link: str, other: str) -> list[str]:
         other: name of another link.
 
     Raises:
-        ValueError: the text is no URDF.
+        ValueError: the text is not a URDF.
     """
     own, others = joints_above(urdf_text, link), joints_above(urdf_text, other)
     return [name for name in own if name not in others] + [name for name in others if name not in own]

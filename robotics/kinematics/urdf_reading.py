@@ -1,4 +1,4 @@
-"""Reading a URDF so that each element knows where it stands in its file."""
+"""Reading of URDFs whose elements know their position in the file."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ class UrdfFault(NamedTuple):
     line: int
     column: int
     message: str
-    """Reads "what is wrong; what is allowed", and names the link or joint."""
+    """Message "what is wrong; what is allowed", with the name of the link or joint."""
     mild: bool = False
-    """Whether the URDF can be used all the same."""
+    """True if the URDF is usable nevertheless."""
 
 
 class UrdfFaults(ValueError):
-    """A text that is no sound URDF, with all that was found."""
+    """Error of a text that is not a sound URDF, with all its faults."""
 
     def __init__(self, faults: Iterable[UrdfFault]) -> None:
         self.faults = tuple(faults)
@@ -31,7 +31,7 @@ class UrdfFaults(ValueError):
 
 
 class UrdfElement(ElementTree.Element):
-    """An element of XML, and where its tag begins; 0 for one that stands in no file."""
+    """An element of XML, and the position of its tag; 0 for one that comes from no file."""
 
     line: int = 0
     column: int = 0
@@ -42,10 +42,10 @@ class UrdfElement(ElementTree.Element):
 
 
 def read_urdf(text: str) -> UrdfElement:
-    """The URDF's root element.
+    """Return the URDF's root element.
 
     Raises:
-        UrdfFaults: it is not well-formed XML, declares entities, or is no robot.
+        UrdfFaults: it is not well-formed XML, declares entities, or is not a robot.
     """
     robot = read_xml(text)
     if robot.tag != "robot":
@@ -55,7 +55,7 @@ def read_urdf(text: str) -> UrdfElement:
 
 @lru_cache(maxsize=8)
 def known_urdf(text: str) -> UrdfElement:
-    """The same of a text that may have been read before: nobody changes what is given."""
+    """Return the URDF's root element, cached; callers must not change it."""
     return read_urdf(text)
 
 

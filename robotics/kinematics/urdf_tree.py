@@ -23,26 +23,27 @@ Element = ElementTree.Element
 
 
 def kinematic_urdf(urdf_text: str) -> str:
-    """The same robot with only what kinematics asks for, so that no library stumbles over anything else.
+    """Return the robot with only the elements that kinematics needs, so that no library fails on others.
 
-    Left are links with masses and collision bodies, and joints; a joint that floats is fixed.
+    Kept are links with masses and collision bodies, and joints; a floating joint becomes fixed.
 
     Raises:
-        ValueError: the text is no URDF.
+        ValueError: the text is not a URDF.
     """
     return _text(_kinematic(known_urdf(urdf_text)))
 
 
 def urdf_of_arm(urdf_text: str, moving: Collection[str], standing: Mapping[str, float]) -> str:
-    """The URDF with only the joints `moving` left movable, and those that follow one of them.
+    """Return the URDF with only the joints `moving` left movable, and those that follow one of them.
 
-    Those that follow move by themselves here: see `followers_of`. Every other joint becomes fixed where it
-    stands: at `standing[name]` in [rad] or [m], else at zero; one that mimics another where that has it. A
-    moving continuous joint becomes a revolute one limited to -pi to pi: Pinocchio would describe it by a
-    cosine and a sine, and we want one number a joint. Visual bodies are left out.
+    Followers move independently here: see `followers_of`. Every other joint becomes fixed at its position:
+    at `standing[name]` in [rad] or [m], otherwise at zero; one that mimics another at the position that
+    follows from it. A moving continuous joint becomes a revolute one limited to -pi to pi: Pinocchio would
+    describe it by a cosine and a sine, and we want one number a joint. Visual bodies are dropped.
 
     Raises:
-        ValueError: the text is no URDF, or one of the names is no movable joint of it, or one that follows
+        ValueError: the text is not a URDF, or one of the names is not a movable joint of it, or one that
+            follows
             another.
     """
     return _urdf_of_arm(urdf_text, tuple(moving), tuple(standing.items()))
@@ -76,12 +77,12 @@ def followers_of(urdf_text: str, moving: Collection[str]) -> dict[str, tuple[str
 
 
 def joint_leaders(urdf_text: str) -> dict[str, tuple[str, float, float]]:
-    """By the name of each joint that mimics another: the one that leads, a factor and an offset.
+    """Return for the name of each joint that mimics another: its leader, a factor and an offset.
 
-    Chains are followed to their head; one that mimics what isn't there counts as free.
+    Chains are followed to their head; one that mimics a missing joint counts as free.
 
     Raises:
-        ValueError: the text is no URDF.
+        ValueError: the text is not a URDF.
     """
     return _leaders({joint.get("name", ""): joint for joint in known_urdf(urdf_text).findall("joint")})
 

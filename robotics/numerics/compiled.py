@@ -11,7 +11,7 @@ from typing import Any, TypeVar, cast
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 AHEAD: dict[str, list[tuple[Kernel, str]]] = {}
-"""By module: what `compiled_for` has compiled, and for which arguments."""
+"""Functions compiled by `compiled_for` in each module, with their argument types."""
 
 
 WAITING: list[Callable[[], None]] = []
@@ -31,7 +31,9 @@ class Kernel:
 
     @cached_property
     def dispatcher(self) -> Any:
-        """Numba's; what it compiles is kept on disk for the next process, where there is room for it."""
+        """Numba's dispatcher; its machine code is cached on disk for the next process, if there is room for
+        it.
+        """
         import numba
 
         for listen in WAITING:
@@ -44,14 +46,14 @@ class Kernel:
 
     @property
     def _numba_type_(self) -> Any:
-        """What it is to a compiled function that calls it."""
+        """Type of the function within a compiled caller."""
         return self.dispatcher._numba_type_
 
     def __call__(self, *arguments: Any) -> Any:
         return self.dispatcher(*arguments)
 
     def __reduce__(self) -> str | tuple[Any, ...]:
-        """As a function: by its name, if it has one in its module."""
+        """Pickle like a function: by its name, if it has one in its module."""
         name = self._function.__qualname__
         return (Kernel, (self._function,)) if "<locals>" in name else name
 
@@ -62,9 +64,10 @@ def compiled(function: Function) -> Function:
 
 
 def compiled_for(arguments: str) -> Callable[[Function], Function]:
-    """The same where it takes long: with the types that it is called with, another process can begin with it.
+    """Compile a slow-to-compile function with known argument types, so that another process can start on it
+    early.
 
-    `arguments` as numba has them, such as "(f8[:,::1], i8)"; see `compiling_ahead`.
+    `arguments` in numba's notation, such as "(f8[:,::1], i8)"; see `compiling_ahead`.
     """
 
     def compiles(function: Function) -> Function:
@@ -104,7 +107,7 @@ def _listen(heard: Callable[[bool], None]) -> Callable[[], None]:
     from numba.core import event
 
     class Listener(event.Listener):
-        """What a function calls is compiled while it is: that is one compiling."""
+        """Counts compilations; functions compiled on behalf of a caller count with the caller."""
 
         depth = 0
 

@@ -18,9 +18,10 @@ MOST = 3  # processes besides this one
 
 @contextmanager
 def compiling_ahead() -> Iterator[None]:
-    """Within it, as soon as something is compiled here, the other cores begin with what was imported last.
+    """Let the other cores compile the modules imported last, as soon as something is compiled in this
+    context.
 
-    What they make is found on disk by whoever needs it then. Where there is one core, nothing happens; where
+    This process finds their results on disk when it needs them. With one core, nothing happens; if
     processes can't be started, all is compiled here. They end with this process, however that ends.
     """
     begun: list[subprocess.Popen[bytes]] = []
@@ -52,7 +53,7 @@ def compile_modules(modules: list[str]) -> None:
 
 
 def types_of(arguments: str) -> tuple[Any, ...]:
-    """Numba's types of what `compiled_for` was told."""
+    """Return numba's types of an argument of `compiled_for`."""
     from numba.core.sigutils import normalize_signature
 
     found: tuple[Any, ...] = cast(Any, normalize_signature)(arguments)[0]
@@ -79,7 +80,7 @@ def _cores() -> int:
 
 
 def _end_with_parent() -> None:
-    """Whoever began this process holds the other end of its input."""
+    """Wait until the parent process, which holds the other end of standard input, ends."""
     while os.read(sys.stdin.fileno(), 1):
         pass
     os._exit(0)

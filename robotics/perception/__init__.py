@@ -1,1 +1,1 @@
-"""From pixels to tags, labels, spines and gaps."""
+"""Detection of tags, labels, spines and gaps in images."""

@@ -140,11 +140,12 @@ def _leaps(
 def around_corners(
     free: NDArray[np.bool_], squares: BlockedSquares, need: float, way: NDArray[np.int64]
 ) -> NDArray[np.float64]:
-    """A way over cells (n, 2), with the free cell beside put in where a step over a corner is too narrow.
+    """Return a path over cells (n, 2), with a neighbouring free cell inserted if a step over a corner is too
+    narrow.
 
     Args:
         free: (h, w) cells whose centres have the room needed.
-        squares: what is blocked.
+        squares: blocked squares of the map.
         need: clearance that a step must have, in [cells].
         way: cells, row and column; stretches that are longer than a step have the clearance.
     """

@@ -1,4 +1,4 @@
-"""Where the top of a block stands in a picture."""
+"""Pose of the top face of a block in a picture."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from handcart.robotics.perception.blocks.rectangle_edges import fit_rectangle
 from handcart.robotics.perception.cameras.camera_model import CameraModel, Floats, GreyImage
 
 TURN = 0.35
-"""How far from the expected heading a block is looked for, in [rad]."""
+"""Largest difference from the expected heading, in [rad]."""
 _ANGLES = np.linspace(-TURN, TURN, 11)
 _M_PER_PX = 0.0016  # of the picture of the plane in which guesses are looked for
 _LEAST_SIZE = 0.015  # [m]
@@ -35,16 +35,19 @@ def find_block(
     expected: Pose2,
     within: float,
 ) -> Pose2 | None:
-    """plane_T_block of the top face of a block, length x width `size` [m], in the plane z = 0 of a frame.
+    """Return plane_T_block of the top face of a block, length x width `size` [m], in the plane z = 0 of a
+    frame.
 
-    Its middle is looked for within `within` [m] of `expected`, its x (along its length) within `TURN` of the
-    expected one. The face must be wholly in the image (h, w), of one shade, and brighter than what is seen
-    beside it; one of its four edges may border on something as bright, and is then believed to be where the
-    size says.
+    Its centre is searched within `within` [m] of `expected`, its x (along its length) within `TURN` of the
+    expected one. The face must be completely in the image (h, w), of one shade, and brighter than its
+    surroundings; one of its four edges may border on something as bright, and is then placed according to
+    the size.
 
-    None where no such face is, or one whose size is 2 mm off. A lower block shows smaller: blocks of
-    one kind in several layers are told apart. Raises ValueError where the plane doesn't lie before the
-    camera, and for a size of less than 15 mm.
+    The result is None if no such face is found, or its size is 2 mm off. A lower block looks smaller,
+    which separates blocks of one kind in several layers.
+
+    Raises:
+        ValueError: the plane doesn't lie before the camera, or the size is less than 15 mm.
     """
     if min(size) < _LEAST_SIZE:
         raise ValueError(
@@ -59,7 +62,7 @@ def find_block(
 
 
 def _guesses(view: PlaneView, size: tuple[float, float], expected: Pose2, within: float) -> Iterator[Pose2]:
-    """Where the face may be, the best guess first, good to about a millimetre and 0.04 rad."""
+    """Yield rough poses of the face, the best guess first, good to 1 mm and 0.04 rad."""
     picture = _picture(view, expected, math.hypot(*size) / 2 + within)
     scores = _scores(picture, size, within)
     count = scores.shape[1]
@@ -91,7 +94,7 @@ def _picture(view: PlaneView, expected: Pose2, half: float) -> GreyImage:
 
 
 def _scores(picture: GreyImage, size: tuple[float, float], within: float) -> Floats:
-    """How much a face of that size stands out at each place (turns, n, n)."""
+    """Return the contrast of a face of that size at each turn and position (turns, n, n)."""
     reach = math.ceil(within / _M_PER_PX) + 1
     half = [each / 2 / _M_PER_PX for each in size]
     # From the middle to the middles of the strips inside and outside of an edge.

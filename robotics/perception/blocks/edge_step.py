@@ -1,4 +1,4 @@
-"""Where greys step down across an edge, to a fraction of a pixel."""
+"""Positions of falling grey steps across an edge, to a fraction of a pixel."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from scipy.special import ndtr
 from handcart.robotics.perception.cameras.camera_model import Floats
 
 PLACES: Floats = np.arange(-5.0, 5.25, 0.5)
-"""Where a profile is sampled, from inside to outside, in [px]."""
+"""Sample positions of a profile, from inside to outside, in [px]."""
 _AT: Floats = np.arange(-2.4, 2.5, 0.2)
 _WIDTHS: Floats = np.array([1.0, 1.2, 1.4, 1.7, 2.0, 2.4, 2.8, 3.2, 3.8, 4.4, 5.0, 6.0])
 _BLURS: Floats = np.arange(0.65, 1.46, 0.05)
@@ -32,7 +32,7 @@ class Steps(NamedTuple):
     at: Floats
     """(k,) in [px]."""
     drop: Floats
-    """(k,) in grey levels; 0 where there is none."""
+    """Height (k,) of each step in grey levels; 0 without a step."""
     model: Floats
     """(k, 21) the profiles as fitted."""
 
@@ -91,7 +91,7 @@ def fit_steps(profiles: Floats, away: Bools, least: float) -> Steps:
 
 
 def _blur(left: Floats) -> int:
-    """Which of the blurs fits edges of one step best, by the mean of all."""
+    """Return the index of the blur that fits edges of one step best, by the mean of all."""
     each = left.reshape(len(_BLURS), len(_AT), -1).min(axis=1)
     there = np.isfinite(each).all(axis=0)
     return round(float(each[:, there].argmin(axis=0).mean())) if there.any() else _USUAL
@@ -115,7 +115,9 @@ def _best(models: _Models, left: Floats, weights: Floats) -> _Fit:
 
 
 def _between(left: Floats, best: NDArray[np.intp]) -> Floats:
-    """How far from the best place the minimum of a parabola through it and its neighbours is, in [px]."""
+    """Return the offset from the best position to the minimum of a parabola through it and its neighbours, in
+    [px].
+    """
     each = np.arange(left.shape[1])
     inner = (best % len(_AT) > 0) & (best % len(_AT) < len(_AT) - 1)
     before, after = (left[np.where(inner, best + d, best), each] for d in (-1, 1))
@@ -126,7 +128,7 @@ def _between(left: Floats, best: NDArray[np.intp]) -> Floats:
 
 @cache
 def _singles() -> _Models:
-    """For all blurs, all places."""
+    """Return the models of single steps, with all blurs at all positions."""
     return _Models(*(np.concatenate(parts) for parts in zip(*map(_single, range(len(_BLURS))), strict=True)))
 
 
@@ -137,7 +139,7 @@ def _single(blur: int) -> _Models:
 
 @cache
 def _double(blur: int) -> _Models:
-    """For all widths, all places."""
+    """Return the models of double steps, with all widths at all positions."""
     width, at = (each.ravel() for each in np.meshgrid(_WIDTHS, _AT, indexing="ij"))
     return _models(at, width, float(_BLURS[blur]))
 

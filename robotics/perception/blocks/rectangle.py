@@ -21,7 +21,7 @@ _ENDS = 0.08  # of an edge at each end is left out: the blurred corners
 
 
 class Rectangle(NamedTuple):
-    """Where a rectangle is in a plane; its pose is that of its middle."""
+    """A rectangle in a plane; its pose is that of its centre."""
 
     pose: Pose2
     half: Floats

@@ -61,8 +61,9 @@ def fit_rectangle(view: PlaneView, size: tuple[float, float], guess: Pose2) -> P
 
 
 def _by_far_edges(view: PlaneView, wanted: Floats, rough: Rectangle) -> Rectangle:
-    """The rectangle of the size that is wanted, with its far edges where they are: beneath a near edge a face
-    is seen whose foot may have been taken for the edge.
+    """Return the rectangle of the wanted size at its far edges.
+
+    Below a near edge a side face is visible, whose foot may have been taken for the edge.
     """
     eye = view.eye(rough.pose)[:2]
     towards = np.where(np.abs(eye) > rough.half, np.sign(eye), 0.0)
@@ -112,13 +113,17 @@ def _m_per_px(view: PlaneView, rectangle: Rectangle) -> Floats:
 
 
 def _lit(segments: Floats) -> Bools:
-    """Which segments (4, k, m) are darker further out: an edge may border partly on what is as bright."""
+    """Return True for segments (4, k, m) that are darker further out: an edge may border partly on a bright
+    thing.
+    """
     smooth = segments[..., 2:] + segments[..., 1:-1] + segments[..., :-2]
     return np.asarray(smooth[..., :3].mean(axis=-1) - smooth.min(axis=-1) >= 3 * _LEAST_DROP)
 
 
 def _usual(segments: Floats, lit: Bools) -> Floats:
-    """(4, m) the median of each edge's segments that are lit: what lies beneath may change along an edge."""
+    """Return the median (4, m) of each edge's lit segments, because the background may change along an
+    edge.
+    """
     if lit.all():
         return np.asarray(np.median(segments, axis=1))
     chosen = [each[there] if there.any() else each for each, there in zip(segments, lit, strict=True)]
@@ -126,7 +131,9 @@ def _usual(segments: Floats, lit: Bools) -> Floats:
 
 
 def _displaced(segments: Floats, model: Floats) -> Floats:
-    """How far further out than the model (4, m) each segment (4, k, m) is, in [px], to first order."""
+    """Return how much further out than the model (4, m) each segment (4, k, m) is, in [px], to first
+    order.
+    """
     slope = (model[:, 2:] - model[:, :-2]) / (PLACES[2] - PLACES[0])
     slope -= slope.mean(axis=1, keepdims=True)
     differs = np.matmul((segments - model[:, None])[..., 1:-1], slope[..., None])[..., 0]
@@ -134,10 +141,10 @@ def _displaced(segments: Floats, model: Floats) -> Floats:
 
 
 def _enclosed(last: Rectangle, wanted: Floats, edges: _Edges) -> Rectangle | None:
-    """Middle, turn and both sizes by least squares.
+    """Fit centre, turn and both sizes by least squares.
 
-    Where only one of two edges is sure, they are as far apart as wanted, and by as much farther as the other
-    two are: bright things look larger than they are, on all sides.
+    If only one of two opposite edges is sure, their distance is the wanted one, plus the excess of the
+    other two: bright things look larger than they are, on all sides.
     """
     if edges.seen.sum() < 3 or edges.lit[edges.seen].sum() < _LEAST_IN_ALL:
         return None
@@ -168,7 +175,7 @@ def _enclosed(last: Rectangle, wanted: Floats, edges: _Edges) -> Rectangle | Non
 
 
 def _one_shade(view: PlaneView, rectangle: Rectangle) -> bool:
-    """Whether the inside differs from evenly changing light by little more than noise."""
+    """Return True if the inside differs from evenly changing light by little more than noise."""
     count = 16
     x, y = rectangle.half - _INSIDE
     rows = np.linspace(-y, y, count)
@@ -186,7 +193,9 @@ def _one_shade(view: PlaneView, rectangle: Rectangle) -> bool:
 
 
 def _goes_on(view: PlaneView, rectangle: Rectangle) -> bool:
-    """Whether both edges next to the missing one go on beyond it: then the thing is larger than wanted."""
+    """Return True if both edges next to the missing one continue beyond it: then the thing is larger than
+    wanted.
+    """
     missing = int(np.flatnonzero(~rectangle.seen)[0])
     sides = [(missing - 1) % 4, (missing + 1) % 4]
     out = (4.0 * _m_per_px(view, rectangle))[sides, None, None] * OUT[sides][:, None]

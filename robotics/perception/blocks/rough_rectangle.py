@@ -1,4 +1,4 @@
-"""The edges of a bright rectangle to about a pixel."""
+"""Edges of a bright rectangle, to a pixel."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def _sheared(greys: Floats, share: Floats, half: Floats) -> Floats:
 
 
 def _drops(profiles: Floats) -> Floats:
-    """By how much two samples are brighter than two others three further out, (..., m - 4)."""
+    """Return how much brighter two samples are than two others three further out, (..., m - 4)."""
     pairs = profiles[..., :-1] + profiles[..., 1:]
     return np.asarray(pairs[..., :-3] - pairs[..., 3:]) / 2
 

@@ -15,7 +15,7 @@ _PATTERN = re.compile(r"\s*(\d{3})(?:\s*\.\s*(\d{1,6}))?\s*([A-Z]{1,4})\s*", re.
 class CallNumber:
     """A call number: `dewey` ("512"), `decimals` as written ("7" of 512.7, may be empty), `letters` ("NAG").
 
-    Shelf order goes digit by digit, so 512.15 stands before 512.7, then by letters. 512.7 and 512.70 are two
+    Shelf order is digit by digit, so 512.15 comes before 512.7, then by letters. 512.7 and 512.70 are two
     spellings of one number and equal.
     """
 
@@ -25,7 +25,7 @@ class CallNumber:
 
     @property
     def place(self) -> tuple[str, str, str]:
-        """What order and equality go by. Zeros at the end of a decimal fraction say nothing."""
+        """Key of order and equality. Zeros at the end of a decimal fraction are ignored."""
         return self.dewey, self.decimals.rstrip("0"), self.letters
 
     def __eq__(self, other: object) -> bool:

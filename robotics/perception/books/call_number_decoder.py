@@ -1,4 +1,4 @@
-"""From a text recogniser's letter probabilities to the likeliest call number."""
+"""Decoding of a text recogniser's letter probabilities to the likeliest call number."""
 
 from __future__ import annotations
 
@@ -42,11 +42,14 @@ class CallNumberDecoder:
     """Finds the likeliest call number `ddd[.d...] LLL` in a recogniser's (CTC) outputs.
 
     Prefix beam search (Graves et al., "Connectionist temporal classification", 2006; Hannun et al., 2014)
-    that only follows prefixes of call numbers. What isn't in the outputs is not made up: no path, no text.
+    that only follows prefixes of call numbers. Nothing is invented: without a path in the outputs, no
+    text.
     """
 
     def __init__(self, characters: Sequence[str], letters: int = 3, max_decimals: int = 4) -> None:
-        """`characters`: what each column of the recogniser's output stands for; column 0 is the blank."""
+        """Create a decoder; `characters` are those of the recogniser's output columns, column 0 is the
+        blank.
+        """
         columns = {character: i for i, character in enumerate(characters)}
         self._groups = [
             [columns[alias] for alias in _ALIASES.get(symbol, symbol) if alias in columns]

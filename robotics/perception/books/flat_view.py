@@ -34,10 +34,14 @@ def flat_view(
     m_per_px: float = _M_PER_PX,
     heights: tuple[float, float] | None = None,
 ) -> View:
-    """The part of the plane x = 0 of the shelf that the image shows, lens and slant undone.
+    """Return the part of the plane x = 0 of the shelf that the image shows, without lens distortion and
+    slant.
 
-    `mask` (h, w) is True where the image shows the shelf (False: a held book stands before it); `heights`
-    limits z in [m]. Raises ValueError when the camera doesn't look at the shelf's front.
+    `mask` (h, w) is True where the image shows the shelf (False: a held book hides it); `heights` limits z
+    in [m].
+
+    Raises:
+        ValueError: the camera doesn't look at the shelf's front.
     """
     stops = np.array([0.0, 0.5, 1.0])
     # The view bulges: the middles of its sides are as far out as its corners.

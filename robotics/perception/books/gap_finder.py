@@ -1,4 +1,4 @@
-"""Where on a shelf a book belongs."""
+"""Search for a book's slot on a shelf."""
 
 from __future__ import annotations
 
@@ -14,8 +14,11 @@ _LEAST_EXTRA = 0.002
 
 
 class GapFound(NamedTuple):
-    """The slot for a book: `left` > `right`, y in the shelf frame in [m]; `before` and `after` are the call
-    numbers read next to it that stand in order (None at an end of the row); `misplaced` those that don't."""
+    """The slot for a book: `left` > `right`, y in the shelf frame in [m].
+
+    `before` and `after` are the call numbers read next to it that are in order (None at an end of the
+    row); `misplaced` those that aren't.
+    """
 
     left: float
     right: float
@@ -33,9 +36,9 @@ class GapFound(NamedTuple):
 
 
 class NoGap(NamedTuple):
-    """There is no slot for the book, and why: in words, and as a number of what against its limit.
+    """Reason why the book has no slot: as text, and as a number with its unit and its limit.
 
-    `at` is y in the shelf frame in [m] where the book belongs, None where that isn't known.
+    `at` is y in the shelf frame in [m] of the position at which the book belongs, None if unknown.
     """
 
     reason: str
@@ -53,13 +56,14 @@ def find_gap(
     max_extra: float = 0.010,
     misplacement: bool = True,
 ) -> GapFound | NoGap:
-    """The slot between the right neighbours, at least 2 mm and at most `max_extra` [m] wider than the book.
+    """Return the slot between the right neighbours, at least 2 mm and at most `max_extra` [m] wider than the
+    book.
 
-    The right place is the one that leaves the most books in order: the longest non-decreasing subsequence of
-    what stands to the left and is not above `call_number`, and of what stands to the right and is not below
-    it. A misplaced book is in neither, wherever it stands. Unread books fit everywhere; but directly beside
-    the slot one might belong on its other side. With `misplacement` False only the two reads next to each
-    slot are asked.
+    The right place is the one that leaves the most books in order: the longest non-decreasing subsequence
+    of the books to the left that are not above `call_number`, and of those to the right that are not below
+    it. A misplaced book is in neither, at any place. Unread books fit everywhere; but directly next to the
+    slot one might belong on its other side. With `misplacement` False only the two reads next to each slot
+    are checked.
     """
     numbers = [book.call_number for book in reading.books]
     if all(number is None for number in numbers):
@@ -100,12 +104,12 @@ def find_gap(
 
 
 def _index(reading: ShelfReading, gap: Gap) -> int:
-    """How many books stand to the left of a gap."""
+    """Return the number of books to the left of a gap."""
     return sum(book.centre > (gap.left + gap.right) / 2 for book in reading.books)
 
 
 def _at(reading: ShelfReading, place: int) -> float | None:
-    """y where a book put in at that place would stand between its neighbours, in [m]."""
+    """Return y of a book inserted at that place between its neighbours, in [m]."""
     sides = [book.right for book in reading.books[:place][-1:]] + [
         book.left for book in reading.books[place : place + 1]
     ]
@@ -157,7 +161,7 @@ def ordered(numbers: Sequence[CallNumber]) -> list[CallNumber]:
 def _neighbours(
     numbers: Sequence[CallNumber | None], wanted: CallNumber, places: Sequence[int]
 ) -> tuple[CallNumber | None, CallNumber | None]:
-    """The reads in order that stand next to the places, on the left and on the right."""
+    """Return the ordered reads next to the places, on the left and on the right."""
     left = ordered(_only(numbers[: min(places)], below=wanted))
     right = ordered(_only(numbers[max(places) :], above=wanted))
     return (left[-1] if left else None), (right[0] if right else None)

@@ -1,4 +1,4 @@
-"""Where a label stands on the front of a shelf."""
+"""Position of a label on the front of a shelf."""
 
 from __future__ import annotations
 
@@ -11,9 +11,11 @@ from handcart.robotics.perception.cameras.camera_model import Floats
 
 
 class LabelBox(NamedTuple):
-    """Where a label stands: `centre` (y, z) and `along` (unit vector towards its foot) on the plane x = 0 of
-    the shelf frame, `length` along the spine and `width` across it in [m]. `paper`: its rim was seen, else
-    it is but print on bright ground.
+    """A label's rectangle: `centre` (y, z) and `along` (unit vector towards its foot) on the plane x = 0 of
+    the shelf.
+
+    `length` is along the spine and `width` across it in [m]. `paper`: True if its border was seen, False
+    if it is only print on bright ground.
     """
 
     centre: tuple[float, float]
@@ -24,7 +26,7 @@ class LabelBox(NamedTuple):
 
     @property
     def lean(self) -> float:
-        """How far it is turned to the left, in [rad]."""
+        """Turn to the left, in [rad]."""
         return math.atan2(-self.along[0], -self.along[1])
 
     @property

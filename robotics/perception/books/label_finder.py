@@ -57,7 +57,7 @@ def _papers(view: View) -> list[GreyImage]:
 
 
 def _within(box: LabelBox, other: LabelBox) -> bool:
-    """Whether a box has its middle in another one."""
+    """Return True if the centre of a box is in another one."""
     return (
         abs(box.centre[0] - other.centre[0]) < other.width / 2
         and abs(box.centre[1] - other.centre[1]) < other.length / 2

@@ -41,7 +41,7 @@ class Label(NamedTuple):
 
 
 class Reading(NamedTuple):
-    """What a reader made of one crop."""
+    """Result of a reader on one crop."""
 
     text: str
     confidence: float
@@ -56,7 +56,7 @@ class LabelReader(ABC):
 
     crop_height_px = 48
     crop_height_m = 0.0085
-    """What a crop shows of a line whose capitals are 5 mm high; it is scaled with them."""
+    """Height of a crop of a line whose capitals are 5 mm high; it is scaled with them."""
     least_confidence = 0.5
 
     def __init__(self, catalogue: Sequence[CallNumber] | None = None) -> None:
@@ -74,11 +74,14 @@ class LabelReader(ABC):
         mask: NDArray[np.bool_] | None = None,
         known: Sequence[Label] = (),
     ) -> list[Label]:
-        """The labels wholly visible in `image`, from left to right.
+        """Return the labels completely visible in `image`, from left to right.
 
         `camera_T_shelf` (4, 4) may be a few millimetres and degrees off; `mask` (h, w) is True where the
-        image shows the shelf. What another view surely read at a label's place (`known`) isn't read again.
-        Raises ValueError when the camera doesn't look at the shelf's front.
+        image shows the shelf. Labels that another view read with certainty at their place (`known`) aren't
+        read again.
+
+        Raises:
+            ValueError: the camera doesn't look at the shelf's front.
         """
         boxes = find_labels(image, camera, camera_T_shelf, mask)
         before = [_read_before(box, known) for box in boxes]
@@ -116,7 +119,9 @@ class LabelReader(ABC):
 
 
 def _read_before(box: LabelBox, known: Sequence[Label]) -> Reading | None:
-    """What a label at the same place was surely read as; None where none was, or different ones were."""
+    """Return the certain reading of a label at the same place; None without one, or with contradicting
+    ones.
+    """
     lateral, height = box.centre
     there = {
         label.text: Reading(label.text, label.confidence)

@@ -37,7 +37,7 @@ def find_prints(view: View) -> list[LabelBox]:
 def _blocks(
     lines: list[tuple[int, int, int, int]], picture: GreyImage
 ) -> list[tuple[int, int, int, int, int]]:
-    """Left, top, right, bottom of lines that stand side by side, how high capitals are, in [px]."""
+    """Return left, top, right, bottom of neighbouring lines, and the height of capitals, in [px]."""
     blocks: list[tuple[int, int, int, int, int]] = []
     for left, top, right, bottom in sorted(lines):
         cap = right - left
@@ -53,7 +53,7 @@ def _blocks(
 
 
 def _seam(between: GreyImage) -> bool:
-    """Whether a dark line runs up the view: two books' sides."""
+    """Return True if a dark line, the sides of two books, runs up the view."""
     columns = np.median(between, axis=0)
     return bool(len(columns) and columns.min() < _SEAM * columns.max())
 

@@ -36,8 +36,9 @@ class ShelfBook(NamedTuple):
 
 
 class ShelfReading(NamedTuple):
-    """What stands on a shelf, from left to right: books with labels, and `gaps` between them. `offsets` [m]
-    were added to each view's positions.
+    """Contents of a shelf, from left to right: books with labels, and `gaps` between them.
+
+    `offsets` [m] were added to each view's positions.
     """
 
     books: tuple[ShelfBook, ...]
@@ -46,7 +47,9 @@ class ShelfReading(NamedTuple):
 
     @property
     def intervals(self) -> tuple[Gap, ...]:
-        """What no labelled book fills between the first and the last: slots, or what bears no label."""
+        """Intervals without labelled books between the first and the last: slots, or things without a
+        label.
+        """
         between = (Gap(a.right, b.left) for a, b in pairwise(self.books))
         return tuple(gap for gap in between if gap.width >= NARROWEST)
 
@@ -113,9 +116,7 @@ def _offsets(views: Sequence[SpineView]) -> NDArray[np.float64]:
 
 
 def _differences(first: Sequence[Spine], second: Sequence[Spine]) -> list[float]:
-    """How much farther left the first view puts each book that both show: of one call number and one
-    thickness.
-    """
+    """Return how much farther left the first view puts each common book of one call number and thickness."""
     apart = []
     for a in first:
         for b in second:

@@ -1,4 +1,4 @@
-"""Slots by geometry: what two views from beside each other show differently lies behind the shelf's front."""
+"""Slots by geometry: parts that differ between two neighbouring views lie behind the shelf's front."""
 
 from __future__ import annotations
 
@@ -37,32 +37,36 @@ class Gap(NamedTuple):
 
 
 class Alike(NamedTuple):
-    """How two views of a piece of the front compare: by how many grey levels they differ (`apart`) where they
-    match best, of how many that the piece shows at all (`shows`)."""
+    """Comparison of two views of a piece of the front.
+
+    `apart` is their difference in grey levels at the best match, `shows` the range of grey levels in the
+    piece.
+    """
 
     apart: float
     shows: float
 
     @property
     def deep(self) -> bool:
-        """Whether what is seen there can't lie in the front."""
+        """True if the visible surface can't lie in the front."""
         return self.apart > _NOISE + _LEAST and self.apart - _NOISE > _SHARE * self.shows
 
 
 def find_slots(
     views: Sequence[SpineView], offsets: Sequence[float], interval: Gap, solid: Sequence[tuple[float, float]]
 ) -> tuple[Gap, ...]:
-    """The free slots in an interval of the shelf's front, from left to right.
+    """Return the free slots in an interval of the shelf's front, from left to right.
 
-    The two views from nearest before it decide. Where an edge has one place in both, something ends in the
-    front; between such edges a piece is deep if the views differ there, however they are laid upon each
-    other. What looks the same from both sides isn't free: a spine, or what can't be told from one.
+    The two views from nearest before it decide. An edge at the same place in both views is the end of
+    something in the front; between such edges a piece is deep if the views differ there, however they are
+    aligned. A piece that looks the same from both sides isn't free: it is a spine, or can't be
+    distinguished from one.
 
     Args:
-        views: from before the shelf.
-        offsets: in [m], that are to be added to each view's positions.
+        views: views from before the shelf.
+        offsets: in [m], added to each view's positions.
         interval: between two spines that are sure.
-        solid: left and right of such spines, in [m]: how bright the views are is compared there.
+        solid: left and right of such spines, in [m]: the brightness of the views is compared there.
     """
     pair = _best_pair(views, offsets, interval)
     if pair is None:
@@ -101,7 +105,7 @@ class Placed(NamedTuple):
         return self.view.strips.at(y - self.offset)
 
     def shows(self, interval: Gap) -> bool:
-        """Whether most of it is seen, both ends included."""
+        """Return True if most of the interval is visible, both ends included."""
         ends = np.array([interval.left + 0.001, interval.right - 0.001])
         if ends[0] > self.view.left + self.offset or ends[1] < self.view.right + self.offset:
             return False
@@ -135,7 +139,7 @@ def _shared_edges(a: Placed, b: Placed, interval: Gap) -> list[float]:
 def compare(
     a: Placed, b: Placed, left: float, right: float, solid: Sequence[tuple[float, float]]
 ) -> Alike | None:
-    """How two views of a piece of the front compare; None where too little of it is seen.
+    """Compare two views of a piece of the front; None if too little of it is visible.
 
     `solid`: left and right of spines that are sure, in [m].
     """
@@ -162,8 +166,9 @@ def _columns(left: float, right: float) -> Floats:
 
 
 def _brightness(a: Placed, b: Placed, y: Floats, solid: Sequence[tuple[float, float]]) -> Floats:
-    """How much brighter `a` is than `b` at each of `y` (m,), by the spines that both show: a line through
-    them."""
+    """Return the brightness of `a` relative to `b` at each of `y` (m,): a line through their common
+    spines.
+    """
     places, ratios = [], []
     for left, right in solid:
         columns = _columns(left - _RIM, right + _RIM)

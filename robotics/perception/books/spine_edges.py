@@ -40,7 +40,7 @@ class Strips(NamedTuple):
     sign: int
 
     def mirrored(self) -> Strips:
-        """The same strips from right to left."""
+        """Return the strips from right to left."""
         last = self.left + self.sign * (self.grey.shape[1] - 1) * self.m_per_px
         return Strips(self.grey[:, ::-1], self.z, last, self.m_per_px, -self.sign)
 
@@ -102,9 +102,10 @@ def strips_of(view: View) -> Strips:
 
 
 def upright(strips: Strips) -> Strips:
-    """The strips shifted against each other so that edges stand upright: undoes a small roll of the camera.
+    """Return the strips shifted against each other so that edges are upright: undoes a small roll of the
+    camera.
 
-    The tilt is the one whose column means differ most. Positions at the mean height stay.
+    The tilt is the one whose column means differ most. Positions at the mean height are unchanged.
     """
     tilts = np.linspace(-_STEEPEST, _STEEPEST, _TILTS)
     slopes = np.nan_to_num(strips.grey[:, 2:] - strips.grey[:, :-2])

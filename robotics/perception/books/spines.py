@@ -1,4 +1,4 @@
-"""From a view of the shelf to spines, with their sides in millimetres."""
+"""Detection of spines in a view of the shelf, with their sides in millimetres."""
 
 from __future__ import annotations
 
@@ -38,14 +38,17 @@ class Spine(NamedTuple):
     right: float
     label: Label | None
     both: bool = True
-    """Whether both sides were seen; else one, and the catalogue has how thick it is."""
+    """True if both sides were seen; False if one was, and the catalogue has the thickness."""
 
 
 class SpineView(NamedTuple):
-    """What one view showed: labelled spines from left to right, and all `sides`, y in [m] of edges that run
-    up the view. `strips` is what was seen there. `eye`: y of the camera, where sides are measured best;
-    `left`, `right`: what part of the shelf's front was in view, in [m]. `leaning`: labels of books that lean,
-    whose sides aren't known."""
+    """Result of one view: labelled spines from left to right, and all `sides`, y in [m] of edges that run up
+    the view.
+
+    `strips` are the pictures of the spines. `eye`: y of the camera, where sides are measured best; `left`,
+    `right`: the visible part of the shelf's front, in [m]. `leaning`: labels of books that lean, whose
+    sides are unknown.
+    """
 
     spines: tuple[Spine, ...]
     sides: tuple[float, ...]
@@ -64,14 +67,16 @@ def find_spines(
     mask: NDArray[np.bool_] | None = None,
     thicknesses: Mapping[CallNumber, float] = MappingProxyType({}),
 ) -> SpineView:
-    """The labelled spines in `image`, both sides of which are in view.
+    """Return the labelled spines in `image`, both sides of which are in view.
 
-    A label makes a spine: its sides are the first edges beside it that run up the whole view; of a book whose
-    thickness is known, in [m], those that are as far apart: beside a dark slot a dark spine shows but one.
-    What stands between two spines one view can't tell, see `find_slots`. `camera_T_shelf` (4, 4) may be a few
-    millimetres and degrees off, all positions are then off alike; `mask` (h, w) is True where the image shows
-    the shelf. Positions hold at the mean height of the view. Raises ValueError when the camera doesn't look
-    at the shelf.
+    A label makes a spine: its sides are the first edges next to it that run up the complete view; of a
+    book with known thickness, in [m], those at that distance, because beside a dark slot a dark spine
+    shows only one edge. One view can't identify the things between two spines, see `find_slots`.
+    `camera_T_shelf` (4, 4) may be a few millimetres and degrees off, which shifts all positions alike;
+    `mask` (h, w) is True where the image shows the shelf. Positions hold at the mean height of the view.
+
+    Raises:
+        ValueError: the camera doesn't look at the shelf.
     """
     view = flat_view(image, camera, camera_T_shelf, mask, _M_PER_PX, _HEIGHTS)
     strips = upright(strips_of(view))
@@ -86,9 +91,9 @@ def find_spines(
 
 
 def scale_of(views: Sequence[SpineView], thicknesses: Mapping[CallNumber, float]) -> float:
-    """How wide books look, by how thick the catalogue has them, in [m]; 1 where too few can be compared.
+    """Return the ratio of seen widths to the catalogue's thicknesses, in [m]; 1 if too few can be compared.
 
-    A camera that isn't quite what and where its file says shows all widths alike too large or too small.
+    A camera that differs slightly from its file shows all widths too large or too small by one factor.
     """
     seen, known = [], []
     for spine in (spine for view in views for spine in view.spines if spine.both and spine.label):
@@ -137,7 +142,9 @@ def _as_thick(label: Label, sides: Sequence[float], thickness: float) -> Spine |
 
 
 def _without_overlaps(spines: list[Spine]) -> list[Spine]:
-    """From left to right; two spines that overlap mean a side was missed: neither is sure."""
+    """Return the spines from left to right, without overlapping ones: there a side was missed, and neither is
+    sure.
+    """
     ordered = sorted(spines, key=lambda s: -(s.left + s.right))
     clash = {
         i + k

@@ -20,9 +20,9 @@ class TextLine(NamedTuple):
 
 
 def text_lines(page: GreyImage) -> list[TextLine]:
-    """The lines on a label, from top to bottom; half of its height where none stands out.
+    """Return the lines on a label, from top to bottom; half of its height if no line is found.
 
-    `page` (h, w): the label without its rim, text running left to right.
+    `page` (h, w): the label without its border, text running left to right.
     """
     height, width = page.shape
     rim = max(1, width // 12)

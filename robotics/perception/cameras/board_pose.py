@@ -1,4 +1,4 @@
-"""Where a calibration board is, and how well one view tells it."""
+"""Pose of a calibration board, with its accuracy in one view."""
 
 from __future__ import annotations
 
@@ -15,17 +15,21 @@ _LEAST_NOISE = 0.02  # [px]: no corner is believed to be better
 
 
 class PosedBoard(NamedTuple):
-    """A board as one view tells it."""
+    """Pose of a board estimated from one view."""
 
     camera_T_board: Transform
     covariance: Floats
     """(6, 6) of its shift in [m] and its turn in [rad], in camera axes, about the board's middle."""
     rms: float
-    """Of the corners, in [px]."""
+    """Root mean square error of the corners, in [px]."""
 
 
 def pose_board(view: BoardView, camera: CameraModel) -> PosedBoard:
-    """The pose that explains the corners best. Raises ValueError for corners that are no image of a board."""
+    """Return the pose that explains the corners best.
+
+    Raises:
+        ValueError: the corners are not an image of a board.
+    """
     rays = camera.undistort(view.pixels)
     solved, turn, origin = cv2.solvePnP(view.points, rays, np.eye(3), None, flags=cv2.SOLVEPNP_IPPE)
     if not solved:

@@ -1,4 +1,4 @@
-"""A board that cameras are calibrated with: what all kinds have in common."""
+"""Common interface of all boards for camera calibration."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class CalibrationBoard(ABC):
 
     @abstractmethod
     def find(self, image: GreyImage) -> BoardView | None:
-        """The corners in an image (h, w), or None where there are too few to tell the board."""
+        """Return the corners in an image (h, w), or None if there are too few to identify the board."""
 
     @abstractmethod
     def _drawn(self, width: int, height: int) -> GreyImage:

@@ -17,7 +17,7 @@ FEWEST_VIEWS = 8
 LEAST_TILT = 0.25
 """[rad] between the most different directions from which the board was seen."""
 LEAST_COVER = 0.6
-"""Of the image's fields, 6 by 4, that held a corner in some view."""
+"""Minimum share of the image's 6 by 4 fields that held a corner in some view."""
 _FIELDS = (6, 4)
 SIGNIFICANT = 4.0  # standard deviations that one more coefficient of the lens has to be from 0
 
@@ -33,11 +33,11 @@ class CameraCalibration(NamedTuple):
     sigmas: Floats
     """(9,) standard deviations of fx, fy, cx, cy in [px], k1, k2, p1, p2, k3."""
     rms: float
-    """Of all corners, in [px]."""
+    """Root mean square error of all corners, in [px]."""
     rms_of_views: Floats
     """(n,) in [px]."""
     camera_T_board: list[Transform]
-    """Of each view."""
+    """Pose of the board in each view."""
 
 
 def calibrate_camera(
@@ -47,13 +47,19 @@ def calibrate_camera(
     worst_rms: float = 0.5,
     square_pixels: bool = False,
 ) -> CameraCalibration:
-    """Intrinsics, and as much of the lens as the views bear. One focal length: `square_pixels`.
+    """Calibrate intrinsics, and as many lens coefficients as the views support. One focal length:
+    `square_pixels`.
 
-    Zhang, "A flexible new technique for camera calibration" (2000). k1 and k2 are always found; p1 and p2,
-    then k3 where they are significant and Bayes' information criterion (Schwarz, 1978) is the better for
-    them. Raises ValueError where there are too few views, where they are too much alike (a board that is
-    always seen straight on tells no focal length; lens distortion isn't seen where no corner was), or where
-    the fit is worse than `worst_rms` [px].
+    Zhang, "A flexible new technique for camera calibration" (2000). k1 and k2 are always fitted; p1 and
+    p2, then k3 if they are significant and Bayes' information criterion (Schwarz, 1978) improves with
+    them.
+
+    Raises:
+        ValueError: too few views, or views too much alike (a board that is always seen straight on does
+            not
+            determine the focal length; lens distortion isn't seen without corners there), or the fit is
+                worse
+            than `worst_rms` [px].
     """
     _check_views(views, width, height)
     flags = cv2.CALIB_FIX_ASPECT_RATIO if square_pixels else 0
@@ -73,7 +79,9 @@ def calibrate_camera(
 
 
 def _borne(found: CameraCalibration, richer: CameraCalibration, more: list[int], corners: int) -> bool:
-    """Whether so many corners, of two coordinates each, tell the coefficients that a fit has `more`."""
+    """Return True if that many corners, of two coordinates each, determine the additional coefficients
+    `more`.
+    """
     numbers = 2 * corners
     gain = 2 * numbers * math.log(found.rms / max(richer.rms, 1e-12))
     value, sigma = richer.camera.distortion[more], richer.sigmas[4:][more]

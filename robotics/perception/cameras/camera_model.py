@@ -24,11 +24,13 @@ class CameraModel(NamedTuple):
     K: Floats
     """(3, 3) in [px]."""
     distortion: Floats
-    """As OpenCV has it: (4,), (5,) or (8,) k1, k2, p1, p2, k3, k4, k5, k6 of `brown`, (4,) of `fisheye`."""
+    """OpenCV's coefficients: (4,), (5,) or (8,) k1, k2, p1, p2, k3, k4, k5, k6 of `brown`, (4,) of
+    `fisheye`.
+    """
     width: int
-    """Of the picture, in [px]."""
+    """Width of the picture, in [px]."""
     height: int
-    """Of the picture, in [px]."""
+    """Height of the picture, in [px]."""
     lens: LensKind = "brown"
 
     def project(self, points: Floats) -> Floats:
@@ -64,11 +66,11 @@ class CameraModel(NamedTuple):
         return result
 
     def pixel_on_plane(self, pixels: Floats, camera_T_plane: Floats, x: float = 0.0) -> Floats:
-        """Where the rays through pixels (n, 2) meet the plane at `x` [m] of a frame: (n, 2) of its y, z in
-        [m].
+        """Intersect the rays through pixels (n, 2) with the plane at `x` [m] of a frame: return its y, z (n,
+        2) in [m].
 
-        The plane is x = const, not z, because shelf frames point x into the shelf. Rays that meet it behind
-        the camera or not at all give NaN.
+        The plane is x = const, not z, because shelf frames point x into the shelf. Rays that meet it
+        behind the camera or not at all give NaN.
         """
         rays = np.column_stack([self.undistort(pixels), np.ones(len(pixels))])
         to_plane = np.linalg.inv(plane_to_rays(camera_T_plane, x))
@@ -84,10 +86,10 @@ class CameraModel(NamedTuple):
         return self.project(space @ camera_T_plane[:3, :3].T + camera_T_plane[:3, 3])
 
     def rectify(self, image: GreyImage, picture_to_rays: Floats, size: tuple[int, int]) -> GreyImage:
-        """The picture (h, w) that a flat sheet would show, the lens undone.
+        """Return the picture (h, w) of a flat sheet, without lens distortion.
 
-        `picture_to_rays` (3, 3) takes (column, row, 1) of the picture to a ray of the camera frame; `size` is
-        (width, height) of the picture. What the image doesn't show is 0.
+        `picture_to_rays` (3, 3) takes (column, row, 1) of the picture to a ray of the camera frame; `size`
+        is (width, height) of the picture. Pixels outside of the image are 0.
         """
         # OpenCV inverts its "new camera matrix" to get exactly this map; any homography does.
         inverse = np.linalg.inv(picture_to_rays)

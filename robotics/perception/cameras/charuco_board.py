@@ -14,7 +14,9 @@ _FEWEST_CORNERS = 6
 
 
 class CharucoBoard(CalibrationBoard):
-    """Every corner is told by the tags around it: the board may lie anyhow and stick out of the image."""
+    """A board whose corners are identified by the tags around them: it may lie anyhow and stick out of the
+    image.
+    """
 
     def __init__(
         self,
@@ -42,7 +44,7 @@ class CharucoBoard(CalibrationBoard):
         self._detector = cv2.aruco.CharucoDetector(self._board, detectorParams=parameters)
 
     def find(self, image: GreyImage) -> BoardView | None:
-        """See `CalibrationBoard`; six corners tell it."""
+        """Return the corners in an image (h, w), or None if there are fewer than six."""
         pixels, ids, _, _ = self._detector.detectBoard(image)
         if ids is None or len(ids) < _FEWEST_CORNERS:
             return None

@@ -16,11 +16,11 @@ _WINDOW = (2, 5)  # [px] that is looked at to each side, at least and at most
 
 
 class Chessboard(CalibrationBoard):
-    """Has to be in the image as a whole. Its upper left square is the black one of two opposite corners.
+    """A chessboard, all of it in the image. Its upper left square is the black one of two opposite corners.
 
-    A corner is where the gradient about it is at right angles to the way there (Förstner and Gülch, 1987).
-    With an even number of columns and rows in all it looks the same from both sides: then a view may be
-    turned by half a turn. The lens is calibrated by it all the same, where the camera sits is not.
+    A corner is the point towards which all gradients around it are perpendicular (Förstner and Gülch,
+    1987). With an even number of columns and rows in all it looks the same from both sides: then a view
+    may be turned by half a turn. The lens is calibrated by it nevertheless, the camera's mount is not.
     """
 
     def __init__(self, columns: int, rows: int, square: float) -> None:
@@ -56,7 +56,8 @@ def _refined(image: GreyImage, rough: NDArray[np.float32]) -> Floats:
 
 
 def _sound(corners: Floats) -> NDArray[np.bool_]:
-    """Which of the corners (rows, columns, 2) lie where the others say: not drawn away by what is beside.
+    """Return True for corners (rows, columns, 2) that agree with the others, undisturbed by their
+    surroundings.
 
     A lens and a plane seen at a slant make a smooth grid, here a polynomial of third degree.
     """
@@ -70,7 +71,7 @@ def _sound(corners: Floats) -> NDArray[np.bool_]:
 
 
 def _upper_left_is_white(image: GreyImage, corners: Floats) -> bool:
-    """Whether the square before the first corner (rows, columns, 2) is brighter than the one beside it."""
+    """Return True if the square before the first corner (rows, columns, 2) is brighter than its neighbour."""
     first, right, down = corners[0, 0], corners[0, 1] - corners[0, 0], corners[1, 0] - corners[0, 0]
     outer, beside = first - 0.5 * right - 0.5 * down, first + 0.5 * right - 0.5 * down
     sheet = np.array([outer, beside], dtype=np.float32)

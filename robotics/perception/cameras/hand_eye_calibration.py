@@ -17,7 +17,7 @@ from handcart.robotics.perception.cameras.hand_eye_closed_form import METHODS, c
 
 FEWEST_VIEWS = 8
 LEAST_TURN = 0.1
-"""[rad] (rms) that the hand must have turned about a second axis."""
+"""Minimum turn (rms) of the hand around a second axis, in [rad]."""
 ARM_LEVER = 0.5
 """[m]: an arm whose hand is off by 1 mm is taken to turn it wrongly by 1 mm over this."""
 _MOST_ROUNDS, _SETTLED = 12, 0.02
@@ -32,18 +32,18 @@ class HandEyeView(NamedTuple):
 
 
 class HandEyeCalibration(NamedTuple):
-    """Where the camera sits."""
+    """Pose of the camera on the hand, with residuals."""
 
     hand_T_camera: Transform
     base_T_board: Transform
     sigmas: Floats
     """(6,) standard deviations of hand_T_camera: position in [m], turn in [rad], in the camera frame."""
     rms: float
-    """Of all corners from where hand and camera have them, in [px]."""
+    """Root mean square distance of all corners from their predicted positions, in [px]."""
     offsets: Floats
     """(n,) how far from `base_T_board` each view alone puts the board's middle, in [m]."""
     arm_error: float
-    """Of the hand's position, rms of each axis, as it shows in the views, in [m]."""
+    """Error of the hand's position estimated from the views, rms of each axis, in [m]."""
     method: str
     """That the refinement started from."""
 
@@ -51,16 +51,19 @@ class HandEyeCalibration(NamedTuple):
 def calibrate_hand_eye(
     views: Sequence[HandEyeView], camera: CameraModel, worst_offset: float = 0.005
 ) -> HandEyeCalibration:
-    """hand_T_camera from views by a calibrated camera, the base standing still.
+    """Return hand_T_camera from views by a calibrated camera, with the base at rest.
 
-    OpenCV's closed forms give a start. From there hand_T_camera and base_T_board are moved to where the
-    board's poses fit best, each weighed by how well its corners tell it and by the arm's own error, which is
-    found along with them. (To minimise the corners' distances in the images takes the arm for exact, and is
-    worse than the closed forms.)
+    OpenCV's closed forms give a start. From there hand_T_camera and base_T_board are adjusted until the
+    board's poses fit best, each weighted by the accuracy of its corners and by the arm's own error, which
+    is estimated along with them. (Minimizing the corners' distances in the images would take the arm for
+    exact, and is worse than the closed forms.)
 
-    Raises ValueError where there are too few views, where the hand turned too little or about one axis only
-    (how far out along that axis the camera sits can't then be told), or where a view puts the board's middle
-    more than `worst_offset` [m] from where all put it.
+    Raises:
+        ValueError: too few views, or the hand turned too little or around one axis only (the camera's
+            offset
+            along that axis is then unknown), or a view puts the board's centre more than `worst_offset`
+                [m]
+            from the common one.
     """
     _check(views)
     boards = [pose_board(view.board, camera) for view in views]
@@ -186,7 +189,7 @@ def _moved(poses: tuple[Transform, Transform], step: Floats) -> tuple[Transform,
 
 
 def _rms(views: Sequence[HandEyeView], camera: CameraModel, poses: tuple[Transform, Transform]) -> float:
-    """Of all corners, in [px]."""
+    """Return the root mean square error of all corners, in [px]."""
     hand_T_camera, base_T_board = poses
     off = [
         camera.project(apply(inverse(view.base_T_hand @ hand_T_camera) @ base_T_board, view.board.points))

@@ -22,9 +22,9 @@ METHODS = {
 def closed_form(
     base_T_hand: Sequence[Transform], camera_T_board: Sequence[Transform], method: str
 ) -> Transform | None:
-    """hand_T_camera (4, 4) by one of OpenCV's `METHODS`; None where it breaks down.
+    """Return hand_T_camera (4, 4) by one of OpenCV's `METHODS`; None if it breaks down.
 
-    What OpenCV calls gripper2base is base_T_hand, target2cam is camera_T_board, cam2gripper hand_T_camera.
+    OpenCV's gripper2base is base_T_hand, its target2cam camera_T_board, its cam2gripper hand_T_camera.
     """
     turn, origin = cv2.calibrateHandEye(
         [hand[:3, :3] for hand in base_T_hand],

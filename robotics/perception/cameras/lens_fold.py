@@ -1,4 +1,4 @@
-"""How far off its axis a lens model holds: beyond that radius its polynomial folds back."""
+"""Radius up to which a lens model holds: beyond it its polynomial folds back."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def _fold_radius(distortion: bytes, lens: LensKind) -> float:
 
 
 def _first_root(polynomial: Polynomial) -> float:
-    """Return the smallest positive root; infinity if there is none."""
+    """Return the smallest positive root; infinity without one."""
     trimmed = polynomial.trim()
     roots = np.asarray(trimmed.roots() if trimmed.degree() else [], dtype=complex)
     positive = roots.real[(np.abs(roots.imag) < 1e-9) & (roots.real > 0.0)]

@@ -1,4 +1,4 @@
-"""What was seen, drawn into a copy of the image."""
+"""Drawing of detections into a copy of the image."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _FONT, _LETTERS = cv2.FONT_HERSHEY_SIMPLEX, 0.38
 
 
 class _Box(NamedTuple):
-    """Where something is written, in whole pixels."""
+    """Rectangle of a written text, in complete pixels."""
 
     left: int
     top: int

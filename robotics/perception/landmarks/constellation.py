@@ -1,4 +1,4 @@
-"""Which of several landmarks that look alike is which: one place of the base has to explain all of them."""
+"""Identification of landmarks that look alike: one pose of the base has to explain all of them."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ SIGMA, TURN_SIGMA = 0.002, 0.005  # [m], [rad] of a landmark against the others:
 STRAY = math.log(1e3)  # one mark in so many that look like landmarks isn't in the plan
 UNSEEN = math.log(100.0)  # one landmark in so many isn't found in a picture that should show it
 CERTAIN = math.log(5e3)
-"""By so much likelier than any other an explanation is believed. One stray mark alone is not enough."""
+"""Minimum log-likelihood ratio to any other explanation. One stray mark alone does not reach it."""
 APART, APART_TURN = 0.02, 0.05  # [m], [rad] between places of the base that aren't one
 MOVED = math.log(1e-3)  # of a base that somebody moved
 MOVED_BY = np.diag([0.3, 0.3, 0.17]) ** 2  # [m², rad²] how far, then
 
 
 class Kind(NamedTuple):
-    """What tells landmarks apart in a picture."""
+    """Properties that distinguish landmarks in a picture."""
 
     height: float
-    """Of what it lies on, in the base frame, in [m]."""
+    """Height of the surface below the landmark, in the base frame, in [m]."""
     side: float
-    """In [m]."""
+    """Side of the landmark, in [m]."""
 
 
 class Mark(NamedTuple):
@@ -38,24 +38,24 @@ class Mark(NamedTuple):
 
     kind: Kind
     place: Pose2
-    """planned_T_mark: seen from a base that stands where it should."""
+    """planned_T_mark: pose as seen from a base at its planned pose."""
 
 
 Sighting = Mapping[Kind, Pose2]
 """base_T_mark of a mark that was seen, by the kinds that it may be of: its height decides where it is."""
 Shown = Callable[[Kind, Sequence[Pose2]], NDArray[np.bool_]]
-"""Whether marks of a kind at places base_T_mark would have been wholly in one of the pictures."""
+"""Check that marks of a kind at base_T_mark would have been completely in one of the pictures."""
 
 
 class Belief(NamedTuple):
-    """Where the base is believed to stand before it looks."""
+    """Expected pose of the base before it looks."""
 
     planned_T_base: Pose2
     covariance: Floats
     """(3, 3) of x, y in [m] and heading in [rad]."""
 
     def log_density(self, planned_T_base: Pose2) -> float:
-        """Of standing there; somebody may also have moved the base."""
+        """Return the log-density of a pose; the base may also have been moved by people."""
         off = np.subtract(planned_T_base, self.planned_T_base)
         off[2] = wrap(float(off[2]))
         moved = _log_normal(off, self.covariance + MOVED_BY)
@@ -63,16 +63,16 @@ class Belief(NamedTuple):
 
 
 class Explanation(NamedTuple):
-    """What is seen, as seen from one place of the base."""
+    """Assignment of the sightings to marks, under one pose of the base."""
 
     planned_T_base: Pose2
     marks: tuple[int | None, ...]
-    """Of each sighting which mark of the plan it is; None: none of them."""
+    """Index of the mark of the plan for each sighting; None without one."""
     score: float
     """Logarithm of how likely it is, up to what all explanations of these sightings have in common."""
 
     def rivals(self, other: Explanation) -> bool:
-        """Whether the other one has the base elsewhere."""
+        """Return True if the other explanation has the base elsewhere."""
         one, two = self.planned_T_base, other.planned_T_base
         return one.distance(two) > APART or one.turn(two) > APART_TURN
 
@@ -80,17 +80,18 @@ class Explanation(NamedTuple):
 def explain(
     marks: Sequence[Mark], seen: Sequence[Sighting], belief: Belief, shown: Shown
 ) -> list[Explanation]:
-    """All places of the base from which at least one landmark of the plan is seen, the likeliest first.
+    """Return all poses of the base from which at least one landmark of the plan is seen, the likeliest first.
 
-    Each pair of a mark of the plan and one that was seen says where the base stands; what else was seen, what
-    should have been, and where the base is believed to stand then tell how likely that is (data association
-    by joint compatibility: Neira and Tardós, 2001, with Bar-Shalom's costs of what is missing and false).
+    Each pair of a mark of the plan and a sighting gives a pose of the base; the other sightings, the
+    expected but missing marks, and the prior of the base's pose then give its likelihood (data association
+    by joint compatibility: Neira and Tardós, 2001, with Bar-Shalom's costs of missing and false
+    detections).
 
     Args:
-        marks: of the plan.
-        seen: in all pictures together, each mark once.
-        belief: where the base stands, before it looked.
-        shown: whether a mark somewhere would have been seen.
+        marks: marks of the plan.
+        seen: sightings in all pictures together, each mark once.
+        belief: prior of the base's pose.
+        shown: check that a mark at a pose would have been seen.
     """
     found: dict[tuple[int | None, ...], Explanation] = {}
     for sighting in seen:
@@ -124,7 +125,9 @@ def _explained(
 
 
 def _mark_at(planned_T_base: Pose2, marks: Sequence[Mark], seen: Sighting) -> int | None:
-    """Which mark of the plan stands where one is seen from there. Marks of a plan don't overlap."""
+    """Return the index of the mark of the plan at a sighting, seen from there. Marks of a plan don't
+    overlap.
+    """
     for i, mark in enumerate(marks):
         if mark.kind in seen:
             at = planned_T_base.compose(seen[mark.kind])
@@ -134,7 +137,7 @@ def _mark_at(planned_T_base: Pose2, marks: Sequence[Mark], seen: Sighting) -> in
 
 
 def _missing(planned_T_base: Pose2, marks: Sequence[Mark], shown: Shown) -> int:
-    """How many of these marks were to be seen from there."""
+    """Return the number of these marks that should be visible from there."""
     to_base, count = planned_T_base.inverse(), 0
     for kind in {mark.kind: None for mark in marks}:
         places = [to_base.compose(mark.place) for mark in marks if mark.kind == kind]

@@ -24,15 +24,16 @@ class Landmark(NamedTuple):
     rays: Floats
     """(4, 2) x/z and y/z of the corners in the camera frame: the lens is undone."""
     angle: float
-    """From the camera's x to the landmark's, about the camera's z, in [rad], -pi to pi."""
+    """Angle from the camera's x to the landmark's, around the camera's z, in [rad], -pi to pi."""
     score: float
     """Correlation of what is inside with what should be, 0 to 1."""
 
 
 def draw_landmark(side: float = 0.06, margin: float = 0.01, m_per_px: float = 1.25e-4) -> GreyImage:
-    """The sheet, `side` + 2 `margin` in [m] across: grey (n, n) image with `m_per_px` [m] a pixel, y up.
+    """Draw the sheet, `side` + 2 `margin` in [m] across: grey (n, n) image with `m_per_px` [m] a pixel, y up.
 
-    Raises ValueError where a field or the margin is no whole number of pixels: edges would be displaced.
+    Raises:
+        ValueError: a field or the margin is not a whole number of pixels, which would displace edges.
     """
     fields, border = side / CELLS / m_per_px, margin / m_per_px
     if any(abs(n - round(n)) > 1e-6 for n in (fields, border)) or round(fields) < 1:

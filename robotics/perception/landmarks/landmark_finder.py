@@ -26,11 +26,13 @@ def find_landmarks(
     side: float = 0.06,
     distances: tuple[float, float] = (0.0, np.inf),
 ) -> list[Landmark]:
-    """The landmarks that are wholly in the image (h, w), the one nearest to the optical axis first.
+    """Return the landmarks that are completely in the image (h, w), the one nearest to the optical axis
+    first.
 
-    A mark is a landmark if its edges are four straight lines once the lens is undone, if it is the picture of
-    a square, and if what is inside is the landmark's. A square of another size is told by its distance only:
-    `distances` [m] from the camera that are believed for a `side` in [m]. Its edges may be as short as 36 px.
+    A mark is a landmark if its edges are four straight lines after undistortion, if it is the picture of a
+    square, and if its inside matches the landmark's. A square of another size differs by its distance
+    only: `distances` [m] from the camera are accepted for a `side` in [m]. Its edges may be as short as 36
+    px.
     """
     found: list[Landmark] = []
     for guess in _candidates(image):
@@ -87,7 +89,7 @@ def _turn(image: GreyImage, corners: Floats) -> tuple[Floats, float]:
 
 
 def _correlate(image: GreyImage, corners: Floats) -> tuple[int, float]:
-    """Which corner is the upper left one, and how well the inside then correlates with the pattern."""
+    """Return the index of the upper left corner, and the correlation of the inside with the pattern."""
     rim = np.array([[0, 0], [_SAMPLES, 0], [_SAMPLES, _SAMPLES], [0, _SAMPLES]]) - 0.5
     to_image = cv2.getPerspectiveTransform(rim.astype(np.float32), corners.astype(np.float32))
     flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
@@ -110,10 +112,10 @@ def _templates() -> Floats:
 
 
 def _is_square(rays: Floats, side: float, distances: tuple[float, float]) -> bool:
-    """Whether a square in space can look like that, at a distance that is believed.
+    """Return True if a square in space can look like that, at an accepted distance.
 
-    The columns of the homography from the square to rays are two directions of space, of the same length and
-    at right angles (Zhang, 2000, eq. 3 and 4).
+    The columns of the homography from the square to rays are two directions of space, of the same length
+    and at right angles (Zhang, 2000, eq. 3 and 4).
     """
     unit = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], dtype=np.float32) - np.float32(0.5)
     H = cv2.getPerspectiveTransform(unit, rays.astype(np.float32))

@@ -1,4 +1,4 @@
-"""Whether a picture shows the whole of a landmark."""
+"""Visibility of complete landmarks in a picture."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ RIM = 16.0  # [px] of the picture in which a landmark may be, or not
 def wholly_in_view(
     camera: CameraModel, base_T_camera: Transform, kind: Kind, places: Sequence[Pose2]
 ) -> NDArray[np.bool_]:
-    """Which landmarks of a kind at `places`, base_T_mark, are well within the picture (n,).
+    """Return (n,) True for landmarks of a kind at `places`, base_T_mark, that are well within the picture.
 
-    Nothing is taken to stand before them.
+    Occlusion is ignored.
     """
     square = square_corners(kind.side)
     corners = np.array([apply(place.lift(kind.height), square) for place in places]).reshape(-1, 3)

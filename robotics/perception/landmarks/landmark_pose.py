@@ -1,4 +1,4 @@
-"""Where a landmark is, from where its corners are seen."""
+"""Pose of a landmark from the positions of its corners in the picture."""
 
 from __future__ import annotations
 
@@ -13,11 +13,13 @@ from handcart.robotics.perception.landmarks.landmark import Landmark, square_cor
 
 
 def landmark_pose(seen: Landmark, side: float = 0.06) -> Transform:
-    """camera_T_landmark (4, 4) of a landmark with sides of `side` [m], nothing else known.
+    """Return camera_T_landmark (4, 4) of a landmark with sides of `side` [m], without other knowledge.
 
     Collins and Bartoli, "Infinitesimal plane-based pose estimation" (2014). The tilt is weakly seen: use
-    `planar_pose` where the camera's is known better. Raises ValueError for corners that are no image of a
-    square.
+    `planar_pose` if the camera's is known better.
+
+    Raises:
+        ValueError: the corners are not an image of a square.
     """
     solved, turn, origin = cv2.solvePnP(
         square_corners(side), seen.rays, np.eye(3), None, flags=cv2.SOLVEPNP_IPPE_SQUARE
@@ -64,7 +66,9 @@ def facing(height: float) -> Transform:
 
 
 def apparent_side(seen: Landmark, camera_T_plane: Transform) -> float:
-    """How long the landmark's sides would be in that plane, in [m]: tells a wrong height or a wrong mark."""
+    """Return the length of the landmark's sides in that plane, in [m]: reveals a wrong height or a wrong
+    mark.
+    """
     plane_T_camera = inverse(camera_T_plane)
     directions = np.column_stack([seen.rays, np.ones(4)]) @ plane_T_camera[:3, :3].T
     corners = directions[:, :2] * (-plane_T_camera[2, 3] / directions[:, 2:])

@@ -48,12 +48,12 @@ def dictionary(family: TagFamily) -> cv2.aruco.Dictionary:
 
 
 def corrected_bits(family: TagFamily) -> int:
-    """Return how many damaged bits of a tag are corrected: 1 where any two codes differ enough, else 0."""
+    """Return how many damaged bits of a tag are corrected: 1 if any two codes differ enough, otherwise 0."""
     return int(family in CORRECTING)
 
 
 def tags_of(family: TagFamily) -> int:
-    """How many tags it has; they are numbered from 0."""
+    """Return the number of tags of a family; they are numbered from 0."""
     return int(dictionary(family).bytesList.shape[0])
 
 

@@ -32,12 +32,12 @@ class Tag(NamedTuple):
 
 
 def read_tags(image: GreyImage, region: Region | None = None, family: TagFamily = USUAL) -> list[Tag]:
-    """The family's tags in the image, or in one region of it, ordered by id.
+    """Return the family's tags in the image, or in one region of it, ordered by id.
 
     A tag of 10 mm may be 0.35 m away at f = 800 px.
 
-    One bit is corrected where the family's codes differ enough (`tag_family.corrected_bits`), otherwise none:
-    a smeared or half covered tag is no tag, never another one.
+    One bit is corrected if the family's codes differ enough (`tag_family.corrected_bits`), otherwise none:
+    a smeared or half covered tag is not found, and never read as another one.
     """
     top, left = 0, 0
     if region is not None:
@@ -58,10 +58,13 @@ def read_tags(image: GreyImage, region: Region | None = None, family: TagFamily 
 
 
 def tag_pose(tag: Tag, camera: CameraModel, side: float) -> Floats:
-    """camera_T_tag (4, 4) of a tag whose black square has sides of `side` [m]: x right, y up, z out of it.
+    """Return camera_T_tag (4, 4) of a tag whose black square has sides of `side` [m]: x right, y up, z out of
+    it.
 
-    Collins and Bartoli, "Infinitesimal plane-based pose estimation" (2014). Raises ValueError for corners
-    that are no image of a square.
+    Collins and Bartoli, "Infinitesimal plane-based pose estimation" (2014).
+
+    Raises:
+        ValueError: the corners are not an image of a square.
     """
     half = side / 2
     square = np.array([[-half, half, 0], [half, half, 0], [half, -half, 0], [-half, -half, 0]])
