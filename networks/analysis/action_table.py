@@ -95,7 +95,7 @@ def _other_facts(table: ActionTable, number: int, row: TableRow) -> str:
         return ""
     differences = ", ".join(f"{name}: {row.facts[name]}, there {after.facts[name]}" for name in other)
     said = f"Fail of row {number} leads to row {row.fail}, where other facts hold ({differences})"
-    return f"{said}; needed: a row with the same facts, for a Fail changes none"
+    return f"{said}; needed: a row with the same facts, because a Fail changes none"
 
 
 def _loops(table: ActionTable) -> list[list[int]]:

@@ -127,7 +127,7 @@ class Supervision:
         """Return why a request can't be meant for what is done now; empty if it can."""
         state, running = self._life.state, self.running
         if state is RunState.ENDED:
-            return "the run is over; allowed: while it goes on"
+            return "the run is over; allowed: while it runs"
         if number is not None and number != running:
             allowed = "an action that runs; none does now" if running is None else f"{running}, which runs"
             was = "is over" if number <= self._latest else "has not begun"

@@ -126,7 +126,7 @@ class Control:
         try:
             request = orjson.loads(message)
         except orjson.JSONDecodeError as error:
-            return _refusal(f"this is no JSON ({error})")
+            return _refusal(f"this is not JSON ({error})")
         if not isinstance(request, dict):
             return _refusal("this is not a JSON object")
         try:

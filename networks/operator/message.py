@@ -55,7 +55,7 @@ def fault_of(message: Message, situations: Collection[str]) -> str:
     for key in ("action", "ask", "number"):
         number = message.get(key)
         if number is not None and (isinstance(number, bool) or not isinstance(number, int)):
-            return f"{_NAMED[key]} {shown(number)} is no number; allowed: {_NAMED[key]}'s number"
+            return f"{_NAMED[key]} {shown(number)} is not a number; allowed: {_NAMED[key]}'s number"
     for key in ("by", "nonce"):
         text = message.get(key, "")
         if not isinstance(text, str) or len(text) > LONGEST_WORD:

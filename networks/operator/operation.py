@@ -99,9 +99,9 @@ class Operation(RunObserver):
         if asks is None:
             return "no action waits for permission"
         if number is not None and number != asks.index:
-            return f"action {number} doesn't wait for permission; what waits is {asks.index}: {asks}"
+            return f"action {number} doesn't wait for permission; waiting is {asks.index}: {asks}"
         if ask is not None and ask != self._permits.asked:
-            return f"question {ask} is over; what waits is question {self._permits.asked}: {asks}"
+            return f"question {ask} is over; waiting is question {self._permits.asked}: {asks}"
         self._permits.answer(permitted)
         return ""
 

@@ -182,7 +182,7 @@ def _recovered(
         )
         words = f"the checkpoint in {folder} is not the one that its journal names: {difference}"
         if not contents.records[0].get("simulated", True):
-            words += f"; if the robot may go on without what it had learned: rm {folder / CHECKPOINT_FILE}"
+            words += f"; if the robot may continue without its learned facts: rm {folder / CHECKPOINT_FILE}"
         raise NeedsOperator(words)
     return checkpoint.result
 

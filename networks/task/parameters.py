@@ -160,10 +160,10 @@ class ParameterValues:
         if name in self._under_way:
             circle = [*self._under_way[self._under_way.index(name) :], name]
             return (
-                f"the parameter {name!r} stands for itself: {', '.join(circle)}; allowed: a value in the end"
+                f"the parameter {name!r} refers to itself: {', '.join(circle)}; allowed: a value in the end"
             )
         if len(self._under_way) >= MAX_DEPTH:
-            return f"more than {MAX_DEPTH} parameters stand for each other; allowed: fewer"
+            return f"more than {MAX_DEPTH} parameters refer to each other; allowed: fewer"
         return ""
 
     def _whole(self, node: Node, content: Any, parts: list[_Value]) -> _Value:

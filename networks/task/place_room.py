@@ -95,7 +95,7 @@ def place_findings(places: Loaded[Places], grid: GridMap, chart: Path) -> Iterat
     for name, place in places.value.places.items():
         where = _where(place, grid)
         if where:
-            wrong = f"place {name!r} stands {where} {chart.name}; allowed: the free space of the map"
+            wrong = f"place {name!r} is {where} {chart.name}; allowed: the free space of the map"
             yield places.finding(("places", name), wrong, at_key=True)
 
 

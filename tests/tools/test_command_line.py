@@ -210,7 +210,7 @@ def test_run_task_of_a_checkout(tour: Path) -> None:
     env = os.environ | {"PATH": path}
     said = subprocess.run(words, capture_output=True, text=True, env=env, check=False)
     assert said.returncode == 2
-    assert "is no folder" in said.stderr
+    assert "is not a folder" in said.stderr
 
 
 def test_a_fault_of_our_own_is_status_5(

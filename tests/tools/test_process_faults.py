@@ -187,7 +187,7 @@ def test_a_link_that_leads_nowhere_is_no_runs_folder(
     (tmp_path / "runs").symlink_to(tmp_path / "nowhere")
     said = handcart("run", tour, "--runs", tmp_path / "runs")
     assert said.status == 2
-    assert "runs is no folder" in said.err
+    assert "runs is not a folder" in said.err
     assert not (tmp_path / "nowhere").exists()
 
 

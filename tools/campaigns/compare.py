@@ -37,12 +37,12 @@ def compare(
 
 
 def _lines(found: Comparison) -> Iterator[str]:
-    left = f"; left out without a partner: {counted(found.unpaired, 'trial')}" if found.unpaired else ""
+    left = f"; skipped without a partner: {counted(found.unpaired, 'trial')}" if found.unpaired else ""
     yield f"{counted(found.pairs, 'pair')} of the same seed{left}"
     yield f"A alone succeeded in {found.only_one}, B alone in {found.only_other}"
     verdict = "no difference is proven"
     if found.success.proven:
-        verdict = f"B is {'worse' if found.worse else 'better'}: chance is no explanation"
+        verdict = f"B is {'worse' if found.worse else 'better'}: not by chance"
     yield f"success rate, B less A: {100 * found.success.mean:+.2f} %; {verdict}"
     sure = "" if found.sure_at is None else f"; it was sure after {counted(found.sure_at, 'pair')}"
     yield f"e-value {found.e_value:.3g} (20 is sure, whenever it is looked at){sure}"

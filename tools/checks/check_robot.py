@@ -104,7 +104,7 @@ def contents_lines(contents: Contents, chosen: Collection[str], every: bool) -> 
     mass = sum(mass for mass, _ in weighed)
     parts.append(f"{counted(len(weighed), 'link')}, {mass:.3g} kg; the heaviest: {heaviest}")
     parts += [f"{len(contents.meshes)} meshes"] if contents.meshes else []
-    return [*_lines_of(*parts), "--all tells of each joint, link and mesh", ""]
+    return [*_lines_of(*parts), "--all lists each joint, link and mesh", ""]
 
 
 def _lines(report: RobotReport, every: bool) -> list[str]:

@@ -105,7 +105,7 @@ def _lines(found: Figures) -> list[str]:
         f"how runs end, if {FORECAST_ASSUMPTION}:",
         f"  {ends}",
         f"  expected cost {now.cost_s:.1f} s, standard deviation {now.cost_sigma_s:.1f} s",
-        "what P(goal) depends on (slope by p), and what more tries would change in P(goal) and cost:",
+        "influence on P(goal) (slope by p), and change of P(goal) and cost by more attempts:",
         f"{head}{'one more attempt':>22}{'an alternative':>22}",
         *_first([_row(each, now) for each in found.influences]),
     ]

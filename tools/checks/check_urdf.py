@@ -66,7 +66,7 @@ def urdf_facts(file: Path, every: bool = False, draft: Path | None = None) -> di
 
 def _outline_lines(outline: Outline) -> list[str]:
     wheels = outline.wheels
-    lines = ["a robot's file would say of it, as far as its names tell:"]
+    lines = ["proposal for a robot's file, by the names in the URDF:"]
     lines.append(f"  base: {outline.root}")
     if wheels is None:
         lines.append("  drive: no two sides of wheels were found")

@@ -198,7 +198,7 @@ class Handlers:
 def _each(folder: Path, message: dict[str, Any], places: object) -> dict[str, Any]:
     """Send the message for each situation in one box of the drawing."""
     if not isinstance(places, list) or not places or not all(isinstance(each, str) for each in places):
-        return {"ok": False, "error": "places is no list of situations"}
+        return {"ok": False, "error": "places is not a list of situations"}
     reply: dict[str, Any] = {}
     for number, place in enumerate(places):
         nonce = f"{str(message.get('nonce', ''))[: LONGEST_WORD - 8]}.{number}"

@@ -115,7 +115,7 @@ def _found(spec: RobotFile, aim: HandAim) -> list[float]:
         return found.angles
     at = f"the hand at {','.join(f'{each:g}' for each in aim.place)} m"
     if not found.reached:
-        reach = "what `handcart check` tells of its reach, or another --pointing"
+        reach = "the reach that `handcart check` reports, or another --pointing"
         raise typer.BadParameter(f"no posture has {at}, pointing that way; allowed: {reach}")
     pairs = "; ".join(touching_words(*each) for each in found.touching[:MAX_NAMED_PAIRS])
     wrong = f"none of {found.reached} postures that have {at} is free of the robot itself: {pairs}"

@@ -68,7 +68,7 @@ class CampaignWords:
             return
         found = beside(goal, self._report.successes, len(self._report.trials))
         verdict = "they agree" if found.agrees else "they differ: the probabilities in the file don't hold"
-        yield f"handcart check reckons {100 * goal:.2f} %: {verdict} (exact test, p = {found.p_value:.3g})"
+        yield f"handcart check computes {100 * goal:.2f} %: {verdict} (exact test, p = {found.p_value:.3g})"
 
     def _claim(self) -> dict[str, Any] | None:
         if self._settling is None:

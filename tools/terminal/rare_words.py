@@ -39,13 +39,13 @@ class RareWords:
         yield f"{self._event['outcome']}: {found.probability:.3g} of all runs, {_between(found)}"
         if found.unseen:
             most = f"at most {found.unseen:.2g} (95 %)"
-            yield f"  not in that: what comes straight from a level at which none was seen, {most}"
+            yield f"  not included: runs straight from a level at which none was seen, {most}"
         if not isinstance(self._exact, str):
             verdict = "they agree" if found.agrees(self._exact) else "they differ"
-            yield f"handcart check reckons {self._exact:.3g}: {verdict}"
+            yield f"handcart check computes {self._exact:.3g}: {verdict}"
         yield (
             f"{count} populations of {self._event['runs']} runs at each level; {found.steps} actions, as of "
-            f"{found.cost:,.0f} runs from beginning to end; they tell as much as {found.worth:,.0f} of those"
+            f"{found.cost:,.0f} runs from beginning to end; as accurate as {found.worth:,.0f} of those"
         )
         if self._interrupted:
             yield f"interrupted after {count} of {self._arguments['trials']} populations"

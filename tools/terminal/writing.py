@@ -24,7 +24,7 @@ def check_folder(folder: Path) -> None:
     """
     there = next(each for each in (folder, *folder.absolute().parents) if os.path.lexists(each))
     if not there.is_dir():
-        raise NotWritable(folder, f"{there} is no folder", "a folder that exists or can be made")
+        raise NotWritable(folder, f"{there} is not a folder", "a folder that exists or can be made")
     if not os.access(there, os.W_OK | os.X_OK):
         raise NotWritable(folder, f"{there} is closed to you", "a folder that exists or can be made")
 

@@ -164,7 +164,7 @@ def test_after_the_end_requests_are_answered(stand: Stand) -> None:
     run = Coordinator(two_drives(stand), stand.robot, stand.model)
     stand.finish(run)
     assert [run.ask(what) for what in (Request.PAUSE, Request.RESTORE)] == [
-        "the run is over; allowed: while it goes on"
+        "the run is over; allowed: while it runs"
     ] * 2
 
 
@@ -200,5 +200,5 @@ def test_a_network_interrupted_between_actions_fails_no_action(stand: Stand) -> 
 
 def test_a_message_names_the_action_by_a_number() -> None:
     assert fault_of({"do": "restore", "number": 3}, ()) == ""
-    assert "the running action 'x' is no number" in fault_of({"do": "cancel", "number": "x"}, ())
+    assert "the running action 'x' is not a number" in fault_of({"do": "cancel", "number": "x"}, ())
     assert "unknown key" in fault_of({"do": "status", "number": 3}, ())

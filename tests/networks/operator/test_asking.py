@@ -89,7 +89,7 @@ def test_a_run_in_another_place_is_named_and_a_pipe_is_no_journal(tmp_path: Path
         tell_to_stop(tmp_path / "none")
     os.mkfifo(tmp_path / "journal.jsonl")
     descriptors = len(os.listdir("/proc/self/fd"))
-    with pytest.raises(OSError, match="it is no file"):
+    with pytest.raises(OSError, match="it is not a file"):
         goes_on(tmp_path)
     assert len(os.listdir("/proc/self/fd")) == descriptors
 
@@ -113,12 +113,12 @@ def test_a_name_of_a_socket_is_short_and_its_folder_is_let_go(tmp_path: Path) ->
         ({"do": "break", "at": "a", "on": False}, ""),
         ({"do": "break"}, "at is None; allowed: a situation of the task"),
         ({"do": "step", "on": None}, "on is None; allowed: true, false"),
-        ({"do": "permit", "ask": "1"}, "the question '1' is no number; allowed: the question's number"),
+        ({"do": "permit", "ask": "1"}, "the question '1' is not a number; allowed: the question's number"),
         (
             {"do": "cancel", "number": True},
-            "the running action True is no number; allowed: the running action's",
+            "the running action True is not a number; allowed: the running action's",
         ),
-        ({"do": "refuse", "action": 1.5}, "the action 1.5 is no number; allowed: the action's number"),
+        ({"do": "refuse", "action": 1.5}, "the action 1.5 is not a number; allowed: the action's number"),
         ({"do": "status", "z": 1, "b": 2}, "unknown key 'b'; allowed: by, do, nonce"),
         ({"do": "Stop"}, "unknown word 'Stop'; allowed: pause, continue, stop, cancel, restore, permit"),
     ],

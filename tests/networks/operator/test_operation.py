@@ -85,9 +85,9 @@ def test_an_answer_to_nothing_or_to_another_action_is_none(run: Any) -> None:
     run.answer({"do": "step"})
     run.go_on(3)
     wrong = run.answer({"do": "refuse", "action": 1})["error"]
-    assert wrong == "action 1 doesn't wait for permission; what waits is 0: THINK (a to b)"
+    assert wrong == "action 1 doesn't wait for permission; waiting is 0: THINK (a to b)"
     late = run.answer({"do": "refuse", "ask": 2})["error"]
-    assert late == "question 2 is over; what waits is question 1: THINK (a to b)"
+    assert late == "question 2 is over; waiting is question 1: THINK (a to b)"
     run.go_on(3)
     assert run.started == []
     assert run.answer({"do": "permit", "action": 0, "ask": 1})["ok"]
@@ -229,7 +229,7 @@ def test_u7_an_answer_holds_for_the_question_it_was_given_to(run: Any) -> None:
     assert run.started == ["a"]
     assert run.answer(first)["again"]
     late = run.answer({"do": "permit", "ask": 1})
-    assert "question 1 is over; what waits is question 2" in late["error"]
+    assert "question 1 is over; waiting is question 2" in late["error"]
     run.go_on()
     assert run.started == ["a"]
 
@@ -258,7 +258,7 @@ def test_u8_everybody_sees_what_everybody_said(run: Any) -> None:
         ({"do": "step", "on": 1}, "on is 1; allowed: true, false"),
         ({"do": "pause", "by": 7}, "by is 7; allowed: text of at most 80 letters"),
         ({"do": "pause", "nonce": "x" * 81}, "allowed: text of at most 80 letters"),
-        ({"do": "permit", "ask": True}, "the question True is no number; allowed: the question's number"),
+        ({"do": "permit", "ask": True}, "the question True is not a number; allowed: the question's number"),
         ({"do": "pause", "at": "a"}, "unknown key 'at'; allowed: by, do, nonce"),
     ],
 )

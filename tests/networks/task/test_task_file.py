@@ -262,7 +262,7 @@ def test_shipped_tasks_are_found_from_their_own_folder(load: Callable[..., Task]
 @pytest.mark.parametrize(
     ("parameters", "expected"),
     [
-        ("word: {parameter: word}", "'word' stands for itself: word, word; allowed"),
+        ("word: {parameter: word}", "'word' refers to itself: word, word; allowed"),
         (
             "word: {parameter: b}, b: [{parameter: c}], c: {parameter: word}",
             "itself: word, b, c, word",
@@ -274,7 +274,7 @@ def test_shipped_tasks_are_found_from_their_own_folder(load: Callable[..., Task]
         (
             ", ".join(f"p{n}: {{parameter: p{n + 1}}}" for n in range(40))
             + ", p40: x, word: {parameter: p0}",
-            "more than 32 parameters stand for each other",
+            "more than 32 parameters refer to each other",
         ),
     ],
 )

@@ -17,7 +17,7 @@ ALWAYS = ("--level", "network", "--rare", "GiveUp", "--trials", 30)
 def test_what_is_told(handcart: Callable[..., Said], tmp_path: Path) -> None:
     said = handcart("campaign", rare_walk(tmp_path), *ALWAYS)
     assert said.status == 0, said.err
-    assert "handcart check reckons 0.000113: they agree" in said.out
+    assert "handcart check computes 0.000113: they agree" in said.out
     assert "GiveUp: 0.000" in said.out
     assert "30 populations of 100 runs at each level" in said.out
     facts = orjson.loads(handcart("campaign", tmp_path / "walk.yaml", *ALWAYS, "--json").out)

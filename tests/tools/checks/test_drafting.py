@@ -210,7 +210,7 @@ def test_xacro_file_without_the_library_is_told_how(handcart: Callable[..., Said
 @pytest.mark.skipif(not is_there("xacrodoc"), reason="xacrodoc is not installed")
 @pytest.mark.parametrize(
     ("bad", "words"),
-    [("", ""), ("${no_such}", "xacro can't expand it"), ("$(find no_such)", "no package 'no_such'")],
+    [("", ""), ("${no_such}", "xacro can't expand it"), ("$(find no_such)", "unknown package 'no_such'")],
 )
 def test_xacro_file_is_expanded_beside_the_draft(
     handcart: Callable[..., Said], tmp_path: Path, bad: str, words: str
