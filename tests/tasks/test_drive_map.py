@@ -146,9 +146,9 @@ def test_what_the_map_does_not_show_is_driven_around(tmp_path: Path) -> None:
     [
         (
             "{x_m: 7.7, y_m: 1.7, heading_deg: 0.0}",
-            "'here' stands in an obstacle of map.yaml; allowed: the free",
+            "'here' is in an obstacle of map.yaml; allowed: the free",
         ),
-        ("{x_m: 16.3, y_m: 1.0, heading_deg: 0.0}", "'here' stands in unknown space of map.yaml"),
+        ("{x_m: 16.3, y_m: 1.0, heading_deg: 0.0}", "'here' is in unknown space of map.yaml"),
         ("{x_m: -0.6, y_m: 1.0, heading_deg: 0.0}", "'here' is outside map.yaml"),
     ],
 )
