@@ -14,10 +14,10 @@ from .run_observer import RunObserver
 
 
 class ActionLog(RunObserver):
-    """Takes them down as they start and end."""
+    """Observer that collects the actions of a run as they start and end."""
 
     def __init__(self) -> None:
-        """Nothing has been started."""
+        """Create an empty log."""
         self.actions: list[PastAction] = []
         """Actions so far, in the order in which they were started."""
 

@@ -15,16 +15,16 @@ if TYPE_CHECKING:
 
 
 class RunObserver:
-    """Looks on at a run and changes nothing; a subclass overrides what it wants to hear of."""
+    """Observer of a run that changes nothing; a subclass overrides the events that it needs."""
 
     def say(self, words: str) -> None:
-        """Something is known that a person should read before anything moves."""
+        """Handle a message that a person should read before anything moves."""
 
     def begin(self, prepared: Prepared, run_dir: Path) -> None:
         """Handle the begin, or the resume, of a run in a folder."""
 
     def period(self, robot: Robot) -> None:
-        """A period has passed."""
+        """Handle the end of a period."""
 
     def event(self, event: Event) -> None:
         """Handle an event; its contents are in the journal."""

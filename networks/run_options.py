@@ -18,7 +18,7 @@ class RunOptions:
     """Options of a run; the defaults are those of `handcart run`."""
 
     backend: str | None = None
-    """Another one than the task names."""
+    """Another backend than the task names."""
     settings: Mapping[str, str] = field(default_factory=dict)
     """Parameters of the task, values unparsed."""
     seed: int = 0
@@ -28,7 +28,7 @@ class RunOptions:
     errors: bool = True
     """True if the simulated robot errs."""
     bench: str | None = None
-    """Simulated drives are put before the simulated backend of that name."""
+    """Name of the simulated backend behind simulated drives."""
     window: bool = False
     """True to show robot and world in a window."""
     video: Path | None = None
@@ -48,6 +48,6 @@ class RunOptions:
     interrupts: Interrupts | None = None
     """Handler of Ctrl-C; None: the run uses a handler of its own until the folder is complete."""
     around: Callable[[Backend], Backend] | None = None
-    """Puts another backend around a simulated one: faults, say."""
+    """Function that wraps a simulated backend, for example to inject faults."""
     observers: tuple[RunObserver, ...] = ()
-    """They hear of all that happens, in this order."""
+    """Observers of the run, notified in this order."""

@@ -1,4 +1,4 @@
-"""What `import handcart` offers to scripts and notebooks: the commands as functions."""
+"""The Python API, `import handcart`: the commands as functions for scripts and notebooks."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Result:
     summary: Mapping[str, Any]
     """Content of the run's `summary.json`."""
     status: int
-    """What `handcart run` would exit with."""
+    """Exit status that `handcart run` would have."""
     actions: tuple[PastAction, ...]
     """Actions that were started, in order, each with its outcome."""
 
@@ -80,10 +80,10 @@ class Check:
     """Results of checking a file before anything moves."""
 
     findings: tuple[Finding, ...]
-    """What is wrong with it, each with its place."""
+    """Faults of the file, each with its place."""
     warnings: tuple[str, ...]
     facts: Mapping[str, Any]
-    """What `handcart check --json` gives beside that; nothing where the file can't be read."""
+    """Other fields of `handcart check --json`; empty if the file cannot be read."""
 
     @property
     def ok(self) -> bool:
@@ -269,17 +269,7 @@ def conformance(
     parts: Sequence[str] = (),
     jobs: int = 2,
 ) -> KitReport:
-    """Try whether backend, robot and primitives keep what they promise (docs/how_to/conformance.md).
-
-    Each part is tried in a process of its own, so a script calls it under `if __name__ == "__main__":`.
-
-    Args:
-        backend: its name.
-        robot: a shipped one's name, or the path of its file.
-        quick: whether few faults are injected.
-        parts: `checks`, `faults`, `mutants`, `tasks`; none: all, quick without tasks.
-        jobs: processes side by side.
-    """
+    """Test whether backend, robot and primitives keep their contracts (docs/how_to/conformance.md)."""
     from handcart.evaluation.conformance.kit import KitSetting, run_kit
 
     return run_kit(KitSetting(backend, robot, quick, parts), jobs)

@@ -46,8 +46,10 @@ OWN_COMMANDS = {
     "campaign compare": ("campaigns.compare", "compare", "Compare two campaigns, paired by seed."),
     "conformance": ("commands.conformance", "conformance", "Test whether a backend keeps its contract."),
 }
-"""Name to module below this room, function and what help says of it. A name of two words goes before the
-command of the first alone: a task's file of that name is `./merge`."""
+"""Module, function and short help of each command, by its name.
+
+A name of two words precedes the command of the first word alone: a task's file of that name is `./merge`.
+"""
 
 
 def all_commands() -> dict[str, tuple[str, str]]:
@@ -71,7 +73,7 @@ PROGRAM_HELP = "Action primitives for mobile manipulators: run, check, draw and 
 
 
 class LazyGroup(TyperGroup):
-    """Subcommands from the table; none is imported before it is called."""
+    """Group of subcommands from the table; none is imported before it is called."""
 
     def list_commands(self, ctx: Any) -> list[str]:
         """The framework's in the table's order, then those of the domains."""

@@ -29,7 +29,7 @@ class TableRow(FileModel):
 
 
 class ActionTable(FileModel):
-    """A table. Rows that only name an end are in `ends`."""
+    """A table of actions; rows that only name an end are in `ends`."""
 
     format: Literal["handcart-table/1"]
     title: str

@@ -8,7 +8,7 @@ from handcart.networks.graph.network import ActionNetwork
 
 
 def ways_of(network: ActionNetwork) -> nx.DiGraph[str]:
-    """Every step of a run, Fails included, as a graph of situations; none leads on from the goal."""
+    """Return every step of a run, Fails included, as a graph of situations; no step leaves the goal."""
     ways: nx.DiGraph[str] = nx.DiGraph()
     ways.add_nodes_from(network.situations)
     for action in network.actions:
@@ -21,7 +21,7 @@ class Ahead:
     """Reachable situations of each situation, stored as the bits of an integer so that thousands fit."""
 
     def __init__(self, network: ActionNetwork) -> None:
-        """Look through a network."""
+        """Compute the reachable situations of a network."""
         self._bit = {name: 1 << number for number, name in enumerate(network.situations)}
         ways = ways_of(network)
         whole = nx.condensation(ways)
@@ -34,7 +34,7 @@ class Ahead:
         self._reached = {name: reached[part] for name, part in whole.graph["mapping"].items()}
 
     def bit(self, situation: str) -> int:
-        """A situation's own."""
+        """Return the bit of a situation."""
         return self._bit[situation]
 
     def bits(self, situation: str) -> int:

@@ -23,7 +23,7 @@ class Influence:
     """Influence of an action of the file on the whole task; in a repeat, of all its elements together."""
 
     entry: int
-    """Its number in the file."""
+    """Number of the action in the file."""
     words: str
     line: int
     """Line of the action in the file."""
@@ -47,16 +47,16 @@ class Figures:
 
     forecast: Forecast
     influences: tuple[Influence, ...]
-    """The action first on which P(goal) depends most."""
+    """Influences of the actions, that with the largest effect on P(goal) first."""
 
     def for_programs(self) -> dict[str, Any]:
-        """What `handcart check --json` gives."""
+        """Return the figures as `handcart check --json` prints them."""
         forecast = {"assumption": FORECAST_ASSUMPTION, **_named(self.forecast)}
         return {**forecast, "actions": [_row(each) for each in self.influences]}
 
 
 def missing_chances(task: Task) -> list[int]:
-    """Numbers in the file of the actions without a probability `p`."""
+    """Return the numbers in the file of the actions without a probability `p`."""
     return [number for number, entry in enumerate(task.file.actions) if entry.p is None]
 
 

@@ -16,9 +16,9 @@ from handcart.networks.chains.stages import stages
 from handcart.networks.graph.network import ActionNetwork
 
 STAGE_STEPS = 20
-"""Steps that a stage counts for whose chain is known."""
+"""Steps of effort for a stage whose chain is known already."""
 Change = Callable[[Stage, Collection[int]], Stage]
-"""A stage with something changed about those of its actions."""
+"""Function that returns a stage with its actions of these numbers changed."""
 
 
 @dataclass(frozen=True)
@@ -28,19 +28,19 @@ class Forecast:
     goal: float
     """Probability that the goal is reached, with nothing left undone (status 0)."""
     left_undone: float
-    """That it is reached with elements of a repeat left undone (status 3)."""
+    """Probability that it is reached with elements of a repeat left undone (status 3)."""
     no_way: float
-    """That nothing is left to try (status 3)."""
+    """Probability that nothing is left to try (status 3)."""
     give_up: float
-    """That a person is needed (status 4)."""
+    """Probability that a person is needed (status 4)."""
     cost_s: float
     """Expected cost of a run, in [s]: the costs of the actions that it starts, whatever their outcome."""
     cost_sigma_s: float
-    """Its standard deviation, in [s]."""
+    """Standard deviation of the cost, in [s]."""
 
 
 def forecast(network: ActionNetwork, chances: Chances) -> Forecast:
-    """The exact figures of a network; see `Forecaster`."""
+    """Return the exact forecast of a network; see `Forecaster`."""
     return Forecaster(network, chances).forecast()
 
 

@@ -8,7 +8,7 @@ from handcart.networks.graph.network import Fact
 from handcart.primitives.preconditions.hand_use import Hand
 
 HAND_FACTS = ("hand", "gripper")
-"""Names of facts whose value says what the hand holds."""
+"""Names of facts whose value is the content of the hand."""
 EMPTY_WORDS = ("empty", "free", "nothing", "holds nothing")
 FULL_WORDS = ("full", "holds ", "holding ")
 IN_HAND = ("in hand", "in the hand")

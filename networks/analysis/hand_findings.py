@@ -1,4 +1,4 @@
-"""Actions of a task that can never start, because of what the hand holds by then."""
+"""Findings on actions of a task that can never start, because of the hand's content at that time."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ class Held(NamedTuple):
     """Content of the hand in a situation, with the reason why it is known."""
 
     hand: Hand
-    """EMPTY, FULL or ANY: not known."""
+    """EMPTY, FULL or ANY; ANY: not known."""
     thing: str = ""
-    """Its name; empty where nothing or any thing is held."""
+    """Name of the held object; empty if none or any is held."""
     why: str = ""
     """Reason in words: the fact or the action that implies it."""
 
@@ -112,7 +112,7 @@ def _reached(task: Task, uses: dict[int, _Use]) -> dict[str, list[Held]]:
 
 
 def _follow(task: Task, action: Action, use: _Use | None, held: Held) -> Iterator[tuple[str, Held]]:
-    """Give where an action leads, and what the hand may hold there."""
+    """Yield the situations after an action, with the possible content of the hand there."""
     then = held if use is None else _after(task, action, use, held)
     for target, state in ((action.target, then), (action.on_fail, held)):
         if target is None:

@@ -18,14 +18,14 @@ class NoOutlook(Exception):
 
 
 class Outlook(NamedTuple):
-    """Probability that the goal is reached, with nothing left undone."""
+    """Probabilities that the goal is reached with nothing left undone."""
 
     permitted: float
-    """If an action is permitted now, and all that comes later."""
+    """Probability if the action is permitted now, as well as all later ones."""
     succeeded: float
-    """Once it has succeeded."""
+    """Probability once the action has succeeded."""
     refused: float
-    """If it is refused, which counts as its Fail."""
+    """Probability if the action is refused, which counts as its Fail."""
 
 
 def outlook(task: Task, situation: str, fails: Mapping[int, int], action: int) -> Outlook:

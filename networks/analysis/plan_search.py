@@ -11,7 +11,7 @@ from handcart.networks.graph.network import Action, ActionNetwork
 from handcart.networks.graph.planner import SKIP_WEIGHT
 
 _SLACK = 1e-9
-"""Relative; ways that differ by less are searched both, because sums are rounded."""
+"""Relative difference of costs below which both routes are searched, because sums are rounded."""
 
 
 class PlanSearch:
@@ -23,7 +23,7 @@ class PlanSearch:
     """
 
     def __init__(self, network: ActionNetwork) -> None:
-        """Search a network."""
+        """Prepare the search of a network."""
         self._actions = network.actions
         self._place = {name: number for number, name in enumerate(network.situations)}
         self._goal = self._place[network.goal]
@@ -34,7 +34,7 @@ class PlanSearch:
         ]
         self._left = self._to_goal()
         self.steps = 0
-        """Situations that the last search looked at."""
+        """Number of situations that the last search visited."""
 
     def plan(self, situation: str, fails: Mapping[int, int]) -> tuple[Action, ...] | None:
         """Return the cheapest route to the goal; None if no route leads there.

@@ -25,7 +25,9 @@ Path = tuple[tuple[int, str], ...]
 
 @dataclass(frozen=True)
 class NoWayLeft:
-    """A run that comes to where nothing is left to try, with as few Fails as any that ends there."""
+    """A run that ends with nothing left to try, with the fewest Fails among those that end in its
+    situation.
+    """
 
     situation: str
     """Situation in which the run ends."""
@@ -33,7 +35,11 @@ class NoWayLeft:
     """Its actions, each with how it failed, from the last situation through which every run comes."""
 
     def words(self, named: Callable[[str], str] = str) -> str:
-        """The path for people, `PICK_UP from book_known fails 3 times`; with situations `named` so."""
+        """Return the path for people, `PICK_UP from book_known fails 3 times`.
+
+        Args:
+            named: function that returns the displayed name of a situation.
+        """
         parts = []
         for (action, failed), group in groupby(self.path):
             count = len(list(group))
@@ -49,11 +55,11 @@ class WorstCases:
     longest: int
     """The most actions that a run can start."""
     short: tuple[NoWayLeft, ...]
-    """One for each situation in which nothing may be left to try."""
+    """One such run for each situation in which nothing may be left to try."""
     unused: tuple[Action, ...]
     """Actions that no run plans, whatever fails; skips are not counted."""
     too_large: tuple[TooLarge, ...] = ()
-    """Parts of which nothing is known but the bound on their actions."""
+    """Parts that are too large; only the bound on their actions is known."""
 
 
 def worst_cases(network: ActionNetwork, effort: Effort | None = None) -> WorstCases:

@@ -1,1 +1,1 @@
-"""A network as a Markov chain: how runs end, and what they cost."""
+"""A network as a Markov chain: probabilities and costs of its runs' ends."""

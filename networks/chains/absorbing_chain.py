@@ -20,7 +20,7 @@ class Absorption(NamedTuple):
     steps: float
     """Expected number of steps."""
     steps_sigma: float
-    """Standard deviation of their number."""
+    """Standard deviation of the number of steps."""
 
 
 def absorption(rows: Mapping[str, Mapping[str, float]], start: str) -> Absorption:
@@ -59,7 +59,7 @@ def absorption(rows: Mapping[str, Mapping[str, float]], start: str) -> Absorptio
 
 
 def _reached(rows: Mapping[str, Mapping[str, float]], start: str) -> list[str]:
-    """The transient states that `start` can lead to, in the order of the rows."""
+    """Return the transient states that `start` can lead to, in the order of the rows."""
     found, new = {start}, [start]
     while new:
         new = [to for name in new for to in rows[name] if to in rows and to not in found]

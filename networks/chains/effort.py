@@ -8,11 +8,13 @@ _EVERY = 2000  # steps between two looks of who watches
 
 
 class TooMuch(Exception):
-    """It would take more than was allowed."""
+    """The computation would exceed its budget."""
 
 
 class Effort:
-    """Counts steps of search, not seconds, so that a file gets the same answer on every machine."""
+    """Budget counted in steps of search, not seconds, so that a file gets the same answer on every
+    machine.
+    """
 
     def __init__(
         self,
@@ -46,5 +48,5 @@ class Effort:
             self._watch(self._spent / self._most)
 
     def half(self) -> Effort:
-        """At most half of what is left, so that what comes later has some, too."""
+        """Return a budget of at most half of the rest, so that later computations have some, too."""
         return Effort((self._most - self._spent) / 2.0, whole=self)

@@ -10,7 +10,7 @@ NEVER_REACHED = Moments(0.0)
 
 
 class Ends(NamedTuple):
-    """Ends that exclude each other: each with its probability and what it costs to come to it."""
+    """Mutually exclusive ends of a part, each with its probability and the cost to reach it."""
 
     goal: Moments = NEVER_REACHED
     skipped: Moments = NEVER_REACHED
@@ -25,11 +25,11 @@ class Ends(NamedTuple):
         return Ends(*(step.then(each) for each in self))
 
     def plus(self, other: Ends) -> Ends:
-        """Either of two that exclude each other."""
+        """Return the ends of either of two mutually exclusive parts."""
         return Ends(*(a + b for a, b in zip(self, other, strict=True)))
 
     def then(self, rest: Ends) -> Ends:
-        """This part, and on from its goal the rest."""
+        """Return the ends of this part followed, from its goal, by the rest."""
         short = Ends(no_way=self.no_way, give_up=self.give_up)
         return short.plus(rest.after(self.goal)).plus(rest.with_a_skip().after(self.skipped))
 
@@ -38,7 +38,7 @@ class Ends(NamedTuple):
         return Ends(NEVER_REACHED, self.goal + self.skipped, self.no_way, self.give_up)
 
     def total(self) -> Moments:
-        """All of them together: the cost of a run, whatever its end."""
+        """Return the sum over all ends: the cost of a run, whatever its end."""
         return self.goal + self.skipped + self.no_way + self.give_up
 
 

@@ -13,12 +13,12 @@ class Moments(NamedTuple):
     second: float = 0.0
 
     def __add__(self, other: object) -> Moments:
-        """Either of two ways that exclude each other."""
+        """Return the moments of either of two mutually exclusive cases."""
         assert isinstance(other, Moments)
         return Moments(self.p + other.p, self.first + other.first, self.second + other.second)
 
     def then(self, other: Moments) -> Moments:
-        """One after the other, independent."""
+        """Return the moments of two independent steps, one after the other."""
         return Moments(
             self.p * other.p,
             self.first * other.p + self.p * other.first,
@@ -27,5 +27,5 @@ class Moments(NamedTuple):
 
 
 def certain(p: float, cost: float) -> Moments:
-    """A step with probability `p` that costs this much."""
+    """Return the moments of a step with probability `p` and a fixed cost."""
     return Moments(p, p * cost, p * cost * cost)

@@ -14,7 +14,7 @@ from handcart.networks.graph.network import Action, ActionNetwork
 from .effort import Effort, TooMuch
 
 DEFAULT_MAX_STEPS = 500_000
-"""Steps that a question may take: one or two seconds' work."""
+"""Default budget of a question, in steps: one or two seconds of computation."""
 
 
 class TooLarge(Exception):
@@ -26,7 +26,7 @@ class TooLarge(Exception):
 
 
 class State(NamedTuple):
-    """A moment at which the coordinator plans."""
+    """A state in which the coordinator plans."""
 
     situation: str
     fails: tuple[tuple[int, int], ...]
@@ -37,7 +37,7 @@ class Step(NamedTuple):
     """Decision of the coordinator in a state: a plan that is followed until something fails."""
 
     plan: tuple[Action, ...]
-    """Empty: no way is left."""
+    """Planned actions; empty if no route is left."""
     after_fail: tuple[State | None, ...]
     """State after a Fail of each of these actions; None for a skip, which cannot fail."""
     for_good: tuple[State | None, ...]
@@ -106,7 +106,7 @@ def _whole(
 
 
 class StepMaker:
-    """Makes the steps of one network's policy."""
+    """Factory of the steps of one network's policy."""
 
     def __init__(self, network: ActionNetwork, for_good: bool, effort: Effort) -> None:
         effort.spend(len(network.situations) + len(network.actions))

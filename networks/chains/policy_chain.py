@@ -1,4 +1,4 @@
-"""The absorbing Markov chain of what the coordinator does in a part of a network."""
+"""The absorbing Markov chain of the coordinator's decisions in a part of a network."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def policy_chain(policy: Policy, chances: Chances) -> Chain:
 
 
 class _Sparse:
-    """Solves with I - Q where it is large."""
+    """Solver for large chains, by a sparse factorization of I - Q."""
 
     def __init__(self, follows: Any) -> None:
         from scipy.sparse.linalg import splu  # late: most networks are small

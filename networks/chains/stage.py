@@ -39,7 +39,7 @@ class Stage:
         return place[self.network.start], place[self.network.goal], rows
 
     def with_one_more(self, numbers: Collection[int]) -> Stage:
-        """The stage with one more attempt of those actions, given by their numbers in the whole."""
+        """Return the stage with one more attempt of those actions, given by their numbers in the whole."""
         actions = [
             replace(action, attempts=min(MAX_ATTEMPTS, action.attempts + 1)) if number in numbers else action
             for action, number in zip(self.network.actions, self.numbers, strict=True)
@@ -47,7 +47,7 @@ class Stage:
         return self._with(actions, self.numbers)
 
     def with_alternatives(self, numbers: Collection[int]) -> Stage:
-        """The stage with a second action beside each of those, equal to it."""
+        """Return the stage with a second, equal action next to each of those."""
         pairs = list(zip(self.network.actions, self.numbers, strict=True))
         pairs += [pair for pair in pairs if pair[1] in numbers]
         return self._with([action for action, _ in pairs], tuple(number for _, number in pairs))

@@ -1,4 +1,4 @@
-"""Cutting a network where every run comes through."""
+"""Cutting of a network into stages at the situations that every run passes."""
 
 from __future__ import annotations
 
@@ -14,13 +14,7 @@ from .stage import Stage
 
 
 def stages(network: ActionNetwork) -> list[Stage]:
-    """The stages of a network, in the order in which runs come through.
-
-    It is cut at the situations that dominate the goal (every way there, Fails included, leads through them),
-    from which it can be planned, and from behind which nothing leads back. A plan made before a cut ends with
-    the cheapest way from there, and what failed before it counts no more. So a `repeat` over 200 elements is
-    200 times the same few stages.
-    """
+    """Return the stages of a network, in the order in which runs pass them."""
     ways = ways_of(network)
     above = dict(nx.immediate_dominators(ways, network.start))
     chain = _chain(above, network.start, network.goal)

@@ -101,12 +101,12 @@ class Coordinator:
 
     @property
     def unapplied(self) -> Sequence[str]:
-        """Requests that were taken and not applied, because their action was over by then, in words."""
+        """Accepted requests that were not applied because their action was over by then, in words."""
         return tuple(self._supervision.unapplied)
 
     @property
     def situation(self) -> str:
-        """The last that is known to hold."""
+        """Last situation that is known to hold."""
         return self._route.situation
 
     @property

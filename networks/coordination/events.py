@@ -19,7 +19,7 @@ class Planned:
     """A plan was made, or no plan was found."""
 
     time: float
-    """The robot's, in [s]; so in all events."""
+    """The robot's time, in [s], as in all events."""
     situation: str
     plan: Plan | NoWay
 
@@ -39,7 +39,7 @@ class Started:
 
 @dataclass(frozen=True)
 class Restoring:
-    """The running action brings everything back."""
+    """The running action begins to restore the state from before it."""
 
     time: float
     action: Action
@@ -54,7 +54,7 @@ class Ended:
     number: int
     action: Action
     primitive: ActionPrimitive
-    """With its evidence."""
+    """The primitive, with its evidence."""
     outcome: Outcome
     changes: Mapping[str, Any]
     """Facts that were learned or forgotten."""
@@ -62,7 +62,7 @@ class Ended:
 
 @dataclass(frozen=True)
 class LeftOut:
-    """An action that wasn't started, or an element of a repeat that is left undone."""
+    """An action that was not started, or an element of a repeat that is left undone."""
 
     time: float
     action: Action

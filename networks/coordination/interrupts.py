@@ -21,20 +21,23 @@ class Interrupts:
     """
 
     def __init__(self) -> None:
-        """Nothing is listened to before it is entered."""
+        """Create the context manager; signals are handled only within it."""
         self._stop: Callable[[], object] | None = None
         self.came = False
         """True after a signal came."""
         self._before: dict[signal.Signals, Any] = {}
 
     def stop_by(self, stop: Callable[[], object]) -> None:
-        """A run begins: this stops it, and does no harm after its end; at once where there was one before."""
+        """Register the function that stops the run that begins now.
+
+        It is called at once if a signal came before, and does no harm after the run's end.
+        """
         self._stop = stop
         if self.came:
             stop()
 
     def stop(self) -> None:
-        """Stop the run that has begun, as an interrupt would; none has come."""
+        """Stop the run as an interrupt would, without a signal."""
         if self._stop is not None:
             self._stop()
 

@@ -46,11 +46,11 @@ class NetworkBehaviour(Behaviour):
         return self.end is not None and self.end.outcome == "GiveUp"
 
     def acknowledge(self) -> None:
-        """A person has seen to what made the last run give up: the next tick starts a new one."""
+        """Acknowledge the last run's GiveUp: the next tick starts a new run."""
         self.end = None
 
     def initialise(self) -> None:
-        """Called by the tree when it turns to this behaviour."""
+        """Start or continue the run when the tree turns to this behaviour."""
         if self.latched:
             return
         if self._coordinator is not None:  # interrupted before
@@ -61,7 +61,7 @@ class NetworkBehaviour(Behaviour):
         self._run = self._coordinator.run()
 
     def update(self) -> Status:
-        """One period."""
+        """Run one period, and return the status."""
         if self._run is None or self._coordinator is None:
             return Status.FAILURE
         try:
@@ -74,7 +74,7 @@ class NetworkBehaviour(Behaviour):
         return Status.RUNNING
 
     def terminate(self, new_status: Status) -> None:
-        """Called by the tree when this behaviour ends or is interrupted."""
+        """Stop the robot if the tree interrupts this behaviour."""
         if new_status is Status.INVALID and self._run is not None:
             self._robot.stop()
 

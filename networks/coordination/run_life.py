@@ -1,4 +1,4 @@
-"""The life of a run: which state it is in, and which states may follow."""
+"""The life of a run: its states, and their allowed sequences."""
 
 from __future__ import annotations
 
@@ -71,23 +71,23 @@ class RunLife:
         self._go("_ask", RunState.WAITING_FOR_PERMISSION)
 
     def act(self) -> None:
-        """A primitive moves."""
+        """Enter acting: a primitive moves."""
         self._go("_act", RunState.ACTING)
 
     def restore(self) -> None:
-        """A primitive brings everything back."""
+        """Enter restoring: a primitive restores the state from before it."""
         self._go("_restore", RunState.RESTORING)
 
     def pause(self) -> None:
-        """The robot holds."""
+        """Enter a pause: the robot holds."""
         self._go("_pause", None)
 
     def resume(self) -> None:
-        """Go on with what was interrupted by a pause."""
+        """Return to the state that was interrupted by a pause."""
         self._go("_resume", None)
 
     def end(self) -> None:
-        """Nothing follows."""
+        """Enter the end, from which no state follows."""
         self._go("_end", RunState.ENDED)
 
     def _go(self, trigger: str, state: RunState | None) -> None:

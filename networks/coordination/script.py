@@ -1,4 +1,4 @@
-"""A run that is only imagined: outcomes come from a file, or all are Success."""
+"""An imagined run: outcomes come from a file, or all are Success."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Script(FileModel):
 
     format: Literal["handcart-script/1"]
     outcomes: Annotated[list[Word], Field(max_length=10_000)]
-    """`FailForGood` uses up all attempts of its action."""
+    """Outcomes in order; `FailForGood` uses up all attempts of its action."""
 
 
 @dataclass(frozen=True)
@@ -51,12 +51,12 @@ class Imagined:
 
 
 def load_script(path: Path) -> Script:
-    """A script's file; raises `FileError`."""
+    """Load a script's file; raises `FileError`."""
     return load(path, Script)
 
 
 def follow(network: ActionNetwork, outcomes: Iterable[Word]) -> Imagined:
-    """Go through a network as the coordinator would if its actions ended like this."""
+    """Follow a network as the coordinator would if its actions had these outcomes."""
     route, words, cost = Route(network), iter(outcomes), 0.0
     lines: list[str] = []
     while not route.arrived:

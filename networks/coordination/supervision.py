@@ -35,13 +35,13 @@ class Request(Enum):
     INTERRUPT = "interrupt"
     """Stop as for STOP, requested by a signal: the program around the run ends too."""
     CANCEL = "cancel"
-    """Bring back what the running action did, then end."""
+    """Restore what the running action changed, then end."""
     RESTORE = "restore"
     """Restore what the running action changed, count that as its Fail, and continue."""
 
 
 INTERRUPTED_REASON = "interrupted"
-"""Why a run ended that a signal stopped."""
+"""Reason of the end of a run that a signal stopped."""
 _STOPS = (Request.STOP, Request.INTERRUPT)
 _ENDING = {
     Request.STOP: "stopped by request",
@@ -51,9 +51,9 @@ _ENDING = {
 
 
 MAX_REQUESTS = 64
-"""Requests that may wait to be honoured."""
+"""Maximum number of requests that wait to be honoured."""
 MAX_UNAPPLIED = 20
-"""Requests that came too late, of which the words are kept."""
+"""Maximum number of late requests that are kept in words."""
 CHECK_NAME = "supervision"
 """Name of the check in the journal that finds requests from outside."""
 
@@ -71,7 +71,7 @@ class Asked(NamedTuple):
 
     what: Request
     time: float
-    """The robot's, in [s]."""
+    """The robot's time of the request, in [s]."""
     number: int | None
     """Number of the action that is meant, from 1; None: the run is meant."""
 
@@ -140,7 +140,7 @@ class Supervision:
         return "nothing is paused; allowed: after a pause" if request is Request.RESUME and not pauses else ""
 
     def begins(self, number: int) -> None:
-        """The action with that number is started: from now on requests may be meant for it."""
+        """Note that the action with that number starts: from now on requests may be meant for it."""
         self.running = self._latest = number
 
     def to_its_end(
@@ -184,11 +184,7 @@ class Supervision:
             return ended
 
     def between_actions(self) -> None:
-        """Honour what was asked for while no action runs; a pause waits for the next one.
-
-        Raises:
-            Interrupted: the run is to end.
-        """
+        """Honour requests while no action runs; a pause waits for the next one."""
         if self._after_restoring is not None:
             raise Interrupted(_ENDING[self._after_restoring])
         self._drop_late()
@@ -207,7 +203,7 @@ class Supervision:
         return self._requests.popleft() if self._requests else None
 
     def _drop_late(self) -> None:
-        """Leave out the requests that are meant for an action that is over; a signal only adds stops."""
+        """Drop the requests that are meant for an action that is over; a signal only adds stops."""
         for each in [each for each in self._requests if each.number not in (None, self.running)]:
             self._requests.remove(each)
             words = f"{each.what.value} of action {each.number}, asked for at {each.time:.3f} s"
@@ -230,7 +226,7 @@ class Supervision:
         return None
 
     def _pause(self, attempt: Attempt) -> Periods:
-        """Hold until something else is asked for; moved by hand meanwhile is a discrepancy."""
+        """Hold until another request comes; a robot moved by hand meanwhile is a discrepancy."""
         self._life.pause()
         self._robot.stop()
         rest = settle(self._robot)
@@ -257,7 +253,7 @@ class Supervision:
 
 
 def come_to_rest(robot: Robot) -> Generator[None, None, None]:
-    """Wait until nothing moves any more; where that can't be read, there is nothing to wait for."""
+    """Wait until nothing moves any more, or until a reading fails."""
     with suppress(Exception):
         yield from settle(robot)
 

@@ -32,7 +32,7 @@ class WorldWatch:
         self._stood = next(reversed(self._seen.values()), None)
 
     def begins(self, situation: str, at: Snapshot | None) -> None:
-        """An action begins there: of the first one, nothing was measured before."""
+        """Note the begin of an action; the first one takes its snapshot as the last known state."""
         if self._stood is None:
             self.stands(at)
             self.arrived(situation)

@@ -11,7 +11,9 @@ from .network_picture import draw_network
 
 
 def to_mermaid(network: ActionNetwork, title: str = "") -> str:
-    """The network as a Mermaid flowchart: Success solid, declared Fail dotted; repeated parts framed."""
+    """Return the network as a Mermaid flowchart: Success solid, declared Fail dotted, repeated parts
+    framed.
+    """
     folded = fold(network)
     number = _numbers(folded)
     lines = ["flowchart LR"]
@@ -32,7 +34,7 @@ def to_mermaid(network: ActionNetwork, title: str = "") -> str:
 
 
 def to_dot(network: ActionNetwork, title: str = "") -> str:
-    """The network in the language of Graphviz; repeated parts are clusters."""
+    """Return the network in the language of Graphviz; repeated parts are clusters."""
     folded = fold(network)
     number = _numbers(folded)
     newline = chr(92) + "n"
@@ -58,21 +60,21 @@ def to_dot(network: ActionNetwork, title: str = "") -> str:
 
 
 def to_svg(network: ActionNetwork, title: str = "") -> str:
-    """The network as an SVG document."""
+    """Return the network as an SVG document."""
     from .svg import to_svg as written
 
     return written(draw_network(network, title=title))
 
 
 def to_png(network: ActionNetwork, title: str = "") -> bytes:
-    """The network as PNG."""
+    """Return the network as PNG."""
     from .figure import to_png as written
 
     return written(draw_network(network, title=title))
 
 
 def to_pdf(network: ActionNetwork, title: str = "") -> bytes:
-    """The network as PDF of one page."""
+    """Return the network as PDF of one page."""
     from .figure import to_pdf as written
 
     return written(draw_network(network, title=title))

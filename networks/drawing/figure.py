@@ -16,18 +16,18 @@ MAX_SIDE_DOTS = 20_000.0
 
 
 def to_png(picture: NetworkPicture) -> bytes:
-    """The picture as PNG, at twice its size unless it is very large."""
+    """Return the picture as PNG, at twice its size unless it is very large."""
     dense = min(PNG_DOTS_PER_INCH, PX_PER_INCH * MAX_SIDE_DOTS / max(picture.width, picture.height))
     return _saved(picture, format="png", dpi=dense)
 
 
 def to_pdf(picture: NetworkPicture) -> bytes:
-    """The picture as PDF of one page."""
+    """Return the picture as PDF of one page."""
     return _saved(picture, format="pdf", metadata={"CreationDate": None})
 
 
 def figure_of(picture: NetworkPicture) -> Any:
-    """The picture as a matplotlib figure."""
+    """Return the picture as a matplotlib figure."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(picture.width / PX_PER_INCH, picture.height / PX_PER_INCH), dpi=PX_PER_INCH)

@@ -1,4 +1,4 @@
-"""A network in which the copies of a repeated part are one again."""
+"""A network whose copies of a repeated part are folded into one."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Way:
     on_fail: Spot | None
     do: str
     members: tuple[int, ...]
-    """Numbers in the network."""
+    """Numbers of the actions in the network."""
     costs: str
     """Its cost in words, and whether a person has to permit it."""
     parameters: tuple[str, ...]
@@ -51,7 +51,7 @@ class Part:
     title: str
     """Title that names the repeated elements."""
     around: Part | None
-    """The part that it is within."""
+    """Part that contains this one."""
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ class FoldedNetwork:
     spots: tuple[Spot, ...]
     ways: tuple[Way, ...]
     parts: tuple[Part, ...]
-    """Each behind the one that it is within."""
+    """Repeated parts, each after the one that contains it."""
     part_of: Mapping[Spot, Part | None]
     start: Spot
     goal: Spot
@@ -148,7 +148,7 @@ def _said(value: object) -> str:
 
 
 def shortened(words: str) -> str:
-    """A line of words, cut where it is too long to be drawn."""
+    """Return a line of text, cut if it is too long to be drawn."""
     return words if len(words) <= MAX_LINE_CHARS else f"{words[: MAX_LINE_CHARS - 1]}…"
 
 

@@ -36,7 +36,7 @@ class Edge(NamedTuple):
 
 
 class Point(NamedTuple):
-    """A place on the paper, in [px]; y points down."""
+    """A point on the paper, in [px]; y points down."""
 
     x: float
     y: float
@@ -46,7 +46,7 @@ class Layers(NamedTuple):
     """Positions of all boxes and edges."""
 
     width: float
-    """[px]; there is half a gap on the left and on the right."""
+    """Width in [px], with half a gap on the left and on the right."""
     height: float
     corners: Mapping[Key, Point]
     """The upper left corner of each box."""
@@ -55,20 +55,14 @@ class Layers(NamedTuple):
 
 
 class _Lane(NamedTuple):
-    """The place in a column through which an edge passes."""
+    """A point in a column through which an edge passes."""
 
     edge: int
     column: int
 
 
 def lay_out(boxes: Mapping[Key, Size], edges: Sequence[Edge], first: Key) -> Layers:
-    """A place for everything.
-
-    Args:
-        boxes: by any key.
-        edges: between them; there may be circles.
-        first: the box where the picture begins, on the left.
-    """
+    """Return positions of all boxes and edges."""
     rank = _ranks(boxes, edges, first)
     columns: list[list[Key]] = [[] for _ in range(max(rank.values()) + 1)]
     for key in boxes:

@@ -1,4 +1,4 @@
-"""A network as boxes, links and frames on paper: whatever shows networks draws this."""
+"""A network as boxes, links and frames on paper, used by all views of networks."""
 
 from __future__ import annotations
 
@@ -36,12 +36,12 @@ class Text(NamedTuple):
 
     @property
     def width(self) -> float:
-        """[px]."""
+        """Width in [px]."""
         return text_width(self.words, self.size, bold=self.bold)
 
     @property
     def left(self) -> float:
-        """[px]."""
+        """Left end in [px]."""
         return self.x - 0.5 * self.width if self.centred else self.x
 
 
@@ -59,7 +59,7 @@ class Box(NamedTuple):
 
 
 class Frame(NamedTuple):
-    """Around a repeated part."""
+    """Frame around a repeated part."""
 
     x: float
     y: float
@@ -102,7 +102,7 @@ class NetworkPicture:
 
     @property
     def texts(self) -> list[Text]:
-        """All of them."""
+        """Return all texts of the picture."""
         inside = [text for box in self.boxes for text in box.texts]
         return [*self.words, *(frame.title for frame in self.frames), *inside]
 
@@ -139,7 +139,7 @@ def draw_network(
 
 
 def shortened_to(words: str, most: int = 120) -> str:
-    """A title in one line."""
+    """Return a title cut to one line."""
     line = " ".join(words.split())
     return line if len(line) <= most else f"{line[: most - 1]}…"
 

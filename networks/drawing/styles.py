@@ -27,7 +27,7 @@ class LinkStyle(NamedTuple):
 
     colour: str
     width: float
-    """[px]."""
+    """Width of the line, in [px]."""
 
 
 _BOXES = {
@@ -48,7 +48,7 @@ def style_of_box(box: Box) -> BoxStyle:
 
 
 def style_of_link(link: Link) -> LinkStyle:
-    """Strong where a run came along it."""
+    """Return the style of a link, strong if a run took it."""
     if link.failed:
         return LinkStyle("#d55e00", 2.5 if link.travelled else 1.3)
     return LinkStyle("#0072b2", 2.5) if link.travelled else LinkStyle("#7b8b9c", 1.3)

@@ -1,4 +1,4 @@
-"""A network's picture as SVG, without any helper program."""
+"""A network's picture as SVG, without any external program."""
 
 from __future__ import annotations
 

@@ -17,16 +17,7 @@ _UNITS = 100  # of a letter's height in which is measured
 
 
 def text_width(words: str, size: float, *, bold: bool = False) -> float:
-    """The width of a line of words set in `FAMILY`.
-
-    Args:
-        words: the line.
-        size: of the letters, in [px].
-        bold: whether they are.
-
-    Returns:
-        In [px].
-    """
+    """Return the width of a line of text set in `FONT_FAMILY`."""
     wide = sum(east_asian_width(letter) in "WF" for letter in words)  # not in the font: squares
     narrow = "".join(letter for letter in words if east_asian_width(letter) not in "WF")
     return size * (_font(bold).getlength(narrow) / _UNITS + wide)

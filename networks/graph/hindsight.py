@@ -13,7 +13,7 @@ from .planner import SKIP_WEIGHT, NoWay, Plan, Planner
 
 @dataclass(frozen=True)
 class Way:
-    """A way to the goal that was open then."""
+    """A route to the goal that was open at that time."""
 
     actions: tuple[Action, ...]
     cost: float
@@ -30,18 +30,18 @@ class Option:
     fails: int
     """Number of earlier Fails, including starts that were not possible."""
     way: Way | None
-    """The cheapest way to the goal that begins with it; None where it was used up, or nothing leads on."""
+    """Cheapest route to the goal that begins with it; None if it was used up, or nothing leads on."""
     out: str
-    """Why it wasn't open; empty where it was."""
+    """Reason why it was excluded; empty if it was open."""
 
 
 @dataclass(frozen=True)
 class Choice:
-    """A choice, seen from afterwards."""
+    """A choice, with its alternatives as computed afterwards."""
 
     chosen: Action
     way: Way
-    """The plan that it begins."""
+    """Plan that begins with the chosen action."""
     options: tuple[Option, ...]
     """All actions out of the situation: the chosen one first, then by cost."""
     next_best: Way | None

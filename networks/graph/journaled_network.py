@@ -34,7 +34,7 @@ class NamedBinding(Binding):
 
 @dataclass(frozen=True)
 class JournaledNetwork:
-    """A network that a journal kept."""
+    """A network that was kept in a journal."""
 
     network: ActionNetwork
     uses: tuple[tuple[str, ...], ...]

@@ -21,9 +21,9 @@ from handcart.primitives.knowledge.world_model import UnknownFact, WorldModel
 Fact = str | bool | int | float
 
 MAX_COST_S = 86_400.0
-"""The most that an action may cost, in [s]: a day."""
+"""Maximum cost of an action, in [s]: a day."""
 MAX_ATTEMPTS = 20
-"""The most attempts of an action. With `MAX_COST_S` it keeps doubled weights below `SKIP_WEIGHT`."""
+"""Maximum attempts of an action; with `MAX_COST_S` it keeps doubled weights below `SKIP_WEIGHT`."""
 
 
 MAX_ACTIONS = 200_000
@@ -31,7 +31,7 @@ MAX_ACTIONS = 200_000
 
 
 class NetworkError(InputError):
-    """Situations and actions that make no sound network; the message says what is wrong."""
+    """Situations and actions that are not a valid network; the message says why."""
 
 
 class NotBound(Exception):
@@ -50,7 +50,7 @@ class Binding:
 
     @classmethod
     def of(cls, primitive: ActionPrimitive) -> Binding:
-        """A primitive all of whose parameters are known."""
+        """Return a binding of a primitive all of whose parameters are known."""
         return cls(type(primitive), {name: getattr(primitive, name) for name in type(primitive).model_fields})
 
     @cached_property
@@ -103,7 +103,7 @@ class Situation:
 
 @dataclass(frozen=True)
 class Action:
-    """A way from one situation to another: a primitive with its parameters, and what it costs."""
+    """A transition from one situation to another by a primitive with its parameters, and its cost."""
 
     source: str
     target: str
@@ -114,11 +114,11 @@ class Action:
     on_fail: str | None = None
     """Situation after a Fail, which may differ in knowledge only; None: the situation remains as it is."""
     index: int = -1
-    """Its number in the network."""
+    """Number of the action in the network."""
     permit: bool = False
     """True if the operator has to permit it each time."""
     time_out_s: float | None = None
-    """The robot's time after which an attempt is called back, in [s]; None: never."""
+    """Time after which an attempt is stopped, in [s] of the robot's time; None: never."""
 
     @property
     def do(self) -> str:
@@ -146,12 +146,7 @@ class ActionNetwork:
     def build(
         cls, situations: Iterable[Situation], actions: Iterable[Action], start: str, goal: str
     ) -> ActionNetwork:
-        """A network of these.
-
-        Raises:
-            NetworkError: with everything that is wrong: names used twice or not known, costs and attempts
-                out of range, a Fail that would lead to other physical facts.
-        """
+        """Build a network of these situations and actions."""
         every = list(situations)
         known = {each.name: each for each in every}
         numbered = tuple(replace(action, index=number) for number, action in enumerate(actions))
@@ -181,7 +176,7 @@ class ActionNetwork:
         return (attempts + 1) * (len(self.situations) - 1) + attempts
 
     def fingerprint(self) -> str:
-        """A checksum of everything that planning sees, in hexadecimal."""
+        """Return a checksum of everything that planning depends on, in hexadecimal."""
         digest = hashlib.sha256(repr((self.start, self.goal)).encode())
         for each in self.situations.values():
             digest.update(repr((each.name, sorted(each.facts.items()), each.element)).encode())

@@ -15,12 +15,12 @@ from handcart.primitives.contract.outcome import Fail, Outcome, Success
 from .network import Action, ActionNetwork
 
 SKIP_WEIGHT = 1e12
-"""Leaving an element undone is dearer than all that could still be tried, in [s]."""
+"""Weight of leaving an element undone, in [s]: more than all that could still be tried."""
 
 
 @dataclass(frozen=True)
 class Plan:
-    """What to do next, and after it."""
+    """The next action and those after it."""
 
     actions: tuple[Action, ...]
     cost: float
@@ -54,12 +54,7 @@ class Elsewhere(NotStarted):
 
 
 class Planner:
-    """Dijkstra's search over a network that it doesn't change: weights hide what is out.
-
-    An action's weight is its cost, doubled by each Fail. Of ways that weigh the same the one whose actions
-    come first in the network is taken, always. While nothing fails, the rest of a plan stays the cheapest
-    way, so it is kept.
-    """
+    """Dijkstra's search over a network that it does not change: weights hide excluded actions."""
 
     def __init__(self, network: ActionNetwork) -> None:
         self.network = network
@@ -81,7 +76,7 @@ class Planner:
         self._out[index] = permanent or self._fails[index] >= action.attempts
 
     def plan(self, situation: str) -> Plan | NoWay:
-        """The cheapest way from `situation` to the goal."""
+        """Return the cheapest route from `situation` to the goal."""
         try:
             cost, nodes = nx.single_source_dijkstra(
                 self.network.graph, situation, self.network.goal, weight=self._weight
@@ -133,7 +128,7 @@ class Route:
     """
 
     def __init__(self, network: ActionNetwork) -> None:
-        """At the network's start, nothing planned."""
+        """Begin at the network's start, with nothing planned."""
         self.network = network
         self.situation = network.start
         self.planner = Planner(network)
@@ -150,7 +145,7 @@ class Route:
         return bool(self._ahead)
 
     def plan(self) -> Plan | NoWay:
-        """The cheapest way from here to the goal, kept."""
+        """Plan the cheapest route from here to the goal, and keep it."""
         plan = self.planner.plan(self.situation)
         if isinstance(plan, Plan):
             self._ahead = list(reversed(plan.actions))
@@ -162,7 +157,7 @@ class Route:
         return self._ahead[-1]
 
     def took(self, outcome: Outcome | NotStarted) -> None:
-        """The action that was `next` has ended like this; a GiveUp leaves everything as it is."""
+        """Note the outcome of the action that was `next`; a GiveUp changes nothing."""
         match outcome:
             case Success():
                 self.situation = self._ahead.pop().target
@@ -175,7 +170,7 @@ class Route:
                 self.failed(reason)
 
     def failed(self, reason: str, permanent: bool = False) -> None:
-        """The action that was `next` has failed; a permanent Fail uses up all its attempts."""
+        """Note a Fail of the action that was `next`; a permanent Fail uses up all its attempts."""
         action = self.next
         self.planner.failed(action, reason, permanent=permanent)
         self._ahead = []

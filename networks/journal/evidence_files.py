@@ -1,4 +1,4 @@
-"""Writing what a primitive saw and found into the run's folder."""
+"""Files in the run's folder with the evidence of primitives."""
 
 from __future__ import annotations
 

@@ -106,7 +106,7 @@ class Journal:
         return self
 
     def _quarantine(self, offset: int) -> None:
-        """Keep what a crash left half written, beside the journal, and cut it off."""
+        """Move an incomplete last record into a file next to the journal."""
         torn = self.path.with_name(f"{self.path.name}.torn-{offset}")
         torn.unlink(missing_ok=True)  # of a resume that didn't come to cut it off
         with os.fdopen(os.open(torn, _FLAGS, 0o600), "wb") as kept:
@@ -163,7 +163,7 @@ class Journal:
             raise self._poison(f"can't be written: {error.strerror}") from None
 
     def close(self) -> None:
-        """Let go of the file; a second call does nothing."""
+        """Close the file; a second call does nothing."""
         if self._file >= 0:
             if self._disk is not None:
                 self._disk.close()

@@ -18,13 +18,13 @@ from handcart.files.printable import printable
 
 _BEGINS, _ENDS = re.compile(rb'\{"q":'), re.compile(rb'"crc":"[0-9a-f]{8}"\}\}')
 MAX_JOURNAL = 128 * 2**20
-"""[bytes]; no run writes as many."""
+"""Maximum size of a journal, in [bytes]; no run writes as many."""
 FIRST_CHECKSUM = ""
 """Checksum that the first record names as that of the record before it."""
 
 
 class JournalError(HandcartError):
-    """The journal can't be written, or isn't what was written. Exit status 5."""
+    """The journal cannot be written, or its content was changed. Exit status 5."""
 
     def __init__(self, path: Path, reason: str) -> None:
         self.path = path
@@ -57,7 +57,7 @@ def seal(body: bytes, wall: Mapping[str, Any]) -> tuple[bytes, str]:
 
 
 def without_wall(record: dict[str, Any]) -> dict[str, Any]:
-    """A record without what the wall clock said: equal in two runs of one seed."""
+    """Return a record without times of the wall clock: equal in two runs of one seed."""
     return {key: value for key, value in record.items() if key != "wall"}
 
 

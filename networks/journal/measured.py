@@ -1,4 +1,4 @@
-"""The robot at rest, as measured, in the journal's words."""
+"""The measured state of a robot at rest, as fields of the journal."""
 
 from __future__ import annotations
 
@@ -56,5 +56,5 @@ def snapshot_of(fields: Mapping[str, Any]) -> Snapshot:
 
 
 def in_words(off: Mapping[str, float]) -> str:
-    """Residuals for people: `base_mm 312, held inf`."""
+    """Return residuals for people: `base_mm 312, held inf`."""
     return ", ".join(f"{name} {size:.3g}" for name, size in off.items())

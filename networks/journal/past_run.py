@@ -36,19 +36,19 @@ class PastAction:
     target: str
     parameters: Mapping[str, Any]
     start: float
-    """[s] of the robot's time, as are the others."""
+    """Time of its start, in [s] of the robot's time, as are the others."""
     end: float
     """Time of its end, in [s]; if the journal has no end, the time when the run broke off."""
     broken_off: float | None
-    """When the motion was broken off and restoring began."""
+    """Time when the motion was broken off and restoring began, in [s]."""
     outcome: str
     """Success, Fail or GiveUp; empty if the journal does not contain it."""
     result: Record = field(default_factory=dict)
-    """The journal's record of how it ended."""
+    """Record of its end in the journal."""
 
     @property
     def reason(self) -> str:
-        """Why it didn't succeed."""
+        """Reason why it did not succeed."""
         return str(self.result.get("reason", ""))
 
     @property
@@ -66,7 +66,7 @@ class PastRun:
     records: Sequence[Record]
     actions: tuple[PastAction, ...]
     network: JournaledNetwork | None
-    """None in the journals of older versions."""
+    """Network of the run; None in journals of older versions."""
     torn_at: int | None
     """Offset of an incomplete last record, in [bytes]."""
 
@@ -97,7 +97,7 @@ class PastRun:
         return next((each for each in reversed(self.actions) if each.fails), None)
 
     def before(self, action: PastAction) -> Iterator[Record]:
-        """The records up to the action's START, that excluded."""
+        """Yield the records before the action's START."""
         for record in self.records:
             if record["kind"] == "START" and record["n"] == action.number:
                 return

@@ -41,7 +41,7 @@ class RunPosition:
     gave_up: Record | None = None
     """Record of a GiveUp that was not acknowledged: a RESULT, or an END between actions."""
     over: Record | None = None
-    """The END of a run that came to its end."""
+    """END record of a run that came to its end."""
     done: int = 0
     """Number of the last action with a RESULT."""
     left: str = ""

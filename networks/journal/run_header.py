@@ -20,7 +20,9 @@ _BOOT = Path("/proc/sys/kernel/random/boot_id")
 
 
 def header(prepared: Prepared) -> dict[str, Any]:
-    """The fields of the record RUN: task, network, robot, backend, seed; equal in two runs of one seed."""
+    """Return the fields of the record RUN: task, network, robot, backend, seed; equal in two runs of one
+    seed.
+    """
     task = prepared.task
     return {
         "schema": JOURNAL_SCHEMA,

@@ -1,4 +1,4 @@
-"""Telling of a run: into the journal first, then to those who look on."""
+"""Log of a run: first into the journal, then to the observers."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ class RunLog(Intents):
         self._tell(lambda: Planned(self._robot.time, situation, plan))
 
     def not_planned(self, situation: str, error: Exception) -> None:
-        """A plan could not be made, because of a fault."""
+        """Log that a plan could not be made, because of a fault."""
         trace = "".join(traceback.format_exception(error))
         self._write("PLAN", records.Planned(situation=situation, error=trace))
 
@@ -100,11 +100,11 @@ class RunLog(Intents):
         self._tell(lambda: Started(self._robot.time, self.started, action, primitive, fails))
 
     def intends(self, effect: str) -> None:
-        """The running action is about to do what can't simply be done once more."""
+        """Log that the running action is about to do something that cannot simply be repeated."""
         self._write("INTENT", records.Intent(n=self.started, effect=effect))
 
     def passed(self, what: str) -> None:
-        """The running action passes a point of no return."""
+        """Log that the running action passes a point of no return."""
         self._write("PNR", records.PointOfNoReturn(n=self.started, what=what))
 
     @property
@@ -113,7 +113,7 @@ class RunLog(Intents):
         return self._journal is None or self._journal.durable
 
     def restoring(self, action: Action, reason: str) -> None:
-        """The running action restores."""
+        """Log that the running action restores."""
         self._write("RESTORE", records.Restore(n=self.started, reason=reason))
         self._tell(lambda: Restoring(self._robot.time, action, reason))
 
@@ -133,7 +133,7 @@ class RunLog(Intents):
         self._write("RESULT", record, {} if kept is None else {"checkpoint": kept})
 
     def result_kept(self, action: Action, primitive: ActionPrimitive, outcome: Outcome) -> None:
-        """Its result is in the journal for good: now the observers hear of it."""
+        """Notify the observers of a result that is safely in the journal."""
         self.open, changes = False, self._changes
         self._tell(lambda: Ended(self._robot.time, self.started, action, primitive, outcome, changes))
 
@@ -157,14 +157,14 @@ class RunLog(Intents):
         self._tell(lambda: LeftOut(self._robot.time, action, reason))
 
     def not_started(self, action: Action, reason: str) -> NotStarted:
-        """An action could not be started."""
+        """Log that an action could not be started."""
         self.open = False
         self._write("NOT_STARTED", records.NotStarted(action=action.index, reason=reason))
         self._tell(lambda: LeftOut(self._robot.time, action, reason))
         return NotStarted(reason)
 
     def skip(self, action: Action, element: str) -> None:
-        """An element of a repeat is left undone."""
+        """Log that an element of a repeat is left undone."""
         self.skipped.append(element)
         self._write("SKIP", records.Skip(action=action.index, element=element))
         self._tell(lambda: LeftOut(self._robot.time, action, f"{element} is left undone"))

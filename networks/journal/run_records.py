@@ -80,7 +80,7 @@ class Start(TypedDict):
 
 @with_config(_OPEN)
 class CauseWords(TypedDict):
-    """Why an attempt didn't succeed."""
+    """Reason why an attempt did not succeed."""
 
     reason: str
     check: NotRequired[str | None]
@@ -150,7 +150,7 @@ class End(TypedDict):
 
 @with_config(_OPEN)
 class Intent(TypedDict):
-    """The running action is about to do what can't simply be done once more."""
+    """The running action is about to do something that cannot simply be repeated."""
 
     n: Number
     effect: str
@@ -250,7 +250,7 @@ _COMMON = TypeAdapter(_Common)
 
 
 def makes_sense(record: dict[str, Any]) -> str:
-    """What is wrong in a record; empty where it can be relied on."""
+    """Return the fault of a record; empty if it is valid."""
     kind = RECORD_VALIDATORS.get(record["kind"]) if isinstance(record["kind"], str) else None
     if kind is None:
         return f"no such kind; allowed: {', '.join(RECORD_VALIDATORS)}"

@@ -19,14 +19,14 @@ class DiskSync:
     """Brings a file's content to the disk; after a failure never tries again (row D8)."""
 
     def __init__(self, file: int, sync: Sync) -> None:
-        """Do it for an open file; `never` needs none of this."""
+        """Create a sync of an open file; `never` needs none."""
         self._file, self._sync = file, sync
         self._pool = ThreadPoolExecutor(1, "journal") if sync == "beside" else None
         self._latest: Future[None] | None = None
         self._failed = False
 
     def ask(self) -> None:
-        """Something was written; raises `OSError` if it, or something before, can't be brought there."""
+        """Request a sync after a write; raises `OSError` if this or an earlier one failed."""
         if self._pool is not None:
             self.done  # noqa: B018  raises what went wrong before
             self._latest = self._pool.submit(self._flush)

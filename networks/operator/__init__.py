@@ -1,1 +1,1 @@
-"""The operator's line to a run: stop, pause, permit, acknowledge."""
+"""The operator's connection to a run: stop, pause, permit, acknowledge."""

@@ -1,4 +1,4 @@
-"""A person's word that a GiveUp, or an action that was broken off, was seen to."""
+"""Acknowledgement by a person of a GiveUp, or of an action that was broken off."""
 
 from __future__ import annotations
 

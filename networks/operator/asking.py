@@ -1,4 +1,4 @@
-"""Asking a run that is alive in another process; and telling what is the matter where it doesn't answer."""
+"""Messages to a run that is alive in another process, and the reason if it does not answer."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The operator's line to a run that is alive: two sockets in the run's folder."""
+"""The operator's connection to a run that is alive: two sockets in the run's folder."""
 
 from __future__ import annotations
 
@@ -47,10 +47,16 @@ class Control:
         stop: Callable[[], object],
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        """Listen; `answer` is called with each message, and gives what is sent back; `stop` stops the run.
+        """Listen on the sockets in a run's folder.
+
+        Args:
+            folder: the run's folder.
+            answer: called with each message, returns the answer.
+            stop: stops the run.
+            clock: clock for connections, in [s].
 
         Raises:
-            InputError: the folder can't hold a socket.
+            InputError: the folder cannot hold a socket.
         """
         self._answer, self._stop, self._clock = answer, stop, clock
         self._lines: dict[socket.socket, ControlLine] = {}
@@ -79,7 +85,7 @@ class Control:
             self._serve(line, now)
 
     def close(self) -> None:
-        """Hang up; a second call does nothing."""
+        """Close all connections; a second call does nothing."""
         for line in list(self._lines.values()):
             self._drop(line)
         self._selector.close()

@@ -19,7 +19,7 @@ class ControlLine:
         other.setblocking(False)
         self.socket = other
         self.moved = now
-        """When something came in or went out last, in [s] of the wall clock."""
+        """Time of the last received or sent bytes, in [s] of the wall clock."""
         self._came, self._goes = b"", b""
         self._ended, self._deaf, self._refused = False, False, False
 
@@ -41,7 +41,7 @@ class ControlLine:
         return selectors.EVENT_WRITE if self._goes else selectors.EVENT_READ
 
     def exchange(self, now: float) -> None:
-        """Let go out and come in what can do so at once."""
+        """Send and receive the bytes that are possible at once."""
         if self._goes:
             self._send(now)
         if not self._goes and not self.waits and not self._ended:

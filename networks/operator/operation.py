@@ -41,7 +41,7 @@ class Operation(RunObserver):
         self._control = Control(folder, self.answer, self._stop)
 
     def look(self) -> None:
-        """Once a period: hear who has something to say."""
+        """Receive commands; called once a period."""
         idle = self._coordinator.life.state in _IDLE
         self._control.poll(self._robot.period if idle else 0.0)
         answer = self._permits.typed() if self._permits.asks is not None else None
@@ -115,10 +115,10 @@ class Operation(RunObserver):
 
 
 class _Heard:
-    """The last commands: what, by whom, when."""
+    """Log of the last commands: command, sender, time."""
 
     def __init__(self) -> None:
-        """Nothing was said yet."""
+        """Create an empty log."""
         self._commands: deque[dict[str, Any]] = deque(maxlen=MAX_LISTED_COMMANDS)
         self._nonces: deque[str] = deque(maxlen=_KEPT)
         self._count = 0

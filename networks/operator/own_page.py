@@ -1,4 +1,4 @@
-"""Whose requests a page of this machine answers: its own, with the token that it was opened with."""
+"""Access control of a page on this machine: its own requests only, with the token that it was opened with."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _OWN_SITE = ("same-origin", "none")
 
 
 class Refusal(NamedTuple):
-    """An answer's status, and why."""
+    """Status and reason of a refused request."""
 
     status: int
     words: str
@@ -34,7 +34,7 @@ class OwnPage:
         self.token = secrets.token_urlsafe(24)
 
     def stranger(self, host: str | None, origin: str | None, site: str | None) -> Refusal | None:
-        """Why a request isn't the page's own, by its headers Host, Origin, Sec-Fetch-Site (rows U2, U3)."""
+        """Return why a request is not the page's own, by Host, Origin and Sec-Fetch-Site (rows U2, U3)."""
         if host not in self.hosts:
             return Refusal(421, "another host's name: this page is reached by the address that was printed")
         if origin is not None and origin not in {f"http://{each}" for each in self.hosts}:

@@ -55,7 +55,7 @@ class Permits:
         (self._breaks.add if on else self._breaks.discard)(situation)
 
     def answer(self, permitted: bool) -> None:
-        """The operator's word on the action that waits; without one it is lost."""
+        """Answer for the action that waits; without one the answer is dropped."""
         if self._asks is not None:
             self._answer = permitted
 

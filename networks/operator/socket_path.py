@@ -8,9 +8,9 @@ from contextlib import contextmanager
 from pathlib import Path
 
 CONTROL_SOCKET = "control"
-"""Messages go in, answers come out."""
+"""Name of the socket for messages and answers."""
 STOP_SOCKET = "control.stop"
-"""Whatever arrives stops the run."""
+"""Name of the socket on which any datagram stops the run."""
 
 
 @contextmanager

@@ -20,7 +20,7 @@ def note_address(folder: Path, address: str) -> None:
 
 
 def forget_address(folder: Path) -> None:
-    """The page is served no longer."""
+    """Remove the address when the page is no longer served."""
     (folder / ADDRESS_FILE).unlink(missing_ok=True)
 
 

@@ -32,7 +32,7 @@ class Value(FileModel):
 
     value: float | tuple[float, ...]
     sigma: NotNegative | tuple[NotNegative, ...]
-    """Its standard deviation; of a list, that of each number."""
+    """Standard deviation of the value; of a list, that of each number."""
 
     @model_validator(mode="after")
     def _alike(self) -> Self:

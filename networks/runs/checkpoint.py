@@ -39,7 +39,7 @@ class Checkpoint:
     """Checksum of the journal's record before the action's RESULT."""
     result: Mapping[str, Any]
     time_s: float
-    """The robot's, in [s]."""
+    """The robot's time, in [s]."""
     backend: object
     """State of the simulated world; None for a real robot, whose world persists by itself."""
     robot: object

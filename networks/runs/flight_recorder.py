@@ -101,7 +101,7 @@ class FlightRecorder(RunObserver):
         return row
 
     def event(self, event: Event) -> None:
-        """Keep what an event makes worth keeping."""
+        """Save the recorded seconds if the event requires it."""
         match event:
             case Started(number=number):
                 self._action, self._restoring, self._decided = number, False, []

@@ -29,7 +29,7 @@ class RecordingKeeper(RunObserver):
     """
 
     def __init__(self, recording: Recording) -> None:
-        """Nothing is written yet."""
+        """Create the observer; nothing is written yet."""
         self._folder, self._recording = Path(), recording
 
     def begin(self, prepared: Prepared, run_dir: Path) -> None:
@@ -38,11 +38,11 @@ class RecordingKeeper(RunObserver):
         self._recording.open(run_dir)
 
     def period(self, robot: Robot) -> None:
-        """A period has passed."""
+        """Advance the recording by a period."""
         self._recording.look(robot.time)
 
     def event(self, event: Event) -> None:
-        """Keep what an event makes worth keeping."""
+        """Save the recorded seconds if the event requires it."""
         match event:
             case Restoring():
                 self._recording.mark()

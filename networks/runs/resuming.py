@@ -34,7 +34,7 @@ _DOUBTFUL = {"INTENT": "effect", "PNR": "what"}
 
 
 class NothingToResume(InputError):
-    """A run came to its end."""
+    """The run came to its end, so there is nothing to resume."""
 
 
 @dataclass(frozen=True)

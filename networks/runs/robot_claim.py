@@ -103,7 +103,7 @@ class RobotClaim:
             raise JournalError(self.path, f"can't be written: {error.strerror}") from None
 
     def close(self) -> None:
-        """Let go of the robot. A second call does nothing."""
+        """Release the robot. A second call does nothing."""
         if self._file < 0:
             return
         if self._run is not None and not self._waits(self._run):

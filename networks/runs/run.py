@@ -130,7 +130,7 @@ def _coordinator(
     past: Past | None,
     observers: Sequence[RunObserver],
 ) -> Coordinator:
-    """With its journal, which is closed with `stack`."""
+    """Return the coordinator with its journal, which is closed with `stack`."""
     sync = _sync(prepared, options)
     return Coordinator(
         prepared.task.network,
@@ -212,7 +212,7 @@ def summary(
 
 
 def _lost(recording: Recording | None) -> dict[str, str]:
-    """Why not all traffic with the robot is kept, where it isn't."""
+    """Return why the traffic with the robot was not kept completely; empty if it was."""
     return {} if recording is None or recording.lost is None else {"recording_lost": recording.lost}
 
 

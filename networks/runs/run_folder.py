@@ -28,7 +28,7 @@ _KINDS = (
 
 
 class NoRun(InputError):
-    """A folder holds no run that can be read; nothing of it was changed."""
+    """A folder holds no readable run; nothing in it was changed."""
 
     def __init__(self, folder: Path, wrong: str) -> None:
         super().__init__(
@@ -83,11 +83,7 @@ def _check(folder: Path, path: Path, status: os.stat_result) -> None:
 
 
 def read_file(folder: Path, name: str, most: int, missing: bool = False) -> bytes | None:
-    """A regular file of a run, whole; None where it may be missing, and is.
-
-    Raises:
-        NoRun: it is missing, no regular file, a link, can't be read, or has more than `most` bytes.
-    """
+    """Read a regular file of a run; None if it may be missing, and is."""
     flags = os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC | os.O_NOFOLLOW | os.O_NOCTTY
     try:
         with open(os.open(folder / name, flags), "rb") as stream:

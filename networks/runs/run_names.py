@@ -12,10 +12,10 @@ import orjson
 from .run_folder import JOURNAL_FILE, NoRun, read_file
 
 LATEST_LINK = "latest"
-"""A link beside the runs to the one that was begun last."""
+"""Name of the link next to the runs to the one that was begun last."""
 SUMMARY_FILE = "summary.json"
 GENERIC_STEM = "task"
-"""Stem of a task's file that says less than its folder's name."""
+"""Stem of a task's file that is less specific than its folder's name."""
 _HEADER = 16 * 2**20  # of a journal, in [bytes]: a header holds its task's network
 
 
@@ -29,9 +29,9 @@ class ListedRun:
     seed: int
     backend: str
     outcome: str
-    """Empty where it has no end yet, or never got one."""
+    """Outcome; empty if the run has no end yet, or never got one."""
     begun: float
-    """[s] since 1970."""
+    """Time of its begin, in [s] since 1970."""
 
 
 def name_of(task: Path, seed: int) -> str:
@@ -56,11 +56,7 @@ def point_latest(folder: Path) -> None:
 
 
 def latest_run(runs: Path) -> Path:
-    """The folder of the run that was begun last.
-
-    Raises:
-        NoRun: none is known there.
-    """
+    """Return the folder of the run that was begun last."""
     try:
         name = os.readlink(runs / LATEST_LINK)
     except OSError:

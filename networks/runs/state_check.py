@@ -43,7 +43,7 @@ class StateCheck:
         return {name: size for name, size in self.residuals.items() if not size <= self.limits[name]}
 
     def words(self) -> list[str]:
-        """Expected, measured and unknown, a line each."""
+        """Return lines with the expected, measured and unknown state."""
         found = [
             f"{name} {size:.3g} (at most {self.limits[name]:.3g})" for name, size in self.residuals.items()
         ]

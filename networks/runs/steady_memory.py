@@ -1,4 +1,4 @@
-"""Collecting garbage where it delays nothing."""
+"""Garbage collection at times when it delays nothing."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class SteadyMemory(RunObserver):
         gc.disable()
 
     def event(self, event: Event) -> None:
-        """An action has ended: collect, before the next."""
+        """Collect garbage after an action has ended."""
         if isinstance(event, Ended):
             gc.collect()
 

@@ -35,7 +35,7 @@ class Telemetry:
         self._rows: list[tuple[float, float, float, float, int, bool]] = []
 
     def record(self, robot: Robot, action: int, restoring: bool) -> None:
-        """Note where the robot is now."""
+        """Record the robot's present pose."""
         pose = robot.pose
         self._rows.append((robot.time, pose.x, pose.y, pose.theta, action, restoring))
 
@@ -52,6 +52,6 @@ class Telemetry:
 
 
 def load_track(file: Path | BytesIO) -> Track:
-    """A track that was saved."""
+    """Load a saved track."""
     with np.load(file, allow_pickle=False) as arrays:
         return Track(**{name: arrays[name] for name in Track._fields})

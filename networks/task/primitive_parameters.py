@@ -28,7 +28,7 @@ from .repetition import Element
 
 
 class ParameterReader:
-    """Makes bindings out of the `with` of a file's actions."""
+    """Reader of the `with` of a file's actions into bindings."""
 
     def __init__(
         self, document: Document, findings: Findings, known: Mapping[str, Collection[object]]

@@ -57,7 +57,7 @@ class ActionEntry(FileModel):
     cost_s: Annotated[float, Field(gt=0.0, le=MAX_COST_S)]
     """Expected duration; each Fail doubles its weight in planning."""
     attempts: Annotated[int, Field(ge=1, le=MAX_ATTEMPTS)] = 3
-    """After that many Fails it is out."""
+    """Maximum number of Fails, after which it is excluded."""
     p: Annotated[float, Field(gt=0.0, le=1.0)] | None = None
     """Probability that an attempt ends in Success; `handcart check` then reports how runs end."""
     p_give_up: Annotated[float, Field(ge=0.0, lt=1.0)] = 0.0
@@ -72,7 +72,7 @@ class ActionEntry(FileModel):
 
 
 class Each(FileModel):
-    """Something of the element of a repeat."""
+    """A value of the element of a repeat."""
 
     each: str
     """NAME, or NAME.KEY."""
@@ -90,7 +90,7 @@ class Repeat(FileModel):
     NAME.KEY}` is a list of the element around it.
     """
     name: Annotated[str, Field(alias="as")]
-    """What `{each: NAME}` calls the element."""
+    """Name of the element in `{each: NAME}`."""
     start: str
     """The situation in which the part begins."""
     goal: str

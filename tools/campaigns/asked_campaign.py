@@ -30,7 +30,7 @@ CAMPAIGN_LEVELS: Mapping[str, Level] = {"run": "run", "fitted": "fitted", "netwo
 
 
 class NotPossible(InputError):
-    """Options of a campaign that can't be, or can't be together; nothing has moved."""
+    """Invalid options of a campaign, alone or together; nothing has moved."""
 
 
 @dataclass(frozen=True)

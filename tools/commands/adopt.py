@@ -1,4 +1,4 @@
-"""`handcart adopt`: take what a calibration found into a robot's file."""
+"""`handcart adopt`: write calibration values into a robot's file."""
 
 from __future__ import annotations
 

@@ -106,7 +106,7 @@ def _chosen(parts: list[str], primitives: list[str], tasks: list[str]) -> tuple[
 
 
 def _check(setting: KitSetting) -> None:
-    """Refuse what can't be tried, before anything is."""
+    """Reject options that cannot be tested, before any test."""
     from handcart.backends.registry import backend_class
     from handcart.files.suggest import suggest
 

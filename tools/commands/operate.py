@@ -25,7 +25,7 @@ def pause(run: Run, as_json: Json = False, number: Number = None) -> None:
 
 
 def go_on(run: Run, as_json: Json = False, number: Number = None) -> None:
-    """Go on after a pause; moved by hand meanwhile, the action restores."""
+    """Continue after a pause; if the robot was moved by hand meanwhile, the action restores."""
     _say("continue", run, as_json, **_meant(number))
 
 
@@ -39,7 +39,7 @@ def stop(run: Run, as_json: Json = False) -> None:
 
 
 def cancel(run: Run, as_json: Json = False, number: Number = None) -> None:
-    """Bring back what the running action did, then end the run: the robot moves."""
+    """Restore what the running action changed, then end the run: the robot moves."""
     _say("cancel", run, as_json, **_meant(number))
 
 
@@ -59,7 +59,7 @@ def refuse(run: Run, as_json: Json = False, action: int | None = None) -> None:
 
 
 def step(run: Run, as_json: Json = False, off: Off = False) -> None:
-    """Ask before every action from now on, as after `handcart run --step`; `--off`: no more."""
+    """Ask before every action from now on, as after `handcart run --step`; `--off` ends that."""
     _say("step", run, as_json, on=not off)
 
 
@@ -69,7 +69,7 @@ def break_at(
     as_json: Json = False,
     off: Off = False,
 ) -> None:
-    """Ask before each action that starts from a situation; `--off`: no more."""
+    """Ask before each action that starts from a situation; `--off` ends that."""
     _say("break", run, as_json, at=situation, on=not off)
 
 

@@ -19,7 +19,7 @@ ACCEPTED_AT_ONCE = 16
 WAITING_TO_BE_ACCEPTED = 4096
 """Length of the kernel's queue: a client that finds it full is served only a second later."""
 SILENT_S = 10.0
-"""[s] in which a new connection has to have sent a whole request's head."""
+"""Time within which a new connection has to send a complete request head, in [s]."""
 
 
 class Connections:

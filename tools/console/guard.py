@@ -27,7 +27,7 @@ class Guard(OwnPage):
 
     @web.middleware
     async def check(self, request: web.Request, handler: Handler) -> web.StreamResponse:
-        """The middleware."""
+        """Check a request: the middleware of the server."""
         refused = self._refused(request)
         if refused is not None:
             return refused

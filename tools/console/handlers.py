@@ -30,7 +30,7 @@ PATIENCE_S = 5.0  # [s] for a command's body
 BEAT_S = 2.0  # [s] after which who listens hears something, even if nothing is new
 MOST_FILE = 64 * 2**20
 TAB_HEADER = "X-Console-Tab"
-"""Header with a word of its own of each open page."""
+"""Header with the unique identifier of each open page."""
 SANDBOX_POLICY = (
     "sandbox allow-scripts; default-src 'none'; img-src data:; style-src 'unsafe-inline'; "
     "script-src 'unsafe-inline'"
@@ -39,7 +39,7 @@ SANDBOX_POLICY = (
 
 
 class Handlers:
-    """Answers one request each."""
+    """Handlers of the page's requests."""
 
     def __init__(self, watcher: Watcher) -> None:
         """About the runs that are watched."""
@@ -79,7 +79,7 @@ class Handlers:
             self._lease.gone(tab)
 
     async def run(self, request: web.Request) -> web.Response:
-        """One run, whole."""
+        """Answer with the details of one run."""
         name = request.match_info["run"]
         folder = self._folder(request)
         state: Mapping[str, Any] = next(each for each in self._watcher.states() if each["name"] == name)
@@ -99,7 +99,7 @@ class Handlers:
         return found if isinstance(found, web.Response) else _json(found)
 
     async def file(self, request: web.Request) -> web.Response:
-        """A picture that the robot took."""
+        """Answer with a picture that the robot took."""
         folder, name = self._folder(request), request.match_info["file"]
         where, _, file = name.rpartition("/")
         if where != EVIDENCE_PATH or not file.endswith(EVIDENCE_SUFFIXES):
@@ -109,7 +109,7 @@ class Handlers:
         return content if isinstance(content, web.Response) else web.Response(body=content, content_type=kind)
 
     async def command(self, request: web.Request) -> web.Response:
-        """Say something to a run, as who commands."""
+        """Send a command to a run, if this page holds the lease."""
         folder, message = self._folder(request), await _body(request)
         if not self._lease.holds(_tab(request)):
             return said(423, f"{self._lease.holder()['name'] or 'nobody'} commands; take the command first")
@@ -136,7 +136,7 @@ class Handlers:
         return _json({"ok": True})
 
     async def acknowledge(self, request: web.Request) -> web.Response:
-        """A person's word on a GiveUp, with the record and the cause that was read (row U12)."""
+        """Acknowledge a GiveUp, with the record and the cause that was read (row U12)."""
         folder, word = self._folder(request), await _body(request)
         if not self._lease.holds(_tab(request)):
             return said(423, f"{self._lease.holder()['name'] or 'nobody'} commands; take the command first")
@@ -147,7 +147,7 @@ class Handlers:
         return reason if isinstance(reason, web.Response) else _json({"ok": True, "reason": reason})
 
     async def lease(self, request: web.Request) -> web.Response:
-        """Take the command, or give it back."""
+        """Take or release the right to command."""
         word, tab = await _body(request), _tab(request)
         name = word.get("name")
         if not tab:
@@ -162,14 +162,14 @@ class Handlers:
         return _json({"ok": True, "lease": self._lease.holder()})
 
     async def ticket(self, request: web.Request) -> web.Response:
-        """Opens one of a run's own pages once."""
+        """Issue a ticket that opens one of a run's own pages once."""
         folder, word = self._folder(request), await _body(request)
         if word.get("page") not in RUN_PAGES:
             return said(404, f"unknown page; allowed: {', '.join(RUN_PAGES)}")
         return _json({"ok": True, "url": TICKETS_PATH + self._tickets.give(folder, str(word["page"]))})
 
     async def page(self, request: web.Request) -> web.Response:
-        """The page that a ticket opens."""
+        """Answer with the page that a ticket opens."""
         ticket = self._tickets.take(request.match_info["word"])
         if ticket is None:
             return said(403, "this address was valid once, for half a minute; the console opens it again")

@@ -18,10 +18,10 @@ Away = Callable[[Callable[[], Any]], Awaitable[Any]]
 
 
 class KeptDetails:
-    """The last runs that were asked for, ready to send."""
+    """Cache of the details of the last requested runs, ready to send."""
 
     def __init__(self) -> None:
-        """None yet."""
+        """Create an empty cache."""
         self._kept: dict[Path, tuple[object, asyncio.Future[Any]]] = {}
 
     async def of(self, folder: Path, alive: bool, situation: str | None, away: Away) -> Any:

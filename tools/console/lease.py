@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 GONE_S = 10.0
-"""[s] after which a page that isn't connected any more doesn't hold it any longer."""
+"""Time after which a disconnected page loses the lease, in [s]."""
 
 
 class Lease:
@@ -37,7 +37,7 @@ class Lease:
             self._holder = self._name = ""
 
     def connected(self, tab: str) -> None:
-        """A tab listens."""
+        """Note that a tab has opened a connection."""
         self._open[tab] = self._open.get(tab, 0) + 1
 
     def gone(self, tab: str) -> None:

@@ -31,7 +31,7 @@ _PAGES["/console.css"] = ("console.css", "text/css")
 
 
 class NoConsole(InputError):
-    """It can't be served."""
+    """The console cannot be served."""
 
 
 class Server:
@@ -61,11 +61,11 @@ class Server:
         """With the token behind `#`, which no browser sends or logs."""
 
     def serve(self, over: Callable[[], bool]) -> None:
-        """Until `over`."""
+        """Serve until `over`."""
         asyncio.run(self._serve(over))
 
     def close(self) -> None:
-        """Let go of the port; a second call does nothing."""
+        """Release the port; a second call does nothing."""
         for each in self._sockets:
             each.close()
 

@@ -12,7 +12,7 @@ MAX_TICKETS = 100
 
 
 class Ticket(NamedTuple):
-    """Opens one file, once."""
+    """Permission to open one file, once."""
 
     folder: Path
     name: str
@@ -23,11 +23,11 @@ class Tickets:
     """Tickets that were issued and not used."""
 
     def __init__(self) -> None:
-        """None yet."""
+        """Create an empty collection."""
         self._given: dict[str, Ticket] = {}
 
     def give(self, folder: Path, name: str) -> str:
-        """One for a file in a folder."""
+        """Issue a ticket for a file in a folder, and return its word."""
         while len(self._given) >= MAX_TICKETS:
             del self._given[next(iter(self._given))]
         word = secrets.token_urlsafe(24)

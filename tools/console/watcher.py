@@ -19,11 +19,11 @@ from .run_details import RUN_PAGES
 LOOKS_S = 0.2
 """Time between two looks at running runs, in [s]."""
 LOOKS_PER_LISTING = 5
-"""Looks between two at which runs there are."""
+"""Number of looks at running runs between two listings of the folder."""
 MAX_SHOWN_RUNS = 200
-"""Runs that are shown, the newest."""
+"""Maximum number of runs shown, the newest ones."""
 PATIENCE_S = 1.0
-"""[s] for which a run may keep the watcher waiting."""
+"""Time that a run has to answer the watcher, in [s]."""
 
 
 class Watcher:
@@ -40,7 +40,7 @@ class Watcher:
         self._changed = asyncio.Condition()
 
     async def watch(self) -> None:
-        """Look, until it is cancelled."""
+        """Look at the runs periodically, until cancelled."""
         count = 0
         while True:
             before = self.states()
@@ -57,7 +57,7 @@ class Watcher:
         return await asyncio.get_running_loop().run_in_executor(self._pool, work, *words)
 
     async def tell_all(self) -> None:
-        """Wake who waits for something new."""
+        """Notify all waiting clients of a change."""
         async with self._changed:
             self._version += 1
             self._changed.notify_all()
@@ -84,7 +84,7 @@ class Watcher:
         await self.tell_all()
 
     def states(self) -> list[dict[str, Any]]:
-        """All of them, the newest first."""
+        """Return the states of all runs, the newest first."""
         return [self._state(name, listed) for name, listed in self._listed.items()]
 
     def close(self) -> None:

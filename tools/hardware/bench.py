@@ -164,7 +164,7 @@ class _Log:
         self._file = file
 
     def __call__(self, bench: Bench) -> None:
-        """A period has passed."""
+        """Write a line after a period."""
         import time
 
         cells = [f"{time.monotonic():.6f}", f"{bench.time:.4f}"]

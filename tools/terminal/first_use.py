@@ -1,4 +1,4 @@
-"""Say what a command does while it is silent for long: it computes, or compiles for the first time."""
+"""Announcements during long silent computations, such as the first compilation."""
 
 from __future__ import annotations
 

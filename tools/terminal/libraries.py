@@ -67,7 +67,7 @@ class Requirement(NamedTuple):
 
     name: str
     versions: str
-    """Such as `>=2.0,<3`."""
+    """Version specifier, such as `>=2.0,<3`."""
     extra: str = ""
     """Extra of handcart that requires it; empty: it is always required."""
 

@@ -1,4 +1,4 @@
-"""Telling a person how a run gets on."""
+"""Progress output of a run for a person."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Writing files where the user said."""
+"""Writing of files at paths given by the user."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from handcart.files.whole_file import write_whole
 
 
 class NotWritable(InputError):
-    """Nothing can be written where the user wants it."""
+    """The file cannot be written where the user wants it."""
 
     def __init__(self, path: Path, why: str | None, allowed: str = "a file in a folder that exists") -> None:
         super().__init__(f"{path} can't be written: {why}; allowed: {allowed}")
