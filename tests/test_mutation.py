@@ -159,9 +159,12 @@ def test_a_line_executed_at_import_has_the_tests_of_what_it_defines(
 
 def test_without_a_recording_the_nearest_files_are_chosen(parts: Any, project: Path, recorded: Any) -> None:
     choose = parts("choosing").choose_tests
-    assert choose(project, None, ADDER_FILE, 5, 60.0) == ([], [SUM.split("::")[0]])
+    near = SUM.split("::")[0]
+    assert choose(project, None, ADDER_FILE, 5, 60.0) == ([], [near], False)
     (project / "networks/journal/other.py").write_text("X = 1\n")
-    assert choose(project, recorded, "networks/journal/other.py", 1, 60.0).tests == []
+    chosen = choose(project, recorded, "networks/journal/other.py", 1, 60.0)  # its lines left no trace
+    assert {name.split("::")[0] for name, _ in chosen.tests} == {near}
+    assert not chosen.executing
 
 
 def test_lines_of_a_statement_end_where_its_body_begins(parts: Any) -> None:

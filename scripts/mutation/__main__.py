@@ -136,7 +136,7 @@ def _try(bed: WarmBed, mutant: DrawnMutant, tests: ChosenTests, seconds: float) 
         return Verdict(mutant, "timed out", answer.blamed, f"in {' '.join(answer.blamed)}")
     if answer.word == "failed":
         return Verdict(mutant, "killed", answer.blamed)
-    chosen = f"{len(tests.tests)} are known to execute it" if tests.tests else "of the nearest files"
+    chosen = f"{len(tests.tests)} are known to execute it" if tests.executing else "of the nearest files"
     return Verdict(mutant, "SURVIVED", reason=f"{answer.ran} tests ran; {chosen}")
 
 

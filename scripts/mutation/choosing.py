@@ -26,6 +26,8 @@ class ChosenTests(NamedTuple):
     """Node ids with recorded durations, in [s]."""
     files: list[str]
     """Files of tests; those of their tests that have no record run first."""
+    executing: bool = False
+    """True if the tests are known to execute the line; otherwise they are those of the nearest files."""
 
 
 def choose_tests(
@@ -42,9 +44,11 @@ def choose_tests(
         files: number of files where nothing is known.
     """
     nearest = nearest_tests(project, file)
-    names = _executing(project, recording, file, line) if recording else set()
-    if recording is None or not names:
+    if recording is None:
         return ChosenTests([], nearest[:files])
+    names = executing = _executing(project, recording, file, line)
+    if not names:  # compiled code, or another process, leaves no trace
+        names = {name for name in recording.durations if name.split("::")[0] in nearest[:files]}
     durations = {name: recording.durations[name] for name in names}
     taken, total = [], 0.0
     for name in sorted(names, key=lambda name: (durations[name] / NEARNESS ** _shared(file, name), name)):
@@ -52,7 +56,7 @@ def choose_tests(
         if total > seconds and taken:
             break
         taken.append((name, durations[name]))
-    return ChosenTests(taken, nearest[:NEW_FILES])
+    return ChosenTests(taken, nearest[:NEW_FILES], bool(executing))
 
 
 def _executing(project: Path, recording: Recording, file: str, line: int) -> set[str]:
