@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from rich.progress import track
 
 from benchmarks.field.foreign_logs import GRAVITY, VEHICLES, record_foreign
-from handcart.evaluation.replay.checks.mirror import WORDS as MIRRORED
+from handcart.evaluation.replay.checks.mirror import MIRROR_TEXT as MIRRORED
 from handcart.evaluation.replay.drive_log import DriveLog
 from handcart.evaluation.replay.preparation import prepare
 from handcart.robotics.navigation.outdoors.field_noise import ANY_VEHICLE

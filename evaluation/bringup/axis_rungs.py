@@ -15,7 +15,7 @@ from handcart.backends.can.can_backend import CanBackend
 from handcart.backends.description.mount_findings import FINGERS
 from handcart.backends.description.robot_file import RobotFile
 from handcart.evaluation.robot_report.masses import corners_of
-from handcart.evaluation.robot_report.postures import MARGIN
+from handcart.evaluation.robot_report.postures import LINK_MARGIN_M
 from handcart.robotics.manipulation.motions.collision_model import CollisionModel
 
 from .jog import HAND_SPEED, Jogged, Jogger, slides
@@ -203,7 +203,7 @@ class FreeWay:
         half = 0.0 if robot.gripper is None else robot.gripper.opening_mm / 2e3
         fingers = dict.fromkeys(FINGERS, half) if robot.gripper else {}
         self._model = robot.arm_model().with_others(fingers)
-        self._own = CollisionModel(self._model, margin=MARGIN)
+        self._own = CollisionModel(self._model, margin=LINK_MARGIN_M)
         self._slides = robot.joint_units.slides
 
     def touches_at(self, posture: NDArray[np.float64], joint: int, limit: float) -> float | None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from handcart.evaluation.campaigns.walked_trials import DRAWN, UNKNOWN, WalkedTrials
 from handcart.evaluation.walks.odds import End, Numbers
-from handcart.evaluation.walks.walker import NOTHING, Walked
+from handcart.evaluation.walks.walker import NO_ACTION, Walked
 
 from .tally import WORST, Blame, Tally, in_general, outcome_in_general
 
@@ -43,7 +43,7 @@ class WalkTally(Tally):
         walked = self.trials.together(number)
         whole = slice(begin, begin + count)
         times = self.trials.times(walked)[whole]
-        done, success = (walked.action != NOTHING)[:, whole], walked.success[whole]
+        done, success = (walked.action != NO_ACTION)[:, whole], walked.success[whole]
         failed = done & (walked.ends[:, whole] != End.SUCCESS)
         fails = failed.sum(axis=0)
         at = self.count
@@ -74,7 +74,7 @@ class WalkTally(Tally):
             self.outcomes[self._words[key]] += count
 
     def _see(self, action: Numbers, at: int) -> None:
-        for index in set(np.unique(action).tolist()) - {NOTHING, *self._first_seen}:
+        for index in set(np.unique(action).tolist()) - {NO_ACTION, *self._first_seen}:
             there = action == index
             column = int(there.any(axis=0).argmax())
             self._first_seen[index] = at + column, int(there[:, column].argmax())

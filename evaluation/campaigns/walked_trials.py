@@ -12,7 +12,7 @@ import numpy as np
 from handcart.evaluation.walks.file_odds import FileOdds
 from handcart.evaluation.walks.odds import End, Odds
 from handcart.evaluation.walks.walk_table import WalkTable
-from handcart.evaluation.walks.walker import NOTHING, Walked, Walker
+from handcart.evaluation.walks.walker import NO_ACTION, Walked, Walker
 from handcart.networks.graph.planner import NoWay, Route
 from handcart.networks.task.task_file import Task, load_task
 from handcart.primitives.contract.outcome import Success
@@ -71,7 +71,7 @@ class WalkedTrials:
             if not route.planned and isinstance(route.plan(), NoWay):
                 break
             action, end, time = route.next, End(code), time + seconds
-            if index == NOTHING:
+            if index == NO_ACTION:
                 route.took(Success())
                 continue
             assert action.index == index, "the coordinator plans otherwise than its table"

@@ -13,7 +13,7 @@ from handcart.networks.task.task_file import Task
 from .prediction import predict
 from .seen_actions import SeenActions
 
-SURE = 0.01
+SIGNIFICANCE_LEVEL = 0.01
 """Maximum probability of rejecting correct odds."""
 
 
@@ -38,7 +38,7 @@ class Trust(NamedTuple):
         all).
         """
         worst = min(self.tried, key=lambda each: each.p_value)
-        return worst if worst.p_value * len(self.tried) < SURE else None
+        return worst if worst.p_value * len(self.tried) < SIGNIFICANCE_LEVEL else None
 
 
 def hold_out(task: Task, seen: SeenActions) -> Trust:

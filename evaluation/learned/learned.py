@@ -20,7 +20,7 @@ from .learned_odds import LearnedOdds
 from .prediction import Prediction, predict
 from .seen_actions import SeenActions
 
-FEWEST = 20
+MIN_TRIALS = 20
 """Minimum number of trials for learning."""
 
 
@@ -51,9 +51,9 @@ class Learned:
                 raise NothingLearned(printable(wrong))
         seen = SeenActions.of(task, chain.from_iterable(each.trials() for each in found))
         names = ", ".join(map(str, folders))
-        if len(seen.success) < FEWEST:
+        if len(seen.success) < MIN_TRIALS:
             count = len(seen.success)
-            raise NothingLearned(printable(f"{names}: {count} trials; needed: at least {FEWEST}"))
+            raise NothingLearned(printable(f"{names}: {count} trials; needed: at least {MIN_TRIALS}"))
         if not len(seen.entry):
             raise NothingLearned(printable(f"{names}: none of {task.document.file}'s actions; needed: some"))
         return cls(task, tuple(folders), seen)

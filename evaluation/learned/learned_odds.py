@@ -7,13 +7,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.evaluation.walks.odds import CONTEXTS, Codes, End, Floats, Numbers
+from handcart.evaluation.walks.odds import CONTEXT_COUNT, Codes, End, Floats, Numbers
 from handcart.networks.task.task_file import Task
 
 from .seen_actions import SeenActions
 
-KNOWN = len(End) - 1  # ends that can have been seen
-POOLINGS = (1.0, 3.0, 10.0, 30.0, 100.0, 1e9)
+KNOWN_ENDS = len(End) - 1  # ends that can have been seen
+POOLING_WEIGHTS = (1.0, 3.0, 10.0, 30.0, 100.0, 1e9)
 _FOLDS = 5
 _ENOUGH = 20  # seconds seen in a context, that those of other contexts aren't asked
 _LEAST = 1e-4  # probability of what was never seen, where likelihoods are compared
@@ -32,7 +32,8 @@ class LearnedOdds:
         Args:
             task: the task; its actions may be connected differently than in the trials.
             seen: the actions of at least one trial.
-            pooling: the weight w; None: the one of `POOLINGS` with the best cross-validated likelihood.
+            pooling: the weight w; None: the one of `POOLING_WEIGHTS` with the largest cross-validated
+                likelihood.
         """
         self.pooling = best_pooling(task, seen) if pooling is None else pooling
         self._entry = np.array([-1 if each is None else each for each in task.entries], dtype=np.int64)
@@ -49,7 +50,7 @@ class LearnedOdds:
     def ends(self, action: Numbers, context: Numbers, drawn: Floats) -> Codes:
         """Draw how each action ends, with the probabilities learned from a campaign."""
         entry = self._entry[action]
-        ends = (drawn[:, None] >= self._limits[entry, context, : KNOWN - 1]).sum(axis=1)
+        ends = (drawn[:, None] >= self._limits[entry, context, : KNOWN_ENDS - 1]).sum(axis=1)
         return np.where(self._known[entry], ends, End.UNKNOWN).astype(np.int8)
 
     def seconds(self, action: Numbers, context: Numbers, ends: Codes, drawn: Floats) -> Floats:
@@ -72,11 +73,11 @@ class _Drawers(NamedTuple):
 
     @classmethod
     def of(cls, entries: int, seen: SeenActions) -> _Drawers:
-        shape = (entries, CONTEXTS, KNOWN)
+        shape = (entries, CONTEXT_COUNT, KNOWN_ENDS)
         own = np.ravel_multi_index((seen.entry, seen.context, seen.end), shape)
-        every = np.ravel_multi_index((seen.entry, seen.end), (entries, KNOWN))
+        every = np.ravel_multi_index((seen.entry, seen.end), (entries, KNOWN_ENDS))
         own_count = np.bincount(own, minlength=int(np.prod(shape))).reshape(shape)
-        all_count = np.bincount(every, minlength=entries * KNOWN).reshape(entries, 1, KNOWN)
+        all_count = np.bincount(every, minlength=entries * KNOWN_ENDS).reshape(entries, 1, KNOWN_ENDS)
         own_begin = (np.cumsum(own_count) - own_count.ravel()).reshape(shape)
         all_begin = len(own) + (np.cumsum(all_count) - all_count.ravel()).reshape(all_count.shape)
         order = (np.argsort(each, kind="stable") for each in (own, every))
@@ -94,19 +95,19 @@ class _Drawers(NamedTuple):
 
 def best_pooling(task: Task, seen: SeenActions) -> float:
     """Return the pooling weight with the largest likelihood in a five-fold cross-validation."""
-    scores = dict.fromkeys(POOLINGS, 0.0)
+    scores = dict.fromkeys(POOLING_WEIGHTS, 0.0)
     numbers = np.arange(len(seen.success))
     for fold in range(_FOLDS):
         learned = _counts(task, seen.chosen(numbers[numbers % _FOLDS != fold]))
         other = _counts(task, seen.chosen(numbers[numbers % _FOLDS == fold]))
-        for pooling in POOLINGS:
+        for pooling in POOLING_WEIGHTS:
             scores[pooling] += float((other * np.log(np.maximum(_shares(learned, pooling), _LEAST))).sum())
-    return max(POOLINGS, key=lambda pooling: scores[pooling])
+    return max(POOLING_WEIGHTS, key=lambda pooling: scores[pooling])
 
 
 def _counts(task: Task, seen: SeenActions) -> Floats:
     """Return the counts (entries, contexts, ends) of the ends seen."""
-    shape = (len(task.file.actions), CONTEXTS, KNOWN)
+    shape = (len(task.file.actions), CONTEXT_COUNT, KNOWN_ENDS)
     flat = np.ravel_multi_index((seen.entry, seen.context, seen.end), shape)
     return np.bincount(flat, minlength=int(np.prod(shape))).reshape(shape).astype(np.float64)
 

@@ -14,7 +14,7 @@ from handcart.networks.task.task_file import Task
 from .learned_odds import LearnedOdds
 from .seen_actions import SeenActions
 
-RESAMPLED = 100
+BOOTSTRAP_COUNT = 100
 _WALKS = 4096  # for each of them
 _STREAM = 21
 
@@ -25,8 +25,9 @@ class Prediction(NamedTuple):
     success: float
     time_s: float
     resampled: Floats
-    """(`RESAMPLED`, 2) predictions learned from bootstrap samples of the trials (Efron, 1979): the spread
-    shows how much the prediction depends on the trials that were seen.
+    """(`BOOTSTRAP_COUNT`, 2) predictions from bootstrap samples of the trials (Efron, 1979).
+
+    Their spread shows how much the prediction depends on the trials that were seen.
     """
 
     @property
@@ -55,7 +56,7 @@ def predict(task: Task, seen: SeenActions) -> Prediction:
     draws = np.random.default_rng([_STREAM, 0])
     count = len(seen.success)
     resampled = []
-    for number in range(RESAMPLED):
+    for number in range(BOOTSTRAP_COUNT):
         again = seen.chosen(np.sort(draws.integers(0, count, count)))
         resampled.append(_walked(table, LearnedOdds(task, again, odds.pooling), _WALKS, 1 + number))
     return Prediction(success, time_s, np.array(resampled))

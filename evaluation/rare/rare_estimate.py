@@ -14,7 +14,7 @@ from handcart.evaluation.campaigns.trial import Trial
 
 from .population import Level, Population
 
-ERROR = 0.05
+INTERVAL_ERROR_RATE = 0.05
 """Share of the confidence intervals that may miss the true value."""
 
 
@@ -38,7 +38,9 @@ class LevelSeen(NamedTuple):
     @property
     def unseen(self) -> float:
         """Upper bound (95 %) of the contribution of a level without a hit; 0 for a level with hits."""
-        return 0.0 if self.hits else self.share * -math.expm1(math.log(ERROR) / max(1, self.runs))
+        return (
+            0.0 if self.hits else self.share * -math.expm1(math.log(INTERVAL_ERROR_RATE) / max(1, self.runs))
+        )
 
 
 @dataclass(frozen=True)
@@ -111,7 +113,7 @@ def interval(mean: float, sigma: float, count: int) -> tuple[float, float] | Non
     """
     if count < 2 or mean <= 0.0:
         return None
-    factor = math.exp(float(stdtrit(count - 1, 1.0 - ERROR / 2.0)) * sigma / mean)
+    factor = math.exp(float(stdtrit(count - 1, 1.0 - INTERVAL_ERROR_RATE / 2.0)) * sigma / mean)
     return mean / factor, mean * factor
 
 

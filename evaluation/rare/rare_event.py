@@ -13,8 +13,8 @@ Importance = Literal["fails", "attempts"]
 """Measure of how near a run is to the rare outcome: the number of all Fails so far, or the largest number
 of attempts that one action has used up.
 """
-OUTCOMES: tuple[RunOutcome, ...] = ("Success", "Fail", "GiveUp")
-MOST_RUNS = 1_000_000
+RARE_OUTCOMES: tuple[RunOutcome, ...] = ("Success", "Fail", "GiveUp")
+MAX_RUNS = 1_000_000
 
 
 class NoRareEvent(InputError):
@@ -35,11 +35,11 @@ class RareEvent:
         """Create an event from command-line values; raise `NoRareEvent` if one is invalid."""
         importance, runs = importance or cls.importance, cls.runs if runs is None else runs
         for given, known, option in (
-            (outcome, OUTCOMES, "--rare"),
+            (outcome, RARE_OUTCOMES, "--rare"),
             (importance, get_args(Importance), "--importance"),
         ):
             if given not in known:
                 raise NoRareEvent(f"{option} {given}: no such one{suggest(given, known)}")
-        if not 2 <= runs <= MOST_RUNS:
-            raise NoRareEvent(f"--population {runs}; allowed: 2 to {MOST_RUNS} runs")
+        if not 2 <= runs <= MAX_RUNS:
+            raise NoRareEvent(f"--population {runs}; allowed: 2 to {MAX_RUNS} runs")
         return cls(cast(RunOutcome, outcome), cast(Importance, importance), runs)

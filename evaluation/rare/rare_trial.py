@@ -18,7 +18,7 @@ from .rare_event import RareEvent
 from .split_runs import SplitRuns
 from .walked_runs import WalkedRuns
 
-ESTIMATED = "Estimated"
+ESTIMATED_OUTCOME = "Estimated"
 """Outcome of such a trial."""
 _WALKED, _RUN = 21, 22  # tell these draws from others that begin with the same numbers
 
@@ -82,6 +82,6 @@ def _trial(seed: int, found: Population, more: Mapping[str, Any], time_s: float 
         "steps_of_a_run": found.steps_of_a_run,
         **more,
     }
-    summary = {"outcome": ESTIMATED, "reason": "", "seed": seed, "run_dir": "", "sim_time_s": time_s}
+    summary = {"outcome": ESTIMATED_OUTCOME, "reason": "", "seed": seed, "run_dir": "", "sim_time_s": time_s}
     summary |= {"actions": found.steps, "fails": 0, "wall_time_s": 0.0, "metrics": metrics}
     return Trial(seed, 0, summary)

@@ -20,7 +20,7 @@ from .level_stop import LevelStop, importance_of
 from .population import Level, Numbers
 from .rare_event import RareEvent
 
-SHOWN = 10
+MAX_KEPT_RUNS = 10
 """Maximum number of hits in a population whose run folders are kept."""
 
 
@@ -107,7 +107,7 @@ class SplitRuns:
             raise BrokenRun(f"{folder}: a run ended with {summary['outcome']}: {summary['reason']}")
         self.untrue += summary["metrics"].get("untrue", [])
         hit = bool(summary["outcome"] == self._event.outcome)
-        if hit and len(self.kept) < SHOWN:
+        if hit and len(self.kept) < MAX_KEPT_RUNS:
             self._keep(folder)
         else:
             shutil.rmtree(folder)

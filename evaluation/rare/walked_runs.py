@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from handcart.evaluation.walks.odds import End
 from handcart.evaluation.walks.odds import Numbers as Counts
 from handcart.evaluation.walks.walk_table import GOAL, NO_WAY
-from handcart.evaluation.walks.walker import PERSON, Stride, Walker
+from handcart.evaluation.walks.walker import GAVE_UP, Stride, Walker
 from handcart.networks.graph.network import ActionNetwork
 
 from .population import Level, Numbers
@@ -78,7 +78,7 @@ class WalkedRuns:
         left_undone = (self._at == GOAL) & self._skipped
         match self._event.outcome:
             case "GiveUp":
-                found = self._at == PERSON
+                found = self._at == GAVE_UP
             case "Success":
                 found = (self._at == GOAL) & ~left_undone
             case _:

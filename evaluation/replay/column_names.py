@@ -7,10 +7,10 @@ from handcart.files.models.loading import Loaded, load_document
 from handcart.files.suggest import suggest
 from handcart.files.yaml.yaml_document import parse_document
 
-from .log_header import QUANTITIES, UNITS, LogHeader
+from .log_header import COLUMN_QUANTITIES, UNIT_FACTORS, LogHeader
 
-OPTION = "--columns"
-SHORT = {
+COLUMNS_OPTION = "--columns"
+SHORT_NAMES = {
     "t": "time",
     "v": "speed",
     "x": "gps_east",
@@ -21,7 +21,7 @@ SHORT = {
     "sigma": "gps_sigma",
 }
 """Short names of quantities."""
-SETTINGS = ("tread_m", "wheelbase_m")
+SETTING_NAMES = ("tread_m", "wheelbase_m")
 
 
 def named_columns(text: str) -> Loaded[LogHeader]:
@@ -36,24 +36,24 @@ def named_columns(text: str) -> Loaded[LogHeader]:
     findings, columns, settings = list[Finding](), list[str](), list[str]()
     for part in filter(None, (part.strip() for part in text.split(","))):
         name, equals, column = part.partition("=")
-        quantity = SHORT.get(name.strip(), name.strip())
+        quantity = SHORT_NAMES.get(name.strip(), name.strip())
         title, colon, unit = column.rpartition(":")
         title, unit = (title, unit) if colon else (column, "")
-        if quantity in SETTINGS:
+        if quantity in SETTING_NAMES:
             settings.append(f"{quantity}: {column.strip()}")
-        elif quantity not in QUANTITIES:
-            allowed = suggest(quantity, [*QUANTITIES, *SHORT, *SETTINGS])
-            findings.append(Finding(OPTION, 0, 0, f"unknown quantity {quantity!r}{allowed}"))
+        elif quantity not in COLUMN_QUANTITIES:
+            allowed = suggest(quantity, [*COLUMN_QUANTITIES, *SHORT_NAMES, *SETTING_NAMES])
+            findings.append(Finding(COLUMNS_OPTION, 0, 0, f"unknown quantity {quantity!r}{allowed}"))
         elif not equals or not title.strip():
             wrong = f"{part!r} names no column; allowed: QUANTITY=COLUMN or QUANTITY=COLUMN:UNIT"
-            findings.append(Finding(OPTION, 0, 0, wrong))
+            findings.append(Finding(COLUMNS_OPTION, 0, 0, wrong))
         else:
-            unit = unit.strip() or next(iter(UNITS[QUANTITIES[quantity][0]]))
+            unit = unit.strip() or next(iter(UNIT_FACTORS[COLUMN_QUANTITIES[quantity][0]]))
             columns.append(f"  {quantity}: {{unit: {_quoted(unit)}, name: {_quoted(title.strip())}}}")
     if findings:
         raise FileError(findings)
     lines = ["format: handcart-log/1", *settings, "columns:", *columns]
-    return load_document(parse_document("\n".join(lines).encode(), OPTION), LogHeader)
+    return load_document(parse_document("\n".join(lines).encode(), COLUMNS_OPTION), LogHeader)
 
 
 def _quoted(word: str) -> str:

@@ -22,12 +22,12 @@ from handcart.robotics.geometry.earth_frame import EarthFrame
 from .checks.places import checked_places
 from .column_names import named_columns
 from .drive_log import BeaconLog, DriveLog
-from .log_header import UNITS, LogHeader
+from .log_header import UNIT_FACTORS, LogHeader
 
 MAX_BYTES = 1 << 28
-MARK = "---"
-SHOWN = 10  # bad cells that are told one by one
-GRAVITY = 9.81
+HEADER_MARK = "---"
+MAX_SHOWN_CELLS = 10  # bad cells that are told one by one
+GRAVITY_M_S2 = 9.81
 Array = NDArray[np.float64]
 
 
@@ -46,13 +46,17 @@ def read_csv_log(path: Path, columns: str | None = None) -> DriveLog:
     if columns is not None:
         header = named_columns(columns)
         return _read_table(path, lines, 1, header, _delimiter(lines))
-    if not lines or lines[0].strip() != MARK or MARK not in [line.strip() for line in lines[1:]]:
+    if (
+        not lines
+        or lines[0].strip() != HEADER_MARK
+        or HEADER_MARK not in [line.strip() for line in lines[1:]]
+    ):
         wrong = (
             "no log: it doesn't begin with a header between two lines '---'; see docs/how_to/localize.md, or "
         )
         wrong += "name its columns: --columns t=COLUMN,v=COLUMN,lat=COLUMN,lon=COLUMN,gyro_z=COLUMN:deg/s"
         raise FileError([Finding(str(path), 1, 1, wrong)])
-    end = next(k for k, line in enumerate(lines[1:], start=1) if line.strip() == MARK)
+    end = next(k for k, line in enumerate(lines[1:], start=1) if line.strip() == HEADER_MARK)
     header = load_document(parse_document("\n".join(["", *lines[1:end]]).encode(), str(path)), LogHeader)
     return _read_table(path, lines[end + 1 :], end + 2, header, ",")
 
@@ -86,7 +90,7 @@ def _scales(header: Loaded[LogHeader]) -> dict[str, float]:
             allowed = f"no such quantity: {quantity!r}; allowed: {listed(quantities)}"
             findings.add(header.finding(("columns", quantity), allowed, at_key=True))
             continue
-        units = {unit: scale for what in quantities[quantity] for unit, scale in UNITS[what].items()}
+        units = {unit: scale for what in quantities[quantity] for unit, scale in UNIT_FACTORS[what].items()}
         if column.unit not in units:
             allowed = f"no unit of {quantity}: {column.unit!r}; allowed: {listed(units)}"
             findings.add(header.finding(("columns", quantity, "unit"), allowed))
@@ -144,7 +148,7 @@ def _table(
             table.append([_number(row, place, path, line, findings) for place in places.values()])
             if not (table[-2][at] if len(table) > 1 else -math.inf) <= table[-1][at] < math.inf:
                 findings.add(Finding(str(path), line, 1, "time doesn't go on; needed: times that rise"))
-        if len(findings) >= SHOWN:
+        if len(findings) >= MAX_SHOWN_CELLS:
             break
     findings.raise_all()
     if len(table) < 2:
@@ -226,7 +230,7 @@ def _take_out_held(values: dict[str, Array], header: LogHeader) -> None:
 
 _TRUE = ("true_latitude", "true_longitude")
 _PLACES = (("gps_east", "gps_north"), ("latitude", "longitude"), ("true_x", "true_y"), _TRUE)
-_STILL = (("x", 0.0), ("y", 0.0), ("z", GRAVITY))  # what accelerometers that aren't there would read
+_STILL = (("x", 0.0), ("y", 0.0), ("z", GRAVITY_M_S2))  # what accelerometers that aren't there would read
 
 
 def _travel(values: dict[str, Array], header: LogHeader, steps: Array) -> Array:
@@ -236,7 +240,7 @@ def _travel(values: dict[str, Array], header: LogHeader, steps: Array) -> Array:
     travel = []
     for name in ("wheel_left", "wheel_right"):
         name = name if name in values else "speed"
-        is_speed = header.columns[name].unit in UNITS["speed"]
+        is_speed = header.columns[name].unit in UNIT_FACTORS["speed"]
         travel.append(held_on(values[name]) * steps if is_speed else np.nan_to_num(values[name]))
     return np.stack(travel, axis=1)
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from handcart.robotics.navigation.beacons.beacon_errors import BeaconErrors
 
-NEARLY = 0.8  # of a receiver's period: fixes don't come to the millisecond
+MIN_PERIOD_SHARE = 0.8  # of a receiver's period: fixes don't come to the millisecond
 Array = NDArray[np.float64]
 
 
@@ -63,7 +63,7 @@ class DriveLog(NamedTuple):
         """
         fixes, latest = self.fixes.copy(), -np.inf
         for row in np.flatnonzero(np.isfinite(fixes).all(axis=1)):
-            if self.times[row] < latest + NEARLY * period:
+            if self.times[row] < latest + MIN_PERIOD_SHARE * period:
                 fixes[row] = np.nan
             else:
                 latest = self.times[row]

@@ -16,9 +16,9 @@ from handcart.networks.coordination.events import Event
 from handcart.networks.run_observer import RunObserver
 from handcart.networks.task.preparing import Prepared
 
-NAME = "drive.csv"
-ROUNDED = 1e-4  # [s]: times are written so
-COLUMNS = {
+DRIVE_LOG_FILE = "drive.csv"
+TIME_RESOLUTION_S = 1e-4  # [s]: times are written so
+COLUMN_UNITS = {
     "time": "s",
     **{f"gyro_{axis}": "rad/s" for axis in "xyz"},
     **{f"accelerometer_{axis}": "m/s2" for axis in "xyz"},
@@ -51,7 +51,7 @@ class DriveRecorder(RunObserver):
         if robot.localization.sensed is None:
             return
         self._robot, self._noted = robot, robot.time
-        path = run_dir / NAME
+        path = run_dir / DRIVE_LOG_FILE
         with suppress(OSError):
             lines = _kept(path, robot.time) if path.exists() else [_header(robot)]
             self._file = path.open("w", encoding="utf-8")
@@ -106,7 +106,9 @@ def _kept(path: Path, time: float) -> list[str]:
     lines = path.read_text(encoding="utf-8", errors="replace").splitlines(keepends=True)
     table = next((k for k, line in enumerate(lines) if line.startswith("time,")), len(lines) - 1) + 1
     whole = [line for line in lines[table:] if line.endswith("\n")]
-    return lines[:table] + [line for line in whole if number_in(line.split(",")[0]) < time + ROUNDED]
+    return lines[:table] + [
+        line for line in whole if number_in(line.split(",")[0]) < time + TIME_RESOLUTION_S
+    ]
 
 
 def _header(robot: Robot) -> str:
@@ -114,7 +116,7 @@ def _header(robot: Robot) -> str:
     start, antenna = robot.pose, robot.spec.antenna
     sigma = float(np.sqrt(robot.localization.covariance[2, 2]))
     heading = f", heading_deg: {math.degrees(start.theta):.4f}" if sigma < 1.0 else ""
-    columns, beacons = dict(COLUMNS), list[str]()
+    columns, beacons = dict(COLUMN_UNITS), list[str]()
     if robot.spec.beacons is not None:
         columns |= {f"range_{name}": "m" for name in robot.spec.beacons.places_m}
         beacons = [f"beacons: {robot.spec.beacons.model_dump_json()}"]  # JSON is YAML

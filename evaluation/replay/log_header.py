@@ -12,7 +12,7 @@ from handcart.files.models.model import FileModel
 
 Positive = Annotated[float, Field(gt=0.0, le=1e6)]
 
-UNITS: dict[str, dict[str, float]] = {
+UNIT_FACTORS: dict[str, dict[str, float]] = {
     "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9},
     "rate": {"rad/s": 1.0, "deg/s": math.radians(1.0)},
     "acceleration": {"m/s2": 1.0, "g": 9.80665},
@@ -23,7 +23,7 @@ UNITS: dict[str, dict[str, float]] = {
 }
 """Factors that convert units to SI, by physical dimension and unit."""
 
-QUANTITIES: dict[str, tuple[str, ...]] = {
+COLUMN_QUANTITIES: dict[str, tuple[str, ...]] = {
     "time": ("time",),
     **{f"gyro_{axis}": ("rate",) for axis in "xyz"},
     **{f"accelerometer_{axis}": ("acceleration",) for axis in "xyz"},
@@ -90,5 +90,5 @@ class LogHeader(FileModel):
 
     @property
     def quantities(self) -> dict[str, tuple[str, ...]]:
-        """`QUANTITIES`, and a range to each beacon."""
-        return dict.fromkeys(self.range_columns, ("length",)) | QUANTITIES
+        """`COLUMN_QUANTITIES`, and a range to each beacon."""
+        return dict.fromkeys(self.range_columns, ("length",)) | COLUMN_QUANTITIES

@@ -22,8 +22,8 @@ from .checks.places import checked_places
 from .csv_log import MAX_BYTES, first_place, plane
 from .drive_log import DriveLog
 
-DAY = 86_400.0  # [s]
-NEAR = 2.0  # [s] between a GGA and the GST that belongs to it
+DAY_S = 86_400.0  # [s]
+GST_MAX_DELAY_S = 2.0  # [s] between a GGA and the GST that belongs to it
 
 
 def with_nmea(log: DriveLog, path: Path) -> DriveLog:
@@ -52,7 +52,7 @@ def with_nmea(log: DriveLog, path: Path) -> DriveLog:
     if not positions:
         wrong = "no fix in it; needed: GGA sentences of NMEA 0183 with a place and sound checksums"
         raise FileError([Finding(str(path), 1, 1, "; ".join([wrong, *skipped]))])
-    times = np.unwrap([each.utc for each in positions], period=DAY)
+    times = np.unwrap([each.utc for each in positions], period=DAY_S)
     times = times - times[0] + _first(log, positions[0].utc)
     lats, lons, notes = checked_places(
         np.array([each.lat for each in positions]), np.array([each.lon for each in positions]), times
@@ -79,7 +79,7 @@ def _skipped(others: Counter[int]) -> list[str]:
 def _first(log: DriveLog, utc: float) -> float:
     """Return the time of the first fix on the log's clock, in [s]."""
     begun = float(log.times[0])
-    of_day = begun % DAY
-    if begun < DAY and not begun <= utc <= float(log.times[-1]):
+    of_day = begun % DAY_S
+    if begun < DAY_S and not begun <= utc <= float(log.times[-1]):
         return begun
     return begun - of_day + utc

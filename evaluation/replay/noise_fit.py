@@ -11,12 +11,12 @@ from handcart.robotics.navigation.outdoors.field_noise import ANY_VEHICLE, Field
 from .drive_log import DriveLog
 from .replay import localizer_for, replay
 
-FACTORS = (0.25, 0.5, 0.71, 1.41, 2.0, 4.0)
-DRIFTS = (0.0, 0.25, 0.5, 1.0, 2.0)  # of a fix's white error
-ANY = "as of any vehicle"
-LENGTHS = (0.25, 4.0)
-ROUNDS = 4  # through all knobs at most
-SURE = 3.0  # by which a logarithm of likelihood has to grow: less is chance
+KNOB_FACTORS = (0.25, 0.5, 0.71, 1.41, 2.0, 4.0)
+DRIFT_SHARES = (0.0, 0.25, 0.5, 1.0, 2.0)  # of a fix's white error
+ANY_VEHICLE_TEXT = "as of any vehicle"
+LENGTH_FACTORS = (0.25, 4.0)
+MAX_ROUNDS = 4  # through all knobs at most
+MIN_LIKELIHOOD_GAIN = 3.0  # by which a logarithm of likelihood has to grow: less is chance
 
 
 class Knob(NamedTuple):
@@ -24,7 +24,7 @@ class Knob(NamedTuple):
 
     words: str
     turned: Callable[[FieldNoise, float], FieldNoise]
-    factors: tuple[float, ...] = FACTORS
+    factors: tuple[float, ...] = KNOB_FACTORS
 
 
 class Fitted(NamedTuple):
@@ -68,11 +68,11 @@ def _lasting(noise: FieldNoise, factor: float) -> FieldNoise:
     return noise._replace(slip_length=factor * noise.slip_length)
 
 
-KNOBS = (
+NOISE_KNOBS = (
     Knob("fixes, white", _white),
-    Knob("fixes, drift, in white ones", _drift, DRIFTS),
+    Knob("fixes, drift, in white ones", _drift, DRIFT_SHARES),
     Knob("wheels", _wheels),
-    Knob("way over which wheels slip alike", _lasting, LENGTHS),
+    Knob("way over which wheels slip alike", _lasting, LENGTH_FACTORS),
     Knob("gyros", _gyro),
 )
 
@@ -88,13 +88,13 @@ def fit_noise(log: DriveLog, given: FieldNoise, passed: Callable[[float], None] 
     noise, best = given, _likelihood(log, given)
     before, changed = best, dict[str, float]()
     likely = _likelihood(log, any_vehicle := _of_any_vehicle(given))
-    if likely > best + SURE:  # too far from what was told to come there step by step
-        noise, best, changed = any_vehicle, likely, {ANY: 1.0}
-    work = ROUNDS * sum(len(knob.factors) for knob in KNOBS)
+    if likely > best + MIN_LIKELIHOOD_GAIN:  # too far from what was told to come there step by step
+        noise, best, changed = any_vehicle, likely, {ANY_VEHICLE_TEXT: 1.0}
+    work = MAX_ROUNDS * sum(len(knob.factors) for knob in NOISE_KNOBS)
     done = 0
-    for _ in range(ROUNDS):
+    for _ in range(MAX_ROUNDS):
         begun = best
-        for knob in KNOBS:
+        for knob in NOISE_KNOBS:
             tried = []
             for factor in knob.factors:
                 tried.append((_likelihood(log, knob.turned(noise, factor)), factor))
@@ -102,7 +102,7 @@ def fit_noise(log: DriveLog, given: FieldNoise, passed: Callable[[float], None] 
                 if passed is not None:
                     passed(done / work)
             likely, factor = max(tried)
-            if likely > best + SURE:
+            if likely > best + MIN_LIKELIHOOD_GAIN:
                 noise, best = knob.turned(noise, factor), likely
                 turned = factor if knob.turned is _drift else changed.get(knob.words, 1.0) * factor
                 changed[knob.words] = turned

@@ -15,7 +15,7 @@ from .checks.readings import check_readings
 from .checks.tilt import without_tilt_drift
 from .drive_log import DriveLog
 
-AUTO = "auto"
+AUTO_AXES = "auto"
 
 
 class Prepared(NamedTuple):
@@ -53,7 +53,7 @@ def prepare(path: Path, log: DriveLog, noise: FieldNoise, is_known: bool, imu_ax
 
 def _with_axes(path: Path, log: DriveLog, imu_axes: str | None) -> DriveLog:
     """Return the log with the IMU's readings in the base's axes."""
-    if imu_axes not in (None, AUTO):
+    if imu_axes not in (None, AUTO_AXES):
         turned = axes_rotation(imu_axes or "")
         if turned is None:
             allowed = "three different ones of x, y, z, right-handed, with - where one points the other way"

@@ -19,16 +19,16 @@ from handcart.robotics.navigation.outdoors.particle_filter import ParticleErrors
 from handcart.robotics.navigation.outdoors.suppositions import suppositions
 
 from .checks.jump_gate import JumpGate
-from .drive_log import NEARLY, DriveLog
+from .drive_log import MIN_PERIOD_SHARE, DriveLog
 
-EACH = 1.0  # [s] between points of the track
-CLOUDS = 5  # instants at which particles are kept: as many as figure 3 of Ohki et al. (2012) shows
+TRACK_PERIOD_S = 1.0  # [s] between points of the track
+CLOUD_COUNT = 5  # instants at which particles are kept: as many as figure 3 of Ohki et al. (2012) shows
 HEADING_SIGMA = math.radians(10.0)  # of a heading that is known well enough for a track
 PARTICLES_SIGMA = math.radians(20.0)  # the same of particles, which never learn a gyro's bias
 LASTS_S = 2.0  # for which a bias turns the particles before the fixes tell
 SLOW_COUNTS = 2.5  # times the slow error, that a fix counts as off
-UNSURE = 3.0  # sigmas of a fix: how well the first one tells where the base is
-STEERED: dict[str, Any] = {
+START_SIGMAS = 3.0  # sigmas of a fix: how well the first one tells where the base is
+STEERED_NOISE: dict[str, Any] = {
     "gyro_white": math.radians(0.5),
     "gyro_bias": math.radians(0.2),
     "gyro_scale": 0.05,
@@ -96,13 +96,13 @@ def localizer_for(
     if log.antenna is not None:
         noise = noise._replace(antenna=log.antenna)
     if log.steered:
-        noise = noise._replace(**STEERED)
+        noise = noise._replace(**STEERED_NOISE)
     x, y, heading = log.start
     position = 0.05
     if not math.isfinite(x) or not math.isfinite(y):
         known_rows = np.flatnonzero(np.isfinite(log.fixes).all(axis=1))
         x, y = log.fixes[known_rows[0]].tolist() if len(known_rows) else (0.0, 0.0)
-        position = UNSURE * noise.gps_white + math.hypot(*noise.antenna[:2])
+        position = START_SIGMAS * noise.gps_white + math.hypot(*noise.antenna[:2])
     if not math.isfinite(heading):
         heading, noise = 0.0, noise._replace(start_heading=math.inf)
     start = Pose2(x, y, wrap(heading))
@@ -179,7 +179,7 @@ def replay(
     rows: list[int] = []
     poses, covariances, known, fixes = [], [], [], []
     due, clouds = log.times[0], list[tuple[float, Array]]()
-    kept = set(np.linspace(0, len(log.times) - 1, CLOUDS).astype(int).tolist())
+    kept = set(np.linspace(0, len(log.times) - 1, CLOUD_COUNT).astype(int).tolist())
     for row in range(len(log.times)):
         if row:  # before the first one nobody knows since when
             localizer.predict(log.rates[row], log.accelerations[row], log.wheels[row], float(steps[row]))
@@ -195,14 +195,14 @@ def replay(
                 jump = gate.refusal(time, log.fixes[row], localizer.odometry.pose, way, heading, sigma, doubt)
             if jump:
                 fixes.append(ReplayedFix(time, (x, y), False, jump))
-            elif time >= latest + NEARLY * period:
+            elif time >= latest + MIN_PERIOD_SHARE * period:
                 latest = time
                 believed = localizer.fix(log.fixes[row], sigma if sigma > 0.0 else None)
                 fixes.append(ReplayedFix(time, (x, y), believed, localizer.refusal))
         if row in kept and isinstance(localizer, ParticleFilter):
             clouds.append((float(log.times[row]), localizer.particles))
         if log.times[row] >= due or row == len(log.times) - 1:
-            due = max(due + EACH, log.times[row])
+            due = max(due + TRACK_PERIOD_S, log.times[row])
             rows.append(row)
             meanwhile = localizer.meanwhile
             poses.append(localizer.pose if meanwhile is None else meanwhile.mean)

@@ -10,7 +10,7 @@ import numpy as np
 
 from .replay import Replayed
 
-SHOWN = 12  # refused fixes that are told one by one
+MAX_SHOWN_FIXES = 12  # refused fixes that are told one by one
 
 
 def figures(replayed: Replayed) -> dict[str, Any]:
@@ -62,11 +62,11 @@ def in_words(replayed: Replayed) -> str:
             f"squared errors are {found['nees']:.1f} claimed variances (2 where claims are true)"
         )
     begun = float(replayed.times[0])
-    lines += [f"  refused after {fix.time - begun:.1f} s: {fix.why}" for fix in refused[:SHOWN]]
-    if len(refused) > SHOWN:
-        kinds = Counter(_kind(fix.why) for fix in refused[SHOWN:])
+    lines += [f"  refused after {fix.time - begun:.1f} s: {fix.why}" for fix in refused[:MAX_SHOWN_FIXES]]
+    if len(refused) > MAX_SHOWN_FIXES:
+        kinds = Counter(_kind(fix.why) for fix in refused[MAX_SHOWN_FIXES:])
         more = ", ".join(f"{count} {kind}" for kind, count in kinds.most_common())
-        lines.append(f"  and {len(refused) - SHOWN} more: {more}")
+        lines.append(f"  and {len(refused) - MAX_SHOWN_FIXES} more: {more}")
     return "\n".join(lines)
 
 

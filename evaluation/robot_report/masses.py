@@ -12,7 +12,7 @@ from handcart.robotics.kinematics.shapes import Box, Cylinder, Hull, Shape, Sphe
 from handcart.robotics.kinematics.urdf_contents import INERTIA_ROUNDED, LinkFacts
 
 LIGHT, HEAVY = 50.0, 12000.0  # of a link, mass by volume of its bodies [kg/m³]: foam to lead
-OUTSIDE = 0.03  # [m] beside its bodies that a middle of mass may lie
+MAX_OUTSIDE_M = 0.03  # [m] beside its bodies that a middle of mass may lie
 
 
 def mass_faults(link: LinkFacts, bodies: Sequence[Shape], moves: bool = False) -> list[str]:
@@ -47,7 +47,7 @@ def _body_faults(link: LinkFacts, mass: float, bodies: Sequence[Shape]) -> list[
     low, high = corners.min(axis=0), corners.max(axis=0)
     faults = []
     beside = float(np.linalg.norm(np.maximum(0.0, np.maximum(low - link.middle, link.middle - high))))
-    if beside > OUTSIDE:
+    if beside > MAX_OUTSIDE_M:
         faults.append(f"its middle of mass lies {1e3 * beside:.0f} mm outside its bodies")
     widest = float(np.linalg.norm(np.maximum(high - link.middle, link.middle - low)))
     gyration = float(np.sqrt(np.linalg.eigvalsh(link.inertia)[-1] / mass))

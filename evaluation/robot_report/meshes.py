@@ -9,7 +9,7 @@ from handcart.files.suggest import did_you_mean
 from handcart.robotics.kinematics.coal_bodies import hull_of_mesh, read_mesh
 from handcart.robotics.kinematics.urdf_contents import MeshUse
 
-CONVEX = 0.9  # share of its hull that a mesh fills that counts as convex
+MIN_CONVEX_SHARE = 0.9  # share of its hull that a mesh fills that counts as convex
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class MeshRow:
         """Message that the mesh is missing or concave; None if it is sound."""
         if not self.found:
             return f"missing{self.hint}"
-        if self.filled is None or self.filled >= CONVEX:
+        if self.filled is None or self.filled >= MIN_CONVEX_SHARE:
             return None
         return f"concave: fills {100 * self.filled:.0f} % of its hull; the hull counts"
 

@@ -19,10 +19,10 @@ from handcart.robotics.kinematics.urdf_mounts import joints_above
 from .masses import corners_of
 from .remark import Remark
 
-LIDAR = "range_sensor"
+LIDAR_LINK = "range_sensor"
 MIN_HEIGHT_M = 0.02  # of a lidar above the floor
 MAX_TILT_DEG = 3.0  # of its plane against the floor
-STANDS_M = 0.01  # above the lowest wheel, within which a body stands on the floor
+FOOT_TOLERANCE_M = 0.01  # above the lowest wheel, within which a body stands on the floor
 MIN_SECTOR_DEG = 0.5  # of the robot itself that a lidar sees
 MARGIN_M = 0.005  # by which the middle of mass is inside what the base stands on
 Points = NDArray[np.float64]
@@ -33,14 +33,14 @@ def mount_remarks(robot: RobotFile) -> list[Remark]:
     urdf = robot.urdf_text()
     if "base" not in link_names(urdf):
         return []
-    found = list(_lidar_remarks(robot, urdf)) if robot.range_sensor and LIDAR in link_names(urdf) else []
+    found = list(_lidar_remarks(robot, urdf)) if robot.range_sensor and LIDAR_LINK in link_names(urdf) else []
     return found + list(_standing_remarks(urdf))
 
 
 def _lidar_remarks(robot: RobotFile, urdf: str) -> Iterator[Remark]:
-    mount, place = base_T_frame(urdf, LIDAR), robot.whole.finding("link", LIDAR, "")
+    mount, place = base_T_frame(urdf, LIDAR_LINK), robot.whole.finding("link", LIDAR_LINK, "")
     height, upright = float(mount[2, 3]), float(mount[2, 2])
-    subject = f"link {LIDAR!r}"
+    subject = f"link {LIDAR_LINK!r}"
     if height < MIN_HEIGHT_M:
         where = f"{height:.3f} m above the floor" if height >= 0.0 else f"{-height:.3f} m below the floor"
         wrong = f"the lidar is {where}: it sees nothing that the base may run into; needed: its true frame"
@@ -68,9 +68,9 @@ def hidden_links(robot: RobotFile) -> list[tuple[str, tuple[float, float]]]:
     its housing.
     """
     urdf = robot.urdf_text()
-    if robot.range_sensor is None or not {"base", LIDAR} <= set(link_names(urdf)):
+    if robot.range_sensor is None or not {"base", LIDAR_LINK} <= set(link_names(urdf)):
         return []
-    slices = _slices(robot, urdf, base_T_frame(urdf, LIDAR))
+    slices = _slices(robot, urdf, base_T_frame(urdf, LIDAR_LINK))
     sectors = ((link, hidden_sector(points)) for link, points in slices)
     return [(link, each) for link, each in sectors if each is not None and _is_seen(robot, each)]
 
@@ -167,7 +167,7 @@ def _feet(urdf: str, wheels: set[str]) -> Points | None:
     if not floors:
         return None
     floor = min(floors)
-    return np.vstack([low[:, :2] for _, low in lowest if low[:, 2].min() <= floor + STANDS_M])
+    return np.vstack([low[:, :2] for _, low in lowest if low[:, 2].min() <= floor + FOOT_TOLERANCE_M])
 
 
 def _middle_of_mass(urdf: str) -> Points | None:

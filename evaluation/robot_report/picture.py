@@ -21,10 +21,10 @@ from .reach import Reach
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-MOST = 6  # postures that are drawn
+MAX_POSTURES = 6  # postures that are drawn
 STILL, MOVED, FRONT, REACHED, EDGE = "#9aa3ad", "#4a78b5", "#c8382e", "#e8f1e4", "#3a3f45"
-CELL = 0.06  # of the reach that is drawn [m]
-VIEWS = {"from the side": (0, 2), "from above": (0, 1)}
+REACH_CELL_M = 0.06  # of the reach that is drawn [m]
+VIEW_AXES = {"from the side": (0, 2), "from above": (0, 1)}
 
 
 def draw_robot(path: Path, robot: RobotFile, reach: Reach | None) -> None:
@@ -43,8 +43,8 @@ def draw_robot(path: Path, robot: RobotFile, reach: Reach | None) -> None:
 
     columns, still = _columns(robot), _still(robot)
     figure = Figure(figsize=(1.0 + 3.1 * len(columns), 6.4), layout="constrained")
-    axes = figure.subplots(len(VIEWS), len(columns), squeeze=False, sharex=True, sharey="row")
-    for row, (view, (across, up)) in zip(axes, VIEWS.items(), strict=True):
+    axes = figure.subplots(len(VIEW_AXES), len(columns), squeeze=False, sharex=True, sharey="row")
+    for row, (view, (across, up)) in zip(axes, VIEW_AXES.items(), strict=True):
         for each, (name, bodies) in zip(row, columns.items(), strict=True):
             _draw(each, bodies, still, (across, up), reach, robot.footprint_radius_m)
             each.set_title(f"{name}, {view}" if name else view, fontsize=8)
@@ -62,7 +62,7 @@ def _columns(robot: RobotFile) -> dict[str, Sequence[Shape]]:
     named: dict[tuple[float, ...], list[str]] = {}
     for name in robot.arm.postures:
         named.setdefault(robot.posture(name), []).append(name)
-    chosen = list(named.items())[:MOST] or [(tuple(np.zeros(arm.dof)), ["all joints at zero"])]
+    chosen = list(named.items())[:MAX_POSTURES] or [(tuple(np.zeros(arm.dof)), ["all joints at zero"])]
     return {", ".join(names): arm.link_shapes(np.array(angles)) for angles, names in chosen}
 
 
@@ -107,11 +107,11 @@ def _draw(
 
 def _shade(axes: Axes, points: NDArray[np.float64]) -> None:
     """Shade the cells that the hand reached, projected into the view."""
-    low = np.floor(points.min(axis=0) / CELL).astype(int) - 1
-    cells = np.floor(points / CELL).astype(int) - low
+    low = np.floor(points.min(axis=0) / REACH_CELL_M).astype(int) - 1
+    cells = np.floor(points / REACH_CELL_M).astype(int) - low
     counts = np.zeros(cells.max(axis=0) + 2)
     np.add.at(counts, (cells[:, 0], cells[:, 1]), 1.0)
-    x, y = ((low[axis] + np.arange(counts.shape[axis]) + 0.5) * CELL for axis in (0, 1))
+    x, y = ((low[axis] + np.arange(counts.shape[axis]) + 0.5) * REACH_CELL_M for axis in (0, 1))
     axes.contourf(x, y, counts.T, levels=[0.5, np.inf], colors=[REACHED])
 
 

@@ -18,9 +18,9 @@ from handcart.robotics.manipulation.motions.collision_model import CollisionMode
 
 from .masses import corners_of
 
-FINGERS = ("left_finger", "right_finger")
-TRAVELS = ("home", "carry")  # in which primitives leave the arm before the base drives
-ROUNDING = 1e-3  # [m]
+FINGER_JOINTS = ("left_finger", "right_finger")
+TRAVEL_POSTURES = ("home", "carry")  # in which primitives leave the arm before the base drives
+ROUNDING_M = 1e-3  # [m]
 
 
 class PostureFacts(NamedTuple):
@@ -63,7 +63,7 @@ def posture_findings(robot_name: str, robot: RobotFile) -> Iterator[Finding]:
         if each.touching:
             pairs = listed(f"{one} with {other}" for one, other in each.touching)
             yield document.finding(key, f"in posture {each.name!r} the robot touches itself: {pairs}")
-        if each.travels and each.reach > robot.footprint_radius_m + ROUNDING:
+        if each.travels and each.reach > robot.footprint_radius_m + ROUNDING_M:
             wrong = f"the base drives in posture {each.name!r}, and {each.farthest} is {each.reach:.3f} m"
             allowed = f"from its middle; allowed: within the footprint, {robot.footprint_radius_m:g} m"
             yield document.finding(key, f"{wrong} {allowed}")
@@ -75,7 +75,7 @@ def opened_arm(robot: RobotFile) -> ArmModel:
     if robot.gripper is None:
         return arm
     try:
-        return arm.with_others(dict.fromkeys(FINGERS, robot.gripper.opening_mm / 2e3))
+        return arm.with_others(dict.fromkeys(FINGER_JOINTS, robot.gripper.opening_mm / 2e3))
     except ValueError:  # fingers of another kind, or none
         return arm
 
@@ -97,4 +97,4 @@ def _facts(
         out[shape.name] = max(out[shape.name], float(np.hypot(*corners_of(shape)[:, :2].T).max()))
     farthest = max(out, key=lambda link: out[link], default="")
     touching = tuple(collision.contacts(joints))
-    return PostureFacts(name, touching, out.get(farthest, 0.0), farthest, name in TRAVELS)
+    return PostureFacts(name, touching, out.get(farthest, 0.0), farthest, name in TRAVEL_POSTURES)

@@ -19,10 +19,10 @@ from handcart.robotics.manipulation.motions.collision_model import CollisionMode
 from .masses import corners_of
 from .self_contact import Pair
 
-STARTS = 60
+START_COUNT = 60
 FEWER_STARTS = 20  # for each of several rolls
-ROLLS = 12  # that are tried where any will do
-MARGIN = 0.008  # [m] between the arm's own links
+ROLL_COUNT = 12  # that are tried where any will do
+LINK_MARGIN_M = 0.008  # [m] between the arm's own links
 
 Vector = NDArray[np.float64]
 
@@ -43,7 +43,7 @@ class HandAim(NamedTuple):
         is_vertical = abs(z) > VERTICAL * math.sqrt(x * x + y * y + z * z)
         rolls = [self.roll_deg or 0.0]
         if self.roll_deg is None and is_vertical:
-            rolls = [360.0 * number / ROLLS for number in range(ROLLS)]
+            rolls = [360.0 * number / ROLL_COUNT for number in range(ROLL_COUNT)]
         for roll in rolls:
             yield transform(self.place) @ pointing(self.direction, math.radians(roll))
 
@@ -71,7 +71,7 @@ def posture_at(robot: RobotFile, aim: HandAim) -> PostureSearch:
         ValueError: the robot has no arm, or the direction has no length.
     """
     arm = robot.arm_model()
-    free = CollisionModel(arm, margin=MARGIN)
+    free = CollisionModel(arm, margin=LINK_MARGIN_M)
     found = list(_reaching(arm, list(aim.poses())))
     good = [q for q in found if not free.in_collision(q)]
     if not good:
@@ -84,7 +84,7 @@ def posture_at(robot: RobotFile, aim: HandAim) -> PostureSearch:
 
 def _reaching(arm: ArmModel, poses: Sequence[Transform]) -> Iterator[Vector]:
     """Yield postures with the hand at one of some poses, by inverse kinematics from random starts."""
-    count = STARTS if len(poses) == 1 else FEWER_STARTS
+    count = START_COUNT if len(poses) == 1 else FEWER_STARTS
     starts = np.random.default_rng(0).uniform(arm.lower, arm.upper, (count, arm.dof))
     starts[: count // 2] *= 0.5
     for pose in poses:

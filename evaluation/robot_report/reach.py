@@ -15,8 +15,8 @@ from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.manipulation.motions.collision_model import CollisionModel
 
 SAMPLES, FEWER = 6000, 1500  # postures; of a robot without a tray fewer: nothing is looked for near them
-TRIES = 16  # starts of the search for a posture
-FAR = 0.15  # [m] from all random places of the hand: out of reach
+START_COUNT = 16  # starts of the search for a posture
+OUT_OF_REACH_M = 0.15  # [m] from all random places of the hand: out of reach
 
 
 class Reach:
@@ -30,8 +30,8 @@ class Reach:
         self.points = points
         self._arm, self._free = arm, free
         self._near = cKDTree(points)
-        starts = np.random.default_rng(0).uniform(arm.lower, arm.upper, (TRIES, arm.dof))
-        starts[: TRIES // 2] *= 0.5  # joints that turn several times: most work is done near the middle
+        starts = np.random.default_rng(0).uniform(arm.lower, arm.upper, (START_COUNT, arm.dof))
+        starts[: START_COUNT // 2] *= 0.5  # joints that turn several times: most work is done near the middle
         self._starts = starts
 
     def figures(self) -> dict[str, Any]:
@@ -67,7 +67,7 @@ class Reach:
         self, place: tuple[float, float, float], last: NDArray[np.float64]
     ) -> NDArray[np.float64] | None:
         """Search a posture by inverse kinematics, from the last posture and from random ones."""
-        if self._near.query(place)[0] > FAR:
+        if self._near.query(place)[0] > OUT_OF_REACH_M:
             return None
         tried = (self._arm.inverse(transform(place), start, restarts=0) for start in (*last, *self._starts))
         return next((q for q in tried if q is not None and not self._free.in_collision(q)), None)

@@ -25,7 +25,7 @@ from .remark import Remark
 from .self_contact import SelfContact, self_contact, touching_words
 from .sizes import size_remarks
 
-AWAY = 0.3  # [m] from the camera: where it reads labels
+LABEL_DISTANCE_M = 0.3  # [m] from the camera: where it reads labels
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class CameraFacts:
     """Horizontal angle of view."""
     upright_deg: float
     px_per_mm: float
-    """Resolution at the distance `AWAY`, straight ahead."""
+    """Resolution at the distance `LABEL_DISTANCE_M`, straight ahead."""
 
 
 @dataclass(frozen=True)
@@ -172,7 +172,9 @@ def _camera(camera: CameraSpec) -> CameraFacts:
         math.degrees(2.0 * math.atan(pixels / (2.0 * camera.focal_px)))
         for pixels in (camera.width_px, camera.height_px)
     )
-    return CameraFacts(round(across, 1), round(upright, 1), round(camera.focal_px / AWAY / 1e3, 2))
+    return CameraFacts(
+        round(across, 1), round(upright, 1), round(camera.focal_px / LABEL_DISTANCE_M / 1e3, 2)
+    )
 
 
 def _of_links(links: Sequence[LinkRow], whole: RobotUrdf) -> list[Remark]:

@@ -11,8 +11,8 @@ import numpy as np
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.manipulation.motions.collision_model import CollisionModel
 
-SAMPLES = 200
-ALWAYS = 0.95
+POSTURE_SAMPLES = 200
+ALWAYS_SHARE = 0.95
 """Share of random postures from which a pair counts as always touching: the default of MoveIt's Setup
 Assistant.
 """
@@ -52,16 +52,18 @@ def touching_words(pair: Pair, share: float) -> str:
 
 
 def self_contact(arm: ArmModel, seed: int = 0) -> SelfContact:
-    """Try `SAMPLES` random postures, uniformly distributed within the joints' limits."""
+    """Try `POSTURE_SAMPLES` random postures, uniformly distributed within the joints' limits."""
     checked = CollisionModel(arm)
-    drawn = np.random.default_rng(seed).uniform(arm.lower, arm.upper, (SAMPLES, arm.dof))
+    drawn = np.random.default_rng(seed).uniform(arm.lower, arm.upper, (POSTURE_SAMPLES, arm.dof))
     touching: Counter[Pair] = Counter()
     free = 0
     for q in drawn:
         pairs = {(min(pair), max(pair)) for pair in checked.contacts(q)}
         free += not pairs
         touching.update(pairs)
-    always = sorted(pair for pair, count in touching.items() if count >= ALWAYS * SAMPLES)
+    always = sorted(pair for pair, count in touching.items() if count >= ALWAYS_SHARE * POSTURE_SAMPLES)
     others = sorted((-count, pair) for pair, count in touching.items() if pair not in always)
-    shares = [touching[pair] / SAMPLES for pair in always]
-    return SelfContact(SAMPLES, free, always, [(pair, -count / SAMPLES) for count, pair in others], shares)
+    shares = [touching[pair] / POSTURE_SAMPLES for pair in always]
+    return SelfContact(
+        POSTURE_SAMPLES, free, always, [(pair, -count / POSTURE_SAMPLES) for count, pair in others], shares
+    )

@@ -16,7 +16,7 @@ from .remark import Remark
 
 LARGEST_BODY_M = 5.0
 LARGEST_MESH_MB = 10.0
-MILLIMETRES = 1e3
+MM_PER_M = 1e3
 
 
 def size_remarks(bodies: Sequence[Shape], meshes: Sequence[MeshUse], whole: RobotUrdf) -> Iterator[Remark]:
@@ -24,7 +24,7 @@ def size_remarks(bodies: Sequence[Shape], meshes: Sequence[MeshUse], whole: Robo
     for body in bodies:
         size = float(np.ptp(corners_of(body), axis=0).max())
         if size > LARGEST_BODY_M:
-            scale = "; if it is in mm: scale='0.001 0.001 0.001'" if size > 0.05 * MILLIMETRES else ""
+            scale = "; if it is in mm: scale='0.001 0.001 0.001'" if size > 0.05 * MM_PER_M else ""
             words = f"a body is {size:.3g} m long; expected: up to {LARGEST_BODY_M:g} m{scale}"
             yield Remark(f"link {body.name!r}", words, whole.finding("link", body.name, words))
     for mesh in {each.file: each for each in meshes}.values():

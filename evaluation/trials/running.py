@@ -52,7 +52,7 @@ def run_task(task: Path, runs: Path, options: RunOptions | None = None) -> tuple
 
     Raises:
         FileError: the task or a file that it names has a fault; nothing has moved.
-        NoBench: there are no drives to simulate.
+        NoBench: the robot's drives cannot be simulated.
         NoWindow: the run cannot be shown.
         NoVideo: the run cannot be recorded.
         NeedsOperator: the last run of a real robot waits for a person.

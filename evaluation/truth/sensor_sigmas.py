@@ -1,8 +1,8 @@
 """Standard deviations of the sensors whose measurements are compared with the ground truth.
 
-Every claim has two limits, and both must hold: a tolerance plus `SIGMAS` times the claimed uncertainty, and
-a fixed limit that does not grow with the claim. The values here describe sensors, not claims: limits made
-of them are fixed.
+Every claim has two limits, and both must hold: a tolerance plus `LIMIT_SIGMAS` times the claimed
+uncertainty, and a fixed limit that does not grow with the claim. The values here describe sensors, not
+claims: limits made of them are fixed.
 """
 
 from __future__ import annotations

@@ -157,7 +157,7 @@ class Surveys:
 
         Args:
             notes: notes by name of the survey, as read from a file.
-            path: path of this file, for messages.
+            path: path of this file, used in messages.
 
         Raises:
             NotAState: the notes are damaged or have another format.

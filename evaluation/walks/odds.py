@@ -51,11 +51,11 @@ class Odds(Protocol):
 
 
 MOST_FAILS = 2
-CONTEXTS = 2 * (MOST_FAILS + 1)
+CONTEXT_COUNT = 2 * (MOST_FAILS + 1)
 
 
 def context_of(fails: Numbers, after_fail: NDArray[np.bool_]) -> Numbers:
-    """Return the history that an action's odds may depend on, as a number from 0 to `CONTEXTS` - 1.
+    """Return the history that an action's odds may depend on, as a number from 0 to `CONTEXT_COUNT` - 1.
 
     Args:
         fails: (n,) number of earlier Fails of the action; more than `MOST_FAILS` count as `MOST_FAILS`.

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from .odds import Codes, End, Floats, Numbers, Odds, context_of
 from .walk_table import GOAL, NO_WAY, WalkTable
 
-PERSON = -3
+GAVE_UP = -3
 """Value instead of a moment's number: the walk ended with a GiveUp."""
-NOTHING = -1
+NO_ACTION = -1
 """Value instead of an action's index: the walk was over, or skipped an element."""
 
 
@@ -20,7 +20,7 @@ class Walked(NamedTuple):
     """Record of n walks, with `steps` rows and a column for each walk."""
 
     action: Numbers
-    """(steps, n) indices of the actions in the network, or `NOTHING`."""
+    """(steps, n) indices of the actions in the network, or `NO_ACTION`."""
     ends: Codes
     """(steps, n) ends of the actions, as `End`."""
     seconds: Floats
@@ -28,7 +28,7 @@ class Walked(NamedTuple):
     skipped: NDArray[np.bool_]
     """(n,) whether an element of a repeat was skipped."""
     last: Numbers
-    """(n,) end of each walk: `GOAL`, `NO_WAY` or `PERSON`."""
+    """(n,) end of each walk: `GOAL`, `NO_WAY` or `GAVE_UP`."""
     where: Numbers
     """(n,) number of the end's place: walks with equal `last`, `skipped` and `where` ended alike."""
 
@@ -51,7 +51,7 @@ class Stride(NamedTuple):
     after_fail: NDArray[np.bool_]
     """True if the last action that was not a skip has failed."""
     next: Numbers
-    """The next moment, or `GOAL`, `NO_WAY` or `PERSON`."""
+    """The next moment, or `GOAL`, `NO_WAY` or `GAVE_UP`."""
 
 
 class Walker:
@@ -84,7 +84,9 @@ class Walker:
             skipped[left] |= made.skip
             after_fail[left], at[left] = made.after_fail, made.next
             where[left] = self._where(moment, made.ends, made.next)
-            rows.append(_row(count, left, np.where(made.skip, NOTHING, made.action), made.ends, made.seconds))
+            rows.append(
+                _row(count, left, np.where(made.skip, NO_ACTION, made.action), made.ends, made.seconds)
+            )
         actions, codes, times = zip(*rows, strict=True) if rows else ((), (), ())
         shape = (len(rows), count)
         return Walked(
@@ -114,7 +116,7 @@ class Walker:
 
     def _next(self, moment: Numbers, ends: Codes) -> Numbers:
         columns = self._table.columns()
-        following = np.where(ends == End.SUCCESS, columns.next[moment], PERSON).astype(np.int32)
+        following = np.where(ends == End.SUCCESS, columns.next[moment], GAVE_UP).astype(np.int32)
         for end, states in ((End.FAIL, columns.after_fail), (End.FOR_GOOD, columns.for_good)):
             failed = ends == end
             following[failed] = self._table.first(states[moment[failed]])
@@ -124,14 +126,14 @@ class Walker:
         columns = self._table.columns()
         state = np.where(ends == End.FOR_GOOD, columns.for_good[moment], columns.after_fail[moment])
         person = moment * len(End) + ends
-        return np.select([following == NO_WAY, following == PERSON], [state, person], 0).astype(np.int32)
+        return np.select([following == NO_WAY, following == GAVE_UP], [state, person], 0).astype(np.int32)
 
 
 def _row(
     count: int, left: NDArray[np.intp], action: Numbers, ends: Codes, seconds: Floats
 ) -> tuple[Numbers, Codes, Floats]:
     """Return one row (count,) of actions, ends and seconds for all walks, including those that are over."""
-    actions, codes = np.full(count, NOTHING, dtype=np.int32), np.zeros(count, dtype=np.int8)
+    actions, codes = np.full(count, NO_ACTION, dtype=np.int32), np.zeros(count, dtype=np.int8)
     times = np.zeros(count)
     actions[left], codes[left], times[left] = action, ends, seconds
     return actions, codes, times

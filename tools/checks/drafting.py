@@ -24,12 +24,12 @@ def write_draft(draft: Path, urdf: Path, report: UrdfReport) -> None:
         InputError: it can't be written there, or can't name the URDF.
     """
     from handcart.backends.description.robot_loading import load_robot
-    from handcart.evaluation.robot_report.drafting.draft import OPTIONAL, draft_text
+    from handcart.evaluation.robot_report.drafting.draft import OPTIONAL_SECTIONS, draft_text
     from handcart.evaluation.robot_report.mount_remarks import hidden_links, whole_degrees
     from handcart.tools.terminal.writing import write_text
 
     name, left_out = _named(urdf, draft), dict[str, str]()
-    for _ in range(len(OPTIONAL) + 1):
+    for _ in range(len(OPTIONAL_SECTIONS) + 1):
         text = draft_text(report.outline, report.text, name, left_out)
         write_text(draft, text)
         try:
@@ -67,12 +67,12 @@ def write_expanded(file: Path, draft: Path) -> Path:
 
 def _optional_faults(text: str, error: FileError) -> dict[str, str]:
     """What is wrong with sections that a draft can do without, by their names."""
-    from handcart.evaluation.robot_report.drafting.draft import OPTIONAL
+    from handcart.evaluation.robot_report.drafting.draft import OPTIONAL_SECTIONS
 
     lines, found = text.splitlines(), dict[str, str]()
     for finding in error.findings:
         line = lines[finding.line - 1].strip() if 0 < finding.line <= len(lines) else ""
-        section = next((each for each in OPTIONAL if line.startswith(f"{each}:")), None)
+        section = next((each for each in OPTIONAL_SECTIONS if line.startswith(f"{each}:")), None)
         if section is not None:
             found[section] = " ".join(finding.message.split())
     return found

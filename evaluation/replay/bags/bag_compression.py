@@ -6,11 +6,11 @@ from pathlib import Path
 from typing import IO
 
 PACKED_SUFFIXES = (".zstd", ".zst")
-MAGIC = b"\x28\xb5\x2f\xfd"
+ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
 """First bytes of a zstd frame; CDR begins with 00."""
 MAX_BYTES = 1 << 36
 """Maximum size of an unpacked file, in bytes."""
-PIECE = 1 << 20
+PIECE_BYTES = 1 << 20
 
 
 def is_packed(path: Path) -> bool:
@@ -26,7 +26,7 @@ def unpacked_file(packed: Path, folder: Path) -> tuple[Path, str]:
         folder: destination of the unpacked file, which is named like `packed` without its last suffix.
 
     Returns:
-        The path of the unpacked file, and a message that describes the damage; empty if there is none.
+        The path of the unpacked file, and a message that describes the damage; empty without damage.
     """
     from zstandard import ZstdError
 
@@ -49,7 +49,7 @@ def _copy_unpacked(source: IO[bytes], sink: IO[bytes]) -> None:
     from zstandard import ZstdDecompressor
 
     frame, size = ZstdDecompressor().decompressobj(), 0
-    piece = source.read(PIECE)
+    piece = source.read(PIECE_BYTES)
     while piece:
         plain = frame.decompress(piece)
         size += len(plain)
@@ -57,7 +57,7 @@ def _copy_unpacked(source: IO[bytes], sink: IO[bytes]) -> None:
             raise ValueError(f"more than {MAX_BYTES >> 30} GB")
         sink.write(plain)
         piece = frame.unused_data if frame.eof else b""
-        piece = piece or source.read(PIECE)
+        piece = piece or source.read(PIECE_BYTES)
         if frame.eof and piece:
             frame = ZstdDecompressor().decompressobj()
     if not frame.eof:
@@ -70,7 +70,7 @@ def unpacked_message(data: bytes) -> bytes:
     Raises:
         zstandard.ZstdError: the frame is damaged.
     """
-    if not data.startswith(MAGIC):
+    if not data.startswith(ZSTD_MAGIC):
         return data
     from zstandard import ZstdDecompressor
 

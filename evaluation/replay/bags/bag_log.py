@@ -20,11 +20,11 @@ from handcart.files.suggest import listed
 from .bag_messages import Bag, BagError, BagMessage, read_bag
 
 IMU, ODOMETRY, FIX = "sensor_msgs/msg/Imu", "nav_msgs/msg/Odometry", "sensor_msgs/msg/NavSatFix"
-POSES = (ODOMETRY, "geometry_msgs/msg/PoseStamped", "geometry_msgs/msg/PoseWithCovarianceStamped")
+POSE_TYPES = (ODOMETRY, "geometry_msgs/msg/PoseStamped", "geometry_msgs/msg/PoseWithCovarianceStamped")
 NO_FIX = -1  # of NavSatFix.status
 MAX_UNREADABLE = 0.5  # share of a topic's messages: more, and it is of another type
 MIN_SIGMA_M = 1e-3  # a receiver that states less states nothing
-LIMITS = {"rates": 100.0, "accelerations": 1000.0, "speed": 150.0, "turn": 100.0, "reference": 1e7}
+READING_LIMITS = {"rates": 100.0, "accelerations": 1000.0, "speed": 150.0, "turn": 100.0, "reference": 1e7}
 """Largest plausible readings, in SI units."""
 Stamps = Literal["header", "receive"]
 Array = NDArray[np.float64]
@@ -64,7 +64,7 @@ def read_bag_log(path: Path, reference: str | None = None, stamps: Stamps = "hea
     if missing is not None:
         raise InputError(missing)
     try:
-        bag = read_bag(path, {IMU, FIX, *POSES})
+        bag = read_bag(path, {IMU, FIX, *POSE_TYPES})
     except BagError as error:
         raise FileError([Finding(str(path), 0, 0, str(error))]) from None
     chosen = _chosen(path, bag.topics, reference)
@@ -87,8 +87,8 @@ def _chosen(path: Path, topics: dict[str, str], reference: str | None) -> dict[s
         wrong.append(f"no {ODOMETRY} in it; needed: how fast the wheels turn")
         if found[IMU] is None:
             wrong.append(f"no {IMU} in it; needed: gyros, or Odometry's twist")
-    if reference is not None and topics.get(reference) not in POSES:
-        poses = [topic for topic, kind in topics.items() if kind in POSES]
+    if reference is not None and topics.get(reference) not in POSE_TYPES:
+        poses = [topic for topic, kind in topics.items() if kind in POSE_TYPES]
         wrong.append(f"no poses on the topic {reference!r}; allowed: {listed(poses)}")
     if wrong:
         raise FileError([Finding(str(path), 0, 0, each) for each in wrong])
@@ -161,10 +161,10 @@ def _plausible(path: Path, rows: list[_Row], notes: list[str]) -> list[_Row]:
     """Return the rows whose readings are plausible for a vehicle.
 
     Raises:
-        FileError: most readings of a topic exceed `LIMITS`.
+        FileError: most readings of a topic exceed `READING_LIMITS`.
     """
     beyond = np.zeros(len(rows), dtype=bool)
-    for name, limit in LIMITS.items():
+    for name, limit in READING_LIMITS.items():
         values = np.array([getattr(row, name) for row in rows]).reshape(len(rows), -1)
         beyond |= (np.abs(values) > limit).any(axis=1)
     wrong = list[str]()

@@ -12,9 +12,9 @@ from typing import Any, NamedTuple
 from .bag_compression import is_packed, unpacked_file, unpacked_message
 from .bag_recovery import RawMessage, recovered
 
-STORAGES = (".mcap", ".db3", ".bag")
-METADATA = "metadata.yaml"
-ALLOWED = "allowed: rosbag2 (SQLite, MCAP; also with .zstd), rosbag1"
+STORAGE_SUFFIXES = (".mcap", ".db3", ".bag")
+METADATA_FILE = "metadata.yaml"
+ALLOWED_TEXT = "allowed: rosbag2 (SQLite, MCAP; also with .zstd), rosbag1"
 
 
 class BagError(Exception):
@@ -58,7 +58,7 @@ def read_bag(path: Path, kinds: Collection[str]) -> Bag:
         BagError: nothing can be read.
     """
     files, notes = _storage_files(path)
-    is_whole = path.is_dir() and (path / METADATA).is_file()
+    is_whole = path.is_dir() and (path / METADATA_FILE).is_file()
     with TemporaryDirectory() as folder:
         try:
             return _complete([path] if is_whole else _unpacked(files, Path(folder), notes), kinds, notes)
@@ -74,7 +74,7 @@ def read_bag(path: Path, kinds: Collection[str]) -> Bag:
 
 def has_bag_suffix(path: Path) -> bool:
     """Return whether a file's name is that of a bag's storage file, packed or not."""
-    return (path.with_suffix("") if is_packed(path) else path).suffix in STORAGES
+    return (path.with_suffix("") if is_packed(path) else path).suffix in STORAGE_SUFFIXES
 
 
 def _unpacked(files: list[Path], folder: Path, notes: list[str]) -> list[Path]:
@@ -100,10 +100,10 @@ def _storage_files(path: Path) -> tuple[list[Path], list[str]]:
     files = sorted(each for each in path.iterdir() if has_bag_suffix(each) and each.is_file())
     files = [each for each in files if not is_packed(each) or each.with_suffix("") not in files]
     if not files:
-        raise BagError(f"no .mcap, .db3 or .bag file in the folder, nor one with .zstd; {ALLOWED}")
-    if (path / METADATA).is_file():
+        raise BagError(f"no .mcap, .db3 or .bag file in the folder, nor one with .zstd; {ALLOWED_TEXT}")
+    if (path / METADATA_FILE).is_file():
         return files, []
-    return files, [f"the folder has no {METADATA}: its {len(files)} storage files are read as they are"]
+    return files, [f"the folder has no {METADATA_FILE}: its {len(files)} storage files are read as they are"]
 
 
 def _complete(paths: list[Path], kinds: Collection[str], notes: list[str]) -> Bag:
@@ -145,7 +145,7 @@ def _damaged(files: list[Path], kinds: Collection[str], notes: list[str], why: s
             continue
         messages.append(BagMessage(raw.topic, raw.kind, raw.received, content))
     if not topics:
-        raise BagError(f"no bag that can be read: {why}; {ALLOWED}")
+        raise BagError(f"no bag that can be read: {why}; {ALLOWED_TEXT}")
     messages.sort(key=lambda message: message.received)
     return Bag(topics, messages, dict(unreadable), notes)
 

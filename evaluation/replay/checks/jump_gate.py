@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 
-SIGMAS = 4.0  # of a fix against the mean of those before it
-AVERAGED = 5  # fixes that are averaged
-SEEN = 60  # steps between fixes by which the white error is estimated
-ENOUGH = 20  # of them, before the estimate is used
-SLIP = 0.04  # of the way since the latest good fix: what wheels and heading may be off
+MAX_FIX_SIGMAS = 4.0  # of a fix against the mean of those before it
+AVERAGED_FIXES = 5  # fixes that are averaged
+MAX_STEPS = 60  # steps between fixes by which the white error is estimated
+MIN_STEPS = 20  # of them, before the estimate is used
+SLIP_RATIO = 0.04  # of the way since the latest good fix: what wheels and heading may be off
 WANDER_M = 0.3  # per root second, that slow errors may change
 PATIENCE_S = 20.0  # for which a jump may last before it is believed
-RAYLEIGH = math.sqrt(2.0 * math.log(2.0))  # median of a length, in sigmas of an axis
+RAYLEIGH_MEDIAN = math.sqrt(2.0 * math.log(2.0))  # median of a length, in sigmas of an axis
 Array = NDArray[np.float64]
 
 
@@ -32,8 +32,8 @@ class JumpGate:
     def __init__(self, sigma: float) -> None:
         """Assume a white error of `sigma` [m] per axis until it can be estimated from enough fixes."""
         self._sigma = sigma
-        self._good = deque[tuple[float, Array, Pose2, float]](maxlen=AVERAGED)
-        self._steps = deque[float](maxlen=SEEN)
+        self._good = deque[tuple[float, Array, Pose2, float]](maxlen=AVERAGED_FIXES)
+        self._steps = deque[float](maxlen=MAX_STEPS)
         self._since: float | None = None  # [s] when the first fix of a jump came
 
     def refusal(
@@ -85,13 +85,13 @@ class JumpGate:
         return float(np.hypot(*(position - np.mean(expected, axis=0))))
 
     def _limit(self, sigma: float, way: float, time: float, heading_sigma: float) -> float:
-        if len(self._steps) >= ENOUGH:
-            white = float(np.median(self._steps)) / RAYLEIGH / math.sqrt(2.0)
+        if len(self._steps) >= MIN_STEPS:
+            white = float(np.median(self._steps)) / RAYLEIGH_MEDIAN / math.sqrt(2.0)
         else:
             white = sigma if math.isfinite(sigma) else self._sigma
         alone = math.sqrt(1.0 + 1.0 / len(self._good)) * white
         aside = heading_sigma * way
-        return SIGMAS * math.hypot(alone, WANDER_M * math.sqrt(time), aside) + SLIP * abs(way)
+        return MAX_FIX_SIGMAS * math.hypot(alone, WANDER_M * math.sqrt(time), aside) + SLIP_RATIO * abs(way)
 
     def _learn(self, position: Array, odometry: Pose2, turn: float) -> None:
         _, last, then, _ = self._good[-1]

@@ -11,9 +11,9 @@ from handcart.evaluation.replay.drive_log import DriveLog
 WINDOW_S = 90.0
 MIN_FIXES = 10  # in a window
 MIN_WIDTH_M = 4.0  # of the way's narrower side, that shows which way it bends
-FITS = 0.1  # share of the fixes' spread that is left at most
-VOTES = 0.8  # of the windows
-WORDS = (
+MAX_MISFIT_SHARE = 0.1  # share of the fixes' spread that is left at most
+MIN_VOTE_SHARE = 0.8  # of the windows
+MIRROR_TEXT = (
     "the fixes are the mirror image of the way by wheels and gyros: latitude and longitude (east and north) "
     "are exchanged, or the gyro turns the other way"
 )
@@ -33,7 +33,7 @@ def check_mirror(log: DriveLog, period: float) -> str:
         inside = (times >= begin) & (times < begin + WINDOW_S)
         if inside.sum() >= MIN_FIXES:
             votes += _vote(ways[inside], fixes[inside])
-    return WORDS if votes and float(np.mean(votes)) >= VOTES else ""
+    return MIRROR_TEXT if votes and float(np.mean(votes)) >= MIN_VOTE_SHARE else ""
 
 
 def _vote(ways: Array, fixes: Array) -> list[bool]:
@@ -45,4 +45,4 @@ def _vote(ways: Array, fixes: Array) -> list[bool]:
         return []
     turned, *_ = np.linalg.lstsq(a, b, rcond=None)
     left = float(((b - a @ turned) ** 2).sum() / (b**2).sum())
-    return [float(np.linalg.det(turned)) < 0.0] if left < FITS else []
+    return [float(np.linalg.det(turned)) < 0.0] if left < MAX_MISFIT_SHARE else []

@@ -18,7 +18,7 @@ G_UNIT = (0.8, 1.3)  # of accelerations in g
 MIN_TURNS = 0.02  # [rad/s] standard deviation of the turns by which gyros are compared
 ALIKE, UNLIKE = 0.5, 0.3  # correlations of a gyro that turns with the wheels, and of one that doesn't
 SMOOTHED_S = 1.0
-AXES = "xyz"
+AXIS_NAMES = "xyz"
 Array = NDArray[np.float64]
 
 
@@ -41,7 +41,9 @@ def check_mount(log: DriveLog) -> Mount:
     if not why:
         return Mount(np.eye(3), "x,y,z", "")
     turned = _nearest(up, force, log)
-    axes = ",".join(f"{'-' if row.min() < -0.5 else ''}{AXES[int(np.argmax(np.abs(row)))]}" for row in turned)
+    axes = ",".join(
+        f"{'-' if row.min() < -0.5 else ''}{AXIS_NAMES[int(np.argmax(np.abs(row)))]}" for row in turned
+    )
     return Mount(_levelling(turned @ up) @ turned, axes, why)
 
 
@@ -55,9 +57,9 @@ def axes_rotation(axes: str) -> Array | None:
     rows = []
     for axis in axes.split(","):
         name = axis.strip().removeprefix("-")
-        if len(name) != 1 or name not in AXES:
+        if len(name) != 1 or name not in AXIS_NAMES:
             return None
-        rows.append((-1.0 if axis.strip().startswith("-") else 1.0) * np.eye(3)[AXES.index(name)])
+        rows.append((-1.0 if axis.strip().startswith("-") else 1.0) * np.eye(3)[AXIS_NAMES.index(name)])
     turned = np.array(rows)
     return turned if turned.shape == (3, 3) and abs(np.linalg.det(turned) - 1.0) < 1e-9 else None
 
@@ -73,7 +75,7 @@ def _up(force: Array, alike: Array | None) -> tuple[Array, str]:
             )
     if alike is None:
         return up, f"the IMU isn't mounted like the base: {by_force}" if by_force else ""
-    shares = ", ".join(f"{AXES[k]} {alike[k]:.2f}" for k in range(3))
+    shares = ", ".join(f"{AXIS_NAMES[k]} {alike[k]:.2f}" for k in range(3))
     by_turns = f"its gyros turn with the wheels by correlations of {shares}"
     if float(up @ alike) < -ALIKE:
         up = -up
@@ -91,7 +93,7 @@ def _up(force: Array, alike: Array | None) -> tuple[Array, str]:
 
 def _named(up: Array) -> str:
     axis = int(np.argmax(np.abs(up)))
-    return f"{'-' if up[axis] < 0.0 else '+'}{AXES[axis]}"
+    return f"{'-' if up[axis] < 0.0 else '+'}{AXIS_NAMES[axis]}"
 
 
 def _correlations(log: DriveLog) -> Array | None:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 FAR_DEG = 1.0  # from the median of all fixes: some 100 km
-HELD = 5  # equal fixes in a row, from which a receiver only repeats itself
+MIN_HELD_FIXES = 5  # equal fixes in a row, from which a receiver only repeats itself
 Array = NDArray[np.float64]
 
 
@@ -14,7 +14,7 @@ def checked_places(latitudes: Array, longitudes: Array, times: Array) -> tuple[A
     """Remove implausible fixes, and report their number and their first time.
 
     Args:
-        latitudes: (n,) in [deg]; NaN where there is no fix.
+        latitudes: (n,) in [deg]; NaN without a fix.
         longitudes: (n,) in [deg].
         times: (n,) in [s], named in the notes.
 
@@ -54,19 +54,20 @@ def _left_out(what: str, wrong: NDArray[np.bool_], times: Array) -> str:
 
 
 def repeated_rows(latitudes: Array, longitudes: Array) -> NDArray[np.bool_]:
-    """Return a mask (n,) of fixes that repeat the previous one exactly, in runs of at least `HELD`.
+    """Return a mask (n,) of fixes that repeat the previous one exactly, in runs of at least
+    `MIN_HELD_FIXES`.
 
     Args:
-        latitudes: (n,) latitudes or any first coordinate; NaN where there is no fix.
+        latitudes: (n,) latitudes or any first coordinate; NaN without a fix.
         longitudes: (n,) longitudes or any second coordinate.
     """
     rows = np.flatnonzero(np.isfinite(latitudes) & np.isfinite(longitudes))
     found = np.zeros(len(latitudes), dtype=bool)
-    if len(rows) < HELD:
+    if len(rows) < MIN_HELD_FIXES:
         return found
     again = (np.diff(latitudes[rows]) == 0.0) & (np.diff(longitudes[rows]) == 0.0)
     ends = np.diff(np.concatenate([[False], again, [False]]).astype(int))
     for begin, end in zip(np.flatnonzero(ends > 0), np.flatnonzero(ends < 0), strict=True):
-        if end - begin >= HELD - 1:
+        if end - begin >= MIN_HELD_FIXES - 1:
             found[rows[begin + 1 : end + 1]] = True
     return found

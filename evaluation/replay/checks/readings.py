@@ -13,7 +13,7 @@ from handcart.evaluation.replay.drive_log import DriveLog
 
 STILL_TIME_S = (8.0, 20.0)  # for which wheels stand, least and most that is looked at in one piece
 MAX_STILL_M = 6.0  # that fixes of a vehicle at rest travel within that time: slow errors
-PARTS = 5  # of that time, from one to the next of which a vehicle that moves gets on
+SPAN_PARTS = 5  # of that time, from one to the next of which a vehicle that moves gets on
 MIN_PARTS = 3  # differences between them that show it; a jump of the fixes shows in one or two
 MAX_STILL_SIGMAS = 6.0  # the same in accuracies that the receiver states
 FROZEN_TIME_S = 3.0  # for which a gyro repeats its reading
@@ -26,7 +26,7 @@ MIN_SPREAD_M = 3.0  # root mean square of the fixes about their middle in a wind
 MIN_FIXES = 8  # in a window
 MIN_FIT = 0.9  # squared correlation of fixes and track
 MAX_SCALE = 1.5  # between the ways by fixes and by wheels
-UNITS = {
+UNIT_ERRORS = {
     1000.0: "km where m is needed, or m where mm is",
     1e-3: "mm where m is needed",
     1.0 / 3.6: "km/h where m/s is needed",
@@ -35,7 +35,7 @@ UNITS = {
     math.radians(1.0): "degrees where m is needed",
 }
 """Likely unit error, by the factor that corrects the readings."""
-NEAR_UNIT = 0.1  # relative, about a factor of `UNITS`
+NEAR_UNIT = 0.1  # relative, about a factor of `UNIT_ERRORS`
 RADII_M = (0.02, 0.7)  # of wheels
 Array = NDArray[np.float64]
 Rows = NDArray[np.bool_]
@@ -114,13 +114,13 @@ def _pieces(times: Array, begin: int, end: int) -> list[tuple[int, int]]:
 def _travelled(fixes: Array) -> float:
     """Return the distance in [m] over which fixes (n, 2) advance steadily; 0 if they jump or stay."""
     known = fixes[np.isfinite(fixes).all(axis=1)]
-    if len(known) < PARTS:
+    if len(known) < SPAN_PARTS:
         return 0.0
-    middles = np.array([np.median(part, axis=0) for part in np.array_split(known, PARTS)])
+    middles = np.array([np.median(part, axis=0) for part in np.array_split(known, SPAN_PARTS)])
     chord = middles[-1] - middles[0]
     length = float(np.hypot(*chord))
     steps = np.diff(middles, axis=0) @ chord / max(length, 1e-9)
-    return length if (steps > 0.5 * length / (PARTS - 1)).sum() >= MIN_PARTS else 0.0
+    return length if (steps > 0.5 * length / (SPAN_PARTS - 1)).sum() >= MIN_PARTS else 0.0
 
 
 def _frozen_gyro(log: DriveLog) -> list[str]:
@@ -171,7 +171,7 @@ def _scaled(log: DriveLog) -> list[str]:
     scale = way_scale(log)
     if scale is None or 1.0 / MAX_SCALE < scale < MAX_SCALE:
         return []
-    near = [words for unit, words in UNITS.items() if abs(scale / unit - 1.0) < NEAR_UNIT]
+    near = [words for unit, words in UNIT_ERRORS.items() if abs(scale / unit - 1.0) < NEAR_UNIT]
     if RADII_M[0] < scale < RADII_M[1]:
         near.append(f"rad/s of wheels with a radius of {1000.0 * scale:.0f} mm")
     guess = f": {' or '.join(near)}?" if near else ""

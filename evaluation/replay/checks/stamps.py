@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 JUMP_S = 1.0  # by which a stamp and the receive time may part between two messages
 JUMP_SPREADS = 10.0  # of the usual difference, besides: a bag that was replayed slowly or in bursts
-AROUND = 5  # messages on either side that a lasting jump is judged by
+NEIGHBOUR_COUNT = 5  # messages on either side that a lasting jump is judged by
 APART_S = 2.0  # between the clocks of two topics: more can be no delay
 LATE_S = 0.2  # between two topics, from which a delay is reported
 MAX_WRONG = 0.5  # share of a topic's stamps: more, and they are no times
@@ -105,7 +105,7 @@ def _alone(stamps: Array, received: Array, used: NDArray[np.bool_]) -> NDArray[n
     """Return a mask (n,) of stamps that differ while their neighbours agree with each other."""
     rows = np.flatnonzero(used)
     found = np.zeros(len(stamps), dtype=bool)
-    if len(rows) < 2 * AROUND:
+    if len(rows) < 2 * NEIGHBOUR_COUNT:
         return found
     offsets = (stamps - received)[rows]
     padded = np.pad(offsets, 2, mode="edge")
@@ -121,8 +121,8 @@ def _jumps(stamps: Array, received: Array) -> list[tuple[int, float]]:
     limit = _limit(parts)
     found = []
     for k in np.flatnonzero(np.abs(parts) > limit) + 1:
-        before = float(np.median(offsets[max(0, k - AROUND) : k]))
-        after = float(np.median(offsets[k : k + AROUND]))
+        before = float(np.median(offsets[max(0, k - NEIGHBOUR_COUNT) : k]))
+        after = float(np.median(offsets[k : k + NEIGHBOUR_COUNT]))
         if abs(after - before) > limit and (parts[k - 1] > 0.0 or stamps[k] < stamps[k - 1]):
             found.append((int(k), after - before))
     return found

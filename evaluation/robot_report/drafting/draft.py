@@ -12,12 +12,12 @@ from handcart.robotics.kinematics.urdf_contents import JointFacts, joints_of
 from .home_posture import Home, home_of, middle_of, radius_of
 from .outline import Outline
 
-GUESSED = "by the URDF; measure"
-FOOTPRINT = 0.5  # [m] of a robot without collision bodies
-ON_THE_FLOOR = 0.01  # [m]
-CAMERA = "{width_px: 640, height_px: 480, focal_px: 600}"
-RANGE_SENSOR = "beams: 360, reach_m: 8, sigma_mm: 20"
-OPTIONAL = ("gripper", "camera", "range_sensor")
+GUESSED_TEXT = "by the URDF; measure"
+DEFAULT_FOOTPRINT_M = 0.5  # [m] of a robot without collision bodies
+FLOOR_TOLERANCE_M = 0.01  # [m]
+CAMERA_SECTION = "{width_px: 640, height_px: 480, focal_px: 600}"
+LIDAR_SECTION = "beams: 360, reach_m: 8, sigma_mm: 20"
+OPTIONAL_SECTIONS = ("gripper", "camera", "range_sensor")
 """Sections that a draft can omit if their content does not fit the URDF."""
 
 
@@ -82,7 +82,7 @@ def _links(outline: Outline, without: Mapping[str, str]) -> list[str]:
 
 
 def _off_the_floor(outline: Outline) -> bool:
-    return outline.height is not None and abs(outline.height) > ON_THE_FLOOR
+    return outline.height is not None and abs(outline.height) > FLOOR_TOLERANCE_M
 
 
 def _contacts(home: Home | None) -> list[str]:
@@ -93,7 +93,7 @@ def _contacts(home: Home | None) -> list[str]:
 
 
 def _footprint(radius: float) -> float:
-    return math.ceil(100.0 * radius) / 100.0 if radius > 0.0 else FOOTPRINT
+    return math.ceil(100.0 * radius) / 100.0 if radius > 0.0 else DEFAULT_FOOTPRINT_M
 
 
 def _farthest(home: Home | None) -> str:
@@ -113,10 +113,10 @@ def _drive(outline: Outline, urdf: str) -> list[str]:
     sides = {"left": wheels.left, "right": wheels.right}
     lines = [f"  {side}: {_flow(names)}" for side, names in sides.items() if names != (f"{side}_wheel",)]
     if wheels.radius is not None and wheels.radius > 0.0:
-        lines.append(f"  wheel_radius_m: {wheels.radius:.4g}     # {GUESSED}")
+        lines.append(f"  wheel_radius_m: {wheels.radius:.4g}     # {GUESSED_TEXT}")
     else:
         lines.append("  wheel_radius_m: 0.1     # measure: the URDF's wheels have no bodies")
-    lines.append(f"  tread_m: {wheels.tread:.4g}     # {GUESSED}")
+    lines.append(f"  tread_m: {wheels.tread:.4g}     # {GUESSED_TEXT}")
     limits = "top_speed_m_s: 0.5|top_turn_deg_s: 60|acceleration_m_s2: 0.5|turn_acceleration_deg_s2: 90"
     return ["drive:", *lines, *(f"  {each}     # choose" for each in limits.split("|"))]
 
@@ -168,7 +168,7 @@ def _sensors(
     outline: Outline, without: Mapping[str, str], hidden: Mapping[str, tuple[int, int]]
 ) -> list[str]:
     lines = []
-    for role, section, onto in (("range_sensor", "", "base"), ("camera", CAMERA, "hand")):
+    for role, section, onto in (("range_sensor", "", "base"), ("camera", CAMERA_SECTION, "hand")):
         found = outline.sensors.get(role)
         if role in without:
             lines.append(f"# {role}: {without[role]}")
@@ -183,12 +183,12 @@ def _sensors(
 
 def _range_sensor(hidden: Mapping[str, tuple[int, int]]) -> list[str]:
     if not hidden:
-        return [f"range_sensor: {{{RANGE_SENSOR}}}     # by its data sheet"]
+        return [f"range_sensor: {{{LIDAR_SECTION}}}     # by its data sheet"]
     sectors = ", ".join(f"[{start}, {end}]" for start, end in dict.fromkeys(hidden.values()))
     names = ", ".join(hidden)
     return [
         "range_sensor:     # by its data sheet",
-        *(f"  {each}" for each in RANGE_SENSOR.split(", ")),
+        *(f"  {each}" for each in LIDAR_SECTION.split(", ")),
         f"  masked_deg: [{sectors}]     # by the URDF it sees the robot itself: {names}; look at a scan",
     ]
 

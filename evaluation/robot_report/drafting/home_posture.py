@@ -19,9 +19,9 @@ from handcart.robotics.kinematics.urdf_contents import JointFacts, bodies_of
 from handcart.robotics.kinematics.urdf_frames import link_poses
 from handcart.robotics.manipulation.motions.collision_model import CollisionModel
 
-TRIES = 300
-BELOW = -1e-3  # [m] the floor: rounding
-DIGITS = 1  # of a posture in the draft, in [deg] or [mm]
+RANDOM_POSTURES = 300
+MIN_HEIGHT_M = -1e-3  # [m] the floor: rounding
+POSTURE_DIGITS = 1  # of a posture in the draft, in [deg] or [mm]
 
 
 class Home(NamedTuple):
@@ -56,13 +56,13 @@ def home_of(urdf_text: str, base: str, hand: str, joints: Sequence[JointFacts], 
     free = CollisionModel(arm, allowed=always)
     moved = moved_links(arm)
     middle = np.array([middle_of(each) for each in joints])
-    drawn = np.random.default_rng(0).uniform(arm.lower, arm.upper, (TRIES, arm.dof))
+    drawn = np.random.default_rng(0).uniform(arm.lower, arm.upper, (RANDOM_POSTURES, arm.dof))
     best, extent = None, math.inf
     for q in (middle, *drawn):
         rounded = np.array(units.si(_rounded(units, q)))
         own = [shape for shape in arm.link_shapes(rounded) if shape.name in moved]
         out = _farthest(own)[0]
-        if out < extent and _lowest(own) > BELOW and not free.in_collision(rounded):
+        if out < extent and _lowest(own) > MIN_HEIGHT_M and not free.in_collision(rounded):
             best, extent = rounded, out
     chosen = middle if best is None else best
     radius, farthest = _farthest(arm.link_shapes(chosen))
@@ -86,7 +86,7 @@ def middle_of(joint: JointFacts) -> float:
 
 def _rounded(units: JointUnits, q: NDArray[np.float64]) -> list[float]:
     """Return joint positions in [deg] or [mm], rounded towards zero so that no limit is exceeded."""
-    scale = 10.0**DIGITS
+    scale = 10.0**POSTURE_DIGITS
     return [float(each) + 0.0 for each in np.trunc(np.array(units.user_units(q.tolist())) * scale) / scale]
 
 

@@ -16,7 +16,7 @@ from handcart.robotics.kinematics.urdf_contents import JointFacts, bodies_of
 from .link_tree import LinkTree
 from .sensor_frames import SensorFrame, sensor_frames
 
-ACROSS = 0.9  # of a wheel's axis: least part along y
+MIN_AXLE_Y = 0.9  # of a wheel's axis: least part along y
 _WHEEL = re.compile(r"wheel", re.IGNORECASE)
 _IDLE = re.compile(r"caster|castor|steer|swivel|rotation", re.IGNORECASE)
 _FINGER = re.compile(r"finger|gripper|jaw|knuckle|thumb", re.IGNORECASE)
@@ -130,7 +130,7 @@ def _rolls(tree: LinkTree, joint: JointFacts) -> bool:
     name = f"{joint.name} {joint.child}"
     if joint.kind == "prismatic" or not _WHEEL.search(name) or _IDLE.search(name):
         return False
-    return abs(float((tree.pose[joint.child][:3, :3] @ tree.axis[joint.name])[1])) > ACROSS
+    return abs(float((tree.pose[joint.child][:3, :3] @ tree.axis[joint.name])[1])) > MIN_AXLE_Y
 
 
 def _radius(bodies: Sequence[Shape]) -> float | None:

@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 from .link_tree import LinkTree
 
-LEVEL = 0.99  # least cosine between a range sensor's z axis and the vertical
-LOWEST = 0.03  # [m] of a range sensor above the floor
+MIN_LEVEL_COSINE = 0.99  # least cosine between a range sensor's z axis and the vertical
+MIN_LIDAR_HEIGHT_M = 0.03  # [m] of a range sensor above the floor
 _NAMES = {
     "range_sensor": re.compile(r"laser|lidar|scan|rplidar|hokuyo|sick", re.IGNORECASE),
     "camera": re.compile(r"optical|camera|kinect|xtion|realsense", re.IGNORECASE),
@@ -56,7 +56,7 @@ def sensor_frames(tree: LinkTree, base: str, hand: str | None) -> dict[str, Sens
 
 def _scans_level(tree: LinkTree, base: str, link: str) -> bool:
     height = float(tree.pose[link][2, 3] - tree.pose[base][2, 3])
-    return abs(float(tree.pose[link][2, 2])) > LEVEL and height > LOWEST
+    return abs(float(tree.pose[link][2, 2])) > MIN_LEVEL_COSINE and height > MIN_LIDAR_HEIGHT_M
 
 
 def _between(tree: LinkTree, link: str, onto: str | None) -> tuple[str, ...]:

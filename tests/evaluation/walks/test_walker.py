@@ -10,7 +10,7 @@ import pytest
 
 from handcart.evaluation.walks.odds import Codes, End, Floats, Numbers, context_of
 from handcart.evaluation.walks.walk_table import GOAL, NO_WAY, WalkTable
-from handcart.evaluation.walks.walker import NOTHING, PERSON, Walked, Walker
+from handcart.evaluation.walks.walker import GAVE_UP, NO_ACTION, Walked, Walker
 from handcart.networks.analysis.forecast import forecast
 from handcart.networks.chains.chance import Chance
 from handcart.networks.graph.network import Action, ActionNetwork, Binding, Situation
@@ -59,10 +59,10 @@ def again(network: ActionNetwork, walked: Walked, column: int) -> tuple[int, boo
     rows = zip(walked.action[:, column].tolist(), walked.ends[:, column].tolist(), strict=True)
     for index, code in rows:
         if route.arrived or (not route.planned and isinstance(route.plan(), NoWay)):
-            assert index == NOTHING
+            assert index == NO_ACTION
             break
         if route.next.binding is None:
-            assert index == NOTHING
+            assert index == NO_ACTION
             skipped = True
             route.took(Success())
             continue
@@ -72,7 +72,7 @@ def again(network: ActionNetwork, walked: Walked, column: int) -> tuple[int, boo
         elif code in (End.FAIL, End.FOR_GOOD):
             route.failed("", code == End.FOR_GOOD)
         else:
-            return PERSON, skipped
+            return GAVE_UP, skipped
     return GOAL if route.arrived else NO_WAY, skipped
 
 
@@ -82,7 +82,7 @@ def test_it_does_what_the_coordinator_does(seed: int) -> None:
     walked = Walker(WalkTable(network), Even(0.6, 0.85, 0.95, 0.98)).walk(np.random.default_rng(seed), 200)
     for column in range(200):
         assert again(network, walked, column) == (walked.last[column], walked.skipped[column])
-    assert set(walked.last.tolist()) <= {GOAL, NO_WAY, PERSON}
+    assert set(walked.last.tolist()) <= {GOAL, NO_WAY, GAVE_UP}
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -92,16 +92,16 @@ def test_shares_are_the_exact_ones(seed: int) -> None:
     chances = [None if action.binding is None else Chance(0.7, 0.03) for action in network.actions]
     exact = forecast(network, chances)
     walked = Walker(WalkTable(network), Even(0.7, 0.97, 0.97, 1.0)).walk(np.random.default_rng(seed), WALKS)
-    for share, p in ((walked.success, exact.goal), (walked.last == PERSON, exact.give_up)):
+    for share, p in ((walked.success, exact.goal), (walked.last == GAVE_UP, exact.give_up)):
         assert abs(share.mean() - p) <= 4.0 * math.sqrt(p * (1.0 - p) / WALKS) + 1e-12
 
 
 def test_times_add_up_and_nothing_follows_an_end() -> None:
     walked = Walker(WalkTable(some_network(3)), Even(0.5, 0.9, 0.9, 1.0)).walk(np.random.default_rng(1), 300)
-    there = walked.action != NOTHING
+    there = walked.action != NO_ACTION
     assert (walked.seconds == np.where(there, walked.action + 1.0, 0.0)).all()
     gave_up = (walked.ends == End.GIVE_UP) & there
-    assert gave_up.sum() == (walked.last == PERSON).sum() > 0
+    assert gave_up.sum() == (walked.last == GAVE_UP).sum() > 0
     for step, column in np.argwhere(gave_up).tolist():
         assert not there[step + 1 :, column].any()
 
