@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from importlib.util import find_spec
 
-EXTRAS: dict[str, Sequence[str]] = {
+EXTRA_MODULES: dict[str, Sequence[str]] = {
     "arm": ("pinocchio", "ompl", "toppra", "fcl"),
     "labels": ("onnxruntime", "rapidocr"),
     "sim": ("mujoco",),
@@ -24,12 +24,12 @@ EXTRAS: dict[str, Sequence[str]] = {
 def extra_of(error: ImportError) -> str | None:
     """The extra that brings what couldn't be imported; None where none does."""
     module = (error.name or "").partition(".")[0]
-    return next((extra for extra, modules in EXTRAS.items() if module in modules), None)
+    return next((extra for extra, modules in EXTRA_MODULES.items() if module in modules), None)
 
 
 def lack(who: str, extra: str) -> str | None:
     """Return that `who` needs an extra, and how to install it; None if all its modules are installed."""
-    missing = [module for module in EXTRAS[extra] if not is_there(module)]
+    missing = [module for module in EXTRA_MODULES[extra] if not is_there(module)]
     if not missing:
         return None
     return f"{who} needs {', '.join(missing)}, not installed; install with: pip install 'handcart[{extra}]'"

@@ -16,7 +16,7 @@ from handcart.files.regular_file import read_regular_file
 if TYPE_CHECKING:
     from PIL.Image import Image
 
-FORMATS = {"PNG": "PNG", "PPM": "PGM", "BMP": "BMP", "JPEG": "JPEG", "TIFF": "TIFF", "WEBP": "WebP"}
+PICTURE_FORMATS = {"PNG": "PNG", "PPM": "PGM", "BMP": "BMP", "JPEG": "JPEG", "TIFF": "TIFF", "WEBP": "WebP"}
 """Accepted formats, by Pillow's name: those that map servers of ROS and mapping programs write."""
 MAX_BYTES = 1 << 26
 MAX_PIXELS = 25_000_000
@@ -46,7 +46,7 @@ def read_grey(path: Path, max_pixels: int = MAX_PIXELS) -> Grey:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error", Image.DecompressionBombWarning)
-            image = Image.open(BytesIO(content), formats=list(FORMATS))
+            image = Image.open(BytesIO(content), formats=list(PICTURE_FORMATS))
             if image.width * image.height > max_pixels:
                 raise _refused(path, _large(f"{image.width} x {image.height}", max_pixels))
             return _grey(image)
@@ -55,7 +55,7 @@ def read_grey(path: Path, max_pixels: int = MAX_PIXELS) -> Grey:
     except (Image.DecompressionBombWarning, Image.DecompressionBombError):
         raise _refused(path, _large("far too many", max_pixels)) from None
     except UnidentifiedImageError:
-        raise _refused(path, f"is no picture; allowed: {', '.join(FORMATS.values())}") from None
+        raise _refused(path, f"is no picture; allowed: {', '.join(PICTURE_FORMATS.values())}") from None
     except Exception:  # the readers of the formats let out whatever a broken file makes them raise
         raise _refused(path, "is broken or cut short; allowed: a whole picture") from None
 

@@ -12,7 +12,7 @@ from handcart.files.suggest import did_you_mean
 
 MAX_LINE = 20_000
 """[characters]. The YAML parser takes 8 s for a tag that fills a line of 1 MiB: quadratic."""
-ALLOWED = "a regular file that can be read"
+ALLOWED_FILE = "a regular file that can be read"
 BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 """Byte order mark in UTF-8, which some programs write at the beginning of a text."""
 _MARKS = (
@@ -108,10 +108,10 @@ def _at_end_of(before: str, file: str, message: str) -> Finding:
 def _inside(folder: Path) -> str:
     """Return a file that may have been meant: the task file in the folder, otherwise its first YAML file."""
     found = sorted(folder.glob("*.yaml"), key=lambda path: (path.name != "task.yaml", path.name))
-    return f"a file, such as {found[0]}" if found else ALLOWED
+    return f"a file, such as {found[0]}" if found else ALLOWED_FILE
 
 
-def _refused(path: Path | str, wrong: str, allowed: str = ALLOWED, meant: str = "") -> FileError:
+def _refused(path: Path | str, wrong: str, allowed: str = ALLOWED_FILE, meant: str = "") -> FileError:
     return FileError([Finding(str(path), 1, 1, f"the file {wrong}; {meant}allowed: {allowed}")])
 
 

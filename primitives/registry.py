@@ -9,8 +9,8 @@ from handcart.files.suggest import suggest
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.tasks.domain import domains
 
-GROUP = "handcart.primitives"
-GENERAL = {
+PRIMITIVES_GROUP = "handcart.primitives"
+GENERAL_PRIMITIVES = {
     "MOVE_TO": "handcart.primitives.driving.move_to:MoveTo",
     "MODIFY": "handcart.primitives.driving.modify:Modify",
     "ORIENT": "handcart.primitives.driving.orient:Orient",
@@ -23,7 +23,7 @@ GENERAL = {
 
 @cache
 def _own() -> dict[str, str]:
-    found = dict(GENERAL)
+    found = dict(GENERAL_PRIMITIVES)
     for domain in domains():
         found |= domain.primitives
     return found
@@ -31,7 +31,7 @@ def _own() -> dict[str, str]:
 
 @cache
 def _all() -> dict[str, str]:
-    return paths_of(GROUP, _own())
+    return paths_of(PRIMITIVES_GROUP, _own())
 
 
 def primitive_names() -> list[str]:
@@ -48,6 +48,6 @@ def primitive_class(name: str) -> type[ActionPrimitive]:
     """
     if name not in _all():
         raise KeyError(f"unknown primitive {name!r}{suggest(name, primitive_names())}")
-    check_name(name, GROUP, _own())
+    check_name(name, PRIMITIVES_GROUP, _own())
     found: type[ActionPrimitive] = import_plugin(_all()[name], f"the primitive {name!r}")
     return found

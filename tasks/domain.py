@@ -17,7 +17,7 @@ from handcart.files.printable import printable
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
-OWN = ("books", "blocks", "field", "seam", "calibration")
+SHIPPED_DOMAINS = ("books", "blocks", "field", "seam", "calibration")
 """Shipped domains, each declared in a module of its name in `handcart.tasks`."""
 
 
@@ -109,7 +109,7 @@ def domains() -> tuple[Domain, ...]:
     Raises:
         BrokenDomain: a domain of another package cannot be imported, is not a domain, or shares a name.
     """
-    found: dict[str, Domain] = {name: imported(f"handcart.tasks.{name}:DOMAIN") for name in OWN}
+    found: dict[str, Domain] = {name: imported(f"handcart.tasks.{name}:DOMAIN") for name in SHIPPED_DOMAINS}
     for point in entry_points_of("handcart.domains"):
         domain = _loaded(point)
         if domain.name in found:

@@ -12,7 +12,7 @@ from handcart.files.errors import FileError, Finding
 from handcart.files.plugins import plugin_folders
 from handcart.files.suggest import suggest
 
-GROUP = "handcart.tasks"
+TASKS_GROUP = "handcart.tasks"
 TASK_FILE = "task.yaml"
 SHIPPED_FOLDER = Path(__file__).parent
 
@@ -20,7 +20,7 @@ SHIPPED_FOLDER = Path(__file__).parent
 def named_tasks() -> dict[str, Path]:
     """Return the task files that have a name, the shipped ones first."""
     tasks = _tasks_below(SHIPPED_FOLDER, "")
-    for owner, folder in plugin_folders(GROUP).items():
+    for owner, folder in plugin_folders(TASKS_GROUP).items():
         tasks |= _tasks_below(folder, f"{owner}/")
     return tasks
 

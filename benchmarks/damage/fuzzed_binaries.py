@@ -19,7 +19,7 @@ from handcart.backends.description.robot_loading import load_robot
 from handcart.files.maps.map_file import load_map
 from handcart.primitives.field.field import Field
 from handcart.primitives.field.target_list import load_targets
-from handcart.primitives.seam.seam_file import COLUMNS, load_seam
+from handcart.primitives.seam.seam_file import SEAM_COLUMNS, load_seam
 from handcart.robotics.geometry.pose2 import Pose2
 
 from .fuzzed_files import ROBOT, Failure, why_not
@@ -138,7 +138,7 @@ def _victims() -> Mapping[str, _Victim]:
     octile = "type octile\nheight 48\nwidth 64\nmap\n" + ("." * 30 + "@T" + "GSW." * 8 + "\n") * 48
     maps = {**pictures, "map.map": octile.encode()}
     targets = "name,x_m,y_m\n" + "".join(f"t{n},{n},{n}\n" for n in range(40))
-    seam = ",".join(COLUMNS) + "\n" + "".join(f"{0.01 * n},1,1,0,0,0\n" for n in range(40))
+    seam = ",".join(SEAM_COLUMNS) + "\n" + "".join(f"{0.01 * n},1,1,0,0,0\n" for n in range(40))
     return {
         **{name: _Victim(content, _load_chart) for name, content in maps.items()},
         "bare.map": _Victim(octile.encode(), load_map),

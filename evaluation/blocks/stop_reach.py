@@ -10,13 +10,17 @@ from numpy.typing import NDArray
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.robot.mounted_camera import known_camera
-from handcart.primitives.blocks.building_site import VIEW
-from handcart.primitives.blocks.pick_up_block import ABOVE, OPEN, SPEED
-from handcart.primitives.blocks.stack import UNEXPECTED
+from handcart.primitives.blocks.building_site import VIEW_DISTANCE_M
+from handcart.primitives.blocks.pick_up_block import (
+    BLOCK_APPROACH_SPEED_M_S,
+    OPENING_CLEARANCE_M,
+    WAIT_HEIGHT_M,
+)
+from handcart.primitives.blocks.stack import DESCENT_MAX_FORCE_N
 from handcart.primitives.contract.discrepancy import Discrepancy
-from handcart.primitives.driving.standing_room import MARGIN
+from handcart.primitives.driving.standing_room import STAND_MARGIN_M
 from handcart.primitives.knowledge.level_pose import LevelPose
-from handcart.primitives.motions.from_above import BITE, pointing_down
+from handcart.primitives.motions.from_above import GRIP_DEPTH_M, pointing_down
 from handcart.primitives.motions.working_arm import working_arm
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import transform
@@ -51,12 +55,12 @@ class StopReach:
             raise Discrepancy(f"the robot's file has no {lacking}", permanent=True)
         arm = working_arm(spec)
         try:
-            self.placer = Placer(arm, Work(SPEED, UNEXPECTED, FreeTurn.NONE, 0.0))
+            self.placer = Placer(arm, Work(BLOCK_APPROACH_SPEED_M_S, DESCENT_MAX_FORCE_N, FreeTurn.NONE, 0.0))
         except ValueError as wrong:
             raise Discrepancy(str(wrong), permanent=True) from None
         self._block, self._tip = block, spec.finger_shape.tip
         self._hand_T_camera = known_camera(spec.camera, arm).hand_T_camera
-        width = (block[0] + OPEN) / 2.0
+        width = (block[0] + OPENING_CLEARANCE_M) / 2.0
         self._open = arm.with_others({"left_finger": width, "right_finger": width})
 
     def stops(self, landmarks: Sequence[LevelPose]) -> StopPlacer:
@@ -65,8 +69,8 @@ class StopReach:
 
     def goal(self, place: LevelPose) -> Goal:
         """Return the hand's work at a block: it approaches from above, and looks at the block from above."""
-        grip = pointing_down(place.floor, place.height_m + self._block[2] - BITE + self._tip)
-        work = tool_path([transform((0.0, 0.0, up)) @ grip for up in (ABOVE, ABOVE / 2, 0.0)])
+        grip = pointing_down(place.floor, place.height_m + self._block[2] - GRIP_DEPTH_M + self._tip)
+        work = tool_path([transform((0.0, 0.0, up)) @ grip for up in (WAIT_HEIGHT_M, WAIT_HEIGHT_M / 2, 0.0)])
         level = place.floor.theta
         return Goal(work, (self._looking(place.floor, place.height_m + self._block[2], level),))
 
@@ -85,10 +89,10 @@ class StopReach:
         except Untrackable as error:
             return error.why
         length, width, height = self._block
-        middle = transform((self._tip - BITE + height / 2, 0.0, 0.0))
+        middle = transform((self._tip - GRIP_DEPTH_M + height / 2, 0.0, 0.0))
         body = Box(middle, (height, length, width), HELD) if held else None
-        free = CollisionModel(self._open, around, None, stand, MARGIN)
-        loaded = CollisionModel(self._open, around, body, stand, MARGIN)
+        free = CollisionModel(self._open, around, None, stand, STAND_MARGIN_M)
+        loaded = CollisionModel(self._open, around, body, stand, STAND_MARGIN_M)
         for number, q in enumerate(angles):
             model = loaded if number < len(angles) - 1 else free  # in the end it touches what carries it
             if model.in_collision(q):
@@ -106,5 +110,5 @@ class StopReach:
     def _looking(self, floor: Pose2, height: float, heading: float) -> ToolPath:
         """The hand (2 points) with the camera straight above a place."""
         view = pointing_down(Pose2(0.0, 0.0, heading), 0.0)
-        view[:3, 3] = (floor.x, floor.y, height + VIEW) - (view @ self._hand_T_camera)[:3, 3]
+        view[:3, 3] = (floor.x, floor.y, height + VIEW_DISTANCE_M) - (view @ self._hand_T_camera)[:3, 3]
         return tool_path([view, transform((0.0, 0.0, RISE)) @ view])

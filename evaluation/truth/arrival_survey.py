@@ -12,7 +12,7 @@ from handcart.backends.robot.localization.determination import PoseNeed, differe
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.contract.outcome import Outcome, Success
-from handcart.primitives.driving.move_to import ARRIVED, DOCKED
+from handcart.primitives.driving.move_to import ARRIVAL_TOLERANCE, DOCK_TOLERANCE
 from handcart.primitives.knowledge.world_model import WorldModel
 from handcart.robotics.navigation.following.pose_regulator import PoseTolerance
 
@@ -132,4 +132,4 @@ def arrival(run: SurveyedRun, place: str) -> tuple[float, float]:
 def _claimed(robot: Robot, place: str, model: WorldModel) -> PoseTolerance:
     if robot.spec.drive.kind == "ackermann":
         return CAR_ARRIVED
-    return DOCKED if model.places[place].docks else ARRIVED
+    return DOCK_TOLERANCE if model.places[place].docks else ARRIVAL_TOLERANCE

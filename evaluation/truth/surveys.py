@@ -16,7 +16,7 @@ from handcart.networks.task.preparing import Prepared
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.contract.outcome import Fail, Outcome, Success
 from handcart.primitives.preconditions.hand_use import Hand
-from handcart.primitives.restoring.snapshot import SURE
+from handcart.primitives.restoring.snapshot import RESIDUAL_SIGMAS
 from handcart.tasks.domain import domains, imported
 
 from .arrival_survey import ArrivalSurvey
@@ -128,7 +128,9 @@ class Surveys:
         sigma, found = (BASE_SIGMA_MM, BASE_SIGMA_DEG), fail.residuals
         if not self.run.robot.localization.POSE_JUMPS or "base_unsure_mm" not in found:
             return sigma
-        return max(sigma[0], found["base_unsure_mm"] / SURE), max(sigma[1], found["base_unsure_deg"] / SURE)
+        return max(sigma[0], found["base_unsure_mm"] / RESIDUAL_SIGMAS), max(
+            sigma[1], found["base_unsure_deg"] / RESIDUAL_SIGMAS
+        )
 
     def _false_effect(self, claim: Claim) -> list[str]:
         """Return a message for each false claim of a Success; without a survey of the primitive, its

@@ -27,14 +27,14 @@ from handcart.robotics.navigation.maps.grid_map import (
 )
 from handcart.robotics.navigation.maps.turned_map import TooManyCells, is_level, turned_occupancy
 
-from .movingai_map import SUFFIX, read_movingai
+from .movingai_map import MOVINGAI_SUFFIX, read_movingai
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
 Metres = Annotated[float, Field(ge=-1e7, le=1e7)]  # grid coordinates on the Earth are as large
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
-CELL = 1.0  # [m] of a MovingAI map, which tells none
+MOVINGAI_CELL_M = 1.0  # of a MovingAI map, which tells none
 
 
 def _place(text: str) -> str:
@@ -96,7 +96,7 @@ def is_map(document: Document) -> bool:
 
 def is_map_file(path: Path) -> bool:
     """Return whether a file is a map; raise `FileError` if it cannot be read."""
-    return path.suffix == SUFFIX or is_map(read_document(path))
+    return path.suffix == MOVINGAI_SUFFIX or is_map(read_document(path))
 
 
 def map_path(root: Path, name: str, *, start: Path) -> Path:
@@ -126,17 +126,17 @@ def load_map(path: Path) -> tuple[GridMap, str | None]:
 
 def read_occupancy(path: Path) -> OccupancyFile:
     """Read a map file and its picture; raise `FileError` with every finding."""
-    if path.suffix == SUFFIX:
-        warning = f"a MovingAI map tells no size of its cells: {CELL:g} m is taken; "
+    if path.suffix == MOVINGAI_SUFFIX:
+        warning = f"a MovingAI map tells no size of its cells: {MOVINGAI_CELL_M:g} m is taken; "
         advice = f"a map's file with `image: {path.name}` and `resolution` tells another"
         finding = str(Finding(str(path), 1, 1, warning + advice))
-        return OccupancyFile(read_movingai(path), CELL, (0.0, 0.0), finding)
+        return OccupancyFile(read_movingai(path), MOVINGAI_CELL_M, (0.0, 0.0), finding)
     loaded = load_document(read_document(path), MapFile)
     spec = loaded.value
     if wrong := list(_wrong(loaded)):
         raise FileError(wrong)
     picture = _picture_path(loaded, path)
-    if picture.suffix == SUFFIX:
+    if picture.suffix == MOVINGAI_SUFFIX:
         return _placed(loaded, read_movingai(picture), None)
     grey = read_grey(picture)
     values = ros_occupancy(

@@ -13,7 +13,7 @@ from handcart.files.picture import MAX_PIXELS
 from handcart.files.regular_file import decode_text, read_regular_file
 from handcart.robotics.navigation.maps.grid_map import FREE, OCCUPIED, UNKNOWN
 
-SUFFIX = ".map"
+MOVINGAI_SUFFIX = ".map"
 MAX_BYTES = MAX_PIXELS + (1 << 20)
 _MEANING = {".": FREE, "G": FREE, "S": FREE, "@": OCCUPIED, "O": OCCUPIED, "T": OCCUPIED, "W": UNKNOWN}
 """Ground, swamp; out of bounds, trees. Water is impassable but not a wall: it counts as unknown space."""

@@ -4,7 +4,7 @@ from typing import Any
 
 from pydantic import BaseModel, TypeAdapter
 
-DIALECT = "https://json-schema.org/draft/2020-12/schema"
+SCHEMA_DIALECT = "https://json-schema.org/draft/2020-12/schema"
 
 
 def schema(model: type[BaseModel] | TypeAdapter[Any], title: str | None = None) -> dict[str, Any]:
@@ -16,4 +16,8 @@ def schema(model: type[BaseModel] | TypeAdapter[Any], title: str | None = None) 
     adapter: TypeAdapter[Any] = model if isinstance(model, TypeAdapter) else TypeAdapter(model)
     body = adapter.json_schema(mode="validation", by_alias=True)
     name = title or body.pop("title", None) or "handcart"
-    return {"$schema": DIALECT, "title": name, **{key: part for key, part in body.items() if key != "title"}}
+    return {
+        "$schema": SCHEMA_DIALECT,
+        "title": name,
+        **{key: part for key, part in body.items() if key != "title"},
+    }

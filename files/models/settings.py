@@ -13,7 +13,7 @@ from handcart.files.yaml.yaml_document import Document, parse_document
 from handcart.files.yaml.yaml_node import KeyPath, Node
 
 _OTHER_BASE = re.compile(r"0[xX][0-9a-fA-F]+|0[oO][0-7]+")
-SECTION: KeyPath = ("parameters",)
+SETTINGS_SECTION: KeyPath = ("parameters",)
 """Section of a task file with the keys that can be set."""
 
 
@@ -67,7 +67,9 @@ def _without_lines(node: Node) -> Node:
     return Node(content, node.file, 0, 0, 0, 0)
 
 
-def with_settings(document: Document, settings: Mapping[str, str], section: KeyPath = SECTION) -> Document:
+def with_settings(
+    document: Document, settings: Mapping[str, str], section: KeyPath = SETTINGS_SECTION
+) -> Document:
     """Return `document` with changed values of its `section`; only existing keys can be set.
 
     Args:

@@ -12,14 +12,14 @@ from typing import NamedTuple
 from handcart.backends.robot.robot import Robot
 from handcart.networks.graph.planner import NotStarted
 from handcart.networks.journal.measured import in_words
-from handcart.primitives.contract.cause import FRAMEWORK
+from handcart.primitives.contract.cause import FRAMEWORK_MODULES
 from handcart.primitives.contract.discrepancy import Discrepancy
 from handcart.primitives.contract.outcome import Outcome
 from handcart.primitives.restoring.snapshot import moved, settle, take_snapshot
 
 from .run_life import RunLife, RunState
 
-FRAMEWORK.add(__name__)
+FRAMEWORK_MODULES.add(__name__)
 Attempt = Generator[None, None, Outcome]
 Periods = Generator[None, None, Outcome | NotStarted | None]
 """Periods, and the outcome if the attempt ended in them."""

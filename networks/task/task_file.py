@@ -19,7 +19,7 @@ from handcart.files.inside import resolve_inside
 from handcart.files.maps.map_file import map_path
 from handcart.files.models.loading import load_document, load_part
 from handcart.files.models.model import FileModel
-from handcart.files.models.settings import SECTION, setting_value, with_settings
+from handcart.files.models.settings import SETTINGS_SECTION, setting_value, with_settings
 from handcart.files.printable import printable
 from handcart.files.suggest import suggest
 from handcart.files.yaml.yaml_document import Document, read_document
@@ -343,7 +343,7 @@ def _no_file(path: Path) -> str:
 
 
 def _set(document: Document, settings: dict[str, str]) -> Document:
-    declared = document.root.deepest((*SECTION, "robot"))[1]
+    declared = document.root.deepest((*SETTINGS_SECTION, "robot"))[1]
     if "robot" in settings and not declared and document.root.child("robot"):
         document = document.with_value(("robot",), setting_value("robot", settings.pop("robot")))
     return with_settings(document, settings) if settings else document

@@ -13,8 +13,8 @@ from handcart.backends.robot.robot import Robot
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.manipulation.suspension.suspension_model import base_motion
 
-AVERAGED = 1.0  # [s] at rest
-GRAVITY = 9.81  # [m/s²]
+TILT_AVERAGING_S = 1.0  # at rest
+GRAVITY_M_S2 = 9.81
 
 Vector = NDArray[np.float64]
 
@@ -56,10 +56,10 @@ def unmodelled_leans(robot: Robot, then: Vector, now: Vector) -> tuple[Transform
 
 
 def _count(robot: Robot) -> int:
-    return math.ceil(AVERAGED / robot.period)
+    return math.ceil(TILT_AVERAGING_S / robot.period)
 
 
 def _variance(robot: Robot) -> float:
     """Return the variance of an averaged tilt, in [rad²]."""
     assert robot.spec.imu is not None
-    return (robot.spec.imu.accelerometer_sigma_m_s2 / GRAVITY) ** 2 / _count(robot)
+    return (robot.spec.imu.accelerometer_sigma_m_s2 / GRAVITY_M_S2) ** 2 / _count(robot)

@@ -10,7 +10,7 @@ from handcart.primitives.blocks.blocks import Fixed
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.localization.attitude import yaw_sigma
 
-GATE = 5.0  # sigmas
+FUSION_GATE_SIGMAS = 5.0  # sigmas
 
 
 class BaseTurn(NamedTuple):
@@ -49,8 +49,8 @@ def fused(before: Fixed, turn: BaseTurn, now: Fixed) -> Fixed:
     heading = (spread**2, now.sigma[1] ** 2)
     share, share_of_heading = place[0] / sum(place), heading[0] / sum(heading)
     old = before.pose.compose(Pose2(0.0, 0.0, turn.yaw))
-    moved = old.distance(now.pose) > GATE * math.sqrt(sum(place))
-    if moved or old.turn(now.pose) > GATE * math.sqrt(sum(heading)):
+    moved = old.distance(now.pose) > FUSION_GATE_SIGMAS * math.sqrt(sum(place))
+    if moved or old.turn(now.pose) > FUSION_GATE_SIGMAS * math.sqrt(sum(heading)):
         return now
     pose = Pose2(
         old.x + share * (now.pose.x - old.x),

@@ -20,10 +20,10 @@ from handcart.robotics.perception.blocks.block_finder import find_block
 from handcart.robotics.perception.cameras.overlay import draw_overlay
 
 from .building import Building
-from .building_site import VIEW
+from .building_site import VIEW_DISTANCE_M
 
-WITHIN = 0.015  # [m] about where it should stand
-LOOKS = 2  # pictures
+BLOCK_SEARCH_RADIUS_M = 0.015  # about where it should stand
+BLOCK_MAX_PICTURES = 2  # pictures
 
 
 def see_block(
@@ -42,15 +42,17 @@ def see_block(
     top = base_T_block.copy()
     top[2, 3] += height
     view = pointing_down(Pose2(0.0, 0.0, on_level(top).theta), 0.0)
-    view[:3, 3] = top[:3, 3] + (0.0, 0.0, VIEW) - (view @ robot.camera.hand_T_camera)[:3, 3]
+    view[:3, 3] = top[:3, 3] + (0.0, 0.0, VIEW_DISTANCE_M) - (view @ robot.camera.hand_T_camera)[:3, 3]
     yield from move_to_pose(robot, view, around=around)
-    for _ in range(LOOKS):
+    for _ in range(BLOCK_MAX_PICTURES):
         yield from settle(robot)
         yield
         image = robot.picture()
         base_T_camera = robot.base_T("hand") @ robot.camera.hand_T_camera
         camera_T_top = inverse(base_T_camera) @ _flat(top[2, 3])
-        seen = find_block(image, robot.camera.model, camera_T_top, (length, width), on_level(top), WITHIN)
+        seen = find_block(
+            image, robot.camera.model, camera_T_top, (length, width), on_level(top), BLOCK_SEARCH_RADIUS_M
+        )
         drawn = [] if seen is None else [_outline(seen, camera_T_top, length, width)]
         outlines = [robot.camera.model.project(each) for each in drawn]
         evidence.pictures["block"] = draw_overlay(image, outlines=outlines)

@@ -11,7 +11,7 @@ from handcart.robotics.kinematics.shapes import Box
 
 from .building import Building, name_of_block
 
-VIEW = 0.30  # [m] from the camera down to what it looks at
+VIEW_DISTANCE_M = 0.30  # from the camera down to what it looks at
 
 
 def surroundings(robot: Robot, model: ModelView) -> tuple[Box, ...]:

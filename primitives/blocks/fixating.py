@@ -31,20 +31,20 @@ from handcart.robotics.manipulation.suspension.suspension_model import Suspensio
 from handcart.robotics.perception.landmarks.constellation import Belief, Kind, Mark
 
 from .building import LandmarkPlan
-from .building_site import VIEW
+from .building_site import VIEW_DISTANCE_M
 from .landmark_views import LandmarkViews, Sought, offsets
 
 Rule = Literal["residual", "paper"]
-RULES = {"residual": StopRule(), "paper": PAPER_RULE}
+STOP_RULES = {"residual": StopRule(), "paper": PAPER_RULE}
 MOST_MOVES = 6  # of the hand, until the landmark stands where it should
 HEADING_NOISE = 0.0004  # [rad] of a landmark's direction in one picture
 LEAN_SHARE = 0.3  # of what the base leans by its model: what may be wrong with that
 AGREE, AGREE_TURN = 0.003, 0.003  # [m], [rad] between errors that tell of one place of the base
-CENTRAL = 0.02  # [m] from its place in the picture, within which a landmark counts
-RINGS = 2  # of views in a search
+CENTRED_TOLERANCE_M = 0.02  # from its place in the picture, within which a landmark counts
+SEARCH_RINGS = 2  # of views in a search
 MOST_VIEWS = 8  # to tell landmarks apart
 MOST_TRIES = 20  # of views that the arm may not reach
-SPREAD = np.diag([0.010, 0.010, 0.010]) ** 2
+BASE_TILT_COVARIANCE = np.diag([0.010, 0.010, 0.010]) ** 2
 """Covariance in [m², rad²] added to the believed pose of the base, which tilts and turns under the arm."""
 
 
@@ -79,7 +79,7 @@ def planned_view(
     if hand is None:
         level = pointing_down(Pose2(0.0, 0.0, 0.0), 0.0)
         hand = level.copy()
-        hand[:3, 3] = base_T_mark[:3, 3] + (0.0, 0.0, VIEW) - (level @ hand_T_camera)[:3, 3]
+        hand[:3, 3] = base_T_mark[:3, 3] + (0.0, 0.0, VIEW_DISTANCE_M) - (level @ hand_T_camera)[:3, 3]
     return PlannedView(hand, hand_T_camera, inverse(hand @ hand_T_camera) @ base_T_mark)
 
 
@@ -104,7 +104,7 @@ def sought(
         for each, mark in marks.items()
     }
     turn = planned.inverse().lift()[:3, :3]
-    belief = Belief(stands.relative_to(planned), turn @ covariance @ turn.T + SPREAD)
+    belief = Belief(stands.relative_to(planned), turn @ covariance @ turn.T + BASE_TILT_COVARIANCE)
     return Sought(among[name], tuple(among.values()), belief)
 
 
@@ -142,7 +142,7 @@ def fixate(
     """
     start = view.base_T_hand if known is None else placing_posture(known.lift(), view.base_T_hand)
     yield from move_to_pose(robot, start, held, around)
-    stop, views = RULES[rule], LandmarkViews(robot, view, sought, evidence)
+    stop, views = STOP_RULES[rule], LandmarkViews(robot, view, sought, evidence)
     found: list[Pose2] = []
     away = math.inf
     for moves in range(MOST_MOVES + 2 * looks):
@@ -154,7 +154,7 @@ def fixate(
             by_posture = on_floor(view.travelling_error_by_posture(base_T_hand))
             return Fixation(by_posture, base_T_hand, views.frames, moves, (by_posture,))
         away = float(np.hypot(*(seen[:2, 3] - view.camera_T_landmark[:2, 3])))
-        if away < CENTRAL:
+        if away < CENTRED_TOLERANCE_M:
             error = on_floor(view.travelling_error(base_T_hand, seen))
             # Where the base was moved meanwhile, what was seen before is over.
             found = [each for each in found if _agree(each, error)] + [error]
@@ -276,7 +276,7 @@ def _search(
     robot: Robot, start: Transform, views: LandmarkViews, held: Box | None, around: Sequence[Box]
 ) -> Periods:
     """Look around in rings about the first view; skip views out of the arm's reach."""
-    for x, y in offsets(RINGS):
+    for x, y in offsets(SEARCH_RINGS):
         hand = start.copy()
         hand[:2, 3] += (x, y)
         if (yield from _reached(robot, hand, held, around)):

@@ -34,9 +34,9 @@ from handcart.robotics.perception.landmarks.landmark_in_view import wholly_in_vi
 from handcart.robotics.perception.landmarks.landmark_pose import planar_pose
 
 NEARER, FARTHER = 0.05, 0.05  # [m] by which a landmark may be off its height in a picture
-OVERLAP = 0.02  # [m] nearer than that two marks can't stand
-STEP = 0.09  # [m] between the views of a search: the picture shows 0.24 x 0.18 m
-FAR = 6  # steps, to a view that tells two explanations apart
+MIN_MARK_SPACING_M = 0.02  # nearer than that two marks can't stand
+SEARCH_STEP_M = 0.09  # between the views of a search: the picture shows 0.24 x 0.18 m
+MAX_VIEW_STEPS = 6  # steps, to a view that tells two explanations apart
 SAME_PX = 8.0  # between two finds of one mark in a picture
 
 
@@ -142,7 +142,7 @@ class LandmarkViews:
         differences = self._differences(best, others)
         lacks = np.array([other.score - best.score + CERTAIN for other in others])
         ranked = []
-        for x, y in offsets(FAR):
+        for x, y in offsets(MAX_VIEW_STEPS):
             hand = start.copy()
             hand[:2, 3] += (x, y)
             gains = np.zeros(len(others))
@@ -164,7 +164,9 @@ class LandmarkViews:
             for ones, twos, weight in ((expected, otherwise, STRAY), (otherwise, expected, UNSEEN)):
                 for kind, places in ones.items():
                     for place, shown in zip(places, self._shown(kind, places), strict=True):
-                        if not shown and all(place.distance(each) > OVERLAP for each in twos[kind]):
+                        if not shown and all(
+                            place.distance(each) > MIN_MARK_SPACING_M for each in twos[kind]
+                        ):
                             found.setdefault(kind, []).append(_Difference(rival, place, weight))
         return found
 
@@ -199,7 +201,7 @@ class LandmarkViews:
     def _is_over(self, seen: _Seen, base_T_camera: Transform) -> bool:
         """Return whether a remembered mark should be in the last picture, which then replaces it."""
         again = any(
-            at.distance(last.at[kind]) < OVERLAP
+            at.distance(last.at[kind]) < MIN_MARK_SPACING_M
             for last in self._last
             for kind, at in seen.at.items()
             if kind in last.at
@@ -216,6 +218,6 @@ class LandmarkViews:
 
 def offsets(rings: int) -> list[tuple[float, float]]:
     """x and y of views beside a first one in [m], the nearest first."""
-    steps = [STEP * n for n in range(-rings, rings + 1)]
+    steps = [SEARCH_STEP_M * n for n in range(-rings, rings + 1)]
     views = [(x, y) for x in steps for y in steps if (x, y) != (0.0, 0.0)]
     return sorted(views, key=lambda each: (math.hypot(*each), math.atan2(each[1], each[0])))

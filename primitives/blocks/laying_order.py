@@ -15,10 +15,10 @@ from handcart.files.models.loading import Loaded
 from handcart.robotics.geometry.pose2 import Pose2
 
 from .drawing import Drawing, DrawnBlock
-from .supports import LEVEL
+from .supports import SUPPORT_TOLERANCE_M
 
-STEADY = 0.003  # [m] by which a block's middle lies inside of what carries it
-APART = 1e-6  # [m²] of overlap that two blocks may have
+MIN_SUPPORT_MARGIN_M = 0.003  # by which a block's middle lies inside of what carries it
+MAX_OVERLAP_M2 = 1e-6  # of overlap that two blocks may have
 
 Floats = NDArray[np.float64]
 Rectangle = tuple[tuple[float, float], tuple[float, float], float]
@@ -31,8 +31,8 @@ def wall_findings(loaded: Loaded[Drawing]) -> Iterator[Finding]:
     for number, block in enumerate(blocks):
         own = _rectangle(block.place.floor, length, width)
         for other in blocks[:number]:
-            level = abs(other.place.height_m - block.place.height_m) < height - LEVEL
-            if level and _area(_common(own, _rectangle(other.place.floor, length, width))) > APART:
+            level = abs(other.place.height_m - block.place.height_m) < height - SUPPORT_TOLERANCE_M
+            if level and _area(_common(own, _rectangle(other.place.floor, length, width))) > MAX_OVERLAP_M2:
                 wrong = f"{block.words} stands in {other.words}; allowed: blocks beside each other"
                 yield loaded.finding(block.key, wrong)
         ground = _carrying(drawing, block, blocks)
@@ -41,7 +41,7 @@ def wall_findings(loaded: Loaded[Drawing]) -> Iterator[Finding]:
                 f"nothing carries {block.words}: no table and no block ends {block.place.height_m:g} m high"
             )
             yield loaded.finding(block.key, f"{wrong} below it; needed: one")
-        elif _inside(ground, block.place.floor) < STEADY:
+        elif _inside(ground, block.place.floor) < MIN_SUPPORT_MARGIN_M:
             wrong = f"{block.words} tips over: its middle lies beside what carries it"
             yield loaded.finding(block.key, f"{wrong}; needed: support on both sides of it")
     if len(drawing.supply) < len(blocks):
@@ -78,10 +78,10 @@ def _order(
 
 def _carries(drawing: Drawing, lower: DrawnBlock, upper: DrawnBlock) -> bool:
     length, width, height = drawing.block
-    if abs(lower.place.height_m + height - upper.place.height_m) > LEVEL:
+    if abs(lower.place.height_m + height - upper.place.height_m) > SUPPORT_TOLERANCE_M:
         return False
     feet = (_rectangle(each.place.floor, length, width) for each in (lower, upper))
-    return _area(_common(*feet)) > APART
+    return _area(_common(*feet)) > MAX_OVERLAP_M2
 
 
 def _carrying(drawing: Drawing, block: DrawnBlock, blocks: Sequence[DrawnBlock]) -> Floats:
@@ -89,7 +89,9 @@ def _carrying(drawing: Drawing, block: DrawnBlock, blocks: Sequence[DrawnBlock])
     length, width, _ = drawing.block
     foot = _rectangle(block.place.floor, length, width)
     under = [_rectangle(b.place.floor, length, width) for b in blocks if _carries(drawing, b, block)]
-    tables = [t for t in drawing.tables.values() if abs(t.height_m - block.place.height_m) < LEVEL]
+    tables = [
+        t for t in drawing.tables.values() if abs(t.height_m - block.place.height_m) < SUPPORT_TOLERANCE_M
+    ]
     under += [_rectangle(table.floor, *table.size_m) for table in tables]
     return np.vstack([np.empty((0, 2)), *(_common(foot, each) for each in under)])
 

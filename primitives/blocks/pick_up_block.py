@@ -31,12 +31,12 @@ from handcart.robotics.geometry.transform import Transform, inverse
 from .block_view import see_block
 from .building import Building
 from .building_site import building, standing, surroundings
-from .supports import TRAY, held_on
+from .supports import TRAY_NAME, held_on
 
-ABOVE = 0.06  # [m] over the grip, where the hand waits before it goes straight down and after it came up
-OPEN = 0.020  # [m] wider than the block
-SPEED = 0.10  # [m/s]
-TOUCH = 6.0  # [N]: more means that a finger stands on the block
+WAIT_HEIGHT_M = 0.06  # over the grip, where the hand waits before it goes straight down and after it came up
+OPENING_CLEARANCE_M = 0.020  # wider than the block
+BLOCK_APPROACH_SPEED_M_S = 0.10
+BLOCK_TOUCH_FORCE_N = 6.0  # more means that a finger stands on the block
 THICKNESS_ERROR = 0.002  # [m]
 
 
@@ -81,12 +81,12 @@ class PickUpBlock(ActionPrimitive):
             stands = yield from self._seen(robot, model, plan, stands)
         base_T_grip = gripping(robot, plan.block, stands)
         above = base_T_grip.copy()
-        above[2, 3] += ABOVE
+        above[2, 3] += WAIT_HEIGHT_M
         yield from move_to_pose(robot, above, around=surroundings(robot, model))
-        yield from open_to(robot, plan.block[0] + OPEN)
-        pushed = yield from push(robot, base_T_grip, SPEED, TOUCH)
+        yield from open_to(robot, plan.block[0] + OPENING_CLEARANCE_M)
+        pushed = yield from push(robot, base_T_grip, BLOCK_APPROACH_SPEED_M_S, BLOCK_TOUCH_FORCE_N)
         if pushed.met:
-            felt = Measured("Arm", "force that resists the hand", pushed.force, TOUCH, "N")
+            felt = Measured("Arm", "force that resists the hand", pushed.force, BLOCK_TOUCH_FORCE_N, "N")
             raise Discrepancy("a finger stands on the block", measured=felt)
         yield from self.intend("the fingers close on the block")
         self._touched = True
@@ -119,7 +119,7 @@ class PickUpBlock(ActionPrimitive):
         """Return the contacts with the block and its support."""
         own, plan = MeantContact("hand", name_of_block(self.number)), model.of(Blocks).building
         if self.at == "robot":
-            return own, MeantContact("held", TRAY)
+            return own, MeantContact("held", TRAY_NAME)
         if plan is None or self.number > len(plan.supply):
             return (own,)
         return own, *held_on(plan, plan.supply[self.number - 1], plan.supply)

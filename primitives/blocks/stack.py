@@ -36,25 +36,25 @@ from .base_lean import felt_beside, unmodelled_leans
 from .base_turn import fused, turn_by_gyros, turn_by_model
 from .block_view import see_block
 from .building import Building, LandmarkPlan
-from .building_site import VIEW, building, standing, surroundings
+from .building_site import VIEW_DISTANCE_M, building, standing, surroundings
 from .fixate import landmark_of
 from .fixating import Rule, fixate, fixed_by, planned_view, sought, upright
-from .pick_up_block import ABOVE, OPEN, unlike_block
-from .supports import TRAY, held_on
+from .pick_up_block import OPENING_CLEARANCE_M, WAIT_HEIGHT_M, unlike_block
+from .supports import TRAY_NAME, held_on
 
-NEAR = 0.010  # [m] above the expected contact, where the guarded descent begins
-PAST = 0.012  # [m] below it, where there should have been contact
+GUARDED_DESCENT_M = 0.010  # above the expected contact, where the guarded descent begins
+CONTACT_OVERTRAVEL_M = 0.012  # below it, where there should have been contact
 FAST, SLOW = 0.10, 0.02  # [m/s]
-CONTACT = 4.0  # [N]
-UNEXPECTED = 12.0  # [N] on the way down
+TOUCHDOWN_FORCE_N = 4.0
+DESCENT_MAX_FORCE_N = 12.0  # on the way down
 SERVO_LOOKS = 2  # at a landmark beside the goal: after each move the arm errs anew
 MOST_OFF = 0.008  # [m] from its goal at which a block still counts as put there
 
 Method = Literal["fix_once", "model", "imu", "fix_again", "fix_again_model", "fix_again_imu", "servo"]
 FIX_AGAIN = ("fix_again", "fix_again_model", "fix_again_imu")
-FEEL = ("imu", "fix_again_imu")
-FUSE = ("fix_again_model", "fix_again_imu")
-LEAN_BY_MODEL = ("model", *FUSE)
+IMU_METHODS = ("imu", "fix_again_imu")
+FUSING_METHODS = ("fix_again_model", "fix_again_imu")
+LEAN_BY_MODEL = ("model", *FUSING_METHODS)
 FEEL_LEAN = "fix_again_imu"
 
 
@@ -102,7 +102,7 @@ class Stack(ActionPrimitive):
 
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         plan = building(model)
-        if self.method in FEEL and robot.spec.imu is None:
+        if self.method in IMU_METHODS and robot.spec.imu is None:
             raise Discrepancy(f"the method {self.method} needs inertial sensors", permanent=True)
         held = gripped(robot, plan.block)
         goal = self._goal(plan)
@@ -110,16 +110,16 @@ class Stack(ActionPrimitive):
         if self.onto == "goal" and self.method in FIX_AGAIN:
             yield from self._fix_again(robot, model)
         grip = yield from self._over(robot, model, plan, goal, around)
-        yield from move_straight(robot, _raised(grip, ABOVE), held)
-        if self.onto == "goal" and self.method in FEEL:
+        yield from move_straight(robot, _raised(grip, WAIT_HEIGHT_M), held)
+        if self.onto == "goal" and self.method in IMU_METHODS:
             yield from settle(robot)
             if self.method == FEEL_LEAN:
                 self._leans = unmodelled_leans(robot, self._felt_then, (yield from felt_beside(robot)))
             grip = gripping(robot, plan.block, self._corrected(robot, model, plan, goal))
         yield from self._lower(robot, grip)
         yield from self.intend("the fingers let the block go")
-        yield from open_to(robot, plan.block[0] + OPEN)
-        yield from move_straight(robot, _raised(robot.arm_model.forward(robot.arm.command()), ABOVE))
+        yield from open_to(robot, plan.block[0] + OPENING_CLEARANCE_M)
+        yield from move_straight(robot, _raised(robot.arm_model.forward(robot.arm.command()), WAIT_HEIGHT_M))
         if self.onto == "goal":
             yield from self._check(robot, model, plan, goal)
         if self.stow:
@@ -129,7 +129,7 @@ class Stack(ActionPrimitive):
         """Its block, and what carries that where it goes."""
         own, plan = MeantContact("hand", name_of_block(self.number)), model.of(Blocks).building
         if self.onto == "robot":
-            return own, MeantContact("held", TRAY)
+            return own, MeantContact("held", TRAY_NAME)
         if plan is None or self.number > len(plan.goals):
             return (own,)
         return own, *held_on(plan, plan.goals[self.number - 1], plan.goals)
@@ -153,7 +153,7 @@ class Stack(ActionPrimitive):
             return (yield from self._servo(robot, model, plan))
         swing = _is_swing(robot, gripping(robot, plan.block, self._corrected(robot, model, plan, goal)))
         grip = gripping(robot, plan.block, self._corrected(robot, model, plan, goal, swing))
-        yield from move_to_pose(robot, _raised(grip, ABOVE), held, around)
+        yield from move_to_pose(robot, _raised(grip, WAIT_HEIGHT_M), held, around)
         if self.onto == "goal" and blocks.fixed is not None:
             blocks.fixed = blocks.fixed._replace(swings=blocks.fixed.swings + swing)
         return grip
@@ -180,7 +180,7 @@ class Stack(ActionPrimitive):
 
     def _turned(self, robot: Robot, fixed: Fixed, swings_to_come: int) -> float:
         """Return the base's turn since the fixation including the swings to come, in [rad]."""
-        if self.method in FEEL:
+        if self.method in IMU_METHODS:
             return turn_by_gyros(robot, fixed).yaw + turn_by_model(robot, swings_to_come).yaw
         return turn_by_model(robot, fixed.swings + swings_to_come).yaw
 
@@ -213,7 +213,7 @@ class Stack(ActionPrimitive):
     def _view_height(self, robot: Robot, surface: float) -> float:
         """Return the height of the hand for a view of a surface, in [m]."""
         level = pointing_down(Pose2(0.0, 0.0, 0.0), 0.0)
-        return surface + VIEW - float((level @ robot.camera.hand_T_camera)[2, 3])
+        return surface + VIEW_DISTANCE_M - float((level @ robot.camera.hand_T_camera)[2, 3])
 
     def _fix(
         self, robot: Robot, model: ModelView, name: str, hand: Transform | None
@@ -243,8 +243,8 @@ class Stack(ActionPrimitive):
         blocks.fixed = fixed_by(robot, name, place, planned, found)
         if self.method == FEEL_LEAN:
             self._felt_then = yield from felt_beside(robot)
-        if self.method in FUSE and before is not None:
-            if self.method in FEEL:
+        if self.method in FUSING_METHODS and before is not None:
+            if self.method in IMU_METHODS:
                 turned = turn_by_gyros(robot, before, blocks.fixed)
             else:
                 turned = turn_by_model(robot, before.swings + swing)
@@ -253,13 +253,13 @@ class Stack(ActionPrimitive):
 
     def _lower(self, robot: Robot, grip: Transform) -> Periods:
         """Down until the block touches."""
-        pushed = yield from push(robot, _raised(grip, NEAR), FAST, UNEXPECTED)
+        pushed = yield from push(robot, _raised(grip, GUARDED_DESCENT_M), FAST, DESCENT_MAX_FORCE_N)
         if pushed.met:
-            felt = Measured("Arm", "force that resists the hand", pushed.force, UNEXPECTED, "N")
+            felt = Measured("Arm", "force that resists the hand", pushed.force, DESCENT_MAX_FORCE_N, "N")
             raise Discrepancy("something stands where the block goes", measured=felt)
-        pushed = yield from push(robot, _raised(grip, -PAST), SLOW, CONTACT)
+        pushed = yield from push(robot, _raised(grip, -CONTACT_OVERTRAVEL_M), SLOW, TOUCHDOWN_FORCE_N)
         if not pushed.met:
-            felt = Measured("Arm", "force that resists the hand", pushed.force, CONTACT, "N")
+            felt = Measured("Arm", "force that resists the hand", pushed.force, TOUCHDOWN_FORCE_N, "N")
             raise Discrepancy("the block doesn't touch down where its support should be", measured=felt)
         touched = float(robot.base_T("hand")[2, 3] - grip[2, 3])
         yield from relax(robot)

@@ -11,8 +11,8 @@ from handcart.robotics.geometry.pose2 import Pose2
 
 from .building import Building
 
-LEVEL = 0.005  # [m] that a support's top may be off the foot of what it carries
-TRAY = "tray"
+SUPPORT_TOLERANCE_M = 0.005  # that a support's top may be off the foot of what it carries
+TRAY_NAME = "tray"
 
 
 def held_on(plan: Building, foot: LevelPose, among: Sequence[LevelPose]) -> tuple[MeantContact, ...]:
@@ -27,13 +27,13 @@ def held_on(plan: Building, foot: LevelPose, among: Sequence[LevelPose]) -> tupl
     blocks = [
         name_of_block(number)
         for number, each in enumerate(among, start=1)
-        if abs(each.height_m + height - foot.height_m) < LEVEL
+        if abs(each.height_m + height - foot.height_m) < SUPPORT_TOLERANCE_M
         and _below(foot.floor, each.floor, (2 * length, 2 * width))
     ]
     tables = [
         name
         for name, table in plan.tables.items()
-        if abs(table.height_m - foot.height_m) < LEVEL
+        if abs(table.height_m - foot.height_m) < SUPPORT_TOLERANCE_M
         and _below(foot.floor, table.floor, (table.size_m[0] + length, table.size_m[1] + width))
     ]
     # A table of the plan may be a block of the world: a stone that the wall begins at.

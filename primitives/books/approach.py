@@ -38,12 +38,12 @@ from .hand_view import look
 from .shelf_front import measure_shelf
 from .slot_edge import moved, seen_past, side_near, slot_edge
 
-BEFORE = 0.035  # [m] from the book's fore-edge to the shelf's front
-CLEAR = 0.006  # [m] from the book's foot to the board
-LOOKS = 4
-GOOD = 0.0005  # [m] off its slot's middle that the hand needn't move for
-WITHIN = 0.010  # [m] from where SEARCH saw it that the slot's side is looked for
-SURELY = 0.005  # [m]: the same where nothing but its place tells it from another edge
+SHELF_CLEARANCE_M = 0.035  # from the book's fore-edge to the shelf's front
+BOARD_CLEARANCE_M = 0.006  # from the book's foot to the board
+CENTRING_MAX_VIEWS = 4
+CENTRING_TOLERANCE_M = 0.0005  # off its slot's middle that the hand needn't move for
+SIDE_SEARCH_RADIUS_M = 0.010  # from where SEARCH saw it that the slot's side is looked for
+SIDE_UNAIDED_RADIUS_M = 0.005  # the same where nothing but its place tells it from another edge
 
 
 class Approach(ActionPrimitive):
@@ -96,18 +96,20 @@ class Approach(ActionPrimitive):
         self, robot: Robot, base_T_shelf: Transform, goal: Transform, slot: Slot
     ) -> Generator[None, None, Slot]:
         """Look and move until the hand is before the slot's middle; gives the slot as seen from there."""
-        for number in range(1, LOOKS + 1):
+        for number in range(1, CENTRING_MAX_VIEWS + 1):
             slot = yield from self._measured(robot, base_T_shelf, slot)
             hand = inverse(base_T_shelf) @ robot.base_T("hand")
             off = float((slot.left + slot.right) / 2 - hand[1, 3])
             self.found(looks=number, off_mm=round(1e3 * off, 2))
             if number == 1:
                 self.found(corrected_mm=round(1e3 * off, 2))
-            if abs(off) <= GOOD:
+            if abs(off) <= CENTRING_TOLERANCE_M:
                 return slot
             goal[1, 3] += off
             yield from move_straight(robot, base_T_shelf @ goal, self._held, self._around)
-        left = Measured("Camera", "the hand off its slot's middle", 1e3 * abs(off), 1e3 * GOOD, "mm")
+        left = Measured(
+            "Camera", "the hand off its slot's middle", 1e3 * abs(off), 1e3 * CENTRING_TOLERANCE_M, "mm"
+        )
         raise Discrepancy(
             f"the hand doesn't come before the slot: {1e3 * off:.1f} mm are left", measured=left
         )
@@ -116,9 +118,9 @@ class Approach(ActionPrimitive):
         """The slot moved to where its left side is seen now."""
         view = yield from look(robot, base_T_shelf, self._held)
         strips = seen_past(view)
-        shift = moved(strips, slot.sides, WITHIN)
+        shift = moved(strips, slot.sides, SIDE_SEARCH_RADIUS_M)
         if shift is None:
-            left = slot_edge(strips, slot.left, WITHIN, SURELY)
+            left = slot_edge(strips, slot.left, SIDE_SEARCH_RADIUS_M, SIDE_UNAIDED_RADIUS_M)
         else:
             left = side_near(strips, slot.left + shift)
         now = slot if left is None else slot.moved(left - slot.left)
@@ -129,7 +131,9 @@ class Approach(ActionPrimitive):
             camera_T_shelf=view.camera_T_shelf,
         )
         if left is None:
-            unseen = Measured("Camera", "an edge near where the slot's side was", None, 1e3 * WITHIN, "mm")
+            unseen = Measured(
+                "Camera", "an edge near where the slot's side was", None, 1e3 * SIDE_SEARCH_RADIUS_M, "mm"
+            )
             raise Discrepancy(
                 f"the slot's side is not seen where SEARCH saw it: {_beside(slot)}", measured=unseen
             )
@@ -138,8 +142,8 @@ class Approach(ActionPrimitive):
 
 def _before(robot: Robot, book: Book, lateral: float) -> Transform:
     """shelf_T_hand (4, 4) with the book straight before the shelf at y `lateral` in [m]."""
-    away = BEFORE + book.depth_mm / 1e3 + hand_to_spine(robot)
-    return transform((-away, lateral, CLEAR + GRIP_HEIGHT))
+    away = SHELF_CLEARANCE_M + book.depth_mm / 1e3 + hand_to_spine(robot)
+    return transform((-away, lateral, BOARD_CLEARANCE_M + GRIP_HEIGHT))
 
 
 def _beside(slot: Slot) -> str:

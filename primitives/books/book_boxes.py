@@ -11,11 +11,11 @@ from handcart.robotics.manipulation.motions.collision_model import HELD
 from .book_grip import GRIP_HEIGHT, hand_to_spine
 from .catalogue import Book
 
-PROUD = 0.004  # [m] that spines stand before a shelf's front
-ABOVE = 0.35  # [m] above its board that a shelf may be filled, or closed
-PANEL = 0.03  # [m] at most, of its sides
+SPINE_OVERHANG_M = 0.004  # that spines stand before a shelf's front
+SHELF_HEIGHT_M = 0.35  # above its board that a shelf may be filled, or closed
+PANEL_THICKNESS_M = 0.03  # at most, of its sides
 ON_TRAY = (0.005, 0.15, 0.10, 0.26)  # [m] from its rear, how deep, wide and high a book may stand there
-INSIDE = 0.25  # [m] of its depth that counts
+SHELF_DEPTH_M = 0.25  # of its depth that counts
 
 
 def shelf_boxes(base_T_shelf: Transform, shelf: Shelf) -> tuple[Box, ...]:
@@ -25,9 +25,9 @@ def shelf_boxes(base_T_shelf: Transform, shelf: Shelf) -> tuple[Box, ...]:
         base_T_shelf: (4, 4), as measured.
         shelf: dimensions of the shelf.
     """
-    depth, height = INSIDE + PROUD, shelf.board_m + ABOVE
-    middle = transform((depth / 2 - PROUD, 0.0, height / 2 - shelf.board_m))
-    width = max(shelf.width_m, shelf.front_m) + 2 * PANEL
+    depth, height = SHELF_DEPTH_M + SPINE_OVERHANG_M, shelf.board_m + SHELF_HEIGHT_M
+    middle = transform((depth / 2 - SPINE_OVERHANG_M, 0.0, height / 2 - shelf.board_m))
+    width = max(shelf.width_m, shelf.front_m) + 2 * PANEL_THICKNESS_M
     return (Box(base_T_shelf @ middle, (depth, width, height), "the shelf"),)
 
 

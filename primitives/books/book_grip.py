@@ -12,15 +12,15 @@ from handcart.primitives.motions.grip import close, hand_to_tips, width_read
 from .books import Books
 from .catalogue import Book, name_of_book
 
-BITE = 0.03  # [m] of the book's rear that the pads cover
+BOOK_GRIP_DEPTH_M = 0.03  # of the book's rear that the pads cover
 GRIP_HEIGHT = 0.12  # [m] from the book's foot to the hand
 THICKNESS_ERROR = 0.004  # [m] by which a book may differ from its entry in the catalogue
-NOTHING = 2.0  # [mm] between the pads: less is no book
+MIN_BOOK_WIDTH_MM = 2.0  # between the pads: less is no book
 
 
 def hand_to_spine(robot: Robot) -> float:
     """Return the distance from the frame `hand` to the spine of a held book, in [m]."""
-    return hand_to_tips(robot) - BITE
+    return hand_to_tips(robot) - BOOK_GRIP_DEPTH_M
 
 
 def holds(robot: Robot, book: Book) -> bool:
@@ -64,9 +64,10 @@ def close_on(robot: Robot, book: Book) -> Periods:
     """
     yield from close(robot)
     width = 1e3 * robot.gripper.width()
-    if width < NOTHING:
+    if width < MIN_BOOK_WIDTH_MM:
         raise Discrepancy(
-            "the fingers closed on nothing", measured=Measured("Gripper", "opening", width, NOTHING, "mm")
+            "the fingers closed on nothing",
+            measured=Measured("Gripper", "opening", width, MIN_BOOK_WIDTH_MM, "mm"),
         )
     if not holds(robot, book):
         raise Discrepancy(

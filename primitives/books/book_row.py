@@ -7,7 +7,7 @@ from handcart.primitives.books.catalogue import name_of_book
 from handcart.primitives.contract.meant_contact import MeantContact
 from handcart.primitives.knowledge.world_model import WorldModel
 
-PARTS = ("board", "panel", "left panel", "right panel", "book end")
+SHELF_PARTS = ("board", "panel", "left panel", "right panel", "book end")
 """Parts of a shelf, by their names in the world."""
 
 
@@ -17,4 +17,6 @@ def row_contacts(model: WorldModel, shelf: str) -> tuple[MeantContact, ...]:
     slot = known.slot
     beside = () if slot is None else tuple(call for call in (slot.after, slot.before) if call)
     books = [name_of_book(book) for book in known.catalogue.books if book.call in beside]
-    return tuple(MeantContact("held", name) for name in (*(f"{part} of {shelf}" for part in PARTS), *books))
+    return tuple(
+        MeantContact("held", name) for name in (*(f"{part} of {shelf}" for part in SHELF_PARTS), *books)
+    )

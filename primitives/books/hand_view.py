@@ -20,8 +20,8 @@ from handcart.robotics.geometry.transform import Transform, apply, inverse
 from handcart.robotics.kinematics.shapes import Box
 from handcart.robotics.perception.cameras.camera_model import CameraModel
 
-RIM = 5  # [px] beside a held book that don't count: its own blur, and how exactly it sits in the hand
-FINGERS = ("left_finger", "right_finger")
+MASK_MARGIN_PX = 5  # beside a held book that don't count: its own blur, and how exactly it sits in the hand
+FINGER_LINKS = ("left_finger", "right_finger")
 _ALONG = np.linspace(-0.5, 0.5, 9)
 
 
@@ -65,7 +65,9 @@ def _free(robot: Robot, held: Box | None) -> NDArray[np.bool_]:
         pixels = camera.project(points[points[:, 2] > 0.005])
         if len(pixels):
             cv2.fillConvexPoly(shown, cv2.convexHull(np.rint(pixels).astype(np.int32)), 0)
-    return np.asarray(cv2.erode(shown, np.ones((2 * RIM + 1, 2 * RIM + 1), np.uint8)) > 0)
+    return np.asarray(
+        cv2.erode(shown, np.ones((2 * MASK_MARGIN_PX + 1, 2 * MASK_MARGIN_PX + 1), np.uint8)) > 0
+    )
 
 
 def _fingers(robot: Robot) -> Sequence[Box]:
@@ -75,9 +77,9 @@ def _fingers(robot: Robot) -> Sequence[Box]:
         return []
     width = max(0.0, gripper.width() / 2)
     joints = robot.arm.joints()
-    arm = robot.arm_model.with_others(dict.fromkeys(FINGERS, width))
+    arm = robot.arm_model.with_others(dict.fromkeys(FINGER_LINKS, width))
     hand_T_base = inverse(arm.forward(joints))
-    bodies = [body for body in arm.link_shapes(joints) if body.name in FINGERS]
+    bodies = [body for body in arm.link_shapes(joints) if body.name in FINGER_LINKS]
     return [Box(hand_T_base @ body.pose, body.size) for body in bodies if isinstance(body, Box)]
 
 

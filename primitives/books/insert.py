@@ -41,19 +41,19 @@ from .book_row import row_contacts
 from .shelf_front import measure_shelf
 
 TIPS_BEFORE = 0.007  # [m] that the finger tips stay before the shelf's front: spines stand 3 mm before it
-SPEED = 0.02  # [m/s]
-JAM = 7.0  # [N]: sliding in takes 2
+INSERT_SPEED_M_S = 0.02
+JAM_FORCE_N = 7.0  # sliding in takes 2
 PUSHES_BACK = 10.0  # [N]: a neighbour gives way from here on, and the hand's camera doesn't see it
-STRAIGHT = "straight"
-WIGGLES = {
-    STRAIGHT: (0.0, 0.0),
+STRAIGHT_PUSH = "straight"
+PUSH_OFFSETS = {
+    STRAIGHT_PUSH: (0.0, 0.0),
     "a little further left, turned left": (0.003, 0.035),
     "a little further right, turned right": (-0.003, -0.035),
 }
 """Ways to push: to the left in [m], turned left by [rad]."""
 SIDE_FORCE = 1.5  # [N] from the slot's sides that the hand yields to
 ASIDE, MOST_ASIDE = 0.0005, 0.008  # [m]: a step, and how far the hand yields at most
-REACHED = 0.004  # [m]
+PUSH_END_TOLERANCE_M = 0.004
 
 
 class _Course(NamedTuple):
@@ -108,7 +108,7 @@ class Insert(TreePrimitive):
             "measure how far it goes": lambda: self._measure(robot, model),
             "note what is about to be done": lambda: self.intend("the book is pushed between its neighbours"),
         }
-        ways = WIGGLES if self.wiggle and self.method == "planned" else (STRAIGHT,)
+        ways = PUSH_OFFSETS if self.wiggle and self.method == "planned" else (STRAIGHT_PUSH,)
         tries: dict[str, Step] = {
             way: partial(self._try, robot, way, number) for number, way in enumerate(ways, start=1)
         }
@@ -128,7 +128,7 @@ class Insert(TreePrimitive):
     def _try(self, robot: Robot, way: str, number: int) -> Generator[None, None, bool]:
         """Return whether the book goes in; pull it out again if it jams."""
         start, end, edge, held = self._course
-        yield from move_straight(robot, start @ _about(edge, *WIGGLES[way]), held)
+        yield from move_straight(robot, start @ _about(edge, *PUSH_OFFSETS[way]), held)
         pushed = yield from self._push(robot, end)
         self.found(force_n=round(self._strongest, 1), tries=number)
         if not pushed.met:
@@ -141,7 +141,7 @@ class Insert(TreePrimitive):
     def _say_that_it_jams(self) -> Periods:
         raise Discrepancy(
             f"the book jams: it resists with {self._resists:.0f} N",
-            measured=Measured("Arm", "force that resists the push", self._resists, JAM, "N"),
+            measured=Measured("Arm", "force that resists the push", self._resists, JAM_FORCE_N, "N"),
         )
         yield
 
@@ -161,12 +161,12 @@ class Insert(TreePrimitive):
         ahead = (end[:3, 3] - start[:3, 3]) @ end[:3, 0] / 2
         halfway = start.copy()
         halfway[:3, 3] += ahead * end[:3, 0]
-        pushed = yield from push(robot, halfway, SPEED, JAM)
+        pushed = yield from push(robot, halfway, INSERT_SPEED_M_S, JAM_FORCE_N)
         if not pushed.met:
             aside = yield from _yield_aside(robot)
             self._base_T_end = end @ transform((0.0, aside, 0.0))
             self.found(yielded_mm=round(1e3 * aside, 1))
-            pushed = yield from push(robot, self._base_T_end, SPEED, JAM)
+            pushed = yield from push(robot, self._base_T_end, INSERT_SPEED_M_S, JAM_FORCE_N)
         self._strongest = max(self._strongest, pushed.force)
         return pushed
 
@@ -184,8 +184,8 @@ class Insert(TreePrimitive):
             return False
         off = float(np.linalg.norm(robot.base_T("hand")[:3, 3] - self._base_T_end[:3, 3]))
         self.found(off_mm=round(1e3 * off, 1))
-        if off >= REACHED:
-            left = Measured("Arm", "left to where the push ends", 1e3 * off, 1e3 * REACHED, "mm")
+        if off >= PUSH_END_TOLERANCE_M:
+            left = Measured("Arm", "left to where the push ends", 1e3 * off, 1e3 * PUSH_END_TOLERANCE_M, "mm")
             raise Discrepancy("the hand doesn't reach where the push ends", measured=left)
         return holds(robot, books.book)
         yield
@@ -227,7 +227,7 @@ def _yield_aside(robot: Robot) -> Generator[None, None, float]:
     aside = 0.0
     while abs(aside) < MOST_ASIDE and abs(force := float(robot.arm.hand_force()[1])) > SIDE_FORCE:
         aside += math.copysign(ASIDE, force)
-        yield from push(robot, start @ transform((0.0, aside, 0.0)), SPEED, np.inf)
+        yield from push(robot, start @ transform((0.0, aside, 0.0)), INSERT_SPEED_M_S, np.inf)
     return aside
 
 

@@ -47,11 +47,11 @@ from handcart.robotics.geometry.transform import Transform, transform
 from handcart.robotics.kinematics.shapes import Box
 from handcart.robotics.perception.landmarks.tag_reader import read_tags, tag_pose
 
-BEFORE = 0.05  # [m] before the grip from which the hand goes in straight
-LIFT = 0.12  # [m]: clear of the tray's rim and of what lies on it
-SPEED = 0.05  # [m/s] of the hand near the book
-TOUCH = 6.0  # [N]: more means that a finger runs into the book instead of beside it
-LOOKS = 3  # pictures in which the tag is looked for
+GRIP_APPROACH_M = 0.05  # before the grip from which the hand goes in straight
+LIFT_HEIGHT_M = 0.12  # clear of the tray's rim and of what lies on it
+GRIP_SPEED_M_S = 0.05  # of the hand near the book
+GRIP_TOUCH_FORCE_N = 6.0  # more means that a finger runs into the book instead of beside it
+TAG_MAX_PICTURES = 3  # pictures in which the tag is looked for
 TAG_SIDE = 0.010  # [m] of the tag's black square
 
 
@@ -93,7 +93,7 @@ class PickUp(TreePrimitive):
             raise Discrepancy("no book has been recognized", permanent=True)
         yield from move_to_posture(robot, "look_at_tag", around=_standing(robot, model))
         yield from settle(robot)
-        for _ in range(LOOKS):
+        for _ in range(TAG_MAX_PICTURES):
             yield
             for tag in read_tags(robot.picture(), family=books.catalogue.tags):
                 if tag.id == books.book.accession:
@@ -127,11 +127,11 @@ class PickUp(TreePrimitive):
 
     def _go(self, robot: Robot, model: ModelView) -> Periods:
         """Line up with the book, then move straight."""
-        before = self._base_T_grip @ transform((-BEFORE, 0.0, 0.0))
+        before = self._base_T_grip @ transform((-GRIP_APPROACH_M, 0.0, 0.0))
         yield from move_to_pose(robot, before, around=_standing(robot, model))
-        pushed = yield from push(robot, self._base_T_grip, SPEED, TOUCH)
+        pushed = yield from push(robot, self._base_T_grip, GRIP_SPEED_M_S, GRIP_TOUCH_FORCE_N)
         if pushed.met:
-            felt = Measured("Arm", "force that resists the hand", pushed.force, TOUCH, "N")
+            felt = Measured("Arm", "force that resists the hand", pushed.force, GRIP_TOUCH_FORCE_N, "N")
             raise Discrepancy("a finger runs into the book: it stands crooked on the tray", measured=felt)
 
     def _go_as_taught(self, robot: Robot, model: ModelView) -> Periods:
@@ -146,7 +146,7 @@ class PickUp(TreePrimitive):
 
     def _carry(self, robot: Robot) -> Periods:
         lifted, held = self._base_T_grip.copy(), held_box(robot, self._book)
-        lifted[2, 3] += LIFT
+        lifted[2, 3] += LIFT_HEIGHT_M
         yield from move_straight(robot, lifted, held)
         yield from move_to_posture(robot, "carry", held=held)
 

@@ -27,10 +27,10 @@ from handcart.robotics.perception.cameras.overlay import draw_overlay
 from handcart.robotics.perception.landmarks.tag_family import TagFamily
 from handcart.robotics.perception.landmarks.tag_reader import Tag, read_tags, tag_pose
 
-POSTURE = "look_at_tag"
-ASIDE = ((0.0, 0.0), (0.0, 0.025), (0.0, -0.025), (0.02, 0.0))  # of views: left and up, in [m]
-ENOUGH = 3  # views in which the tag was read
-PICTURES = 2  # from each view, until the tag is read
+TAG_POSTURE = "look_at_tag"
+VIEW_OFFSETS_M = ((0.0, 0.0), (0.0, 0.025), (0.0, -0.025), (0.02, 0.0))  # of views: left and up, in [m]
+MIN_SIGHTINGS = 3  # views in which the tag was read
+VIEW_MAX_PICTURES = 2  # from each view, until the tag is read
 Vector = NDArray[np.float64]
 
 TAG_SIDE = 0.010  # [m] of the tag's black square
@@ -65,12 +65,12 @@ class Recognize(ActionPrimitive):
 
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         around = (tray_box(robot),)
-        yield from move_to_posture(robot, POSTURE, around=around)
+        yield from move_to_posture(robot, TAG_POSTURE, around=around)
         start = robot.arm_model.forward(robot.arm.command())
-        for aside, up in ASIDE:
+        for aside, up in VIEW_OFFSETS_M:
             yield from move_straight(robot, start @ transform((0.0, aside, up)), around=around)
             yield from self._read(robot, model.of(Books).catalogue.tags)
-            if len(self._seen) >= ENOUGH:
+            if len(self._seen) >= MIN_SIGHTINGS:
                 break
         yield from move_straight(robot, start, around=around)
         self._conclude(model)
@@ -79,7 +79,7 @@ class Recognize(ActionPrimitive):
         """Look for a tag from here."""
         yield from settle(robot)
         base_T_camera = robot.base_T("hand") @ robot.camera.hand_T_camera
-        for _ in range(PICTURES):
+        for _ in range(VIEW_MAX_PICTURES):
             yield
             image = robot.picture()
             self._looks += 1

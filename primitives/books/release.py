@@ -41,17 +41,17 @@ from .book_row import row_contacts
 from .shelf_front import measure_shelf
 
 LOWER_SPEED = 0.01  # [m/s]
-STANDS = 3.0  # [N] from below that mean that the book stands on the board
+BOARD_CONTACT_FORCE_N = 3.0  # from below that mean that the book stands on the board
 TOO_LOW = 0.006  # [m] below where the board should be: there is none
-ROOM = 0.012  # [m] that the fingers open wider than the book
+RELEASE_CLEARANCE_M = 0.012  # that the fingers open wider than the book
 BACK_OFF = 0.06  # [m]: the tips leave the book's rear
 HOME_SPEED = 0.02  # [m/s]
-HOME = 8.0  # [N]: sliding home takes 3
-BEYOND = 0.008  # [m] that the push may be commanded beyond flush: the arm gives under the book's friction
-FELT = 1.5  # [N]: below this the fingers pushed nothing: they passed the book by
-FLUSH = 0.0  # [m] behind the shelf's front edge, to which the tips push: spines stand 3 mm about it
-PROUD = 0.006  # [m] before the front edge: a book that stays there isn't home
-AWAY = 0.18  # [m] from the tips to the shelf's front, after withdrawing and while looking
+HOME_MAX_FORCE_N = 8.0  # sliding home takes 3
+PUSH_OVERTRAVEL_M = 0.008  # that the push may be commanded past flush: the arm yields to friction
+PUSH_MIN_FORCE_N = 1.5  # below this the fingers pushed nothing: they passed the book by
+FLUSH_DEPTH_M = 0.0  # behind the shelf's front edge, to which the tips push: spines stand 3 mm about it
+MAX_OVERHANG_M = 0.006  # before the front edge: a book that stays there isn't home
+WITHDRAWN_DISTANCE_M = 0.18  # from the tips to the shelf's front, after withdrawing and while looking
 LOOK_HEIGHT = 0.09  # [m] of the camera above the board: labels stand near the foot
 SAME_PLACE = 0.012  # [m] between where the book was let go and where its label is seen
 
@@ -107,9 +107,9 @@ class Release(TreePrimitive):
         foot = float(self._hand(robot)[2, 3]) - GRIP_HEIGHT
         goal = robot.arm_model.forward(robot.arm.command())
         goal[2, 3] -= max(0.002, foot + TOO_LOW)
-        pushed = yield from push(robot, goal, LOWER_SPEED, STANDS)
+        pushed = yield from push(robot, goal, LOWER_SPEED, BOARD_CONTACT_FORCE_N)
         if not pushed.met:
-            felt = Measured("Arm", "force from below", pushed.force, STANDS, "N")
+            felt = Measured("Arm", "force from below", pushed.force, BOARD_CONTACT_FORCE_N, "N")
             raise Discrepancy("there is no board below the book", measured=felt)
         self.found(lowered_mm=round(1e3 * (foot + GRIP_HEIGHT - float(self._hand(robot)[2, 3])), 1))
         yield from relax(robot)
@@ -117,28 +117,32 @@ class Release(TreePrimitive):
     def _open(self, robot: Robot, model: ModelView) -> Periods:
         books = model.of(Books)
         yield from self.intend("the fingers let the book go")
-        self._open_to = ROOM + (books.book.thickness_mm / 1e3 if books.book else 0.0)
+        self._open_to = RELEASE_CLEARANCE_M + (books.book.thickness_mm / 1e3 if books.book else 0.0)
         self.point_of_no_return("the fingers let the book go")
         yield from open_to(robot, self._open_to)
         self._open_to = None
 
     def _push_home(self, robot: Robot) -> Periods:
         tips = float(self._hand(robot)[0, 3]) + hand_to_tips(robot)
-        goal = self._in_shelf(robot, FLUSH + BEYOND - tips)
-        pushed = yield from push(robot, goal, HOME_SPEED, HOME, lambda: self._tips(robot) >= FLUSH)
+        goal = self._in_shelf(robot, FLUSH_DEPTH_M + PUSH_OVERTRAVEL_M - tips)
+        pushed = yield from push(
+            robot, goal, HOME_SPEED, HOME_MAX_FORCE_N, lambda: self._tips(robot) >= FLUSH_DEPTH_M
+        )
         proud = -self._tips(robot)
         self.found(proud_mm=round(1e3 * proud, 1), push_n=round(pushed.force, 1))
-        if proud > PROUD:
+        if proud > MAX_OVERHANG_M:
             raise Discrepancy(
                 f"the book doesn't go home: it stands {1e3 * proud:.0f} mm proud",
-                measured=Measured("Arm", "the finger tips before flush", 1e3 * proud, 1e3 * PROUD, "mm"),
+                measured=Measured(
+                    "Arm", "the finger tips before flush", 1e3 * proud, 1e3 * MAX_OVERHANG_M, "mm"
+                ),
             )
-        if pushed.force < FELT:
-            felt = Measured("Arm", "force of the push", pushed.force, FELT, "N")
+        if pushed.force < PUSH_MIN_FORCE_N:
+            felt = Measured("Arm", "force of the push", pushed.force, PUSH_MIN_FORCE_N, "N")
             raise Discrepancy("the fingers don't meet the book: it may stand proud", measured=felt)
 
     def _withdraw(self, robot: Robot) -> Periods:
-        yield from self._move_in_shelf(robot, -AWAY - self._tips(robot))
+        yield from self._move_in_shelf(robot, -WITHDRAWN_DISTANCE_M - self._tips(robot))
 
     def _look(self, robot: Robot) -> Periods:
         """Bring the camera before the slot, as far as the hand is now."""
@@ -176,7 +180,7 @@ class Release(TreePrimitive):
         yield from settle(robot)
         if self._open_to is not None:
             yield from open_to(robot, self._open_to)
-        if self._tips(robot) > -AWAY:
+        if self._tips(robot) > -WITHDRAWN_DISTANCE_M:
             yield from self._withdraw(robot)
         yield from self._put_away(robot, model)
 

@@ -42,17 +42,17 @@ from .label_templates import PX_PER_M, label_templates
 from .shelf_front import measure_shelf
 from .slot_edge import book_end
 
-AWAY = 0.285  # [m] from the camera to the spines
-ROOM = 0.03  # [m] that a held book keeps from them
-HEIGHT = 0.082  # [m] of the camera above the board: labels and the foot of the spines are in view
-STEP = 0.125  # [m] between views: with a thick book in the hand, a view shows 0.18 m
-BEYOND = 0.012  # [m] of the side panels that is in view
-ASIDE = 0.03  # [m] to both sides of the slot, for a closer look
-PLAY = 0.006  # [m] that a slot is wider than its book, about
-SIGMA = 0.001  # [m] of a slot's sides
-ROUGHLY = 0.004  # [m] that an interval may be wider than it looks before it is looked at from nearby
+CAMERA_DISTANCE_M = 0.285  # from the camera to the spines
+HELD_BOOK_CLEARANCE_M = 0.03  # that a held book keeps from them
+CAMERA_HEIGHT_M = 0.082  # of the camera above the board: labels and the foot of the spines are in view
+VIEW_SPACING_M = 0.125  # between views: with a thick book in the hand, a view shows 0.18 m
+PANEL_MARGIN_M = 0.012  # of the side panels that is in view
+CLOSE_LOOK_OFFSET_M = 0.03  # to both sides of the slot, for a closer look
+SLOT_PLAY_M = 0.006  # that a slot is wider than its book, about
+SLOT_SIDE_SIGMA_M = 0.001  # of a slot's sides
+GAP_TOLERANCE_M = 0.004  # that an interval may be wider than it looks before it is looked at from nearby
 LEFT_OF = 0.25  # [m] from a slot that books' sides are noted: what APPROACH sees past the held book
-TOUCHING = 0.002  # [m] between the sides of two books, at most
+MAX_SIDE_GAP_M = 0.002  # between the sides of two books, at most
 
 
 class Search(ActionPrimitive):
@@ -110,14 +110,16 @@ class Search(ActionPrimitive):
         found = self._where(book, number)
         end = _end_of_row(self._reading(), number, isinstance(found, NoGap))
         if end is not None:
-            yield from self._look_from(robot, reader, [end - book.thickness_mm / 1e3 - PLAY])
+            yield from self._look_from(robot, reader, [end - book.thickness_mm / 1e3 - SLOT_PLAY_M])
             self._conclude(model, self._find(book, number, self._slot_at(end, book)))
             return
         if isinstance(found, NoGap):
             yield from self._look_from(robot, reader, [(a + b) / 2 for a, b in pairwise(stops)][::-1])
             found = self._where(book, number)
         if isinstance(found, GapFound):
-            yield from self._look_from(robot, reader, [found.centre + ASIDE, found.centre - ASIDE])
+            yield from self._look_from(
+                robot, reader, [found.centre + CLOSE_LOOK_OFFSET_M, found.centre - CLOSE_LOOK_OFFSET_M]
+            )
             found = self._slot_in(found, book, number)
         self._conclude(model, found)
 
@@ -133,16 +135,23 @@ class Search(ActionPrimitive):
         left = right = self._away(robot) * camera.width / (2 * camera.K[0, 0])
         if self._held is not None:
             right = min(right, self._past(robot))
-        first, last = 0.5 * shelf.width_m + BEYOND - left, -0.5 * shelf.width_m - BEYOND + right
-        count = 1 + max(0, math.ceil((first - last) / STEP))
+        first, last = (
+            0.5 * shelf.width_m + PANEL_MARGIN_M - left,
+            -0.5 * shelf.width_m - PANEL_MARGIN_M + right,
+        )
+        count = 1 + max(0, math.ceil((first - last) / VIEW_SPACING_M))
         return [float(y) for y in np.linspace(first, last, count)]
 
     def _away(self, robot: Robot) -> float:
         """Return the distance from the camera to the spines, in [m]."""
         if self._held is None:
-            return AWAY
+            return CAMERA_DISTANCE_M
         return max(
-            AWAY, hand_to_spine(robot) + self._held.size[0] + ROOM - float(robot.camera.hand_T_camera[0, 3])
+            CAMERA_DISTANCE_M,
+            hand_to_spine(robot)
+            + self._held.size[0]
+            + HELD_BOOK_CLEARANCE_M
+            - float(robot.camera.hand_T_camera[0, 3]),
         )
 
     def _past(self, robot: Robot) -> float:
@@ -155,7 +164,7 @@ class Search(ActionPrimitive):
     def _look_from(self, robot: Robot, reader: LabelReader, stops: Sequence[float]) -> Periods:
         eye = robot.camera.hand_T_camera[:3, 3]
         for y in stops:
-            place = (-self._away(robot) - eye[0], y - eye[1], HEIGHT - eye[2])
+            place = (-self._away(robot) - eye[0], y - eye[1], CAMERA_HEIGHT_M - eye[2])
             yield from self._move(robot, self._base_T_shelf @ transform(place))
             yield from self._see(robot, reader)
 
@@ -194,7 +203,7 @@ class Search(ActionPrimitive):
         self._note(reading)
         widest = max((gap.width for gap in reading.intervals), default=0.0)
         wide = reading._replace(gaps=reading.intervals)
-        return find_gap(wide, number, book.thickness_mm / 1e3 - ROUGHLY, widest, self.misplacement)
+        return find_gap(wide, number, book.thickness_mm / 1e3 - GAP_TOLERANCE_M, widest, self.misplacement)
 
     def _slot_in(self, seen: GapFound, book: Book, number: CallNumber) -> GapFound | NoGap:
         """The slot in an interval that was looked at from both sides."""
@@ -250,7 +259,9 @@ class Search(ActionPrimitive):
         self.found(gap_mm=round(1e3 * found.width, 1), gap_at_mm=round(1e3 * found.centre, 1))
         self.found(after=after, before=before, misplaced=", ".join(map(str, found.misplaced)))
         sides = _sides_left_of(found.left, self._reading())
-        model.of(Books).slot = Slot(self.shelf, found.left, found.right, SIGMA, after, before, sides)
+        model.of(Books).slot = Slot(
+            self.shelf, found.left, found.right, SLOT_SIDE_SIGMA_M, after, before, sides
+        )
 
     def _decided_by(self, found: NoGap) -> None:
         """The view that shows most nearly in its middle where the book belongs decided."""
@@ -283,7 +294,7 @@ def _sides_left_of(y: float, reading: ShelfReading) -> tuple[float, ...]:
     """y of the sides of books within LEFT_OF of y, with y itself, in [m]; of two that touch one."""
     sides = {y}
     for side in sorted((side for book in reading.books for side in (book.left, book.right)), key=float):
-        if TOUCHING < side - y < LEFT_OF and all(abs(side - other) > TOUCHING for other in sides):
+        if MAX_SIDE_GAP_M < side - y < LEFT_OF and all(abs(side - other) > MAX_SIDE_GAP_M for other in sides):
             sides.add(side)
     return tuple(sorted(sides, reverse=True))
 

@@ -12,8 +12,8 @@ from handcart.primitives.knowledge.place import Place
 from handcart.robotics.geometry.transform import Transform, inverse
 from handcart.robotics.navigation.localization.front_line import fit_front, pose_from_front
 
-SCANS = 20  # stacked for one measurement: 10 mm of noise become 0.5 mm of distance
-GATE = 0.10  # [m] that the front may be off where map and pose have it
+FRONT_SCANS = 20  # stacked for one measurement: 10 mm of noise become 0.5 mm of distance
+FRONT_GATE_M = 0.10  # that the front may be off where map and pose have it
 
 
 def measure_shelf(robot: Robot, place: Place) -> Generator[None, None, Transform]:
@@ -27,12 +27,14 @@ def measure_shelf(robot: Robot, place: Place) -> Generator[None, None, Transform
     if place.shelf is None:
         raise Discrepancy("there is no shelf at this place", permanent=True)
     scans = []
-    for _ in range(SCANS):
+    for _ in range(FRONT_SCANS):
         yield
         scans.append(robot.range_sensor.scan().points())
-    front = fit_front(np.vstack(scans), robot.pose.inverse().apply(place.front), gate=GATE)
+    front = fit_front(np.vstack(scans), robot.pose.inverse().apply(place.front), gate=FRONT_GATE_M)
     if front is None:
-        unseen = Measured("RangeSensor", "a straight front where the shelf should be", None, GATE, "m")
+        unseen = Measured(
+            "RangeSensor", "a straight front where the shelf should be", None, FRONT_GATE_M, "m"
+        )
         raise Discrepancy("the front of the shelf is not seen where it should be", measured=unseen)
     map_T_base = pose_from_front(robot.pose, front, place.front)
     return inverse(map_T_base.lift()) @ place.map_T_shelf

@@ -18,21 +18,21 @@ from handcart.robotics.perception.books.spine_edges import (
 from .hand_view import HandView
 
 M_PER_PX = 0.0003
-HEIGHTS = (0.045, 0.160)  # [m] above the board: what is seen from the height at which a book goes in
+STRIP_HEIGHTS_M = (0.045, 0.160)  # above the board: what is seen from the height at which a book goes in
 SPINE, DARK = (
     (0.010, 0.002),
     (0.001, 0.005),
 )  # [m] left and right of the side: where spine and slot are compared
 LOW_HEIGHTS = (0.012, 0.150)  # [m]: the same from the height at which labels are read
-PLAY = (0.0, 0.015)  # [m] by which a slot may be wider than its book, as measured
-ALIKE = 0.001  # [m] that sides of books move unlike each other
-SEEN = 0.7  # of where a side may be, at least
-DARKER = 0.65  # a slot's brightness, against the spine's
+SLOT_PLAY_RANGE_M = (0.0, 0.015)  # by which a slot may be wider than its book, as measured
+SIDE_SHIFT_TOLERANCE_M = 0.001  # that sides of books move unlike each other
+MIN_VISIBLE_SHARE = 0.7  # of where a side may be, at least
+SLOT_BRIGHTNESS_RATIO = 0.65  # a slot's brightness, against the spine's
 
 
 def seen_past(view: HandView) -> Strips:
     """Return the strips visible past a held book, at the height at which it goes in."""
-    return _strips(view, HEIGHTS)
+    return _strips(view, STRIP_HEIGHTS_M)
 
 
 def slot_edge(strips: Strips, expected: float, within: float, surely: float) -> float | None:
@@ -49,9 +49,9 @@ def slot_edge(strips: Strips, expected: float, within: float, surely: float) -> 
     darker: list[float] = []
     others: list[float] = []
     for edge in falling_edges(strips):
-        spine = strips.brightness(edge.y + SPINE[0], edge.y + SPINE[1], HEIGHTS[0])
-        slot = strips.brightness(edge.y - DARK[0], edge.y - DARK[1], HEIGHTS[0])
-        dark = spine is not None and slot is not None and slot < DARKER * spine
+        spine = strips.brightness(edge.y + SPINE[0], edge.y + SPINE[1], STRIP_HEIGHTS_M[0])
+        slot = strips.brightness(edge.y - DARK[0], edge.y - DARK[1], STRIP_HEIGHTS_M[0])
+        dark = spine is not None and slot is not None and slot < SLOT_BRIGHTNESS_RATIO * spine
         if abs(edge.y - expected) < (within if dark else surely):
             (darker if dark else others).append(edge.y)
     return min(darker or others, key=lambda y: abs(y - expected), default=None)
@@ -69,12 +69,14 @@ def moved(strips: Strips, sides: Sequence[float], within: float) -> float | None
         within: maximum shift, in [m].
     """
     edges = np.array(all_sides(strips))
-    in_view = np.array([y for y in sides if strips.seen(y + within, y - within, HEIGHTS[1]) > SEEN])
+    in_view = np.array(
+        [y for y in sides if strips.seen(y + within, y - within, STRIP_HEIGHTS_M[1]) > MIN_VISIBLE_SHARE]
+    )
     if len(in_view) < 2 or len(edges) == 0:
         return None
     apart = edges[:, None] - in_view
     shifts = apart[np.abs(apart) < within]
-    agree = [np.abs(apart - shift).min(axis=0) < ALIKE for shift in shifts]
+    agree = [np.abs(apart - shift).min(axis=0) < SIDE_SHIFT_TOLERANCE_M for shift in shifts]
     best = max(zip(agree, shifts, strict=True), key=lambda a: (a[0].sum(), -abs(a[1])), default=None)
     if best is None or best[0].sum() < max(2, len(in_view) / 2):
         return None
@@ -87,7 +89,7 @@ def side_near(strips: Strips, expected: float) -> float:
 
     A dark spine before a dark slot has no edge.
     """
-    near = [y for y in all_sides(strips) if abs(y - expected) < ALIKE]
+    near = [y for y in all_sides(strips) if abs(y - expected) < SIDE_SHIFT_TOLERANCE_M]
     return min(near, key=lambda y: abs(y - expected), default=expected)
 
 
@@ -104,7 +106,7 @@ def book_end(view: HandView, left: float, thickness: float) -> float | None:
     """
     strips = _strips(view, LOW_HEIGHTS)
     edges = falling_edges(strips.mirrored())
-    fitting = [e for e in edges if PLAY[0] < left - e.y - thickness < PLAY[1]]
+    fitting = [e for e in edges if SLOT_PLAY_RANGE_M[0] < left - e.y - thickness < SLOT_PLAY_RANGE_M[1]]
     return max(fitting, key=lambda edge: edge.drop).y if fitting else None
 
 

@@ -10,10 +10,10 @@ import numpy as np
 from handcart.robotics.geometry.transform import Transform, inverse, transform
 from handcart.robotics.perception.landmarks.landmark_pose import facing
 
-TILT = 0.45  # [rad] at most between the optical axis and the vertical
-TURNS = (0.0, 0.5, -0.5, 0.25, -0.25)  # [rad] about the optical axis
-DISTANCES = (0.24, 0.32, 0.27)  # [m]; the nearest fills the picture with a board of 180 by 120 mm
-ASIDE = 0.03  # [m] by which it looks past the board's middle, so that the picture's corners see it too
+MAX_VIEW_TILT_RAD = 0.45  # at most between the optical axis and the vertical
+VIEW_TURNS_RAD = (0.0, 0.5, -0.5, 0.25, -0.25)  # about the optical axis
+VIEW_DISTANCES_M = (0.24, 0.32, 0.27)  # the nearest fills the picture with a board of 180 by 120 mm
+VIEW_OFFSET_M = 0.03  # by which it looks past the board's middle, so that the picture's corners see it too
 _GOLDEN = math.pi * (3.0 - math.sqrt(5.0))
 
 
@@ -25,10 +25,10 @@ def board_views(base_T_board: Transform, count: int, scale: float = 1.0) -> Iter
     """
     above = transform(base_T_board[:3, 3].tolist())
     for n in range(count):
-        around, tilt = n * _GOLDEN, TILT * math.sqrt((n + 0.5) / count)
+        around, tilt = n * _GOLDEN, MAX_VIEW_TILT_RAD * math.sqrt((n + 0.5) / count)
         leaned = transform(rpy=(tilt * math.cos(around), tilt * math.sin(around), 0.0))
-        far = ASIDE * scale
+        far = VIEW_OFFSET_M * scale
         aside = transform((far * math.cos(2.0 * around), far * math.sin(2.0 * around), 0.0))
-        turned = transform(rpy=(0.0, 0.0, TURNS[n % len(TURNS)]))
-        camera_T_above = facing(scale * DISTANCES[n % len(DISTANCES)]) @ leaned @ turned @ aside
+        turned = transform(rpy=(0.0, 0.0, VIEW_TURNS_RAD[n % len(VIEW_TURNS_RAD)]))
+        camera_T_above = facing(scale * VIEW_DISTANCES_M[n % len(VIEW_DISTANCES_M)]) @ leaned @ turned @ aside
         yield np.asarray(above @ inverse(camera_T_above))

@@ -35,8 +35,8 @@ from handcart.robotics.perception.cameras.overlay import draw_overlay
 
 from .board_views import board_views
 
-SPARE = 2  # times as many postures are tried as views are wanted: the arm doesn't reach all
-CORNERS = 0.5  # of the board's: fewer in a picture don't count
+POSTURES_PER_VIEW = 2  # times as many postures are tried as views are wanted: the arm doesn't reach all
+MIN_CORNER_SHARE = 0.5  # of the board's: fewer in a picture don't count
 USUAL_WIDTH = 0.18  # [m] of the board that `board_views` looks at
 
 
@@ -84,7 +84,9 @@ class CalibrateCamera(ActionPrimitive):
         board, around = plan.board(plan.square_mm), surroundings(robot, model)
         camera_T_hand = inverse(robot.camera.hand_T_camera)
         views: list[HandEyeView] = []
-        for base_T_camera in board_views(base_T_board, SPARE * self.views, max(board.size) / USUAL_WIDTH):
+        for base_T_camera in board_views(
+            base_T_board, POSTURES_PER_VIEW * self.views, max(board.size) / USUAL_WIDTH
+        ):
             if len(views) == self.views:
                 break
             try:
@@ -103,7 +105,7 @@ class CalibrateCamera(ActionPrimitive):
     def _picture(self, robot: Robot, board: CalibrationBoard) -> HandEyeView | None:
         image = robot.picture()
         seen = board.find(image)
-        if seen is None or len(seen.points) < CORNERS * board.corners:
+        if seen is None or len(seen.points) < MIN_CORNER_SHARE * board.corners:
             return None
         self.evidence.pictures["board"] = draw_overlay(image, points=seen.pixels)
         return HandEyeView(robot.base_T("hand"), seen)

@@ -37,10 +37,10 @@ from handcart.robotics.perception.landmarks.landmark import square_corners
 
 from .sightings import above, creep, see
 
-HEIGHTS = (0.26, 0.32)  # [m] of the camera above the landmarks
-APART = 1.2  # times what counts as a swing: so far the hand must swing at least
-LOOKS = 2  # between swings; the hand is raised and lowered between them, so that the arm errs anew
-RAISED = 0.03  # [m]
+VIEW_HEIGHTS_M = (0.26, 0.32)  # of the camera above the landmarks
+MIN_SWING_RATIO = 1.2  # times what counts as a swing: so far the hand must swing at least
+LOOKS_PER_SWING = 2  # between swings; the hand is raised and lowered between them, so that the arm errs anew
+RAISE_HEIGHT_M = 0.03
 
 Names = Annotated[tuple[LandmarkName, ...], Field(min_length=3)]
 
@@ -82,7 +82,7 @@ class CalibrateSuspension(ActionPrimitive):
 
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         scene = self._scene(robot, model)
-        first = above(robot, scene.base_T_marks[0], HEIGHTS[0])
+        first = above(robot, scene.base_T_marks[0], VIEW_HEIGHTS_M[0])
         yield from move_to_pose(robot, first, scene.held, scene.around)
         sightings = yield from self._look_around(robot, scene)
         headings, between = yield from self._swing(robot, scene)
@@ -112,9 +112,9 @@ class CalibrateSuspension(ActionPrimitive):
         reference = robot.base_T("hand")
         sheet_T_map = inverse(scene.marks[0].pose)
         sightings, swings = [], 0
-        for n in range(self.rounds * len(HEIGHTS)):
+        for n in range(self.rounds * len(VIEW_HEIGHTS_M)):
             for mark, base_T_mark in zip(scene.marks, scene.base_T_marks, strict=True):
-                place = above(robot, base_T_mark, HEIGHTS[n % len(HEIGHTS)])
+                place = above(robot, base_T_mark, VIEW_HEIGHTS_M[n % len(VIEW_HEIGHTS_M)])
                 swings += yield from creep(robot, place, scene.held, scene.around)
                 seen = yield from see(robot, mark, base_T_mark, self.evidence)
                 printed = apply(sheet_T_map @ mark.pose, square_corners(mark.side_mm / 1e3))
@@ -127,7 +127,7 @@ class CalibrateSuspension(ActionPrimitive):
     ) -> Generator[None, None, tuple[NDArray[np.float64], int]]:
         """Headings (n, m) of the base over the first landmark, and the swings between rows."""
         mark, base_T_mark = scene.marks[0], scene.base_T_marks[0]
-        here = above(robot, base_T_mark, HEIGHTS[0])
+        here = above(robot, base_T_mark, VIEW_HEIGHTS_M[0])
         out = _farthest(robot, scene, here)
         yield from creep(robot, here, scene.held, scene.around)
         rows = []
@@ -137,7 +137,7 @@ class CalibrateSuspension(ActionPrimitive):
                 yield
                 yield from move_straight(robot, here, scene.held, scene.around)
             row = []
-            for look in range(LOOKS):
+            for look in range(LOOKS_PER_SWING):
                 if look > 0:
                     yield from move_straight(robot, _raised(here), scene.held, scene.around)
                     yield
@@ -163,9 +163,9 @@ class CalibrateSuspension(ActionPrimitive):
 
 def _farthest(robot: Robot, scene: Surroundings, here: Transform) -> Transform:
     """base_T_hand (4, 4) over the landmark that is farthest from `here`; it must be a swing away."""
-    views = [above(robot, each, HEIGHTS[0]) for each in scene.base_T_marks]
+    views = [above(robot, each, VIEW_HEIGHTS_M[0]) for each in scene.base_T_marks]
     far = [float(np.linalg.norm(view[:2, 3] - here[:2, 3])) for view in views]
-    least = APART * robot.spec.suspension.swing_from_mm / 1e3
+    least = MIN_SWING_RATIO * robot.spec.suspension.swing_from_mm / 1e3
     if max(far) < least:
         near = Measured("Arm", "way of a swing", max(far), least, "m")
         raise Discrepancy("the landmarks are too near for a swing", permanent=True, measured=near)
@@ -182,5 +182,5 @@ def _fitted(robot: Robot, scene: Surroundings, sightings: Sequence[Sighting], ya
 
 def _raised(base_T_hand: Transform) -> Transform:
     result = base_T_hand.copy()
-    result[2, 3] += RAISED
+    result[2, 3] += RAISE_HEIGHT_M
     return result

@@ -23,9 +23,9 @@ from handcart.robotics.perception.landmarks.landmark import Landmark
 from handcart.robotics.perception.landmarks.landmark_finder import find_landmarks
 from handcart.robotics.perception.landmarks.landmark_pose import planar_pose
 
-SHORT = 0.75  # of what counts as a swing: so far the hand is moved at once
-ABOUT = 0.05  # [m] from its place within which a landmark counts
-NEARER = 0.06  # [m] by which it may be nearer or farther than planned
+CREEP_SWING_SHARE = 0.75  # of what counts as a swing: so far the hand is moved at once
+LANDMARK_RADIUS_M = 0.05  # from its place within which a landmark counts
+LANDMARK_DEPTH_TOLERANCE_M = 0.06  # by which it may be nearer or farther than planned
 
 
 class Seen(NamedTuple):
@@ -53,7 +53,7 @@ def creep(
     """
     start = robot.arm_model.forward(robot.arm.command())
     way = base_T_hand[:3, 3] - start[:3, 3]
-    step = SHORT * robot.spec.suspension.swing_from_mm / 1e3
+    step = CREEP_SWING_SHARE * robot.spec.suspension.swing_from_mm / 1e3
     count = max(1, math.ceil(float(np.linalg.norm(way[:2])) / step)) if step > 0.0 else 1
     for n in range(1, count + 1):
         place = base_T_hand.copy()
@@ -73,14 +73,14 @@ def see(
     base_T_hand = robot.base_T("hand")
     base_T_camera = base_T_hand @ robot.camera.hand_T_camera
     away = float(base_T_camera[2, 3] - base_T_mark[2, 3])
-    span = (away - NEARER, away + NEARER)
+    span = (away - LANDMARK_DEPTH_TOLERANCE_M, away + LANDMARK_DEPTH_TOLERANCE_M)
     found = find_landmarks(image, robot.camera.model, mark.side_mm / 1e3, span)
     evidence.pictures["landmark"] = draw_overlay(image, landmarks=found)
     level = Pose2(0.0, 0.0, 0.0).lift(float(base_T_mark[2, 3]))
     camera_T_level = inverse(base_T_camera) @ level
     expected = on_level(base_T_mark)
     seen = [Seen(each, base_T_hand, planar_pose(each, camera_T_level)) for each in found]
-    near = [each for each in seen if each.base_T_landmark.distance(expected) < ABOUT]
+    near = [each for each in seen if each.base_T_landmark.distance(expected) < LANDMARK_RADIUS_M]
     if not near:
         nothing = Measured("Camera", "landmarks where one should be", len(near), 1)
         raise Discrepancy("a landmark is not where it should be", measured=nothing)

@@ -12,15 +12,17 @@ from types import CodeType
 from typing import Any, NamedTuple
 
 _CLOCKS = ("time", "monotonic", "perf_counter", "process_time", "thread_time", "clock_gettime")
-READS: tuple[tuple[Any, frozenset[str]], ...] = (
+CLOCK_FUNCTIONS: tuple[tuple[Any, frozenset[str]], ...] = (
     (time, frozenset({*_CLOCKS, *(f"{clock}_ns" for clock in _CLOCKS), "sleep", "localtime", "gmtime"})),
     (threading, frozenset({"Timer"})),
     (datetime.datetime, frozenset({"now", "utcnow", "today"})),
     (datetime.date, frozenset({"today"})),
 )
 """Modules and classes, each with its functions that depend on the wall clock or wait for it."""
-MODULES = {"time": time, "threading": threading, "datetime": datetime}
-_FUNCTIONS = [getattr(owner, name) for owner, names in READS[:2] for name in names if hasattr(owner, name)]
+CLOCK_MODULES = {"time": time, "threading": threading, "datetime": datetime}
+_FUNCTIONS = [
+    getattr(owner, name) for owner, names in CLOCK_FUNCTIONS[:2] for name in names if hasattr(owner, name)
+]
 _VALUES = ("LOAD_GLOBAL", "LOAD_NAME", "LOAD_FAST", "LOAD_DEREF", "LOAD_CLOSURE")
 _ATTRIBUTES = ("LOAD_ATTR", "LOAD_METHOD")
 
@@ -70,23 +72,23 @@ def reads_in(code: CodeType, named: Mapping[str, Any]) -> Iterator[ClockRead]:
             words = f"{words}.{attribute.argval}"
             if _reads(value, attribute.argval):
                 yield ClockRead(words, code.co_filename, line)
-            value = getattr(value, attribute.argval, None) if value in MODULES.values() else None
+            value = getattr(value, attribute.argval, None) if value in CLOCK_MODULES.values() else None
 
 
 def _reads(owner: Any, name: str) -> bool:
-    return any(owner is each and name in names for each, names in READS)
+    return any(owner is each and name in names for each, names in CLOCK_FUNCTIONS)
 
 
 def _imported(steps: list[dis.Instruction]) -> dict[str, Any]:
     """Return the modules that a function imports itself, by the local name."""
     return {
-        after.argval: MODULES[step.argval]
+        after.argval: CLOCK_MODULES[step.argval]
         for step, after in pairwise(steps)
-        if step.opname == "IMPORT_NAME" and step.argval in MODULES and after.opname.startswith("STORE_")
+        if step.opname == "IMPORT_NAME" and step.argval in CLOCK_MODULES and after.opname.startswith("STORE_")
     }
 
 
 def _importing(steps: list[dis.Instruction]) -> Any:
     """Return the module of the latest import statement."""
     names = [step.argval for step in steps if step.opname == "IMPORT_NAME"]
-    return MODULES.get(names[-1]) if names else None
+    return CLOCK_MODULES.get(names[-1]) if names else None

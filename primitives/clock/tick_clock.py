@@ -10,9 +10,9 @@ from contextvars import ContextVar
 from types import ModuleType
 from typing import Any
 
-LIBRARY = "py_trees"
-CLOCKS = ("time", "monotonic", "perf_counter")
-NANOSECONDS = 1e9
+TREE_LIBRARY = "py_trees"
+CLOCK_NAMES = ("time", "monotonic", "perf_counter")
+NANOSECONDS_PER_S = 1e9
 _robot_time: ContextVar[Callable[[], float] | None] = ContextVar("_robot_time", default=None)
 
 
@@ -57,13 +57,13 @@ def _clock_ns(name: str) -> Callable[[], int]:
 
     def read() -> int:
         robot_time = _robot_time.get()
-        return int(getattr(time, f"{name}_ns")() if robot_time is None else NANOSECONDS * robot_time())
+        return int(getattr(time, f"{name}_ns")() if robot_time is None else NANOSECONDS_PER_S * robot_time())
 
     return read
 
 
 TICK_TIME = TickTime("time", "The robot's clock while a tree is ticked; otherwise the standard library's.")
-for _name in CLOCKS:
+for _name in CLOCK_NAMES:
     setattr(TICK_TIME, _name, _clock(_name))
     setattr(TICK_TIME, f"{_name}_ns", _clock_ns(_name))
 
@@ -93,5 +93,5 @@ def serve_library() -> None:
         return  # each tick of a tree asks
     _served["modules"] = len(sys.modules)
     for name, module in list(sys.modules.items()):
-        if name.partition(".")[0] == LIBRARY and vars(module).get("time") is time:
+        if name.partition(".")[0] == TREE_LIBRARY and vars(module).get("time") is time:
             vars(module)["time"] = TICK_TIME

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from py_trees.behaviour import Behaviour
 
 ALLOWED_CLOCK = "allowed: robot.time, or Timer and Timeout of py_trees"
-TRUSTED = {"handcart", "pydantic", *sys.stdlib_module_names}
+TRUSTED_PACKAGES = {"handcart", "pydantic", *sys.stdlib_module_names}
 """Packages whose code is not looked through."""
 MAX_DEPTH = 6  # calls from a behaviour's method that are followed
 
@@ -100,7 +100,7 @@ class _Search:
             return
         package = _package_of(plain)
         given = _closure_of(plain)
-        if package in TRUSTED:
+        if package in TRUSTED_PACKAGES:
             for value in given.values():
                 yield from self.in_value(value, "", depth + 1)
             return
@@ -156,4 +156,4 @@ def _package_of(value: Any) -> str:
 
 
 def _is_trusted(module: str) -> bool:
-    return module.partition(".")[0] in TRUSTED
+    return module.partition(".")[0] in TRUSTED_PACKAGES

@@ -15,13 +15,13 @@ from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.robot.robot import Robot
 from handcart.files.models.model import FileModel
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
-from handcart.primitives.preconditions.hand_use import UNDECLARED, UNUSED, HandUse
+from handcart.primitives.preconditions.hand_use import USE_UNDECLARED, USES_NO_FINGERS, HandUse
 from handcart.primitives.restoring.retrace import retrace
 from handcart.primitives.restoring.snapshot import Seen, Snapshot
 from handcart.primitives.restoring.trace import Trace
 
 from .evidence import Evidence
-from .intents import UNKEPT, Intents
+from .intents import UNRECORDED_INTENTS, Intents
 from .meant_contact import MeantContact
 
 Periods = Generator[None, None, None]
@@ -54,7 +54,7 @@ class ActionPrimitive(FileModel, ABC):
 
     _evidence: Evidence = PrivateAttr(default_factory=Evidence)
     _no_return: str | None = PrivateAttr(default=None)
-    _intents: Intents = PrivateAttr(default_factory=lambda: UNKEPT)  # a default would be copied
+    _intents: Intents = PrivateAttr(default_factory=lambda: UNRECORDED_INTENTS)  # a default would be copied
 
     if not TYPE_CHECKING:  # a checker takes private attributes for ordinary ones
 
@@ -79,7 +79,7 @@ class ActionPrimitive(FileModel, ABC):
         """Return what instances require of the hand and leave in it, where parameters do not decide."""
         if cls.hand is not None:
             return cls.hand
-        return UNDECLARED if Gripper in cls.needs and not cls.only_knowledge else UNUSED
+        return USE_UNDECLARED if Gripper in cls.needs and not cls.only_knowledge else USES_NO_FINGERS
 
     def hand_use(self) -> HandUse:
         """Return what it requires of the hand and leaves in it; override where parameters decide."""

@@ -27,20 +27,20 @@ from handcart.primitives.restoring.trace import Trace
 from handcart.robotics.navigation.following.blocked_motion import Blocked
 
 from .action_primitive import ActionPrimitive, Periods
-from .cause import FRAMEWORK, Cause
+from .cause import FRAMEWORK_MODULES, Cause
 from .discrepancy import Discrepancy, NeedsPerson
 from .halt import halt
-from .intents import UNKEPT, Intents
+from .intents import UNRECORDED_INTENTS, Intents
 from .outcome import Fail, GiveUp, Outcome, Success, fail_if_restored
 from .standstill_monitor import StandstillMonitor
 from .tracking_error_monitor import TrackingErrorMonitor
 
 T = TypeVar("T")
-FRAMEWORK.add(__name__)
+FRAMEWORK_MODULES.add(__name__)
 
-RESTORES = 2  # times that restoring is tried before a person is called
+RESTORE_MAX_TRIES = 2  # times that restoring is tried before a person is called
 LONGEST_RESTORE = 600.0  # [s]
-PUSHED = "the base was moved while it stood"
+PUSHED_REASON = "the base was moved while it stood"
 NOT_ALONE = "another primitive moves the robot at the same time"
 
 
@@ -49,7 +49,7 @@ def attempt(
     robot: Robot,
     model: WorldModel,
     on_restore: Callable[[str], None] = lambda reason: None,
-    intents: Intents = UNKEPT,
+    intents: Intents = UNRECORDED_INTENTS,
 ) -> Generator[None, None, Outcome]:
     """Run a primitive to its outcome; one `yield` is one period, after which the caller steps the robot.
 
@@ -88,8 +88,8 @@ def attempt(
         return GiveUp("the robot doesn't come to rest before the start")
     if robot.localization.displacements > displaced:
         robot.stop()
-        primitive.evidence.causes.append(Cause(PUSHED, "push"))
-        return GiveUp(PUSHED)
+        primitive.evidence.causes.append(Cause(PUSHED_REASON, "push"))
+        return GiveUp(PUSHED_REASON)
     trace = Trace(robot)
     try:
         start = replace(start, seen=(yield from _recorded(primitive.observe(robot, view), trace)))
@@ -101,7 +101,7 @@ def attempt(
         note_hand(primitive, model)
         robot.localization.look_again()
         if robot.localization.displacements > displaced:
-            raise NeedsPerson(PUSHED, check="push")
+            raise NeedsPerson(PUSHED_REASON, check="push")
         return Success(dict(primitive.facts))
     except NeedsPerson as need:
         primitive.evidence.blame(need)
@@ -183,7 +183,7 @@ def _watched(
             trace.record()
         tracking.check()
         if robot.localization.displacements > displaced:
-            raise NeedsPerson(PUSHED, check="push")
+            raise NeedsPerson(PUSHED_REASON, check="push")
         note_bump(robot, model, primitive.evidence)
         primitive.watch(robot, view)
 
@@ -213,7 +213,7 @@ def _restore(
     """Restore, wait for rest, measure, compare with the absolute snapshot."""
     verdict: Fail | GiveUp = GiveUp(reason)
     view, blocked = model.view(primitive), robot.blocked
-    for again in range(RESTORES):
+    for again in range(RESTORE_MAX_TRIES):
         room = primitive.base_room(robot, view)
         back = _way_back(primitive.restore(robot, view, start, trace), robot, blocked, trace)
         way_back = reach_again(robot, start, room) if again else back
@@ -270,7 +270,7 @@ def _within_time(way_back: Periods, robot: Robot, primitive: ActionPrimitive, mo
         tracking.check()
         standstill.check()
         if robot.localization.displacements > displaced:
-            raise NeedsPerson(PUSHED, check="push")
+            raise NeedsPerson(PUSHED_REASON, check="push")
         note_bump(robot, model, primitive.evidence)
         primitive.watch(robot, view)
         if robot.time > end:

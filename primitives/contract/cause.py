@@ -8,13 +8,13 @@ from types import FrameType
 
 from .discrepancy import Discrepancy, Measured, NeedsPerson
 
-CHECKS = ("observe", "motion", "watch", "effect", "restore", "finish")
+FRAMEWORK_METHODS = ("observe", "motion", "watch", "effect", "restore", "finish")
 """The methods of a primitive that the framework calls."""
-FRAMEWORK = {"py_trees"}
+FRAMEWORK_MODULES = {"py_trees"}
 """Modules whose functions are not reported as the source of an exception; the framework's modules add
 themselves.
 """
-DEEPEST = 12  # calls that are kept
+MAX_CALLS = 12  # calls that are kept
 
 
 @dataclass(frozen=True)
@@ -46,13 +46,13 @@ def cause_of(error: Exception, restoring: bool) -> Cause:
     """
     frames = [frame for frame, _ in walk_tb(error.__traceback__)]
     calls = [frame.f_code.co_qualname for frame in frames if not _is_framework(frame)]
-    found_by = next((f.f_code.co_name for f in frames if f.f_code.co_name in CHECKS), "")
+    found_by = next((f.f_code.co_name for f in frames if f.f_code.co_name in FRAMEWORK_METHODS), "")
     known = error if isinstance(error, Discrepancy | NeedsPerson) else None
     check = getattr(error, "check", "") or found_by
     return Cause(
         known.reason if known else str(error),
         check or ("restore" if restoring else "framework"),
-        tuple(calls[:DEEPEST]),
+        tuple(calls[:MAX_CALLS]),
         known.measured if known else None,
         "" if known else type(error).__name__,
         restoring,
@@ -62,4 +62,4 @@ def cause_of(error: Exception, restoring: bool) -> Cause:
 def _is_framework(frame: FrameType) -> bool:
     module = str(frame.f_globals.get("__name__", ""))
     inner = frame.f_code.co_name.startswith("<")  # lambdas and comprehensions tell nothing
-    return inner or module.partition(".")[0] in FRAMEWORK or module in FRAMEWORK
+    return inner or module.partition(".")[0] in FRAMEWORK_MODULES or module in FRAMEWORK_MODULES

@@ -12,10 +12,10 @@ from handcart.backends.robot.robot import Robot
 from handcart.primitives.restoring.arm_command import hold_measured
 from handcart.primitives.restoring.snapshot import settle
 
-from .tracking_error_monitor import BEHIND
+from .tracking_error_monitor import TRACKING_TOLERANCE_RAD
 
-EASED = 5  # times that a hand which presses is told to stay where it stands, until it hardly presses
-PRESSES = 5.0  # [N] on the hand: less is none, for a reading that is off
+RELIEF_MAX_TRIES = 5  # commands to hold the measured pose, until the hand hardly presses
+PRESSING_FORCE_N = 5.0  # on the hand: less is none, for a reading that is off
 
 
 def halt(robot: Robot) -> Generator[None, None, None]:
@@ -28,7 +28,7 @@ def halt(robot: Robot) -> Generator[None, None, None]:
     with suppress(Exception):
         yield from settle(robot)
         arm = robot.backend.get(Arm)  # type: ignore[type-abstract]
-        for _ in range(EASED):
+        for _ in range(RELIEF_MAX_TRIES):
             if arm is None or not _presses(arm):
                 return
             yield from hold_measured(robot)
@@ -40,4 +40,4 @@ def _presses(arm: Arm) -> bool:
     arm.
     """
     off = float(np.abs(arm.command() - arm.joints()).max())
-    return off <= BEHIND and float(np.linalg.norm(arm.hand_force())) > PRESSES
+    return off <= TRACKING_TOLERANCE_RAD and float(np.linalg.norm(arm.hand_force())) > PRESSING_FORCE_N

@@ -21,5 +21,5 @@ class Intents:
         return True
 
 
-UNKEPT = Intents()
+UNRECORDED_INTENTS = Intents()
 """Announcements of attempts without a journal."""

@@ -8,8 +8,8 @@ from handcart.backends.robot.robot import Robot
 
 from .discrepancy import Discrepancy, Measured
 
-PATIENCE = 10.0  # [s]
-MOVED = (0.005, math.radians(0.3))  # [m], [rad]: less is no motion
+STANDSTILL_TIMEOUT_S = 10.0
+MIN_MOTION = (0.005, math.radians(0.3))  # [m], [rad]: less is no motion
 
 
 class StandstillMonitor:
@@ -29,13 +29,15 @@ class StandstillMonitor:
             Discrepancy: the base was commanded to drive for long and has not moved.
         """
         robot = self._robot
-        moved = robot.pose.distance(self._place) > MOVED[0] or robot.pose.turn(self._place) > MOVED[1]
+        moved = (
+            robot.pose.distance(self._place) > MIN_MOTION[0] or robot.pose.turn(self._place) > MIN_MOTION[1]
+        )
         if moved or robot.held is not None:
             self._place, self._driven = robot.pose, 0.0
         elif robot.driven != (0.0, 0.0):
             self._driven += robot.period
-        if self._driven > PATIENCE:
-            stood = Measured("Base", "time driven without moving", self._driven, PATIENCE, "s")
+        if self._driven > STANDSTILL_TIMEOUT_S:
+            stood = Measured("Base", "time driven without moving", self._driven, STANDSTILL_TIMEOUT_S, "s")
             raise Discrepancy(
                 "the base doesn't move, though it is driven", measured=stood, check="standstill"
             )

@@ -11,8 +11,8 @@ from handcart.backends.robot.robot import Robot
 
 from .discrepancy import Discrepancy, Measured
 
-LATE = 5  # periods by which joints may follow late
-BEHIND = 0.02  # [rad] that a joint may be off all its commands in these: contacts bend it so far
+MAX_LAG_PERIODS = 5  # periods by which joints may follow late
+TRACKING_TOLERANCE_RAD = 0.02  # that a joint may be off all its commands in these: contacts bend it so far
 IN_A_ROW = 3  # periods of it: a single reading may be broken
 
 
@@ -24,7 +24,7 @@ class TrackingErrorMonitor:
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
-        self._commands: deque[list[float]] = deque(maxlen=LATE)
+        self._commands: deque[list[float]] = deque(maxlen=MAX_LAG_PERIODS)
         self._off = 0
 
     def check(self) -> None:
@@ -33,12 +33,12 @@ class TrackingErrorMonitor:
         if arm is None:
             return
         self._commands.append(arm.command().tolist())
-        if len(self._commands) < LATE:
+        if len(self._commands) < MAX_LAG_PERIODS:
             return
         joints = arm.joints().tolist()
         commanded = [(min(each), max(each)) for each in zip(*self._commands, strict=True)]
         follows = all(
-            low - joint <= BEHIND and joint - high <= BEHIND
+            low - joint <= TRACKING_TOLERANCE_RAD and joint - high <= TRACKING_TOLERANCE_RAD
             for joint, (low, high) in zip(joints, commanded, strict=True)
         )  # NaN doesn't
         self._off = 0 if follows else self._off + 1
@@ -57,6 +57,8 @@ class TrackingErrorMonitor:
         name = f"joint {joint + 1}"
         return Discrepancy(
             f"{name} is {scale * off:.{digits}f} {unit} from where it was told to be",
-            measured=Measured("Arm", f"{name} off its command", scale * off, scale * BEHIND, unit),
+            measured=Measured(
+                "Arm", f"{name} off its command", scale * off, scale * TRACKING_TOLERANCE_RAD, unit
+            ),
             check="following",
         )

@@ -14,10 +14,10 @@ from handcart.primitives.clock.wall_clock import refuse_wall_clock
 from handcart.primitives.knowledge.world_model import ModelView
 
 from .action_primitive import ActionPrimitive, Periods
-from .cause import FRAMEWORK
+from .cause import FRAMEWORK_MODULES
 from .discrepancy import Discrepancy
 
-FRAMEWORK.add(__name__)
+FRAMEWORK_MODULES.add(__name__)
 Step = Callable[[], Generator[None, None, bool | None]]
 """Begins a motion that is a leaf of a tree; one that ends with False has failed."""
 

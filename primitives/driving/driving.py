@@ -27,14 +27,14 @@ from handcart.robotics.navigation.routes.tangent_path import CarPath
 from handcart.robotics.navigation.routes.ways import Way, Ways
 
 WATCHED_ROOM = 0.015  # [m] beside the footprint that must be free while driving
-UNEXPLAINED = 0.12  # [m] from anything on the map: pose error, noise and half a cell together
+MAP_MATCH_TOLERANCE_M = 0.12  # from anything on the map: pose error, noise and half a cell together
 BESIDE_IT = 0.6  # [m] about what the base would touch, in which the scan is remembered
 LEAST_OFF = 0.05  # [m] from a wall of the map that a scan must show something, to be something else
-HORIZON = 1.0  # [m] of route that is watched ahead
+WATCH_HORIZON_M = 1.0  # of route that is watched ahead
 CAR_ROOM = 0.15  # [m] beside the footprint that a car's planned path keeps
-KEPT = 2.5  # [m] about what stands in a car's way, in which what was sensed is remembered
-ASTRAY = 0.4  # [m] by which a rock may stand elsewhere than a car believes, mostly by its own error
-TURNING = 1.05  # of the turning circle that the steering allows: planned with something in hand
+OBSTACLE_MEMORY_RADIUS_M = 2.5  # about what stands in a car's way, in which what was sensed is remembered
+ROCK_POSITION_TOLERANCE_M = 0.4  # error of a rock's believed position, mostly from the pose of the car
+TURNING_RADIUS_RATIO = 1.05  # of the turning circle that the steering allows: planned with something in hand
 
 
 def plan_drive(robot: Robot, model: ModelView, goal: Place) -> Way:
@@ -92,9 +92,9 @@ def plan_tracker(
 def plan_car_drive(robot: Robot, model: ModelView, goal: Pose2) -> CarPath | None:
     """Return a car's path past known and sensed obstacles, or None."""
     rocks = model.discs
-    known = rocks + np.array([0.0, 0.0, ASTRAY]) if len(rocks) else rocks
+    known = rocks + np.array([0.0, 0.0, ROCK_POSITION_TOLERANCE_M]) if len(rocks) else rocks
     discs = np.vstack([known, point_discs(avoided_points(robot, model))])
-    radius = TURNING / robot.spec.drive.sharpest_per_m
+    radius = TURNING_RADIUS_RATIO / robot.spec.drive.sharpest_per_m
     return plan_car_route(robot.pose, goal, discs, robot.spec.footprint_radius_m + CAR_ROOM, radius)
 
 
@@ -133,7 +133,7 @@ class FieldObstacleMonitor:
 
     def kept(self, sensed: NDArray[np.float64], blocking: NDArray[np.float64]) -> NDArray[np.float64]:
         """(m, 2) those of the points that are near the one in the way (2,)."""
-        return np.asarray(sensed[np.hypot(*(sensed - blocking).T) < KEPT])
+        return np.asarray(sensed[np.hypot(*(sensed - blocking).T) < OBSTACLE_MEMORY_RADIUS_M])
 
     def around(self, robot: Robot, blocking: NDArray[np.float64]) -> NDArray[np.float64]:
         """(n, 2) what this period's scan shows around a point (2,) that the base would touch, in [m]."""
@@ -145,7 +145,7 @@ class FieldObstacleMonitor:
         """Return the free distance along the route, in [m], and the obstacle's point (2,); None if the route
         is free.
         """
-        return path_blocked(route, sensed, self._radius, HORIZON)
+        return path_blocked(route, sensed, self._radius, WATCH_HORIZON_M)
 
 
 class ObstacleMonitor:
@@ -159,7 +159,7 @@ class ObstacleMonitor:
     def unexpected(self, robot: Robot) -> NDArray[np.float64]:
         """(n, 2) points of this period's scan that the map doesn't explain, on the map, in [m]."""
         points = robot.pose.apply(robot.range_sensor.scan().points())
-        return unexpected_points(points, self._field, UNEXPLAINED)
+        return unexpected_points(points, self._field, MAP_MATCH_TOLERANCE_M)
 
     def kept(self, sensed: NDArray[np.float64], blocking: NDArray[np.float64]) -> NDArray[np.float64]:
         """(n, 2) those of the points that are remembered: all."""
@@ -181,4 +181,4 @@ class ObstacleMonitor:
         """Return the free distance along the route, in [m], and the obstacle's point (2,); None if the route
         is free.
         """
-        return path_blocked(route, sensed, self._radius, HORIZON)
+        return path_blocked(route, sensed, self._radius, WATCH_HORIZON_M)

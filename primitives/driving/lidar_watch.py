@@ -14,7 +14,7 @@ from handcart.robotics.navigation.maps.grid_map import GridMap
 
 BLOCKED_S = 1.0  # for which most beams show nothing, until the lidar counts as blocked or dirty
 LOOK_S = 1.0  # between two comparisons with the map
-LOOKS = 2  # comparisons in a row with too few echoes, until it is said
+MAX_SILENT_LOOKS = 2  # comparisons in a row with too few echoes, until it is said
 NEAR_SHARE = 0.8  # of the reach, within which a wall of the map must return an echo
 MIN_EXPECTED = 20  # beams that must meet a wall of the map, for a comparison
 MIN_ECHO_SHARE = 0.15  # of them that must return: walls may be black, glass, hidden, or above the scan plane
@@ -78,7 +78,7 @@ class LidarWatch:
             return
         echoes = int((returned & expected).sum())
         self._silent_looks = 0 if echoes >= MIN_ECHO_SHARE * count else self._silent_looks + 1
-        if self._silent_looks >= LOOKS:
+        if self._silent_looks >= MAX_SILENT_LOOKS:
             words = f"of {count} beams that meet a wall of the map within its reach {echoes} return"
             raise NeedsPerson(
                 f"the lidar gets too few echoes, it is blocked, dirty or mounted wrongly: {words}",
@@ -103,7 +103,7 @@ class LidarWatch:
                 continue
             covered = silent > MAX_SILENT_SHARE * count
             self._covered_looks[sector] = self._covered_looks[sector] + 1 if covered else 0
-            if self._covered_looks[sector] >= LOOKS:
+            if self._covered_looks[sector] >= MAX_SILENT_LOOKS:
                 ends = f"{sector * SECTOR_DEG:.0f} to {(sector + 1) * SECTOR_DEG:.0f} degrees"
                 beams_words = f"of {count} beams at walls that it saw before {count - silent} return"
                 raise NeedsPerson(

@@ -29,7 +29,7 @@ from handcart.primitives.knowledge.bumps import remember_bump
 from handcart.primitives.knowledge.place import Place
 from handcart.primitives.knowledge.place_name import PlaceName
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
-from handcart.primitives.preconditions.hand_use import UNDECLARED, UNUSED, HandUse
+from handcart.primitives.preconditions.hand_use import USE_UNDECLARED, USES_NO_FINGERS, HandUse
 from handcart.primitives.restoring.retrace import LONGEST_REACH, reach_pose, retrace
 from handcart.primitives.restoring.snapshot import Snapshot, settle
 from handcart.primitives.restoring.trace import Trace
@@ -39,23 +39,30 @@ from handcart.robotics.navigation.following.path_tracking import PathTracker
 from handcart.robotics.navigation.following.pose_regulator import PoseTolerance
 from handcart.robotics.navigation.localization.front_line import FrontLine, fit_front, pose_from_front
 
-from .driving import HORIZON, FieldObstacleMonitor, ObstacleMonitor, goal_pose, make_monitor, plan_tracker
+from .driving import (
+    WATCH_HORIZON_M,
+    FieldObstacleMonitor,
+    ObstacleMonitor,
+    goal_pose,
+    make_monitor,
+    plan_tracker,
+)
 from .lidar_watch import LidarWatch
 from .looks_at_rest import LooksAtRest
 
-ARRIVED = PoseTolerance(position=0.02, heading=0.01)
-DOCKED = PoseTolerance(position=0.004, heading=0.003)
-DOCKINGS = 4  # times that the front is measured and the pose corrected
+ARRIVAL_TOLERANCE = PoseTolerance(position=0.02, heading=0.01)
+DOCK_TOLERANCE = PoseTolerance(position=0.004, heading=0.003)
+DOCK_MAX_TRIES = 4  # times that the front is measured and the pose corrected
 FRONT_SCANS = 20  # scans stacked for one measurement of the front
-STUCK = 6.0  # [s] without getting on, though nothing is seen in the way
-HELD = 2.0  # [s] that what the map shows may hold it, until another route is planned from there
-ANEW = 3  # times that this is done
-SLIPPED = 0.1  # [m] that the base was driven meanwhile: something stops it
+STUCK_TIMEOUT_S = 6.0  # without getting on, though nothing is seen in the way
+REPLAN_DELAY_S = 2.0  # that what the map shows may hold it, until another route is planned from there
+REPLAN_MAX_TRIES = 3  # times that this is done
+SLIP_DISTANCE_M = 0.1  # that the base was driven meanwhile: something stops it
 NOT_DETERMINED = "not determined"  # the check that found a pose to be uncertain
-CORRECTIONS = 3  # times that a base which drives by its wheels alone is led on after a look at rest
-ASTRAY = 0.3  # [m] off the goal, from where a route is planned again
-CLOSER = 0.8  # of what a place needs; the estimate moves and grows less sure until the base is at rest
-NEAR = 0.05  # [m] before the goal, where it turns and comes to stand
+MAX_CORRECTIONS = 3  # times that a base which drives by its wheels alone is led on after a look at rest
+REPLAN_DISTANCE_M = 0.3  # off the goal, from where a route is planned again
+CLOSER_NEED_RATIO = 0.8  # of what a place needs: the estimate changes until the base is at rest
+FINAL_APPROACH_M = 0.05  # before the goal, where it turns and comes to stand
 
 
 class MoveTo(ActionPrimitive):
@@ -89,7 +96,7 @@ class MoveTo(ActionPrimitive):
     _lidar_watch: LidarWatch = PrivateAttr(default_factory=LidarWatch)
 
     def hand_use(self) -> HandUse:
-        return UNDECLARED if self.together else UNUSED
+        return USE_UNDECLARED if self.together else USES_NO_FINGERS
 
     def needs_arm_inside(self) -> bool:
         return not self.together
@@ -142,7 +149,8 @@ class MoveTo(ActionPrimitive):
         """
         need = self._need(robot, model)
         return PoseTolerance(
-            min(ARRIVED.position, 0.5 * need.strictest), min(ARRIVED.heading, 0.5 * need.heading)
+            min(ARRIVAL_TOLERANCE.position, 0.5 * need.strictest),
+            min(ARRIVAL_TOLERANCE.heading, 0.5 * need.heading),
         )
 
     def _come_closer(self, robot: Robot, place: Place, need: PoseNeed) -> Periods:
@@ -150,12 +158,15 @@ class MoveTo(ActionPrimitive):
         place.
         """
         pose, off = robot.localization.repeatability, difference(robot.pose, place.pose)
-        if undetermined(pose, need.scaled(CLOSER), off) is None or undetermined(pose, need) is not None:
+        if (
+            undetermined(pose, need.scaled(CLOSER_NEED_RATIO), off) is None
+            or undetermined(pose, need) is not None
+        ):
             return
         room = room_left(pose, need)
         closer = PoseTolerance(
-            max(DOCKED.position, min(ARRIVED.position, 0.5 * room[0])),
-            max(DOCKED.heading, min(ARRIVED.heading, 0.5 * room[1])),
+            max(DOCK_TOLERANCE.position, min(ARRIVAL_TOLERANCE.position, 0.5 * room[0])),
+            max(DOCK_TOLERANCE.heading, min(ARRIVAL_TOLERANCE.heading, 0.5 * room[1])),
         )
         yield from reach_pose(robot, place.pose, closer)
         yield from settle(robot)
@@ -186,7 +197,11 @@ class MoveTo(ActionPrimitive):
             self._ahead = tracker.ahead
             if tracker.progress > progress + 0.01 or waits:
                 progress, since, rolled = tracker.progress, robot.time, 0.0
-            if anew < ANEW and robot.time > since + HELD and self._held_by_map(robot, model):
+            if (
+                anew < REPLAN_MAX_TRIES
+                and robot.time > since + REPLAN_DELAY_S
+                and self._held_by_map(robot, model)
+            ):
                 goal = goal_pose(model, self.place)
                 tracker, _ = yield from plan_tracker(
                     robot, model, self.place, goal, self._arrived(robot, model), self.reverse
@@ -205,11 +220,11 @@ class MoveTo(ActionPrimitive):
     def _follow_again(self, robot: Robot, model: ModelView, goal: Pose2) -> Periods:
         """Drive on where a scan at rest shows that the wheels led elsewhere than they say."""
         arrived = self._arrived(robot, model)
-        for _ in range(CORRECTIONS):
+        for _ in range(MAX_CORRECTIONS):
             yield from settle(robot)
             if robot.pose.distance(goal) < arrived.position and robot.pose.turn(goal) < arrived.heading:
                 return
-            if robot.pose.distance(goal) < ASTRAY:
+            if robot.pose.distance(goal) < REPLAN_DISTANCE_M:
                 yield from reach_pose(robot, goal, arrived)
                 continue
             tracker, _ = yield from plan_tracker(robot, model, self.place, goal, arrived, self.reverse)
@@ -225,16 +240,16 @@ class MoveTo(ActionPrimitive):
     def _patience(self, robot: Robot, tracker: PathTracker | CarTracker) -> float:
         """Return the maximum time without progress, in [s]."""
         if robot.held is not None:
-            return max(STUCK, self.wait_s)
-        return STUCK if tracker.remaining > NEAR else LONGEST_REACH
+            return max(STUCK_TIMEOUT_S, self.wait_s)
+        return STUCK_TIMEOUT_S if tracker.remaining > FINAL_APPROACH_M else LONGEST_REACH
 
     def _stuck(self, robot: Robot, model: ModelView, seconds: float, rolled: float) -> Discrepancy:
         """Return the reason for the missing progress; scanned obstacles on the path are kept."""
         held = robot.held
         if held is None:
-            stood = Measured("Base", "time without getting on", seconds, STUCK, "s")
+            stood = Measured("Base", "time without getting on", seconds, STUCK_TIMEOUT_S, "s")
             touches = "its wheels slip, or it touches something that neither map nor scan shows"
-            why = f": {touches}" if rolled > SLIPPED else ""
+            why = f": {touches}" if rolled > SLIP_DISTANCE_M else ""
             remember_bump(robot, model, forwards=not self.reverse)
             return Discrepancy(f"the base doesn't get on{why}", measured=stood)
         if held.shown_by == "scan" and self._monitor is not None:
@@ -271,7 +286,7 @@ class MoveTo(ActionPrimitive):
             x, y = found[1]
             raise Discrepancy(
                 f"an obstacle stands on {self._way}, at ({x:.2f}, {y:.2f}) m",
-                measured=Measured("RangeSensor", "free way ahead", found[0], HORIZON, "m"),
+                measured=Measured("RangeSensor", "free way ahead", found[0], WATCH_HORIZON_M, "m"),
             )
 
     @property
@@ -311,7 +326,7 @@ class MoveTo(ActionPrimitive):
 
     def _dock(self, robot: Robot, place: Place, need: PoseNeed) -> Periods:
         """Correct the pose by the front until the base is square in front of it."""
-        for _ in range(DOCKINGS):
+        for _ in range(DOCK_MAX_TRIES):
             yield from settle(robot)
             scans = []
             for _ in range(FRONT_SCANS):
@@ -324,11 +339,18 @@ class MoveTo(ActionPrimitive):
                 raise Discrepancy(f"the front before {self.place} is not seen", measured=unseen)
             seen = pose_from_front(robot.pose, front, place.front)
             self.found(dock_mm=round(1e3 * seen.distance(place.pose), 1))
-            if seen.distance(place.pose) < DOCKED.position and seen.turn(place.pose) < DOCKED.heading:
+            if (
+                seen.distance(place.pose) < DOCK_TOLERANCE.position
+                and seen.turn(place.pose) < DOCK_TOLERANCE.heading
+            ):
                 self._check_front(front, need)
                 return
-            yield from reach_pose(robot, robot.pose.compose(place.pose.relative_to(seen)), DOCKED)
+            yield from reach_pose(robot, robot.pose.compose(place.pose.relative_to(seen)), DOCK_TOLERANCE)
         off = Measured(
-            "RangeSensor", "off its place", 1e3 * seen.distance(place.pose), 1e3 * DOCKED.position, "mm"
+            "RangeSensor",
+            "off its place",
+            1e3 * seen.distance(place.pose),
+            1e3 * DOCK_TOLERANCE.position,
+            "mm",
         )
         raise Discrepancy(f"the base doesn't come to stand square before {self.place}", measured=off)

@@ -12,8 +12,8 @@ from handcart.primitives.contract.action_primitive import ActionPrimitive, Perio
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured
 from handcart.primitives.knowledge.world_model import ModelView
 
-PATIENCE = 10.0  # [s] that something may stand in the way
-SLOWS = 0.05  # [m/s] below which the base is let stop
+BLOCKED_TIMEOUT_S = 10.0  # that something may stand in the way
+STOPPING_SPEED_M_S = 0.05  # below which the base is let stop
 
 
 class Orient(ActionPrimitive):
@@ -38,7 +38,7 @@ class Orient(ActionPrimitive):
                 raise Discrepancy("it doesn't show which way the robot heads", measured=way)
             if robot.held is None:
                 since = robot.time
-            elif robot.time > since + PATIENCE:
+            elif robot.time > since + BLOCKED_TIMEOUT_S:
                 near = Measured("RangeSensor", "room ahead", robot.held.room, robot.held.needed, "m")
                 raise Discrepancy(f"the base can't drive ahead: {robot.held.words}", measured=near)
             speed = min(limits.speed, speed + limits.acceleration * robot.period)
@@ -46,7 +46,7 @@ class Orient(ActionPrimitive):
             yield
             driven += abs(robot.driven[0]) * robot.period
             self.found(path_length_m=round(driven, 3))
-        while speed > SLOWS:
+        while speed > STOPPING_SPEED_M_S:
             speed -= limits.acceleration * robot.period
             robot.base.drive(speed, 0.0)
             yield

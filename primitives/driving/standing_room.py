@@ -17,10 +17,10 @@ from handcart.robotics.navigation.maps.clearances import Clearances
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.routes.ways import ROOM_AT_GOAL, SENSED_ROOM
 
-MARGIN = 0.002  # [m] between the arm and what stands around
-AVOIDED = 0.15  # [m] from where it couldn't be done
-EVERY = 4  # points of a path between looks for contacts
-OFF = 0.3  # [m] that the base may stand too near to something, when it sets out
+STAND_MARGIN_M = 0.002  # between the arm and what stands around
+AVOIDED_RADIUS_M = 0.15  # from where it couldn't be done
+COLLISION_CHECK_STRIDE = 4  # points of a path between looks for contacts
+MAX_START_INTRUSION_M = 0.3  # that the base may stand too near to something, when it sets out
 
 Floats = NDArray[np.float64]
 Masks = NDArray[np.bool_]
@@ -78,7 +78,7 @@ class StandingRoom:
         no_way = ~self._floor.leads_to(bases, self._reached)
         no_way |= self._clearances.at(bases[:, :2]) < self._radius
         for each in self._avoided:
-            no_way |= np.hypot(bases[:, 0] - each.x, bases[:, 1] - each.y) < AVOIDED
+            no_way |= np.hypot(bases[:, 0] - each.x, bases[:, 1] - each.y) < AVOIDED_RADIUS_M
         return no_way
 
     def free(self, base: Floats, angles: Floats) -> bool:
@@ -89,15 +89,15 @@ class StandingRoom:
         if not stands_clear(base[None], bodies, self._boxes)[0]:
             return False
         stand = Pose2(*base.tolist()).lift()
-        collision = CollisionModel(self._arm, self._boxes, world_T_base=stand, margin=MARGIN)
-        return not any(collision.in_collision(q) for q in angles[::EVERY])
+        collision = CollisionModel(self._arm, self._boxes, world_T_base=stand, margin=STAND_MARGIN_M)
+        return not any(collision.in_collision(q) for q in angles[::COLLISION_CHECK_STRIDE])
 
     def _way_out(self, here: Pose2) -> Masks:
         """Return (h, w) cells connected by routes to poses near `here`, because the base's actual pose is not
         the planned one.
         """
         turns = np.linspace(0.0, 2.0 * math.pi, 16, endpoint=False)
-        for away in np.linspace(0.0, OFF, 7):
+        for away in np.linspace(0.0, MAX_START_INTRUSION_M, 7):
             x, y = here.x + away * np.cos(turns), here.y + away * np.sin(turns)
             for spot in zip(x.tolist(), y.tolist(), strict=True):
                 reached = self._floor.reached_from(spot)

@@ -34,26 +34,26 @@ from handcart.robotics.manipulation.arms.scara import base_to_world, world_to_ba
 from .field import Field
 from .field_work import FieldWork
 from .scara_arm import scara_of
-from .sensor_arm import TOUCHES, SensorArm
+from .sensor_arm import TOUCH_FORCE_N, SensorArm
 from .target import Laid, Target
 
-SLOW = 0.03  # [m/s] of the slide
-NEAR = 0.03  # [m] above the ground, from where the sensor is lowered slowly
-UNEVEN = 0.12  # [m] by which the ground may be higher or lower there than under the wheels
-REFINED = 0.002  # [m] by which a better estimate moves the tip once more
+LOWERING_SPEED_M_S = 0.03  # of the slide
+SLOW_DESCENT_M = 0.03  # above the ground, from where the sensor is lowered slowly
+GROUND_TOLERANCE_M = 0.12  # by which the ground may be higher or lower there than under the wheels
+REFINEMENT_TOLERANCE_M = 0.002  # by which a better estimate moves the tip once more
 REFINED_MOST = 0.3  # [m] by which it may, just above the ground
-RISES = 0.2  # [m/m] by which the ground may rise aside of where the sensor is
-LIFTS = 4  # times that a sensor that touches something on its way aside is lifted
-ROOM = 0.010  # [m] that the fingers open wider than the sensor
-LOOSENED = 12  # times that they let go and catch it before they open: on a slope it turns between them
+MAX_GROUND_SLOPE = 0.2  # [m/m] by which the ground may rise aside of where the sensor is
+LIFT_MAX_TRIES = 4  # times that a sensor that touches something on its way aside is lifted
+OPENING_CLEARANCE_M = 0.010  # that the fingers open wider than the sensor
+LOOSEN_CYCLES = 12  # times that they let go and catch it before they open: on a slope it turns between them
 LOOSE_S = 0.075  # [s] for which they let go
 CAUGHT_S = 0.1  # [s] for which they hold it again
-GENTLE = 0.01  # [m/s] at which they open then: it comes to lean on one of them
-ABOVE = 0.02  # [m] over the sensor's top, from where closed fingers are lowered onto it
-SLANTED = 0.02  # [m] by which its top may be lower than upright
-SURE = 3.0  # sigmas within which a target is taken to be
-GROUND = ("the ground", "floor")  # as worlds call it
-LIFTED = 0.145  # [m] that the fingers are lifted further before the base drives on
+OPENING_SPEED_M_S = 0.01  # at which they open then: it comes to lean on one of them
+FEEL_CLEARANCE_M = 0.02  # over the sensor's top, from where closed fingers are lowered onto it
+MAX_TOP_DROP_M = 0.02  # by which its top may be lower than upright
+REACH_SIGMAS = 3.0  # sigmas within which a target is taken to be
+GROUND_NAMES = ("the ground", "floor")  # as worlds call it
+DRIVE_LIFT_M = 0.145  # that the fingers are lifted further before the base drives on
 
 Vector = NDArray[np.float64]
 
@@ -112,7 +112,7 @@ class Deploy(TreePrimitive):
     def _check_near(self, robot: Robot, arm: SensorArm, target: Target) -> None:
         """Raise `Discrepancy` where the target is out of reach, however it is off by 3 sigma."""
         place = arm.place_of(np.array([target.x, target.y]))
-        arm.check_near(place, SURE * self._sigma(robot, target))
+        arm.check_near(place, REACH_SIGMAS * self._sigma(robot, target))
 
     def tree(self, robot: Robot, model: ModelView) -> Behaviour:
         """The steps, one after the other; in the end only the fingers are lifted, or the arm comes home."""
@@ -144,7 +144,7 @@ class Deploy(TreePrimitive):
         yield from self._release(robot, field)
 
     def _release(self, robot: Robot, field: Field) -> Periods:
-        yield from self._loosen(robot, field.sensor_mm[1] / 1e3 + ROOM)
+        yield from self._loosen(robot, field.sensor_mm[1] / 1e3 + OPENING_CLEARANCE_M)
         yield from self._arm.give_way()
         self._let_go_whole = True
 
@@ -155,14 +155,14 @@ class Deploy(TreePrimitive):
         comes to lean on one of them. Let go at once it would fall over on slopes of 10 degrees, rocking from
         one edge of its foot to the other (Housner 1963, inelastic impacts).
         """
-        for _ in range(LOOSENED):
+        for _ in range(LOOSEN_CYCLES):
             robot.gripper.move(wide)
             yield from robot.wait(LOOSE_S)
             robot.gripper.move(0.0)
             yield from robot.wait(CAUGHT_S)
         at = robot.gripper.width()
         while at < wide:
-            at = min(wide, at + GENTLE * robot.period)
+            at = min(wide, at + OPENING_SPEED_M_S * robot.period)
             robot.gripper.move(at)
             yield
         yield from open_to(robot, wide)
@@ -171,21 +171,21 @@ class Deploy(TreePrimitive):
         """Lower the nearly closed fingers onto the sensor's top; raise `Discrepancy` if it fell over."""
         field, _ = self._field_and_target(model)
         top = float(robot.arm.command()[2]) - field.gripped_mm / 1e3
-        yield from arm.slide(max(0.0, top - ABOVE))
+        yield from arm.slide(max(0.0, top - FEEL_CLEARANCE_M))
         yield from open_to(robot, field.sensor_mm[1] / 2e3)
-        force = yield from arm.slide(top + SLANTED, SLOW)
-        if force <= TOUCHES:
-            felt = Measured("Arm", "force where the sensor's top should be", force, TOUCHES, "N")
+        force = yield from arm.slide(top + MAX_TOP_DROP_M, LOWERING_SPEED_M_S)
+        if force <= TOUCH_FORCE_N:
+            felt = Measured("Arm", "force where the sensor's top should be", force, TOUCH_FORCE_N, "N")
             raise Discrepancy("the sensor fell over", permanent=True, measured=felt)
         self.found(top_mm=round(1e3 * (top - float(robot.arm.command()[2])), 1))
-        yield from arm.slide(max(0.0, top - ABOVE))
+        yield from arm.slide(max(0.0, top - FEEL_CLEARANCE_M))
 
     def _lift(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
         """Lift the arm and return True if the base drives on to another target; otherwise return False."""
         work = model.of(FieldWork)
         if not self.together or len(work.laid) >= len(work.targets):
             return False
-        yield from self._arm.slide(max(0.0, float(robot.arm.command()[2]) - LIFTED))
+        yield from self._arm.slide(max(0.0, float(robot.arm.command()[2]) - DRIVE_LIFT_M))
         return True
 
     def base_room(self, robot: Robot, model: ModelView) -> float:
@@ -203,7 +203,7 @@ class Deploy(TreePrimitive):
     def meant_contacts(self, model: WorldModel) -> Several[MeantContact]:
         """The sensor, and the ground that it is put on."""
         return model.of(FieldWork).sensor_contact(self.target), *(
-            MeantContact("held", name) for name in GROUND
+            MeantContact("held", name) for name in GROUND_NAMES
         )
 
     def finish(self, robot: Robot, model: ModelView) -> Periods:
@@ -257,17 +257,17 @@ class Deploy(TreePrimitive):
         point = world_to_base(robot.pose, robot.localization.tilt, np.array([target.x, target.y, 0.0]))
         down = arm.scara.mount[2] - arm.below - float(point[2])
         lowest = arm.scara.slide[1]
-        if not -UNEVEN < down <= lowest + UNEVEN:
-            most = 1e3 * (lowest + UNEVEN)
+        if not -GROUND_TOLERANCE_M < down <= lowest + GROUND_TOLERANCE_M:
+            most = 1e3 * (lowest + GROUND_TOLERANCE_M)
             low = Measured("Arm", "what the slide would have to go down", 1e3 * down, most, "mm")
             raise Discrepancy("the slide doesn't reach the ground", measured=low)
-        force = yield from arm.slide(min(max(0.0, down - NEAR), lowest))
-        if force > TOUCHES:
+        force = yield from arm.slide(min(max(0.0, down - SLOW_DESCENT_M), lowest))
+        if force > TOUCH_FORCE_N:
             yield from self._lift_off(robot, arm, down, force)
         yield from self._refine(robot, arm, target)
-        force = yield from arm.slide(min(down + UNEVEN, lowest), SLOW)
-        if force <= TOUCHES:
-            felt = Measured("Arm", "force from below", force, TOUCHES, "N")
+        force = yield from arm.slide(min(down + GROUND_TOLERANCE_M, lowest), LOWERING_SPEED_M_S)
+        if force <= TOUCH_FORCE_N:
+            felt = Measured("Arm", "force from below", force, TOUCH_FORCE_N, "N")
             raise Discrepancy("there is no ground below the sensor", measured=felt)
         yield from hold_measured(robot)
         self.found(
@@ -278,22 +278,22 @@ class Deploy(TreePrimitive):
     def _lift_off(self, robot: Robot, arm: SensorArm, down: float, force: float) -> Periods:
         """Lift a sensor that touches uneven ground early; raise `Discrepancy` if the contact is too high."""
         at = float(robot.arm.command()[2])
-        if at < down - UNEVEN:
-            felt = Measured("Arm", "force from below", force, TOUCHES, "N")
+        if at < down - GROUND_TOLERANCE_M:
+            felt = Measured("Arm", "force from below", force, TOUCH_FORCE_N, "N")
             raise Discrepancy("something lies where the sensor goes", measured=felt)
-        yield from arm.slide(at - NEAR)
+        yield from arm.slide(at - SLOW_DESCENT_M)
 
     def _refine(self, robot: Robot, arm: SensorArm, target: Target) -> Periods:
         """Just above the ground: move to where the target is by what is known by now."""
         better = arm.place_of(np.array([target.x, target.y]))
         moved = float(np.hypot(*(better - arm.scara.tip(robot.arm.command()))))
         self.found(refined_mm=round(1e3 * moved, 1))
-        if moved <= REFINED:
+        if moved <= REFINEMENT_TOLERANCE_M:
             return
         free = moved <= REFINED_MOST and (yield from robot.compute(arm.line_free, better, takes=0.05))
         if not free:
             what = "where the target is by now, off the tip"
-            off = Measured(robot.localization.source, what, 1e3 * moved, 1e3 * REFINED, "mm")
+            off = Measured(robot.localization.source, what, 1e3 * moved, 1e3 * REFINEMENT_TOLERANCE_M, "mm")
             raise Discrepancy("by what is known now the target is out of reach from here", measured=off)
         yield from self._lead_clear(robot, arm, better, moved)
 
@@ -301,16 +301,16 @@ class Deploy(TreePrimitive):
         """Lead the tip to a place at a distance of `way` [m], lifting the sensor where it touches rising
         ground.
         """
-        yield from arm.slide(max(0.0, float(robot.arm.command()[2]) - RISES * way))
-        for _ in range(LIFTS):
+        yield from arm.slide(max(0.0, float(robot.arm.command()[2]) - MAX_GROUND_SLOPE * way))
+        for _ in range(LIFT_MAX_TRIES):
             for _ in arm.lead(place):
                 yield
-                if (force := float(np.linalg.norm(robot.arm.hand_force()))) > TOUCHES:
+                if (force := float(np.linalg.norm(robot.arm.hand_force()))) > TOUCH_FORCE_N:
                     break
             else:
                 return
-            yield from arm.slide(max(0.0, float(robot.arm.command()[2]) - NEAR))
-        felt = Measured("Arm", "force on the sensor above the ground", force, TOUCHES, "N")
+            yield from arm.slide(max(0.0, float(robot.arm.command()[2]) - SLOW_DESCENT_M))
+        felt = Measured("Arm", "force on the sensor above the ground", force, TOUCH_FORCE_N, "N")
         raise Discrepancy("something stands where the sensor goes", measured=felt)
 
     def _laid(self, robot: Robot, arm: SensorArm) -> Laid:

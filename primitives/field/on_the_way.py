@@ -14,8 +14,8 @@ from .field import Field
 from .sensor_arm import SensorArm
 from .target import Target
 
-AHEAD = 4.5  # [m] of way before the target, from where the arm reaches out: 9 s at full speed
-LOW = 0.25  # [m] of the sensor's foot above the ground while the base still drives
+REACH_OUT_DISTANCE_M = 4.5  # of way before the target, from where the arm reaches out: 9 s at full speed
+CARRY_HEIGHT_M = 0.25  # of the sensor's foot above the ground while the base still drives
 
 
 class SensorOnTheWay:
@@ -34,12 +34,12 @@ class SensorOnTheWay:
         if not arm.holds:
             yield from arm.stow()
             yield from arm.take()
-        while remaining() > AHEAD:
+        while remaining() > REACH_OUT_DISTANCE_M:
             yield
         beside = target.stand.inverse().apply(np.array([[target.x, target.y]])).reshape(2)
         _check_inside(self._robot, arm, beside)
         yield from arm.reach(arm.place_beside(beside))
-        yield from arm.slide(max(arm.scara.slide[0], arm.scara.mount[2] - arm.below - LOW))
+        yield from arm.slide(max(arm.scara.slide[0], arm.scara.mount[2] - arm.below - CARRY_HEIGHT_M))
 
 
 def _check_inside(robot: Robot, arm: SensorArm, beside: np.ndarray) -> None:

@@ -10,7 +10,7 @@ from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.discrepancy import Discrepancy
 from handcart.robotics.manipulation.arms.scara import Scara
 
-LEVEL = 1e-6
+UPRIGHT_TOLERANCE = 1e-6
 
 
 def scara_of(robot: Robot) -> Scara:
@@ -26,7 +26,7 @@ def scara_of(robot: Robot) -> Scara:
     shoulder, elbow = (_axis(robot, straight, joint) for joint in (0, 1))
     hand = model.forward(straight)[:3, 3]
     lowered = model.forward(np.array([0.0, 0.0, 0.1]))[:3, 3] - hand
-    if np.abs(lowered - np.array([0.0, 0.0, -0.1])).max() > LEVEL:
+    if np.abs(lowered - np.array([0.0, 0.0, -0.1])).max() > UPRIGHT_TOLERANCE:
         raise Discrepancy("the arm is no SCARA arm: its slide doesn't go straight down", permanent=True)
     along = hand[:2] - shoulder
     low, high = (limit.tolist() for limit in (model.lower, model.upper))
@@ -50,7 +50,7 @@ def _axis(robot: Robot, joints: np.ndarray[tuple[int], np.dtype[np.float64]], jo
     """Return x and y of a joint's upright axis in the base frame, (2,) in [m]."""
     J = robot.arm_model.jacobian(joints)
     hand = robot.arm_model.forward(joints)[:3, 3]
-    if np.abs(J[3:, joint] - (0.0, 0.0, 1.0)).max() > LEVEL:
+    if np.abs(J[3:, joint] - (0.0, 0.0, 1.0)).max() > UPRIGHT_TOLERANCE:
         raise Discrepancy("the arm is no SCARA arm: its joints aren't upright", permanent=True)
     # The hand's velocity is z x (hand - axis).
     return np.array([hand[0] - J[1, joint], hand[1] + J[0, joint]])

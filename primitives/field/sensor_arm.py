@@ -21,17 +21,17 @@ from handcart.robotics.manipulation.motions.collision_model import HELD
 from .field import Field
 from .scara_arm import scara_of
 
-FAST = 0.15  # [m/s] of the slide
-TOUCHES = 5.0  # [N]
+SLIDE_SPEED_M_S = 0.15  # of the slide
+TOUCH_FORCE_N = 5.0
 WIDTH_ERROR = 0.004  # [m] by which a sensor may be thicker or thinner
-ARRIVED = 3e-4  # [m] of the tip from the end of its line
+LINE_END_TOLERANCE_M = 3e-4  # of the tip from the end of its line
 LONGEST_LINE = 30.0  # [s]
-LEANS = 0.35  # [N] across a finger, from where on something leans on it
+LEANING_FORCE_N = 0.35  # across a finger, from where on something leans on it
 GIVES_WAY = 0.02  # [m/s] to what leans on a finger
-FARTHEST = 0.06  # [m] that it gives way
+MAX_YIELD_M = 0.06  # that it gives way
 AT_HOME = 0.02  # [rad] and [m] of a joint's command from the posture `home`
-FREE = 0.4  # [s] without a push, until nothing leans there any more
-SMOOTHED = 0.1  # [s] over which the force is smoothed
+FREE_TIME_S = 0.4  # without a push, until nothing leans there any more
+FORCE_SMOOTHING_S = 0.1  # over which the force is smoothed
 
 Vector = NDArray[np.float64]
 
@@ -147,7 +147,7 @@ class SensorArm:
         robot, joints = self._robot, self._robot.arm.command()
         rates = ResolvedRate(self.scara, self.scara.tip(joints), end, RateLimits(rate=self._top()))
         begun = robot.time
-        while rates.left(joints) > ARRIVED:
+        while rates.left(joints) > LINE_END_TOLERANCE_M:
             if robot.time - begun > LONGEST_LINE:
                 raise Discrepancy("the arm doesn't come to the end of its line")
             joints = joints.copy()
@@ -159,7 +159,7 @@ class SensorArm:
         """Return the speed limit of the turning joints, in [rad/s]."""
         return float(self._robot.joint_speeds[:2].min()) * (1.0 - 1e-6)
 
-    def slide(self, goal: float, speed: float = FAST) -> Generator[None, None, float]:
+    def slide(self, goal: float, speed: float = SLIDE_SPEED_M_S) -> Generator[None, None, float]:
         """Move the slide to `goal` [m], or until the hand meets something; gives the force from below [N]."""
         robot = self._robot
         step = min(speed, float(robot.joint_speeds[2])) * robot.period * (1.0 - 1e-6)
@@ -169,18 +169,18 @@ class SensorArm:
             robot.arm.move(joints)
             yield
             force = -float(robot.arm.hand_force()[0])
-            if goal > at and force > TOUCHES:
+            if goal > at and force > TOUCH_FORCE_N:
                 return force
         return 0.0
 
     def give_way(self) -> Periods:
         """Move the open fingers with the sensor that leans on one of them, until it stands by itself."""
         robot, push, gone, free = self._robot, 0.0, 0.0, 0.0
-        share = min(1.0, robot.period / SMOOTHED)
-        while free < FREE and gone < FARTHEST:
+        share = min(1.0, robot.period / FORCE_SMOOTHING_S)
+        while free < FREE_TIME_S and gone < MAX_YIELD_M:
             yield
             push += share * (float(robot.arm.hand_force()[1]) - push)
-            free = free + robot.period if abs(push) <= LEANS else 0.0
+            free = free + robot.period if abs(push) <= LEANING_FORCE_N else 0.0
             if not free:
                 gone += GIVES_WAY * robot.period
                 self._shift(math.copysign(GIVES_WAY * robot.period, push))

@@ -21,13 +21,13 @@ from handcart.robotics.geometry.pose2 import Pose2
 from .field import Field
 from .target import Target
 
-METRES = ("x_m", "y_m")
-DEGREES = ("latitude_deg", "longitude_deg")
-HEADING = "heading_deg"
+METRE_COLUMNS = ("x_m", "y_m")
+DEGREE_COLUMNS = ("latitude_deg", "longitude_deg")
+HEADING_COLUMN = "heading_deg"
 LEAST_APART = 0.3  # [m] between two targets
-MOST = 5000  # targets
+MAX_TARGETS = 5000  # targets
 LONGEST_NAME = 60  # characters
-SHOWN = 60  # characters of what is wrong
+MAX_QUOTED_CHARACTERS = 60  # characters of what is wrong
 
 
 class Row(NamedTuple):
@@ -58,12 +58,14 @@ def load_targets(path: Path, field: Field, start: Pose2) -> dict[str, Target]:
     earth = EarthFrame(field.origin.latitude_deg, field.origin.longitude_deg) if field.origin else None
     if not rows and not findings:
         findings.add(Finding(str(path), 1, 1, "no targets; allowed: at least one"))
-    if len(rows) > MOST:
-        findings.add(Finding(str(path), rows[MOST].line, 1, f"too many targets; allowed: {MOST}"))
+    if len(rows) > MAX_TARGETS:
+        findings.add(
+            Finding(str(path), rows[MAX_TARGETS].line, 1, f"too many targets; allowed: {MAX_TARGETS}")
+        )
     found: dict[str, Target] = {}
     near = _Near()
     before = start
-    for row in rows[:MOST]:
+    for row in rows[:MAX_TARGETS]:
         try:
             target = _target(row, field, earth, before, found, near)
         except _Wrong as wrong:
@@ -111,14 +113,22 @@ class _Near:
 
 
 def _csv(path: Path, wrong: Findings) -> Iterator[Row]:
-    rows = read_csv(path, MOST)
+    rows = read_csv(path, MAX_TARGETS)
     first = next(rows, None)
     header = first.cells if first else ()
-    wanted = [pair for pair in (METRES, DEGREES) if set(header) & {*METRES, *DEGREES} == set(pair)]
-    unknown = [name for name in header if name not in ("name", HEADING, *METRES, *DEGREES)]
+    wanted = [
+        pair
+        for pair in (METRE_COLUMNS, DEGREE_COLUMNS)
+        if set(header) & {*METRE_COLUMNS, *DEGREE_COLUMNS} == set(pair)
+    ]
+    unknown = [
+        name for name in header if name not in ("name", HEADING_COLUMN, *METRE_COLUMNS, *DEGREE_COLUMNS)
+    ]
     if len(wanted) != 1 or unknown or len(set(header)) != len(header):
         allowed = "allowed: name, and x_m,y_m or latitude_deg,longitude_deg, perhaps heading_deg"
-        wrong.add(Finding(str(path), 1, 1, f"the header is {','.join(header)[:SHOWN]!r}; {allowed}"))
+        wrong.add(
+            Finding(str(path), 1, 1, f"the header is {','.join(header)[:MAX_QUOTED_CHARACTERS]!r}; {allowed}")
+        )
         return
     for row in rows:
         if not row.cells:
@@ -168,10 +178,10 @@ def _target(
             f"the target {name!r} is there twice, first in line {found[name].line}; allowed: each name once"
         )
         raise _Wrong("name", message)
-    if METRES[0] in row.words:
-        key, (x, y) = METRES[0], (_number(row, METRES[0]), _number(row, METRES[1]))
+    if METRE_COLUMNS[0] in row.words:
+        key, (x, y) = METRE_COLUMNS[0], (_number(row, METRE_COLUMNS[0]), _number(row, METRE_COLUMNS[1]))
     else:
-        key, (x, y) = DEGREES[0], _projected(row, field, earth)
+        key, (x, y) = DEGREE_COLUMNS[0], _projected(row, field, earth)
     if not field.holds(x, y):
         (west, east), (south, north) = field.x_m, field.y_m
         inside = f"allowed: the field, x {west:g} to {east:g} m, y {south:g} to {north:g} m"
@@ -181,7 +191,7 @@ def _target(
             f"the target {name!r} lies where {listed(there)} does; allowed: {LEAST_APART} m apart at least"
         )
         raise _Wrong(key, message)
-    heading = math.radians(_number(row, HEADING)) if row.words.get(HEADING) else None
+    heading = math.radians(_number(row, HEADING_COLUMN)) if row.words.get(HEADING_COLUMN) else None
     stand = _stand(x, y, field.aside_m, before, heading)
     near.add(name, x, y)
     return Target(name, x, y, stand, row.line, row.columns.get("name", 1))
@@ -190,18 +200,19 @@ def _target(
 def _number(row: Row, key: str) -> float:
     value = number_in(row.words[key])
     if not math.isfinite(value):
-        raise _Wrong(key, f"{key} is {row.words[key][:SHOWN]!r}; allowed: a finite number")
+        raise _Wrong(key, f"{key} is {row.words[key][:MAX_QUOTED_CHARACTERS]!r}; allowed: a finite number")
     return value
 
 
 def _projected(row: Row, field: Field, earth: EarthFrame | None) -> tuple[float, float]:
-    latitude, longitude = (_number(row, key) for key in DEGREES)
-    for key, value, most in ((DEGREES[0], latitude, 90.0), (DEGREES[1], longitude, 180.0)):
+    latitude, longitude = (_number(row, key) for key in DEGREE_COLUMNS)
+    for key, value, most in ((DEGREE_COLUMNS[0], latitude, 90.0), (DEGREE_COLUMNS[1], longitude, 180.0)):
         if abs(value) > most:
             raise _Wrong(key, f"{key} is {value:g}; allowed: -{most:g} to {most:g}")
     if earth is None:
         raise _Wrong(
-            DEGREES[0], "the field has no origin on the Earth; needed: its key `origin`, or x_m and y_m"
+            DEGREE_COLUMNS[0],
+            "the field has no origin on the Earth; needed: its key `origin`, or x_m and y_m",
         )
     x, y = earth.to_field(latitude, longitude)
     if not field.holds(x, y):
@@ -213,7 +224,9 @@ def _projected(row: Row, field: Field, earth: EarthFrame | None) -> tuple[float,
         }
         for words, (north, east) in turned.items():
             if abs(north) <= 90.0 and field.holds(*earth.to_field(north, east)):
-                raise _Wrong(DEGREES[0], f"{latitude:g}, {longitude:g} lies outside the field: {words}")
+                raise _Wrong(
+                    DEGREE_COLUMNS[0], f"{latitude:g}, {longitude:g} lies outside the field: {words}"
+                )
     return x, y
 
 

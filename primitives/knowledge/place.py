@@ -17,7 +17,7 @@ from handcart.files.yaml.yaml_document import Document, read_document
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform
 
-from .ros_goals import LISTS, goals_as_places
+from .ros_goals import GOAL_LIST_KEYS, goals_as_places
 
 ARRIVED_MM, ARRIVED_DEG = 40.0, 1.0  # of a place that says nothing
 DOCKED_MM = 24.0  # of one where the base docks
@@ -26,7 +26,7 @@ CAR_ARRIVED_MM, CAR_ARRIVED_DEG = 1500.0, 20.0
 
 After a detour a car arrives turned by up to 9 degrees; 3 sigma of its heading are some 6 more.
 """
-CAR = "ackermann"  # kind of drive
+CAR_DRIVE_KIND = "ackermann"  # kind of drive
 
 Positive = Annotated[float, Field(gt=0.0)]
 
@@ -87,7 +87,7 @@ class Place(FileModel):
             drive: kind of the drive; a car's default tolerances are larger.
         """
         usual_mm, usual_deg = DOCKED_MM if self.docks else ARRIVED_MM, ARRIVED_DEG
-        if drive == CAR:
+        if drive == CAR_DRIVE_KIND:
             usual_mm, usual_deg = CAR_ARRIVED_MM, CAR_ARRIVED_DEG
         position = usual_mm if self.tolerance_mm is None else self.tolerance_mm
         heading = math.radians(usual_deg if self.tolerance_deg is None else self.tolerance_deg)
@@ -136,5 +136,5 @@ def is_goals(document: Document) -> bool:
     content = document.root.content
     if isinstance(content, dict):
         by_name = bool(content) and all(isinstance(goal.content, list) for goal in content.values())
-        return "format" not in content and (by_name or any(key in content for key in LISTS))
+        return "format" not in content and (by_name or any(key in content for key in GOAL_LIST_KEYS))
     return isinstance(content, list)

@@ -12,11 +12,11 @@ from handcart.files.findings import Findings
 from handcart.files.yaml.yaml_document import Document
 from handcart.files.yaml.yaml_node import Node
 
-LISTS = ("waypoints", "goals", "poses")
+GOAL_LIST_KEYS = ("waypoints", "goals", "poses")
 """Keys that hold goals: rviz's panel, NavigateThroughPoses, nav_msgs/Path and PoseArray."""
-FRAMES = ("map", "/map", "")
-UPRIGHT = math.radians(5.0)
-UNIT = 0.02  # by which the length of a quaternion may differ from 1: ROS prints few digits
+MAP_FRAMES = ("map", "/map", "")
+MAX_TILT_RAD = math.radians(5.0)
+QUATERNION_TOLERANCE = 0.02  # by which the length of a quaternion may differ from 1: ROS prints few digits
 
 
 def goals_as_places(document: Document) -> Document:
@@ -52,7 +52,7 @@ def goals_as_places(document: Document) -> Document:
 
 def _listed(root: Node) -> Node:
     """Messages of ROS hold some lists under their own name twice."""
-    for key in LISTS:
+    for key in GOAL_LIST_KEYS:
         if (found := root.child(key)) is not None:
             return _listed(found)
     return root
@@ -100,11 +100,11 @@ def _yaw(turn: Node) -> float:
     """Heading in [rad] of a quaternion; in a list it begins with w, as rviz saves it."""
     w, x, y, z = (_number(turn, key, index) for index, key in enumerate("wxyz"))
     length = math.sqrt(w * w + x * x + y * y + z * z)
-    if abs(length - 1.0) > UNIT:
+    if abs(length - 1.0) > QUATERNION_TOLERANCE:
         wrong = f"the orientation is a quaternion of length {length:.3g}; allowed: 1"
         raise FileError([_at(turn, wrong)])
     tilt = math.acos(max(-1.0, min(1.0, 1.0 - 2.0 * (x * x + y * y) / length**2)))
-    if tilt > UPRIGHT:
+    if tilt > MAX_TILT_RAD:
         raise FileError(
             [_at(turn, f"the goal is tilted by {math.degrees(tilt):.0f} deg; allowed: a robot upright")]
         )
@@ -129,7 +129,7 @@ def _where(node: Node, key: str, index: int, value: float) -> Node:
 def _frame(node: Node) -> Iterator[Finding]:
     header = node.child("header")
     frame = (header.child("frame_id") if header is not None else None) or node.child("frame_id")
-    if frame is not None and frame.content not in FRAMES:
+    if frame is not None and frame.content not in MAP_FRAMES:
         yield _at(frame, f"the goal is told in the frame {frame.content!r}; allowed: map")
 
 

@@ -17,12 +17,12 @@ from handcart.robotics.manipulation.motions.collision_model import HELD, Collisi
 from handcart.robotics.manipulation.motions.motion_planner import Path, plan_motion, plan_straight
 from handcart.robotics.manipulation.motions.trajectory import time_path
 
-MARGIN = 0.005  # [m] between the arm and anything
-ALLOWED = ((HELD, "tray"),)  # what the hand holds was taken from there
-FINELY = 5e-4  # [m] to which fingers are known, so that one model serves for many motions
-LAGS = 0.15  # [rad] behind the command at which something stops the arm: two periods at top speed
+ARM_MARGIN_M = 0.005  # between the arm and anything
+ALLOWED_CONTACTS = ((HELD, "tray"),)  # what the hand holds was taken from there
+FINGER_RESOLUTION_M = 5e-4  # to which fingers are known, so that one model serves for many motions
+MAX_JOINT_LAG_RAD = 0.15  # behind the command at which something stops the arm: two periods at top speed
 SLIDE_LAGS = 0.03  # [m] the same of joints that slide
-CLOSE = 1e-4  # [rad] to a goal that needs no motion
+GOAL_TOLERANCE_RAD = 1e-4  # to a goal that needs no motion
 MORE_STARTS = 40  # of the inverse kinematics, where its first posture can't be reached
 MORE_GOALS = 3  # postures that a way is looked for to then
 
@@ -49,7 +49,7 @@ def move_to_pose(
     if joints is None:
         x, y, z = base_T_hand[:3, 3]
         raise Discrepancy(f"the arm doesn't reach ({x:.2f}, {y:.2f}, {z:.2f}) m")
-    if np.allclose(here, joints, atol=CLOSE):
+    if np.allclose(here, joints, atol=GOAL_TOLERANCE_RAD):
         return
     collision = collision_model(robot, held, around)
     path = yield from robot.compute(plan_motion, collision.arm, collision, here, joints)
@@ -79,7 +79,7 @@ def move_to_joints(
     """
     here = robot.arm.command()
     joints = robot.arm_model.nearest(joints, here)
-    if np.allclose(here, joints, atol=CLOSE):
+    if np.allclose(here, joints, atol=GOAL_TOLERANCE_RAD):
         return
     collision = collision_model(robot, held, around)
     path = yield from robot.compute(plan_motion, collision.arm, collision, here, joints)
@@ -112,7 +112,7 @@ def follow(robot: Robot, path: NDArray[np.float64]) -> Periods:
         Discrepancy: the arm doesn't follow.
     """
     slides = robot.arm_model.slides
-    most = np.where(slides, SLIDE_LAGS, LAGS)
+    most = np.where(slides, SLIDE_LAGS, MAX_JOINT_LAG_RAD)
     for joints in time_path(path, robot.joint_speeds, robot.spec.joint_accelerations(), robot.period)[1:]:
         robot.arm.move(joints)
         yield
@@ -129,9 +129,9 @@ def collision_model(robot: Robot, held: Shape | None, around: Sequence[Shape] = 
     """Return the collision model of arm, hand and held object; arguments as for `move_to_joints`."""
     gripper, arm = robot.backend.get(Gripper), robot.arm_model  # type: ignore[type-abstract]
     if gripper is not None:
-        width = FINELY * round(max(0.0, gripper.width() / 2.0) / FINELY)
+        width = FINGER_RESOLUTION_M * round(max(0.0, gripper.width() / 2.0) / FINGER_RESOLUTION_M)
         arm = arm.with_others({"left_finger": width, "right_finger": width})
-    return CollisionModel(arm, around, held, margin=MARGIN, allowed=ALLOWED)
+    return CollisionModel(arm, around, held, margin=ARM_MARGIN_M, allowed=ALLOWED_CONTACTS)
 
 
 def _plan_another_way(

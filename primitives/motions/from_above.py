@@ -14,7 +14,7 @@ from handcart.robotics.manipulation.motions.collision_model import HELD
 
 from .grip import hand_to_tips
 
-BITE = 0.025  # [m] of a thing's height that the pads cover
+GRIP_DEPTH_M = 0.025  # of a thing's height that the pads cover
 _LEFT = transform(rpy=(-math.pi / 2, 0.0, 0.0))
 
 Size = tuple[float, float, float]
@@ -37,12 +37,12 @@ def gripping(robot: Robot, size: Size, base_T_thing: Transform) -> Transform:
 
     The hand is tilted as the thing is, so that an upright thing stays upright on a tilted base.
     """
-    above = size[2] - BITE + hand_to_tips(robot)
+    above = size[2] - GRIP_DEPTH_M + hand_to_tips(robot)
     return np.asarray(base_T_thing @ pointing_down(Pose2(0.0, 0.0, 0.0), above))
 
 
 def gripped(robot: Robot, size: Size) -> Box:
     """A thing as `gripping` has it in the hand, posed in the hand frame."""
     length, width, height = size
-    middle = transform((hand_to_tips(robot) - BITE + height / 2, 0.0, 0.0))
+    middle = transform((hand_to_tips(robot) - GRIP_DEPTH_M + height / 2, 0.0, 0.0))
     return Box(middle, (height, length, width), HELD)

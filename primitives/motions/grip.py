@@ -6,8 +6,8 @@ from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import Periods
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured
 
-PATIENCE = 3.0  # [s] that the fingers get
-ARRIVED = 0.0005  # [m]
+GRIP_TIMEOUT_S = 3.0  # that the fingers get
+OPENING_TOLERANCE_M = 0.0005
 
 
 def hand_to_tips(robot: Robot) -> float:
@@ -21,8 +21,8 @@ def open_to(robot: Robot, width: float | None = None) -> Periods:
     most = spec.opening_mm / 1e3 if spec is not None else 0.0
     goal = most if width is None else min(width, most)
     robot.gripper.move(goal)
-    end = robot.time + PATIENCE
-    while abs(robot.gripper.width() - goal) > ARRIVED:
+    end = robot.time + GRIP_TIMEOUT_S
+    while abs(robot.gripper.width() - goal) > OPENING_TOLERANCE_M:
         if robot.time > end:
             wide = Measured("Gripper", "opening", 1e3 * robot.gripper.width(), 1e3 * goal, "mm")
             raise Discrepancy("the fingers don't open", measured=wide)
@@ -32,7 +32,7 @@ def open_to(robot: Robot, width: float | None = None) -> Periods:
 def close(robot: Robot) -> Periods:
     """Close the fingers until they press on something, which may be each other."""
     robot.gripper.move(0.0)
-    end = robot.time + PATIENCE
+    end = robot.time + GRIP_TIMEOUT_S
     yield
     while not robot.gripper.closed_on_something():
         if robot.time > end:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.discrepancy import Discrepancy
-from handcart.primitives.restoring.arm_command import ROUNDING, hold_measured
+from handcart.primitives.restoring.arm_command import PERIOD_ROUNDING, hold_measured
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.manipulation.motions.motion_planner import plan_straight
 
@@ -78,6 +78,6 @@ def _within_speeds(path: NDArray[np.float64], step: NDArray[np.float64]) -> NDAr
     """Add rows to a path (m, n) so that no joint moves more than its `step` (n,) from one to the next."""
     rows = [path[:1]]
     for begin, end in pairwise(path):
-        count = max(1, math.ceil(float((np.abs(end - begin) / step).max()) - ROUNDING))
+        count = max(1, math.ceil(float((np.abs(end - begin) / step).max()) - PERIOD_ROUNDING))
         rows.append(np.linspace(begin, end, count + 1)[1:])
     return np.vstack(rows)

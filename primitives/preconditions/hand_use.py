@@ -27,9 +27,9 @@ class HandUse(NamedTuple):
     """Claimed by its Success."""
 
 
-UNUSED = HandUse(Hand.ANY, Hand.SAME)
+USES_NO_FINGERS = HandUse(Hand.ANY, Hand.SAME)
 """The primitive moves no finger."""
-UNDECLARED = HandUse(Hand.ANY, Hand.ANY)
+USE_UNDECLARED = HandUse(Hand.ANY, Hand.ANY)
 """The primitive moves the fingers and does not state what they hold."""
 TAKES = HandUse(Hand.EMPTY, Hand.FULL)
 CARRIES = HandUse(Hand.FULL, Hand.SAME)

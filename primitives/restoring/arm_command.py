@@ -13,7 +13,7 @@ from handcart.backends.robot.robot import Robot
 
 from .trace import Moment
 
-ROUNDING = 1e-6  # of a period
+PERIOD_ROUNDING = 1e-6  # of a period
 GRIP_PAUSE = 0.6  # [s] that fingers get before anything else moves
 
 
@@ -36,7 +36,7 @@ def hold_measured(robot: Robot) -> Generator[None, None, None]:
     start = arm.command()
     goal = model.clipped(arm.joints())
     periods = float(np.nan_to_num(np.abs(goal - start) / (robot.joint_speeds * robot.period)).max())
-    for share in np.linspace(1.0, 0.0, max(1, math.ceil(periods - ROUNDING)), endpoint=False)[::-1]:
+    for share in np.linspace(1.0, 0.0, max(1, math.ceil(periods - PERIOD_ROUNDING)), endpoint=False)[::-1]:
         arm.move(goal if share == 1.0 else start + share * (goal - start))
         yield
 

@@ -17,10 +17,10 @@ from .arm_command import command_moment, moves_fingers, renew_arm
 from .snapshot import Snapshot
 from .trace import Moment, Trace
 
-ROLLS = 1e-5  # [m] between two periods, less is no motion
-COARSE = 0.05  # [m] between points of the way back
-SHORT = 0.10  # [m]: a way that is not worth driving back
-SLOW = 0.1  # [m/s] straight on, in the end
+MIN_ROLL_M = 1e-5  # between two periods, less is no motion
+CAR_POINT_SPACING_M = 0.05  # between points of the way back
+MIN_STRETCH_M = 0.10  # a way that is not worth driving back
+FINAL_SPEED_M_S = 0.1  # straight on, in the end
 
 
 def car_retrace(robot: Robot, start: Snapshot, trace: Trace) -> Generator[None, None, None]:
@@ -31,7 +31,7 @@ def car_retrace(robot: Robot, start: Snapshot, trace: Trace) -> Generator[None, 
     """
     for stretch in reversed(_stretches(trace.moments)):
         forward = _forward(stretch[0], stretch[-1])
-        if abs(forward) < SHORT:
+        if abs(forward) < MIN_STRETCH_M:
             for moment in reversed(stretch):
                 yield from command_moment(robot, moment)
         else:
@@ -45,11 +45,14 @@ def _straight_to(robot: Robot, start: Snapshot) -> Generator[None, None, None]:
     came = robot.localization.displacement
     begin = start.pose.relative_to(robot.pose)
     left = begin.x if came is None else Pose2(*came.mean.tolist()).inverse().x
-    if abs(left) < SHORT:
+    if abs(left) < MIN_STRETCH_M:
         return
     begun = robot.localization.odometry_pose
-    while abs(robot.localization.odometry_pose.relative_to(begun).x) < abs(left) - SLOW * robot.period:
-        robot.base.drive(math.copysign(SLOW, left), 0.0)
+    while (
+        abs(robot.localization.odometry_pose.relative_to(begun).x)
+        < abs(left) - FINAL_SPEED_M_S * robot.period
+    ):
+        robot.base.drive(math.copysign(FINAL_SPEED_M_S, left), 0.0)
         yield
 
 
@@ -77,7 +80,7 @@ def _stretches(moments: Sequence[Moment]) -> list[list[Moment]]:
     direction = 0
     for before, now in pairwise(moments):
         rolled = _reckoned(now).relative_to(_reckoned(before)).x
-        moves = 0 if abs(rolled) < ROLLS else int(math.copysign(1, rolled))
+        moves = 0 if abs(rolled) < MIN_ROLL_M else int(math.copysign(1, rolled))
         if not result or moves != direction:
             result.append([before])
         result[-1].append(now)
@@ -91,7 +94,7 @@ def _drive_back(robot: Robot, stretch: Sequence[Moment], forwards: bool) -> Gene
     poses, along = [_reckoned(left[-1])], [0.0]
     for before, now in pairwise(reversed(left)):
         along.append(along[-1] + _reckoned(now).distance(_reckoned(before)))
-        if _reckoned(now).distance(poses[-1]) >= COARSE:
+        if _reckoned(now).distance(poses[-1]) >= CAR_POINT_SPACING_M:
             poses.append(_reckoned(now))
     sharpest = robot.spec.drive.sharpest_per_m
     tracker = CarTracker([(np.array(poses), forwards)], sharpest, robot.drive_limits)

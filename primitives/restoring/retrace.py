@@ -23,19 +23,19 @@ from .car_retrace import car_retrace, check_stands
 from .snapshot import Snapshot, limits, residuals, take_snapshot_since_start
 from .trace import Moment, Trace
 
-TOLERANCE = PoseTolerance(position=0.006, heading=0.004)
-FINE = PoseTolerance(position=0.003, heading=0.002)
-COARSE = 0.02  # [m] between points of the way back
-SHORT = 0.05  # [m]: less travel than this is regulated, not tracked
+STRETCH_TOLERANCE = PoseTolerance(position=0.006, heading=0.004)
+RETURN_TOLERANCE = PoseTolerance(position=0.003, heading=0.002)
+POINT_SPACING_M = 0.02  # between points of the way back
+MIN_TRACKED_TRAVEL_M = 0.05  # less travel than this is regulated, not tracked
 EXACT_REACH_S = 10.0
 """Time that the base gets to reach a pose as exactly as is wanted."""
 WIDENING_S = 20.0
 """Time in which the tolerance then grows to the widest one."""
 LONGEST_REACH = 60.0  # [s] that the base gets to a pose near by
 LONGEST_LOOK = 120.0  # [s] that a car stands to be sure where it does
-LOOK = 1.0  # [s] of it at a time
+LOOK_DURATION_S = 1.0  # of it at a time
 SPEEDS_UP = 4  # periods in which the first of an arm's steps is made; each of the next in one less
-STOOD = 1e-4  # [m], [rad]: between two periods, less is no motion
+STANDSTILL_TOLERANCE = 1e-4  # [m], [rad]: between two periods, less is no motion
 
 
 def retrace(
@@ -55,11 +55,11 @@ def retrace(
         else:
             yield from _play_back(robot, stretch)
     yield from _command(robot, Moment(start.pose, start.joint_command, start.gripper_command))
-    yield from reach_pose(robot, start.pose, FINE)
+    yield from reach_pose(robot, start.pose, RETURN_TOLERANCE)
 
 
 def reach_pose(
-    robot: Robot, goal: Pose2, tolerance: PoseTolerance = TOLERANCE
+    robot: Robot, goal: Pose2, tolerance: PoseTolerance = STRETCH_TOLERANCE
 ) -> Generator[None, None, None]:
     """Bring the base to a close pose; do nothing if it is there already within half the tolerance.
 
@@ -108,7 +108,7 @@ def reach_again(robot: Robot, start: Snapshot, room: float) -> Generator[None, N
         return
     end = robot.time + LONGEST_LOOK
     while robot.time < end and not _sure_of(robot, start, room):
-        yield from robot.wait(LOOK)
+        yield from robot.wait(LOOK_DURATION_S)
 
 
 def _sure_of(robot: Robot, start: Snapshot, room: float) -> bool:
@@ -123,7 +123,10 @@ def _stretches(moments: Sequence[Moment]) -> list[list[Moment]]:
     result: list[list[Moment]] = []
     moving = False
     for before, now in pairwise(moments):
-        moves = before.pose.distance(now.pose) > STOOD or before.pose.turn(now.pose) > STOOD
+        moves = (
+            before.pose.distance(now.pose) > STANDSTILL_TOLERANCE
+            or before.pose.turn(now.pose) > STANDSTILL_TOLERANCE
+        )
         if not result or moves != moving:
             result.append([before])
         result[-1].append(now)
@@ -141,11 +144,11 @@ def _drive_back(
 ) -> Generator[None, None, None]:
     goal, left = stretch[0].pose, list(stretch)
     points, way = _way_back(stretch)
-    if way[0] < SHORT:
+    if way[0] < MIN_TRACKED_TRAVEL_M:
         yield from reach_pose(robot, goal)
     else:
         limits = robot.drive_limits
-        tracker = PathTracker(points, goal.theta, limits, _forwards(stretch), TOLERANCE, allowed)
+        tracker = PathTracker(points, goal.theta, limits, _forwards(stretch), STRETCH_TOLERANCE, allowed)
         while not tracker.finished(robot.pose):
             robot.base.drive(*tracker.command(robot.pose, robot.period))
             if left and way[len(left) - 1] <= tracker.progress and not moves_fingers(robot, left[-1]):
@@ -163,8 +166,8 @@ def _way_back(stretch: Sequence[Moment]) -> tuple[NDArray[np.float64], NDArray[n
     kept, along = [ends[0]], [0.0]
     for point in ends[1:]:
         step = float(np.hypot(*(point - kept[-1])))
-        along.append(along[-1] + (step if step >= COARSE else 0.0))
-        if step >= COARSE:
+        along.append(along[-1] + (step if step >= POINT_SPACING_M else 0.0))
+        if step >= POINT_SPACING_M:
             kept.append(point)
     kept[1:] = [*kept[1:-1], ends[-1]]
     return np.array(kept), np.array(along)[::-1]

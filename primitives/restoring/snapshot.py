@@ -16,9 +16,9 @@ from handcart.backends.robot.robot import Robot
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.outdoors.watched_moment import Belief
 
-SURE = 3.0  # sigmas
-STILL = 5  # periods without any motion that count as rest
-PATIENCE = 5.0  # [s]
+RESIDUAL_SIGMAS = 3.0  # sigmas
+REST_PERIODS = 5  # periods without any motion that count as rest
+REST_TIMEOUT_S = 5.0
 KNOWN_AGAIN = 20  # more of them until the pose of a base that was pushed is known again
 JOINT_NOISE = 2e-4  # [rad] between two readings of a joint that stands
 MIN_HELD_WIDTH_M = 0.002
@@ -58,18 +58,18 @@ class Snapshot:
 
 def settle(robot: Robot) -> Generator[None, None, bool]:
     """Wait until nothing moves and the pose of the base is known; return whether that happened in time."""
-    still, end, displaced = 0, robot.time + PATIENCE, robot.localization.displacements
+    still, end, displaced = 0, robot.time + REST_TIMEOUT_S, robot.localization.displacements
     before = _readings(robot)
-    while still < STILL and robot.time < end:
+    while still < REST_PERIODS and robot.time < end:
         yield
         now = _readings(robot)
         still = still + 1 if np.all(np.abs(now - before) <= JOINT_NOISE) else 0
         before = now
-        if still == STILL:
+        if still == REST_PERIODS:
             robot.localization.look_again()
         if robot.localization.displacements > displaced:
             displaced, still = robot.localization.displacements, -KNOWN_AGAIN
-    return still >= STILL
+    return still >= REST_PERIODS
 
 
 def take_snapshot(robot: Robot, seen: Seen) -> Snapshot:
@@ -120,8 +120,8 @@ def residuals(
     result = {
         "base_mm": 1e3 * away,
         "base_deg": math.degrees(turned),
-        "base_unsure_mm": 1e3 * SURE * unsure[0],
-        "base_unsure_deg": math.degrees(SURE * unsure[1]),
+        "base_unsure_mm": 1e3 * RESIDUAL_SIGMAS * unsure[0],
+        "base_unsure_deg": math.degrees(RESIDUAL_SIGMAS * unsure[1]),
         "gripper_mm": 1e3 * abs(now.gripper_width - start.gripper_width),
         "held": math.inf if start.holding != now.holding else 0.0,
     }
@@ -152,7 +152,7 @@ def _apart(start: Snapshot, now: Snapshot) -> tuple[float, float]:
     if now.odometry_pose is None or start.odometry_pose is None:
         return by_pose
     felt = now.odometry_pose.distance(start.odometry_pose), now.odometry_pose.turn(start.odometry_pose)
-    off = [SURE * math.hypot(*both) for both in zip(start.pose_sigma, now.pose_sigma, strict=True)]
+    off = [RESIDUAL_SIGMAS * math.hypot(*both) for both in zip(start.pose_sigma, now.pose_sigma, strict=True)]
     return max(felt[0], by_pose[0] - off[0]), max(felt[1], by_pose[1] - off[1])
 
 

@@ -29,7 +29,7 @@ from .seam_placer import placer_of
 from .seam_work import DrivesTo, SeamPart, SeamWork
 
 _KEPT = KeptDivisions()
-LOOK = 0.2  # [m] of a way between looks at whether it is free
+WAY_CHECK_SPACING_M = 0.2  # of a way between looks at whether it is free
 
 
 class Divide(ActionPrimitive):
@@ -125,7 +125,7 @@ def _named(found: Placements, work: SeamWork, driven: ToolPath | None) -> tuple[
 def _way(part: SeamPart) -> NDArray[np.float64]:
     """(k, 3) base poses on the way of a part, both ends included."""
     end = part.pose if part.end is None else part.end.pose
-    count = 2 + int(part.pose.distance(end) / LOOK)
+    count = 2 + int(part.pose.distance(end) / WAY_CHECK_SPACING_M)
     return np.linspace(part.pose, end, count) if part.end is not None else np.array([part.pose])
 
 

@@ -18,7 +18,7 @@ from handcart.robotics.navigation.following.straight_way import StraightWay
 
 Floats = NDArray[np.float64]
 
-RAMP = 0.5  # share of the base's acceleration with which it sets out; the rest is for corrections
+START_ACCELERATION_SHARE = 0.5  # of the acceleration limit; the rest is for corrections
 MOST_BESIDE = 0.06  # [m] from its place
 
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 
 from handcart.robotics.manipulation.placement.placer import Placements
 
-MOST = 32  # that are kept
+MAX_DIVISIONS = 32  # that are kept
 
 
 class KeptDivisions:
@@ -26,7 +26,7 @@ class KeptDivisions:
         key = whole.digest()
         if key not in self._kept:
             found = find()
-            if len(self._kept) >= MOST:
+            if len(self._kept) >= MAX_DIVISIONS:
                 del self._kept[next(iter(self._kept))]
             self._kept[key] = found
         return self._kept[key]

@@ -16,9 +16,9 @@ from handcart.robotics.geometry.transform import transform
 from handcart.robotics.manipulation.placement.untrackable import Untrackable
 from handcart.robotics.manipulation.tracking.tool_path import ToolPath, tool_path
 
-COLUMNS = ("x_m", "y_m", "z_m", "roll_deg", "pitch_deg", "yaw_deg")
-MOST = 50_000  # points
-LARGEST = 1e6  # [m] or [deg]
+SEAM_COLUMNS = ("x_m", "y_m", "z_m", "roll_deg", "pitch_deg", "yaw_deg")
+MAX_SEAM_POINTS = 50_000  # points
+MAX_COORDINATE = 1e6  # [m] or [deg]
 
 
 def load_seam(path: Path | str) -> ToolPath:
@@ -31,10 +31,10 @@ def load_seam(path: Path | str) -> ToolPath:
         FileError: the file is not a seam, or the first bad point: NaN, a repeated position, a jump.
     """
     file = str(path)
-    lines = read_csv(path, MOST)
+    lines = read_csv(path, MAX_SEAM_POINTS)
     first = next(lines, None)
-    if first is None or first.cells != COLUMNS:
-        raise _refused(file, 1, f"these are no columns of a seam; allowed: {','.join(COLUMNS)}")
+    if first is None or first.cells != SEAM_COLUMNS:
+        raise _refused(file, 1, f"these are no columns of a seam; allowed: {','.join(SEAM_COLUMNS)}")
     findings = Findings()
     rows = [_row(file, line, findings) for line in lines]
     findings.raise_all()
@@ -56,7 +56,7 @@ def untrackable(file: str, error: Untrackable) -> FileError:
 
 def write_seam(path: Path, poses: NDArray[np.float64]) -> None:
     """Write poses (p, 6): x, y, z in [m], roll, pitch, yaw in [rad]."""
-    rows = [",".join(COLUMNS)]
+    rows = [",".join(SEAM_COLUMNS)]
     for pose in poses.tolist():
         numbers = [f"{value:.5f}" for value in pose[:3]]
         rows.append(",".join(numbers + [f"{math.degrees(value):.4f}" for value in pose[3:]]))
@@ -64,13 +64,13 @@ def write_seam(path: Path, poses: NDArray[np.float64]) -> None:
 
 
 def _row(file: str, row: CsvRow, findings: Findings) -> list[float]:
-    if len(row.cells) != len(COLUMNS):
-        findings.add(Finding(file, row.line, 1, f"{len(row.cells)} values; allowed: {len(COLUMNS)}"))
+    if len(row.cells) != len(SEAM_COLUMNS):
+        findings.add(Finding(file, row.line, 1, f"{len(row.cells)} values; allowed: {len(SEAM_COLUMNS)}"))
         return []
     values = [number_in(cell) for cell in row.cells]
-    for name, cell, value, column in zip(COLUMNS, row.cells, values, row.columns, strict=True):
-        if not abs(value) <= LARGEST:
-            wrong = f"{name} is {cell[:40]!r}; allowed: a finite number up to {LARGEST:g}"
+    for name, cell, value, column in zip(SEAM_COLUMNS, row.cells, values, row.columns, strict=True):
+        if not abs(value) <= MAX_COORDINATE:
+            wrong = f"{name} is {cell[:40]!r}; allowed: a finite number up to {MAX_COORDINATE:g}"
             findings.add(Finding(file, row.line, column, wrong))
     return values
 

@@ -10,7 +10,7 @@ from handcart.primitives.motions.working_arm import working_arm
 from handcart.robotics.manipulation.arms.screw_arm import FreeTurn
 from handcart.robotics.manipulation.placement.placer import Placer, Work
 
-FREE = {"nothing": FreeTurn.NONE, "azimuth": FreeTurn.VERTICAL, "roll": FreeTurn.TOOL}
+FREE_TURNS = {"nothing": FreeTurn.NONE, "azimuth": FreeTurn.VERTICAL, "roll": FreeTurn.TOOL}
 
 
 def work_of(spec: RobotFile, speed: float | None = None) -> Work:
@@ -19,7 +19,7 @@ def work_of(spec: RobotFile, speed: float | None = None) -> Work:
     if tool is None:
         raise Discrepancy("the robot's file has no tool", permanent=True)
     tolerance = math.radians(tool.azimuth_tolerance_deg)
-    return Work(speed or tool.speed_m_s, tool.force_n, FREE[tool.free], tolerance)
+    return Work(speed or tool.speed_m_s, tool.force_n, FREE_TURNS[tool.free], tolerance)
 
 
 def placer_of(spec: RobotFile, speed: float | None = None) -> Placer:

@@ -14,7 +14,12 @@ from handcart.backends.capabilities.positioning import Positioning
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured
-from handcart.primitives.driving.driving import HORIZON, FieldObstacleMonitor, ObstacleMonitor, make_monitor
+from handcart.primitives.driving.driving import (
+    WATCH_HORIZON_M,
+    FieldObstacleMonitor,
+    ObstacleMonitor,
+    make_monitor,
+)
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.motions.arm_motion import follow, move_to_joints, move_to_posture
 from handcart.primitives.restoring.retrace import retrace
@@ -38,16 +43,16 @@ from handcart.robotics.manipulation.tracking.tracking_time import (
 )
 
 from .divide import seam_of
-from .driven_base import RAMP, DrivenBase, way_from_here
+from .driven_base import START_ACCELERATION_SHARE, DrivenBase, way_from_here
 from .seam_placer import placer_of
 from .seam_work import SeamPart
 
-LOOK = 2.0  # [s] at rest in which the positioning is averaged
-AWAY = 0.06  # [m] before the seam where the tool comes from
+POSITIONING_AVERAGING_S = 2.0  # at rest in which the positioning is averaged
+LEAD_DISTANCE_M = 0.06  # before the seam where the tool comes from
 MOST_OFF = 0.003  # [m] of the tool from where it should be
-CONTACT = 15.0  # [N]
-SURE = 3.0  # sigma
-REACH = 1.2  # [m] from the base to the tool, about
+TOOL_CONTACT_FORCE_N = 15.0
+TOOL_SIGMAS = 3.0  # sigma
+TOOL_REACH_M = 1.2  # from the base to the tool, about
 
 Floats = NDArray[np.float64]
 
@@ -94,7 +99,7 @@ class Track(ActionPrimitive):
             raise Discrepancy("the seam isn't divided", permanent=True)
         if work.next.empty:  # all of it is tracked
             return
-        yield from robot.wait(LOOK)
+        yield from robot.wait(POSITIONING_AVERAGING_S)
         _check_known(robot)
         part = seam.part(work.next.first, work.next.last)
         placer = placer_of(robot.spec, self.speed_m_s)
@@ -127,7 +132,7 @@ class Track(ActionPrimitive):
             x, y = found[1]
             raise Discrepancy(
                 f"an obstacle stands in the base's way beside the seam, at ({x:.2f}, {y:.2f}) m",
-                measured=Measured("RangeSensor", "free way ahead", found[0], HORIZON, "m"),
+                measured=Measured("RangeSensor", "free way ahead", found[0], WATCH_HORIZON_M, "m"),
             )
 
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
@@ -151,7 +156,7 @@ class Track(ActionPrimitive):
         else:
             seen = seen_from(level_with(start, part.points), part)
             angles = placer.joints(np.zeros(3), seen)
-            ramp = RAMP * robot.drive_limits.acceleration
+            ramp = START_ACCELERATION_SHARE * robot.drive_limits.acceleration
             timed = time_evenly(placer.arm, seen, angles, limits, ramp, robot.period)
         way_in = placer.follower.joints(_lead(part.poses[0]), robot.pose.lift(), angles[0])[::-1]
         return _Plan(timed, part.at(timed.lengths), way_in)
@@ -175,9 +180,10 @@ class Track(ActionPrimitive):
                 off = Measured("Arm", "tool off the seam", 1e3 * worst, 1e3 * MOST_OFF, "mm")
                 raise Discrepancy("the tool leaves the seam", measured=off)
             force = float(np.linalg.norm(robot.arm.hand_force()))
-            if force > CONTACT:
+            if force > TOOL_CONTACT_FORCE_N:
                 raise Discrepancy(
-                    "the tool touches something", measured=Measured("Arm", "force", force, CONTACT, "N")
+                    "the tool touches something",
+                    measured=Measured("Arm", "force", force, TOOL_CONTACT_FORCE_N, "N"),
                 )
             _check_known(robot)
         self._at = None
@@ -196,15 +202,17 @@ def _away(robot: Robot, placer: Placer) -> Periods:
 def _check_known(robot: Robot) -> None:
     """Raise `Discrepancy` if the pose of the base is not known well enough."""
     x, y, turn = np.sqrt(np.diag(robot.localization.covariance)).tolist()
-    off = SURE * math.hypot(x, y, REACH * turn)
+    off = TOOL_SIGMAS * math.hypot(x, y, TOOL_REACH_M * turn)
     if off > MOST_OFF:
-        measured = Measured("Positioning", f"{SURE:g} sigma of the tool", 1e3 * off, 1e3 * MOST_OFF, "mm")
+        measured = Measured(
+            "Positioning", f"{TOOL_SIGMAS:g} sigma of the tool", 1e3 * off, 1e3 * MOST_OFF, "mm"
+        )
         raise Discrepancy("it isn't known exactly enough where the base stands", measured=measured)
 
 
 def _lead(pose: Floats) -> ToolPath:
     """Return a straight path from a pose (4, 4) of the tool back along it."""
-    return tool_path([pose @ transform((-away, 0.0, 0.0)) for away in np.linspace(0.0, AWAY, 7)])
+    return tool_path([pose @ transform((-away, 0.0, 0.0)) for away in np.linspace(0.0, LEAD_DISTANCE_M, 7)])
 
 
 def _around(robot: Robot, model: ModelView) -> tuple[Box, ...]:

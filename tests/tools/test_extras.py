@@ -11,13 +11,13 @@ from pathlib import Path
 
 import pytest
 
-from handcart.files.extras import EXTRAS, lack
+from handcart.files.extras import EXTRA_MODULES, lack
 from handcart.tools.terminal.libraries import IMPORT_NAMES, Requirement, check_libraries, required
 from tests.tools.conftest import Said
 
 ROOT = Path(__file__).resolve().parents[2]
 DRIVE_MAP, RETURN_BOOK = (str(ROOT / "tasks" / name / "task.yaml") for name in ("drive_map", "return_book"))
-ARM, LABELS = EXTRAS["arm"], EXTRAS["labels"]
+ARM, LABELS = EXTRA_MODULES["arm"], EXTRA_MODULES["labels"]
 WITHOUT = """
 import sys
 
@@ -44,10 +44,10 @@ def test_the_extras_are_those_of_the_project() -> None:
     extras = project["optional-dependencies"]
     modules = {"pin": "pinocchio", "python-fcl": "fcl"}
     modules |= {"arro3-core": "arro3", "arro3-io": "arro3", "foxglove-sdk": "foxglove"}
-    for extra, brought in EXTRAS.items():
+    for extra, brought in EXTRA_MODULES.items():
         names = [re.split("[>;]", each)[0] for each in extras[extra]]
         assert {modules.get(each, each) for each in names} == set(brought)
-    assert f"handcart[{','.join((*EXTRAS, 'docs'))}]" in extras["dev"]
+    assert f"handcart[{','.join((*EXTRA_MODULES, 'docs'))}]" in extras["dev"]
     assert IMPORT_NAMES["python-fcl"] == "fcl"
 
 

@@ -196,13 +196,13 @@ def file_facts(file: Path, settings: dict[str, str], asked: Asked = Asked()) -> 
 
 def _map_facts(file: Path) -> dict[str, Any]:
     from handcart.files.maps.map_file import load_map
-    from handcart.files.maps.movingai_map import SUFFIX
+    from handcart.files.maps.movingai_map import MOVINGAI_SUFFIX
 
     grid, warning = load_map(file)
     height, width = grid.occupied.shape
     counts = {"occupied": int(grid.occupied.sum()), "unknown": int(grid.unknown.sum())}
     size = f"{width} x {height} of {grid.resolution:g} m"
-    kind = "MovingAI map" if file.suffix == SUFFIX else "ROS map"
+    kind = "MovingAI map" if file.suffix == MOVINGAI_SUFFIX else "ROS map"
     return {"format": kind, "cells": size, **counts, "warnings": [warning] if warning else []}
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from handcart.files.errors import InputError
-from handcart.files.extras import EXTRAS, extra_of, is_there
+from handcart.files.extras import EXTRA_MODULES, extra_of, is_there
 
 IMPORT_NAMES = {
     "opencv-python-headless": "cv2",
@@ -103,7 +103,7 @@ def required() -> list[Requirement]:
         for found in Path(folder or ".").glob("handcart-*.dist-info/METADATA"):
             head = found.read_text(encoding="utf-8").partition("\n\n")[0]
             every = (Requirement(*each) for each in _REQUIRED.findall(head))
-            return [each for each in every if not each.extra or each.extra in EXTRAS]
+            return [each for each in every if not each.extra or each.extra in EXTRA_MODULES]
     return []
 
 

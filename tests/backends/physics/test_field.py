@@ -94,7 +94,7 @@ def test_what_the_fingers_let_go_at_home_the_magazine_takes_back(
     """Without ground below it DEPLOY Fails: the same sensor is there again, and is laid next."""
     with beside_a_target(physics.name, 2, tmp_path) as rig:
         with monkeypatch.context() as patched:
-            patched.setattr("handcart.primitives.field.deploy.UNEVEN", -0.06)
+            patched.setattr("handcart.primitives.field.deploy.GROUND_TOLERANCE_M", -0.06)
             assert isinstance(rig.do(Deploy(target="here", sure_mm=1000.0)), Fail)
         scene = simulated_world(rig.backend)
         assert scene is not None

@@ -18,7 +18,14 @@ from handcart.evaluation.truth.surveys import Surveys
 from handcart.primitives.blocks.fixate import Fixate
 from handcart.primitives.blocks.pick_up_block import PickUpBlock
 from handcart.primitives.contract.outcome import Success
-from handcart.primitives.preconditions.hand_use import CARRIES, LETS_GO, TAKES, UNDECLARED, UNUSED, HandUse
+from handcart.primitives.preconditions.hand_use import (
+    CARRIES,
+    LETS_GO,
+    TAKES,
+    USE_UNDECLARED,
+    USES_NO_FINGERS,
+    HandUse,
+)
 from handcart.robotics.geometry.pose2 import Pose2
 
 STACKING = Path(__file__).resolve().parents[3] / "tasks" / "stack_blocks"
@@ -53,8 +60,8 @@ MODEL: Any = SimpleNamespace(view=lambda primitive: None)
         (CARRIES, ("block 1",), ("block 1",), "block 1", []),
         (CARRIES, ("block 1",), (), "", ["the hand holds nothing, not block 1"]),
         (LETS_GO, ("block 1",), ("block 1",), "block 1", ["the hand holds block 1, not nothing"]),
-        (UNUSED, ("block 1",), ("block 2",), "", ["the hand holds block 2, not block 1"]),
-        (UNDECLARED, ("block 1",), (), "", []),
+        (USES_NO_FINGERS, ("block 1",), ("block 2",), "", ["the hand holds block 2, not block 1"]),
+        (USE_UNDECLARED, ("block 1",), (), "", []),
     ],
 )
 def test_a_success_names_what_the_hand_holds(

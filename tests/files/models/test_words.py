@@ -7,7 +7,7 @@ from pydantic import Field, TypeAdapter
 
 from handcart.files.errors import FileError, Finding, HandcartError, InputError, UnsafePath
 from handcart.files.findings import Findings
-from handcart.files.models.json_schema import DIALECT, schema
+from handcart.files.models.json_schema import SCHEMA_DIALECT, schema
 from handcart.files.models.model import FileModel
 from handcart.files.models.units import unit_of
 from handcart.files.suggest import listed, nearest, suggest
@@ -81,7 +81,7 @@ class Book(FileModel):
 
 def test_schema_for_editors() -> None:
     found = schema(Book)
-    assert found["$schema"] == DIALECT
+    assert found["$schema"] == SCHEMA_DIALECT
     assert (found["title"], found["description"]) == ("Book", "A book on a shelf.")
     assert found["additionalProperties"] is False
     assert found["properties"]["width_mm"]["description"] == "Thickness across the spine, in [mm]."

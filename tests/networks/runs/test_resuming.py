@@ -36,7 +36,7 @@ from handcart.networks.runs.state_check import (
 )
 from handcart.networks.task.preparing import Prepared
 from handcart.networks.task.task_file import load_task
-from handcart.primitives.restoring.snapshot import STILL
+from handcart.primitives.restoring.snapshot import REST_PERIODS
 from tests.networks.conftest import Stand
 
 _OWN = ("kind", "q", "t", "wall", "p", "h")
@@ -238,7 +238,7 @@ def test_a_look_waits_until_the_robot_rests(run: Run, monkeypatch: pytest.Monkey
     monkeypatch.setattr(robot, "step", rolling)
     monkeypatch.setattr(wheels, "drive", lambda *_: pytest.fail("nothing is commanded"))
     check = check_state(robot, past)
-    assert stepped == [SETTLING_PERIODS + rolls + STILL]
+    assert stepped == [SETTLING_PERIODS + rolls + REST_PERIODS]
     assert check.measured.pose.x == pytest.approx(0.1 + 0.01 * rolls, abs=1e-3)
     assert check.expected is past.standing.at
 

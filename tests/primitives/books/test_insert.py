@@ -76,7 +76,7 @@ def test_a_force_that_moves_neighbours_is_for_a_person(
     at_slot: Callable[..., Rig], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     rig = at_slot(0.030)
-    monkeypatch.setattr("handcart.primitives.books.insert.JAM", 20.0)
+    monkeypatch.setattr("handcart.primitives.books.insert.JAM_FORCE_N", 20.0)
     before = fronts(rig)
     outcome = rig.run(Insert(shelf="shelf_1", wiggle=False))
     assert isinstance(outcome, GiveUp)

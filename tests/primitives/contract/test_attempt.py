@@ -14,7 +14,7 @@ from handcart.backends.capabilities.base import Base, WheelTravel
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.books.books import Books
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
-from handcart.primitives.contract.attempt import PUSHED
+from handcart.primitives.contract.attempt import PUSHED_REASON
 from handcart.primitives.contract.discrepancy import Discrepancy, NeedsPerson
 from handcart.primitives.contract.outcome import Fail, GiveUp, Success
 from handcart.primitives.knowledge.world_model import ModelView, UndeclaredAccess
@@ -331,8 +331,8 @@ def test_a_push_before_the_start_is_for_a_person(make_rig: Callable[..., Rig]) -
     rig = make_rig()
     stops = count_stops(rig)
     primitive = NotYet(stage="pushed")
-    assert rig.run(primitive) == GiveUp(PUSHED)
-    assert [(cause.reason, cause.check) for cause in primitive.evidence.causes] == [(PUSHED, "push")]
+    assert rig.run(primitive) == GiveUp(PUSHED_REASON)
+    assert [(cause.reason, cause.check) for cause in primitive.evidence.causes] == [(PUSHED_REASON, "push")]
     assert len(stops) == 1
 
 

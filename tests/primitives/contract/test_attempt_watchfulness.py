@@ -13,12 +13,12 @@ from handcart.backends.capabilities.base import Base
 from handcart.backends.robot.robot import Robot
 from handcart.evaluation.conformance.rig.layered_backend import LayeredBackend
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
-from handcart.primitives.contract.attempt import NOT_ALONE, PUSHED
+from handcart.primitives.contract.attempt import NOT_ALONE, PUSHED_REASON
 from handcart.primitives.contract.discrepancy import Discrepancy, NeedsPerson
 from handcart.primitives.contract.outcome import Fail, GiveUp, Success
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.restoring.retrace import retrace
-from handcart.primitives.restoring.snapshot import STILL, Snapshot
+from handcart.primitives.restoring.snapshot import REST_PERIODS, Snapshot
 from handcart.primitives.restoring.trace import Trace
 from handcart.robotics.geometry.pose2 import Pose2
 from tests.primitives.conftest import Rig
@@ -147,13 +147,13 @@ def test_a_push_just_before_success_is_seen(make_rig: Callable[..., Rig]) -> Non
 
 def test_a_push_while_the_effect_is_observed_is_for_a_person(make_rig: Callable[..., Rig]) -> None:
     rig = make_rig()
-    assert rig.run(Stands(effect_s=4.0, scene=rig.scene)) == GiveUp(PUSHED)
+    assert rig.run(Stands(effect_s=4.0, scene=rig.scene)) == GiveUp(PUSHED_REASON)
 
 
 def test_a_push_on_the_way_back_ends_restoring_at_once(make_rig: Callable[..., Rig]) -> None:
     rig = make_rig()
     outcome = rig.run(Stands(restore_s=6.0, scene=rig.scene))
-    assert outcome == GiveUp(f"nobody is there; and restoring failed: {PUSHED}")
+    assert outcome == GiveUp(f"nobody is there; and restoring failed: {PUSHED_REASON}")
     assert rig.robot.time < 4.0
 
 
@@ -185,7 +185,7 @@ def test_a_giveup_comes_when_the_robot_stands(make_rig: Callable[..., Rig]) -> N
     before = rig.robot.time
     assert rig.run(Rolls()) == GiveUp("a wheel squeaks")
     assert backend.left == 0
-    assert rig.robot.time - before > (10 + Coasting.periods + STILL) * rig.robot.period
+    assert rig.robot.time - before > (10 + Coasting.periods + REST_PERIODS) * rig.robot.period
 
 
 def test_no_success_for_a_robot_that_never_stands(make_rig: Callable[..., Rig]) -> None:

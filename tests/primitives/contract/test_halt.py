@@ -12,7 +12,7 @@ from handcart.backends.capabilities.arm import Arm
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.contract.discrepancy import NeedsPerson
-from handcart.primitives.contract.halt import PRESSES
+from handcart.primitives.contract.halt import PRESSING_FORCE_N
 from handcart.primitives.contract.outcome import GiveUp
 from handcart.primitives.knowledge.world_model import ModelView
 from tests.primitives.conftest import Rig
@@ -65,5 +65,5 @@ def test_what_an_arm_is_jammed_in_may_follow(
 
     monkeypatch.setattr(arm, "hand_force", force)
     assert rig.run(Pushes()) == GiveUp("it squeaks")
-    assert np.linalg.norm(arm.hand_force()) <= PRESSES
+    assert np.linalg.norm(arm.hand_force()) <= PRESSING_FORCE_N
     assert arm.command()[0] > free[0]

@@ -12,14 +12,23 @@ import pytest
 
 from handcart.backends.description.joint_units import JointUnits
 from handcart.primitives.contract.calibrated import Calibrated, as_facts
-from handcart.primitives.contract.cause import DEEPEST, Cause, cause_of
+from handcart.primitives.contract.cause import MAX_CALLS, Cause, cause_of
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured, NeedsPerson
 from handcart.primitives.contract.evidence import Evidence
-from handcart.primitives.contract.intents import UNKEPT, Intents
+from handcart.primitives.contract.intents import UNRECORDED_INTENTS, Intents
 from handcart.primitives.contract.meant_contact import MeantContact
 from handcart.primitives.contract.outcome import Fail, GiveUp, Success, fail_if_restored
-from handcart.primitives.contract.standstill_monitor import MOVED, PATIENCE, StandstillMonitor
-from handcart.primitives.contract.tracking_error_monitor import BEHIND, IN_A_ROW, LATE, TrackingErrorMonitor
+from handcart.primitives.contract.standstill_monitor import (
+    MIN_MOTION,
+    STANDSTILL_TIMEOUT_S,
+    StandstillMonitor,
+)
+from handcart.primitives.contract.tracking_error_monitor import (
+    IN_A_ROW,
+    MAX_LAG_PERIODS,
+    TRACKING_TOLERANCE_RAD,
+    TrackingErrorMonitor,
+)
 from handcart.robotics.geometry.pose2 import Pose2
 
 PERIOD = 0.0625
@@ -37,7 +46,7 @@ def checks_until_stuck(robot: Any, monitor: StandstillMonitor, most: int = 400) 
         except Discrepancy as stuck:
             assert stuck.check == "standstill"
             assert stuck.measured == Measured(
-                "Base", "time driven without moving", PATIENCE + PERIOD, PATIENCE, "s"
+                "Base", "time driven without moving", STANDSTILL_TIMEOUT_S + PERIOD, STANDSTILL_TIMEOUT_S, "s"
             )
             return number
     return None
@@ -47,7 +56,7 @@ def checks_until_stuck(robot: Any, monitor: StandstillMonitor, most: int = 400) 
 def test_a_base_that_is_driven_and_stands_is_stuck_after_its_time(driven: tuple[float, float]) -> None:
     robot = base()
     robot.driven = driven
-    assert checks_until_stuck(robot, StandstillMonitor(robot)) == round(PATIENCE / PERIOD) == 160
+    assert checks_until_stuck(robot, StandstillMonitor(robot)) == round(STANDSTILL_TIMEOUT_S / PERIOD) == 160
 
 
 def test_a_base_that_is_not_driven_or_waits_is_not_stuck() -> None:
@@ -61,10 +70,10 @@ def test_a_base_that_is_not_driven_or_waits_is_not_stuck() -> None:
 @pytest.mark.parametrize(
     ("step", "stuck"),
     [
-        ((0.9 * MOVED[0], 0.0, 0.0), True),
-        ((0.0, 1.1 * MOVED[0], 0.0), False),
-        ((0.0, 0.0, 0.9 * MOVED[1]), True),
-        ((0.0, 0.0, -1.1 * MOVED[1]), False),
+        ((0.9 * MIN_MOTION[0], 0.0, 0.0), True),
+        ((0.0, 1.1 * MIN_MOTION[0], 0.0), False),
+        ((0.0, 0.0, 0.9 * MIN_MOTION[1]), True),
+        ((0.0, 0.0, -1.1 * MIN_MOTION[1]), False),
     ],
 )
 def test_motion_begins_the_time_again_and_trembling_does_not(
@@ -77,7 +86,7 @@ def test_motion_begins_the_time_again_and_trembling_does_not(
     robot.pose = Pose2(*step)
     expected = 160 - 150 if stuck else 161
     assert checks_until_stuck(robot, monitor) == expected
-    assert math.degrees(MOVED[1]) == pytest.approx(0.3)
+    assert math.degrees(MIN_MOTION[1]) == pytest.approx(0.3)
 
 
 class Follows:
@@ -97,14 +106,17 @@ class Follows:
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-@pytest.mark.parametrize(("off", "late"), [(0.99 * BEHIND, False), (1.01 * BEHIND, True), (math.nan, True)])
+@pytest.mark.parametrize(
+    ("off", "late"),
+    [(0.99 * TRACKING_TOLERANCE_RAD, False), (1.01 * TRACKING_TOLERANCE_RAD, True), (math.nan, True)],
+)
 def test_a_joint_off_all_its_commands_is_noticed_after_some_periods(
     sign: float, off: float, late: bool
 ) -> None:
     arm: Any = Follows()
     monitor = TrackingErrorMonitor(arm)
     arm.reading = np.array([0.0, sign * off])
-    for _ in range(LATE + IN_A_ROW - 2):
+    for _ in range(MAX_LAG_PERIODS + IN_A_ROW - 2):
         monitor.check()
     if not late:
         for _ in range(10):
@@ -115,7 +127,7 @@ def test_a_joint_off_all_its_commands_is_noticed_after_some_periods(
     assert error.value.check == "following"
     if not math.isnan(off):
         assert str(error.value) == "joint 2 is 0.02 rad from where it was told to be"
-        expected = Measured("Arm", "joint 2 off its command", off, BEHIND, "rad")
+        expected = Measured("Arm", "joint 2 off its command", off, TRACKING_TOLERANCE_RAD, "rad")
         assert error.value.measured == expected
 
 
@@ -131,7 +143,7 @@ def test_a_sliding_joint_is_told_in_mm() -> None:
 
 def test_joints_may_follow_late_but_not_later() -> None:
     """By so many periods as the commands that are kept; a single reading may be broken."""
-    for late in (LATE - 1, LATE):
+    for late in (MAX_LAG_PERIODS - 1, MAX_LAG_PERIODS):
         arm: Any = Follows()
         monitor = TrackingErrorMonitor(arm)
         noticed = False
@@ -143,7 +155,7 @@ def test_joints_may_follow_late_but_not_later() -> None:
             except Discrepancy:
                 noticed = True
                 break
-        assert noticed == (late == LATE)
+        assert noticed == (late == MAX_LAG_PERIODS)
     arm = Follows()
     monitor = TrackingErrorMonitor(arm)
     for period in range(60):
@@ -206,7 +218,7 @@ def test_a_cause_names_the_calls_and_no_more_than_some() -> None:
     cause = cause_of(raised(Discrepancy("why"), deep=2), restoring=False)
     assert cause.calls == ("raised", *["raised.<locals>.deeper"] * 3)
     assert (cause.check, cause.fault, cause.restoring) == ("framework", "", False)
-    assert len(cause_of(raised(Discrepancy("why"), deep=30), restoring=False).calls) == DEEPEST
+    assert len(cause_of(raised(Discrepancy("why"), deep=30), restoring=False).calls) == MAX_CALLS
     fault = cause_of(raised(KeyError("x")), restoring=True)
     assert (fault.check, fault.fault, fault.restoring, fault.reason) == ("restore", "KeyError", True, "'x'")
     assert cause_of(raised(NeedsPerson("why", check="push")), restoring=False).check == "push"
@@ -238,6 +250,6 @@ def test_a_meant_contact_covers_its_part_and_name_alone() -> None:
 
 
 def test_without_a_journal_all_that_is_intended_is_kept_at_once() -> None:
-    UNKEPT.intends("the lamp goes out")
-    UNKEPT.passed("it is out")
+    UNRECORDED_INTENTS.intends("the lamp goes out")
+    UNRECORDED_INTENTS.passed("it is out")
     assert Intents().kept is True

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from handcart.primitives.restoring.snapshot import KNOWN_AGAIN, PATIENCE, STILL, settle
+from handcart.primitives.restoring.snapshot import KNOWN_AGAIN, REST_PERIODS, REST_TIMEOUT_S, settle
 
 PERIOD = 0.05
 
@@ -41,21 +41,21 @@ class Wheels:
 
 
 def test_it_is_at_rest_after_some_periods_without_motion() -> None:
-    assert Wheels().settled() == (True, STILL)
-    assert Wheels(rolls=(1, 2, 3)).settled() == (True, 3 + STILL)
+    assert Wheels().settled() == (True, REST_PERIODS)
+    assert Wheels(rolls=(1, 2, 3)).settled() == (True, 3 + REST_PERIODS)
 
 
 def test_motion_in_between_makes_it_wait_anew() -> None:
-    assert Wheels(rolls=(STILL - 1,)).settled() == (True, 2 * STILL - 1)
+    assert Wheels(rolls=(REST_PERIODS - 1,)).settled() == (True, 2 * REST_PERIODS - 1)
 
 
 @pytest.mark.parametrize("pushed", [1, 2])
 def test_where_a_pushed_base_stands_is_known_again_only_later(pushed: int) -> None:
     """Each time that it was found elsewhere it is looked for anew."""
-    assert Wheels(pushed=pushed).settled() == (True, STILL + pushed * (KNOWN_AGAIN + STILL))
+    assert Wheels(pushed=pushed).settled() == (True, REST_PERIODS + pushed * (KNOWN_AGAIN + REST_PERIODS))
 
 
 def test_what_never_stands_is_told() -> None:
     rests, periods = Wheels(rolls=tuple(range(10_000))).settled()
     assert not rests
-    assert periods == pytest.approx(PATIENCE / PERIOD, abs=1)
+    assert periods == pytest.approx(REST_TIMEOUT_S / PERIOD, abs=1)

@@ -25,7 +25,7 @@ from handcart.primitives.field.deploy import Deploy, _spread
 from handcart.primitives.field.field import Field
 from handcart.primitives.field.field_work import FieldWork
 from handcart.primitives.field.scara_arm import scara_of
-from handcart.primitives.field.sensor_arm import FARTHEST, SensorArm
+from handcart.primitives.field.sensor_arm import MAX_YIELD_M, SensorArm
 from handcart.primitives.field.target import Laid
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import transform
@@ -78,7 +78,7 @@ def test_a_sensor_is_laid_where_it_is_believed_to_be(rig: Rig, monkeypatch: pyte
 
 def test_without_ground_below_it_the_sensor_is_not_let_go(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
     """A pit that is deeper than the arm looks for ground."""
-    monkeypatch.setattr("handcart.primitives.field.deploy.UNEVEN", -0.06)
+    monkeypatch.setattr("handcart.primitives.field.deploy.GROUND_TOLERANCE_M", -0.06)
     failed = rig.do(Deploy(target="here"))
     assert isinstance(failed, Fail), failed
     assert failed.reason == "there is no ground below the sensor"
@@ -164,7 +164,7 @@ def test_the_hand_gives_way_to_what_leans_on_a_finger(
     monkeypatch.setattr(robot.backend.get(Arm), "hand_force", force)  # type: ignore[type-abstract]
     for _ in arm.give_way():
         robot.step()
-    farthest = min(until, FARTHEST)
+    farthest = min(until, MAX_YIELD_M)
     assert math.copysign(1.0, pushed) * gone() == pytest.approx(farthest, abs=0.006)
 
 

@@ -17,8 +17,12 @@ from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.registry import make_backend
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.discrepancy import Discrepancy
-from handcart.primitives.contract.tracking_error_monitor import IN_A_ROW, LATE, TrackingErrorMonitor
-from handcart.primitives.motions.arm_motion import MARGIN, follow, move_to_joints, move_to_pose
+from handcart.primitives.contract.tracking_error_monitor import (
+    IN_A_ROW,
+    MAX_LAG_PERIODS,
+    TrackingErrorMonitor,
+)
+from handcart.primitives.motions.arm_motion import ARM_MARGIN_M, follow, move_to_joints, move_to_pose
 from handcart.primitives.motions.pushing import push, relax
 from handcart.primitives.restoring.arm_command import command_moment
 from handcart.primitives.restoring.snapshot import residuals, settle, take_snapshot
@@ -130,7 +134,7 @@ def test_lag_of_a_lift_is_told_in_mm(lifter: Robot, monkeypatch: pytest.MonkeyPa
     assert (measured.unit, measured.limit) == ("mm", 30.0)
     monitor = TrackingErrorMonitor(lifter)
     with pytest.raises(Discrepancy, match=r"joint 1 is 3.* mm from where it was told to be"):
-        for _ in range(LATE + IN_A_ROW):
+        for _ in range(MAX_LAG_PERIODS + IN_A_ROW):
             monitor.check()
 
 
@@ -141,14 +145,14 @@ def blocked(rig: Rig, seed: int) -> tuple[Any, list[Sphere]] | None:
     """A pose whose posture found first meets a ball, while another one is free; None for some seeds."""
     robot = rig.robot
     arm, here = robot.arm_model, robot.arm.command()
-    free = CollisionModel(arm, margin=MARGIN)
+    free = CollisionModel(arm, margin=ARM_MARGIN_M)
     joints = np.random.default_rng(seed).uniform(arm.lower, arm.upper)
     pose = arm.forward(joints)
     first = arm.inverse(pose, here)
     if first is None or free.in_collision(first) or free.in_collision(joints):
         return None
     ball = Sphere(transform(tuple(arm.forward(first, "link_3")[:3, 3])), 0.06, "ball")
-    around = CollisionModel(arm, [ball], margin=MARGIN)
+    around = CollisionModel(arm, [ball], margin=ARM_MARGIN_M)
     others = [q for q in arm.solutions(pose, here, 40) if not around.in_collision(q)]
     return (pose, [ball]) if around.in_collision(first) and others and not around.in_collision(here) else None
 
@@ -211,7 +215,7 @@ def test_endless_joint_takes_the_longer_way_around_an_obstacle(lifter: Robot) ->
     arm = lifter.arm_model
     stick = Sphere(transform((0.3, 0.0, 0.0)), 0.02, "stick")
     wall = Sphere(transform((-0.3, 0.0, 0.2)), 0.1, "wall")
-    collision = CollisionModel(arm, [wall], held=stick, margin=MARGIN)
+    collision = CollisionModel(arm, [wall], held=stick, margin=ARM_MARGIN_M)
     path = plan_motion(arm, collision, np.array([0.2, 2.4]), np.array([0.2, -2.4]))
     assert path is not None
     assert path[-1] == pytest.approx([0.2, -2.4])

@@ -10,7 +10,7 @@ import pytest
 
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.knowledge.level_pose import LevelPose
-from handcart.primitives.motions.from_above import BITE, gripped, gripping, pointing_down
+from handcart.primitives.motions.from_above import GRIP_DEPTH_M, gripped, gripping, pointing_down
 from handcart.primitives.motions.grip import holds, width_off
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import inverse, transform
@@ -40,7 +40,7 @@ def test_pads_cover_the_top_and_the_held_body_is_the_one_there(leans: Any) -> No
     lean = STANDS.pose @ transform(rpy=leans) @ inverse(STANDS.pose)
     base_T_hand = gripping(robot(), SIZE, lean @ STANDS.pose)
     tips = inverse(lean) @ base_T_hand @ (TIP, 0.0, 0.0, 1.0)
-    assert tips[:3] == pytest.approx((0.4, -0.1, 0.7 + SIZE[2] - BITE))
+    assert tips[:3] == pytest.approx((0.4, -0.1, 0.7 + SIZE[2] - GRIP_DEPTH_M))
     standing = STANDS.body(SIZE, "it")
     held = gripped(robot(), SIZE).seen_from(inverse(lean) @ base_T_hand)
     corners = np.array([[x, y, z, 1.0] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])

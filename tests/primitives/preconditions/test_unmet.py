@@ -26,7 +26,7 @@ from handcart.primitives.driving.move_to import MoveTo
 from handcart.primitives.driving.orient import Orient
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.motions.grip import close
-from handcart.primitives.preconditions.hand_use import UNDECLARED, UNUSED
+from handcart.primitives.preconditions.hand_use import USE_UNDECLARED, USES_NO_FINGERS
 from handcart.robotics.geometry.transform import transform
 
 from ..blocks.stacking import at_the_wall, scene_of, with_block
@@ -132,4 +132,4 @@ def test_undeclared_primitives_leave_the_hand_unless_they_need_it() -> None:
     class Grabs(_Still):
         needs: ClassVar = (Arm, Gripper)
 
-    assert (Waves.usual_hand_use(), Grabs.usual_hand_use()) == (UNUSED, UNDECLARED)
+    assert (Waves.usual_hand_use(), Grabs.usual_hand_use()) == (USES_NO_FINGERS, USE_UNDECLARED)

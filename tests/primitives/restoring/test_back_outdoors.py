@@ -18,7 +18,7 @@ from handcart.networks.task.preparing import prepare
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.contract.discrepancy import Discrepancy
 from handcart.primitives.contract.outcome import Fail, GiveUp
-from handcart.primitives.driving.driving import ASTRAY, CAR_ROOM
+from handcart.primitives.driving.driving import CAR_ROOM, ROCK_POSITION_TOLERANCE_M
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.restoring.snapshot import moved, take_snapshot
 from handcart.robotics.geometry.pose2 import Pose2
@@ -134,4 +134,4 @@ def test_what_is_unsure_is_told_along_the_worst_direction(rig: Rig, monkeypatch:
 
 @pytest.mark.parametrize("name", ["el_verde", "el_verde/rtk"])
 def test_tolerance_is_the_clearance_of_a_planned_route(name: str) -> None:
-    assert load_robot(name).tolerance.base_mm <= 1e3 * (ASTRAY + CAR_ROOM)
+    assert load_robot(name).tolerance.base_mm <= 1e3 * (ROCK_POSITION_TOLERANCE_M + CAR_ROOM)

@@ -15,7 +15,7 @@ from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.primitives.contract.discrepancy import Discrepancy
 from handcart.primitives.restoring.arm_command import GRIP_PAUSE, command_moment, hold_measured, moves_fingers
-from handcart.primitives.restoring.car_retrace import SHORT, car_retrace, check_stands
+from handcart.primitives.restoring.car_retrace import MIN_STRETCH_M, car_retrace, check_stands
 from handcart.primitives.restoring.snapshot import Snapshot, take_snapshot
 from handcart.primitives.restoring.trace import Moment, Trace
 from handcart.robotics.geometry.pose2 import Pose2
@@ -119,7 +119,7 @@ def test_a_way_ahead_is_driven_backwards_the_arm_with_it() -> None:
     assert there.x > 1.1
     periods = car.play(car_retrace(robot, start, trace))
     assert all(speed <= 0.0 for speed, _ in car.drives)
-    assert car.true.distance(start.pose) < SHORT
+    assert car.true.distance(start.pose) < MIN_STRETCH_M
     assert car.true.turn(start.pose) < 0.05
     assert periods < 250
     assert car.joints.tolist() == [0.0, 0.0]
@@ -136,7 +136,7 @@ def test_a_way_backwards_is_driven_ahead() -> None:
     start, trace = car.record(ramp(-0.3, 60))
     car.play(car_retrace(robot, start, trace))
     assert all(speed >= 0.0 for speed, _ in car.drives)
-    assert car.true.distance(start.pose) < SHORT
+    assert car.true.distance(start.pose) < MIN_STRETCH_M
 
 
 @pytest.mark.parametrize("rest", [0, 5])
@@ -149,7 +149,7 @@ def test_there_and_back_is_driven_in_two_stretches(rest: int) -> None:
     signs = [math.copysign(1.0, speed) for speed, _ in car.drives if speed]
     changes = sum(1 for a, b in pairwise(signs) if a != b)
     assert (signs[0], changes) == (1.0, 1)
-    assert car.true.distance(start.pose) < SHORT
+    assert car.true.distance(start.pose) < MIN_STRETCH_M
     assert car.true.turn(start.pose) < 0.1
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from handcart.backends.description.robot_loading import load_robot
 from handcart.primitives.contract.discrepancy import Discrepancy
-from handcart.primitives.restoring.retrace import FINE, LONGEST_REACH, reach_pose
+from handcart.primitives.restoring.retrace import LONGEST_REACH, RETURN_TOLERANCE, reach_pose
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.following.drive_limits import DriveLimits
 
@@ -44,7 +44,7 @@ class ShiftingRobot:
 
 def bring(robot: Any, goal: Pose2) -> None:
     """Let it reach the goal."""
-    for _ in reach_pose(robot, goal, FINE):
+    for _ in reach_pose(robot, goal, RETURN_TOLERANCE):
         pass
 
 
@@ -55,7 +55,7 @@ def test_base_that_turns_about_another_point_is_brought_back_exactly(
     robot = ShiftingRobot(Pose2(*start), beside=0.06, slides=0.0)
     bring(robot, Pose2(0.0, 0.0, 0.0))
     assert robot.time < LONGEST_REACH / 3
-    assert robot.true.distance(Pose2(0.0, 0.0, 0.0)) <= FINE.position
+    assert robot.true.distance(Pose2(0.0, 0.0, 0.0)) <= RETURN_TOLERANCE.position
 
 
 def test_base_sliding_in_a_turn_is_restored_within_tolerance() -> None:

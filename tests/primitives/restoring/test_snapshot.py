@@ -16,8 +16,8 @@ from handcart.backends.description.joint_units import JointUnits
 from handcart.primitives.restoring.snapshot import (
     JOINT_NOISE,
     MIN_HELD_WIDTH_M,
-    PATIENCE,
-    STILL,
+    REST_PERIODS,
+    REST_TIMEOUT_S,
     Snapshot,
     is_holding,
     limits,
@@ -267,4 +267,4 @@ def test_a_robot_rests_when_arm_and_fingers_do(part: str, step: float, rests: bo
         count[0] += 0.999
         robot.time += 0.0625
         periods += 1
-    assert periods == (STILL if rests else round(PATIENCE / 0.0625))
+    assert periods == (REST_PERIODS if rests else round(REST_TIMEOUT_S / 0.0625))

@@ -6,7 +6,7 @@ import numpy as np
 
 from handcart.backends.description.robot_loading import load_robot
 from handcart.primitives.driving.standing_room import StandingRoom
-from handcart.primitives.seam.kept_divisions import MOST, KeptDivisions
+from handcart.primitives.seam.kept_divisions import MAX_DIVISIONS, KeptDivisions
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import transform
 from handcart.robotics.kinematics.shapes import Box
@@ -37,12 +37,12 @@ def test_the_same_is_found_once_and_anything_else_anew() -> None:
 
 def test_only_the_latest_are_kept() -> None:
     kept, find = KeptDivisions(), Finder()
-    for number in range(MOST + 1):
+    for number in range(MAX_DIVISIONS + 1):
         kept.division((b"%d" % number,), find)
-    kept.division((b"%d" % MOST,), find)
-    assert find.asked == MOST + 1
+    kept.division((b"%d" % MAX_DIVISIONS,), find)
+    assert find.asked == MAX_DIVISIONS + 1
     kept.division((b"0",), find)
-    assert find.asked == MOST + 2
+    assert find.asked == MAX_DIVISIONS + 2
 
 
 def test_a_room_is_another_one_where_anything_in_it_is() -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from handcart.files.errors import FileError
-from handcart.primitives.seam.seam_file import COLUMNS, load_seam
+from handcart.primitives.seam.seam_file import SEAM_COLUMNS, load_seam
 
 SEAM = Path(__file__).parents[3] / "tasks" / "track_seam" / "seam.csv"
 
@@ -47,14 +47,14 @@ def test_a_repeated_point_and_a_seam_of_one_are_refused(tmp_path: Path) -> None:
     with pytest.raises(FileError, match=r":7:1: this point repeats the position before it; allowed: "):
         load_seam(changed(tmp_path, 7, lines[5]))
     path = tmp_path / "one.csv"
-    path.write_text(",".join(COLUMNS) + "\n0,0,1,0,0,0\n", encoding="utf-8")
+    path.write_text(",".join(SEAM_COLUMNS) + "\n0,0,1,0,0,0\n", encoding="utf-8")
     with pytest.raises(FileError, match=r"one.csv:2:1: 1 points; allowed: two or more"):
         load_seam(path)
 
 
 def test_a_seam_as_strangers_write_it_is_refused(tmp_path: Path) -> None:
     """T2, T9"""
-    head, path = ",".join(COLUMNS) + "\n", tmp_path / "seam.csv"
+    head, path = ",".join(SEAM_COLUMNS) + "\n", tmp_path / "seam.csv"
     for text, wanted in (
         (head + "0,0,1,0,0,0\n" * 50_001, r"seam.csv:50002:1: more than 50000 rows"),
         (head + "9" * 30_000, r"seam.csv:2:1: a line of more than 20000 characters"),
