@@ -1,1 +1,1 @@
-"""Capabilities of a backend."""
+"""Capabilities that a backend may have."""

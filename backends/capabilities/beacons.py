@@ -19,11 +19,11 @@ class BeaconRanges(NamedTuple):
 
 
 class Beacons(Capability):
-    """Radio beacons that measure ranges, such as ultra-wideband."""
+    """Ranges to radio beacons, as ultra-wideband radio measures them."""
 
     READINGS: ClassVar = {"ranges": Reading("beacons", ("distances",))}
     FILE_KEY = "beacons"
 
     @abstractmethod
     def ranges(self) -> BeaconRanges | None:
-        """Return the ranges measured during this period; None without a measurement."""
+        """Return the ranges measured during this period; None if there are none."""

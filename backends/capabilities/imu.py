@@ -23,4 +23,6 @@ class Imu(Capability):
 
     @abstractmethod
     def accelerations(self) -> NDArray[np.float64]:
-        """Return the accelerometers' reading (3,) in [m/s²]; at rest and level, gravity's +9.81 along z."""
+        """The specific force measured by the accelerometers, (3,) in [m/s²]: at rest and level, +9.81 along
+        z.
+        """

@@ -14,7 +14,7 @@ UNREAD = np.empty(0, np.uint8)
 
 
 class Validity(IntEnum):
-    """Meaning of a beam in an interpreted scan."""
+    """Meaning of a beam of an interpreted scan."""
 
     RETURN = 0
     """Something is at its range."""
@@ -32,7 +32,7 @@ class Scan(NamedTuple):
     angles: NDArray[np.float64]
     """(n,) in [rad], in the sensor frame, counter-clockwise from its x axis."""
     ranges: NDArray[np.float64]
-    """(n,) in [m]; infinity without a return. In an interpreted scan, infinity for every beam without a
+    """(n,) in [m]; infinity where nothing came back. In an interpreted scan, also for each beam without a
     return.
     """
     base_T_sensor: Pose2
@@ -41,7 +41,7 @@ class Scan(NamedTuple):
     """(n,) of `Validity`; empty in a raw scan."""
 
     def points(self) -> NDArray[np.float64]:
-        """Return the hit points, (m, 2) in [m], in the base frame."""
+        """Points that were hit, (m, 2) in [m], in the base frame."""
         hit = np.isfinite(self.ranges)
         reach, angle = self.ranges[hit], self.angles[hit]
         return self.base_T_sensor.apply(np.column_stack([reach * np.cos(angle), reach * np.sin(angle)]))

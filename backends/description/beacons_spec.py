@@ -1,4 +1,4 @@
-"""Radio beacons in a robot's file or a log's header."""
+"""Specification of radio beacons in a robot's file or a log's header."""
 
 from __future__ import annotations
 
@@ -15,25 +15,23 @@ BeaconPlace = tuple[float, float, float]
 
 
 class BeaconsSpec(FileModel):
-    """Fixed radio beacons, and the robot's own radio, which measures its distance from them."""
+    """Radio beacons at fixed places, and the robot's own radio, which measures its distance to each."""
 
     places_m: Annotated[dict[str, BeaconPlace], Field(min_length=1)]
-    """Position of each beacon, by its name; at least three that are not collinear determine the robot's
-    position.
-    """
+    """Place of each beacon by name; three or more that are not in one line determine a position."""
     tag_m: BeaconPlace = (0.0, 0.0, 1.0)
-    """Position of the robot's own radio in the base frame."""
+    """Place of the robot's own radio in the base frame."""
     period_s: Positive = 0.2
     """Between measurements, each of all beacons."""
     reach_m: Positive = 60.0
     """Beyond which a beacon isn't heard."""
     sigma_m: NotNegative = 0.1
-    """Sigma of a range."""
+    """Standard deviation of a range."""
     bias_m: NotNegative = 0.3
-    """Sigma of the constant error of all ranges to one beacon."""
+    """Standard deviation of the offset that all ranges to one beacon share."""
     scale_percent: NotNegative = 1.0
-    """Sigma of the scale error common to all ranges."""
+    """Standard deviation of the scale error that all ranges to all beacons share."""
     bias_walk_m_rt_s: NotNegative = 0.01
-    """Assumed random walk of the constant error after one second; it grows with the square root of time. The
-    simulated value is in the world's file.
+    """Random walk of the offset that the robot's filter assumes: standard deviation after one second, growing
+    with the square root of time. The random walk that is simulated is set in the world's file.
     """

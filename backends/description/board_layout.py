@@ -1,4 +1,4 @@
-"""Pattern of a calibration board in a file."""
+"""Pattern of a calibration board, as given in a file."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class BoardLayout(FileModel):
     """Squares along; inner corners are one fewer."""
     rows: Squares = 6
     tag_mm: Annotated[float, Field(gt=0.0)] | None = None
-    """Side of a tag (default: three quarters of a square's side)."""
+    """Side of a tag (default: three quarters of the side of a square)."""
     tags: TagFamily = USUAL
 
     @model_validator(mode="after")

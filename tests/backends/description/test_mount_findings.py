@@ -36,7 +36,7 @@ FOLLOWS = '<mimic joint="turn"/>'
 
 
 def told(tmp_path: Path, section: str, onto: str, kind: str = "fixed", more: str = "") -> str:
-    """What is told of a robot with that sensor on one of its links; empty if nothing is."""
+    """Return the findings on a robot with that sensor on one of its links; empty if there are none."""
     (tmp_path / "robot.urdf").write_text(URDF.format(onto=onto, kind=kind, more=more), encoding="utf-8")
     (tmp_path / "robot.yaml").write_text(ROBOT + section, encoding="utf-8")
     try:

@@ -1,4 +1,4 @@
-"""Robots as their files tell of them, also those that were written before a key was renamed."""
+"""Loading of robots from their files, including files written before a key was renamed."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from handcart.files.errors import FileError
 
 @pytest.fixture
 def file(tmp_path: Path) -> Path:
-    """Of the cart, as it was written before."""
+    """Return the cart's file with the old key `localiser`."""
     folder = Path(shutil.copytree(robot_path("cart").parent, tmp_path / "cart"))
     text = (folder / "robot.yaml").read_text(encoding="utf-8")
     assert "\nlocalizer: scan" in text
