@@ -50,7 +50,7 @@ class CanArm(Arm):
         self.holds(np.where(np.abs(within - measured) <= self._most, within, measured))
 
     def holds(self, joints: Vector) -> None:
-        """What it was commanded last, (n,) in [rad]."""
+        """Set the last command, (n,) in [rad], to the given joints."""
         self._command = self._sent = joints.copy()
 
     @override

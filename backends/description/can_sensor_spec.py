@@ -44,7 +44,7 @@ class GpsSource(FileModel):
     sigma_m: Annotated[float, Field(gt=0.0, le=100.0)] = 2.5
     """Standard deviation of a fix along each axis at an HDOP of 1, used if the receiver sends no GST."""
     quality: Literal[1, 2, 3, 4, 5] = 1
-    """Lowest accepted quality of a fix, from worst to best 1 single, 3 PPS, 2 differential, 5 RTK float, 4
+    """Lowest accepted quality of a fix. From worst to best: 1 single, 3 PPS, 2 differential, 5 RTK float, 4
     RTK fixed.
 
     Dead reckoning (6), manual input (7) and simulation (8) are never fixes.

@@ -14,7 +14,7 @@ class JointUnits(NamedTuple):
     slides: tuple[bool, ...]
     """True for each prismatic joint."""
     endless: tuple[bool, ...]
-    """True for each continuous joint, for which a full turn more or less makes no difference."""
+    """True for each continuous joint; full turns make no difference to it."""
 
     def si(self, values: Sequence[float]) -> tuple[float, ...]:
         """[rad] and [m] of what people say; of a continuous joint within half a turn."""

@@ -193,12 +193,12 @@ class RobotFile(FileModel):
     ground: GroundSpec = GroundSpec()
     """Assumed properties of open ground."""
     odometry: OdometrySpec = OdometrySpec()
-    """How exactly its wheels are taken to tell the way on a floor."""
+    """Assumed accuracy of the wheel odometry on a floor."""
     tool: ToolSpec | None = None
     suspension: SuspensionSpec = SuspensionSpec()
-    """What the robot knows of how its base gives."""
+    """Known tilt and turn of the base under the arm's load."""
     tray_grey: Annotated[int, Field(ge=0, le=255)] = 205
-    """How bright its tray is in a camera's picture."""
+    """Grey value of the tray in a camera's picture."""
     errors: Errors = Errors()
     tolerance: Tolerance
     _folder: Path = PrivateAttr(default=Path())
@@ -208,16 +208,16 @@ class RobotFile(FileModel):
 
     @property
     def folder(self) -> Path:
-        """Where its file stands: paths in it are relative to that."""
+        """Folder of the robot's file; paths in the file are relative to it."""
         return self._folder
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What in its file is read, and should be written otherwise."""
+        """Warnings on keys of the file that are still read but should be written differently."""
         return self._warnings
 
     def read_in(self, folder: Path, warnings: tuple[str, ...] = ()) -> RobotFile:
-        """The same, its file standing in a folder."""
+        """Set the folder of the robot's file and its warnings, and return this robot."""
         self._folder, self._warnings = folder, warnings
         return self
 
@@ -277,7 +277,7 @@ class RobotFile(FileModel):
 
     @cached_property
     def joint_units(self) -> JointUnits:
-        """What people call the angles and ways of the arm's joints; none where there is no arm."""
+        """Units in which people read the arm's joints; empty if the robot has no arm."""
         names = () if self.arm is None else self.arm.joints
         kinds = {each.name: each.kind for each in joints_of(self.urdf_text())} if names else {}
         of_arm = [kinds.get(name) for name in names]

@@ -1,1 +1,1 @@
-"""A test stand: simulated drives in front of a simulated robot, and what can go wrong with them."""
+"""A test bench: simulated drives in front of a simulated robot, and faults that can be injected."""

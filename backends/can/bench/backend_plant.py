@@ -31,7 +31,7 @@ class BackendPlant(Plant):
     """
 
     def __init__(self, robot: RobotFile, spec: CanSpec, axes: Axes, inner: Backend) -> None:
-        """Put drives before a backend, which stands as it was built."""
+        """Connect drives to a backend in its initial state."""
         self._robot, self.inner, self._axes = robot, inner, axes
         self._base = inner.get(Base)  # type: ignore[type-abstract]
         self._arm = inner.get(Arm) if self._axes.joints else None  # type: ignore[type-abstract]
@@ -41,7 +41,7 @@ class BackendPlant(Plant):
         self._driven: dict[int, float] = {}
 
     def place(self, drives: Mapping[int, DriveNode]) -> None:
-        """Let the drives stand where the robot holds."""
+        """Set the drives to the positions that the robot holds."""
         command = self._arm.command() if self._arm else ()
         for axis, angle in zip(self._axes.joints, command, strict=False):
             drives[axis.spec.node].stand_at(float(angle) * axis.units.scale + axis.units.zero)
@@ -110,7 +110,7 @@ class BackendPlant(Plant):
             drives[fingers.spec.node].moved(_counts(fingers, self._gripper.width()), seconds, reading)
 
     def _torques(self, model: ArmModel, arm: Arm, q: Vector) -> Vector:
-        """Of the joints (n,), as shares of the rated ones."""
+        """Return the torques of the joints (n,), as shares of the rated ones."""
         force = model.forward(q)[:3, :3] @ arm.hand_force()
         outside: Vector = model.jacobian(q)[:3].T @ force
         return np.asarray((model.gravity_torque(q) - outside) / self._rated)

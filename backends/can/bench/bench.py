@@ -1,4 +1,4 @@
-"""A test stand: simulated drives, alone or in front of a simulated robot."""
+"""A test bench: simulated drives, alone or in front of a simulated robot."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ class Bench:
     def __init__(
         self, robot: RobotFile, spec: CanSpec, inner: Backend | None, bus: can.BusABC | None = None
     ) -> None:
-        """Set it up.
+        """Set up the bench.
 
         Args:
-            robot: its file.
+            robot: the robot's file.
             spec: the section `can` of that file.
-            inner: the simulated robot, taken over; None: motors without anything on them.
-            bus: taken over; None: a virtual one in this process, see `open`.
+            inner: the simulated robot, owned by the bench from now on; None: motors without a load.
+            bus: owned by the bench from now on; None: a virtual bus in this process, see `open`.
         """
         self.inner = inner
         """The simulated robot."""
@@ -54,7 +54,7 @@ class Bench:
 
     @property
     def drives(self) -> dict[int, DriveNode]:
-        """By node ID."""
+        """Simulated drives by node ID."""
         return self._drives.nodes
 
     @property
@@ -64,7 +64,7 @@ class Bench:
 
     @property
     def line(self) -> CanLine:
-        """The drives' end of the bus: what is sent over it seems to come from somewhere on it."""
+        """The drives' end of the bus: frames sent over it appear to come from a node on the bus."""
         return self._drives.line
 
     def open(self) -> BenchBus:
@@ -81,7 +81,7 @@ class Bench:
         self._drives.tick(seconds)
 
     def stand_as_left(self, time: float) -> None:
-        """The robot has been put elsewhere, at a time in [s]: the drives stand where it does."""
+        """Set the bench's time, in [s], and move the drives to where the robot now is."""
         self._drives.time = time
         if self._plant is not None:
             self._plant.place(self.drives)
@@ -91,7 +91,7 @@ class Bench:
         act(self, self.drives[self.spec.left.node if node is None else node])
 
     def go_wrong_at(self, at_s: float, act: Act, node: int | None = None) -> None:
-        """The same at a time in [s] of the bench's."""
+        """Schedule a fault at a time of the bench, in [s]."""
         self._planned.append((at_s, lambda: self.go_wrong(act, node)))
 
     def _inject_what_is_due(self) -> None:
@@ -110,7 +110,7 @@ class Bench:
 
 
 def _place(axes: Axes, drives: dict[int, DriveNode]) -> None:
-    """Let drives without a robot stand within their limits."""
+    """Set drives without a robot to positions within their limits."""
     for axis in axes.values():
         if axis.positioned:
             position = min(max(0.0, axis.limits.lower), axis.limits.upper)

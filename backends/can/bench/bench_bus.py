@@ -48,7 +48,7 @@ class BenchBus(can.BusABC):
             self._inner.send(msg, timeout)
 
     def plug_in(self) -> None:
-        """The cable is back: what is still in the queue goes out."""
+        """Reconnect the cable and send the queued frames."""
         self.holds = False
         for frame in self.held:
             self._inner.send(frame)

@@ -1,4 +1,4 @@
-"""A bench that lives by itself, for a program in another process."""
+"""A bench that runs by itself, for a program in another process."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ Look = Callable[[Bench], object]
 class BenchServer:
     """Serves a bench in real time.
 
-    While SYNCs come, each is a period. Without them time passes by the clock: drives that hear nobody notice
-    that, as they would on metal.
+    While SYNCs come, each is a period. Without them time passes by the clock, so that drives notice a
+    silent master as real drives do.
     """
 
     def __init__(
@@ -41,7 +41,7 @@ class BenchServer:
         self._passed = clock()
         """Up to when time has passed on the bench."""
         self._alone = False
-        """Whether no SYNCs come."""
+        """True while no SYNCs come."""
         # A simulated robot knows whole periods only.
         self._slice = period / _SLICES if bench.inner is None else period
 
@@ -56,7 +56,7 @@ class BenchServer:
             self.catch_up()
 
     def catch_up(self) -> None:
-        """Let the time pass that no SYNC stood for."""
+        """Advance the bench by the time that no SYNC accounted for."""
         now = self._clock()
         if self._has_passed():
             self._alone, self._passed = False, now

@@ -1,4 +1,4 @@
-"""What can go wrong on a bench: the faults that hardware shows, one by one."""
+"""Faults that hardware shows, to be injected on a bench one by one."""
 
 from __future__ import annotations
 
@@ -25,31 +25,31 @@ class InjectedFault(NamedTuple):
     """One fault."""
 
     rows: str
-    """Of docs/reference/faults.md."""
+    """Row ids in docs/reference/faults.md."""
     what: str
-    """In words."""
+    """Description of the fault."""
     act: Act
     """Lets it happen, to a drive or to the bus."""
 
 
 def injected_fault(name: str) -> InjectedFault:
-    """By its name; raises `UnknownFault`."""
+    """Return the fault of that name; raise `UnknownFault` if there is none."""
     if name not in INJECTED_FAULTS:
         raise UnknownFault(name)
     return INJECTED_FAULTS[name]
 
 
 def inject(bench: Bench, name: str, at_s: float = 0.0, node: int | None = None) -> None:
-    """Let something go wrong on a bench.
+    """Inject a fault on a bench.
 
     Args:
-        bench: where.
+        bench: the bench.
         name: one of `INJECTED_FAULTS`.
-        at_s: in [s] of the bench's time.
-        node: which drive; None: that of the first axis.
+        at_s: time of the bench, in [s].
+        node: node ID of the drive; None: that of the first axis.
 
     Raises:
-        UnknownFault: there is none of that name.
+        UnknownFault: the name is unknown.
     """
     bench.go_wrong_at(at_s, injected_fault(name).act, node)
 
@@ -159,7 +159,7 @@ INJECTED_FAULTS: dict[str, InjectedFault] = {
     "drops": InjectedFault("S6", "every second answer of a drive is lost", _set(drops=0.5)),
     "e-stop": InjectedFault("C12", "somebody presses the emergency stop", _press),
 }
-"""By the names that `handcart bench --fault` takes."""
+"""Faults by the names that `handcart bench --fault` takes."""
 
 
 def _remote(bench: Bench, times: int) -> None:

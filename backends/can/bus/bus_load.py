@@ -1,4 +1,4 @@
-"""How much of a bus the cyclic frames take."""
+"""Load of the cyclic frames on a bus."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ class CyclicFrame(NamedTuple):
     """A frame that goes out again and again."""
 
     what: str
-    """In words: whose, and what it is."""
+    """Sender and kind of the frame, for people."""
     cob_id: int
     length: int
-    """Of its data in [bytes]."""
+    """Length of its data in [bytes]."""
     period_s: float
 
     @property
@@ -43,16 +43,16 @@ class CyclicFrame(NamedTuple):
 
 @dataclass(frozen=True)
 class BusLoad:
-    """What cyclic frames take of a bus."""
+    """Load of cyclic frames on a bus."""
 
     frames: tuple[CyclicFrame, ...]
     bitrate: int
-    """In [bit/s]."""
+    """Bit rate in [bit/s]."""
     ALLOWED: ClassVar = ALLOWED
 
     @classmethod
     def of(cls, frames: Iterable[CyclicFrame], bitrate: int) -> BusLoad:
-        """Of frames on a bus of that bit rate, in [bit/s]."""
+        """Return the load of frames on a bus of that bit rate, in [bit/s]."""
         return cls(tuple(sorted(frames, key=lambda each: each.cob_id)), bitrate)
 
     def share_of(self, frame: CyclicFrame) -> float:
@@ -66,10 +66,10 @@ class BusLoad:
 
     @property
     def burst_s(self) -> float:
-        """How long each of them takes once, in [s]: how late the last of a period may come."""
+        """Duration of all frames sent once, in [s]: the largest delay of the last one in a period."""
         return sum(each.bits for each in self.frames) / self.bitrate
 
     @property
     def too_much(self) -> bool:
-        """Whether that is more than allowed."""
+        """True if the load is more than allowed."""
         return self.share > ALLOWED

@@ -13,7 +13,7 @@ import canopen
 from handcart.backends.can.errors import QueueFull
 
 Heard = Callable[[can.Message, bool], None]
-"""Called with each frame, and whether it was sent rather than taken in."""
+"""Callback for each frame; its second argument is True if the frame was sent, False if received."""
 
 _BURST = 2000  # frames that are taken in at once at most, so that a flooded bus doesn't hold the loop
 _LOST = 3  # frames in a row that the interface may refuse to queue
@@ -31,12 +31,12 @@ class CanLine(canopen.Network):
     def __init__(
         self, bus: can.BusABC, serve: Callable[[], None] | None = None, heard: Heard | None = None
     ) -> None:
-        """Talk on a bus.
+        """Connect to a bus.
 
         Args:
             bus: open; closed by `close`.
             serve: lets simulated nodes on the same bus answer at once; None: nodes answer by themselves.
-            heard: called with each frame that is sent or taken in, whatever it is.
+            heard: called with each frame that is sent or received, whatever it is.
         """
         super().__init__(bus)
         self._bus = bus
@@ -44,7 +44,7 @@ class CanLine(canopen.Network):
         self._heard: list[Heard] = [] if heard is None else [heard]
         self._refused = 0
         self.malformed = 0
-        """How many frames there were that no CANopen node sends, or that couldn't be decoded."""
+        """Number of frames that no CANopen node sends, or that couldn't be decoded."""
 
     def listen(self, heard: Heard) -> None:
         """Have one more called with each frame."""
@@ -110,7 +110,7 @@ class CanLine(canopen.Network):
 
     @property
     def interface_state(self) -> can.BusState:
-        """What the interface says of itself."""
+        """State that the interface reports."""
         return self._bus.state
 
     def close(self) -> None:

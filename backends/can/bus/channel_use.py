@@ -1,4 +1,4 @@
-"""Who is on a CAN channel already, before anything of ours is put on it."""
+"""Detection of nodes that use a CAN channel already, before this program adds its own."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ import can
 from .open_bus import MULTICAST
 
 LISTEN_S = 0.4
-"""How long a channel is listened to: a running master sends SYNC in each period."""
+"""Listening time on a channel, in [s]; a running master sends SYNC in each period."""
 ANSWER_S = 0.3
-"""How long nodes that were asked may take to answer, in [s]."""
+"""Time allowed for nodes to answer a request, in [s]."""
 _DEVICE_TYPE = bytes([0x40, 0x00, 0x10, 0x00, 0, 0, 0, 0])  # SDO: read 1000h (CiA 301)
 _REQUEST, _NODES = 0x600, 0x7F
 _OF_MASTERS = (0x000, 0x080)

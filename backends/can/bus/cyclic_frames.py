@@ -14,16 +14,16 @@ _SYNC, _HEARTBEAT = 0x080, 0x700
 
 
 def bus_load(spec: CanSpec, period: float) -> BusLoad:
-    """What a robot's cyclic frames take of its bus, the control period being `period` in [s]."""
+    """Return the load of a robot's cyclic frames on its bus, for a control period of `period` in [s]."""
     return BusLoad.of(cyclic_frames(spec, period), 1000 * spec.bitrate_kbit_s)
 
 
 def cyclic_frames(spec: CanSpec, period: float) -> Iterator[CyclicFrame]:
-    """Each of them, at its worst: what goes out only when it changes, as if it did every period.
+    """Yield each cyclic frame in the worst case: frames sent only on change count as sent every period.
 
     Args:
         spec: the section `can` of a robot's file.
-        period: of its control, in [s].
+        period: control period, in [s].
     """
     yield CyclicFrame("SYNC", _SYNC, 0, period)
     # Ours is sent by a step of the control loop.

@@ -58,13 +58,13 @@ class FrameLog(Recording):
     def __init__(
         self, channel: str, clock: Callable[[], float], names: Callable[[], FrameNames], part: int = PART
     ) -> None:
-        """Nothing is written before there is a folder.
+        """Create a log that writes nothing until it has a folder.
 
         Args:
-            channel: how the log calls the bus.
-            clock: tells the time in [s], as `names` says.
-            names: of nodes and PDOs, asked for when the bus has been set up.
-            part: bytes of a file at most.
+            channel: name of the bus in the log.
+            clock: returns the time in [s], of the kind that `names` states.
+            names: returns the names of nodes and PDOs; called when the bus has been set up.
+            part: largest size of a file, in bytes.
         """
         self._clock, self._names, self._part = clock, names, part
         self._line = _Line()
@@ -75,7 +75,7 @@ class FrameLog(Recording):
         self._folder: Path | None = None
         self._file: TextIO | None = None
         self._later = 0.0
-        """What the robot's time is ahead of the clock, in [s]."""
+        """Robot's time minus the clock, in [s]."""
         self._count, self._number, self._size = 0, 0, 0
 
     def note(self, frame: can.Message, sent: bool) -> None:

@@ -30,10 +30,10 @@ class PdoNames(FileModel):
 
 
 class FrameNames(FileModel):
-    """Of a bus, as the program that talks on it has set it up."""
+    """Names of the nodes and PDOs of a bus, as the program that controls it has set it up."""
 
     time: str
-    """What stamps are: `unix`, in [s] since 1970, or `robot`, the simulated robot's time."""
+    """Kind of the time stamps: `unix`, in [s] since 1970, or `robot`, the simulated robot's time."""
     nodes: dict[int, str]
     """Node ID to name."""
     pdos: dict[int, PdoNames]

@@ -22,7 +22,7 @@ _ORDERS = {
     0x00: "disable voltage",
 }
 _TALKING = (0x6040, 0x6041, 0x6060, 0x6061, 0x603F)
-"""Objects whose change tells something: orders, states, modes, errors."""
+"""Objects whose changes are worth reporting: orders, states, modes, errors."""
 _ASKS = {0x2F: "write", 0x2B: "write", 0x27: "write", 0x23: "write", 0x40: "read"}
 _ANSWERS = {0x60: "written", 0x4F: "is", 0x4B: "is", 0x47: "is", 0x43: "is"}
 _LENGTHS = {0x2F: 1, 0x2B: 2, 0x27: 3, 0x23: 4, 0x4F: 1, 0x4B: 2, 0x47: 3, 0x43: 4}
@@ -37,19 +37,21 @@ class FrameDescription(NamedTuple):
     what: str
     """PDO, SDO, EMCY, NMT ..."""
     words: str
-    """What it says."""
+    """Content of the frame in words."""
     state: str | None
-    """Of a frame that comes again and again: what is worth telling when it changes; None of any other."""
+    """Part of a repeated frame worth reporting when it changes; None for any other frame."""
 
 
 class FrameWords:
-    """Tells frames by the names of a bus; one that nobody set up is told as it is."""
+    """Describes frames by the names of a bus; frames of nodes without a name are described by their
+    numbers.
+    """
 
     def __init__(self, names: FrameNames) -> None:
         self._names = names
 
     def describe(self, frame: can.Message) -> FrameDescription:
-        """A frame in words; any frame, however broken, is told."""
+        """Return a description of any frame, however broken."""
         if frame.is_error_frame:
             return FrameDescription("bus", "error frame", "", None)
         if frame.is_extended_id or frame.is_fd or frame.is_remote_frame:
@@ -102,13 +104,13 @@ class FrameWords:
 
 
 def state_word(statusword: int) -> str:
-    """The state that a statusword (6041h) tells, as in CiA 402."""
+    """Return the CiA 402 state that a statusword (6041h) encodes."""
     matches = (name for name, (mask, bits) in State402.SW_MASK.items() if statusword & mask == bits)
     return next(matches, f"statusword {statusword:04X}h")
 
 
 def order_word(controlword: int) -> str:
-    """What a controlword (6040h) orders."""
+    """Return the order that a controlword (6040h) encodes."""
     if controlword & 0x80:
         return "reset fault"
     return _ORDERS.get(controlword & 0x0F, f"controlword {controlword:04X}h")

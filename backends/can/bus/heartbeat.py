@@ -11,16 +11,19 @@ _EARLY = 0.9  # of its time: a period is never quite as long as it should be
 
 
 class Heartbeat:
-    """Sent by the control loop, never by a timer: who hangs is silent, and the drives stop by themselves."""
+    """Heartbeat of this program, sent by the control loop, never by a timer.
+
+    If the loop hangs, the heartbeat stops, and the drives stop by themselves.
+    """
 
     def __init__(self, line: CanLine, node: int, every: float, clock: Callable[[], float]) -> None:
-        """Nothing is sent yet.
+        """Set up a heartbeat without sending one.
 
         Args:
             line: to the drives.
             node: node ID of this program.
-            every: how long between two, in [s].
-            clock: tells the time in [s].
+            every: time between two heartbeats, in [s].
+            clock: returns the time in [s].
         """
         self._line, self._node, self._every, self._clock = line, node, every, clock
         self._sent: float | None = None

@@ -1,4 +1,4 @@
-"""Which objects go over the bus each period."""
+"""Objects that are sent over the bus each period."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ MODES = {
     ("position", "profile"): PROFILE_POSITION,
     ("position", "csp"): CYCLIC_POSITION,
 }
-"""By what is commanded and how the robot's file calls it."""
+"""Modes of operation, by the commanded quantity and the mode's name in the robot's file."""
 BITS = {
     0x6040: 16,
     0x6041: 16,
@@ -34,14 +34,14 @@ class Pdo(NamedTuple):
     """One frame of process data."""
 
     number: int
-    """From 1."""
+    """Number of the PDO, from 1."""
     objects: tuple[int, ...]
-    """What is mapped into it, in order."""
+    """Objects mapped into the PDO, in order."""
     transmission: int
 
     @property
     def length(self) -> int:
-        """Of its data, in [bytes]."""
+        """Length of the data in [bytes]."""
         return sum(BITS[each] for each in self.objects) // 8
 
 
@@ -51,7 +51,7 @@ class Layout(NamedTuple):
     commands: tuple[Pdo, ...]
     """To it, COB-IDs 200h, 300h ... + node. Those after the first go out only when they change."""
     answers: tuple[Pdo, ...]
-    """From it, to each SYNC, COB-IDs 180h, 280h ... + node."""
+    """PDOs that the node sends after each SYNC, COB-IDs 180h, 280h ... + node."""
 
 
 _ANSWERS = (Pdo(1, (0x6041, 0x6064, 0x6061), ON_SYNC), Pdo(2, (0x606C, 0x6077, 0x603F), ON_SYNC))
