@@ -396,4 +396,4 @@ def test_a_path_that_is_no_folder_of_a_run(handcart: Callable[..., Said], tour: 
     assert not (tmp_path / "nothing").exists()
     odd = os.fsdecode(bytes(tmp_path) + b"/\xff")
     said = handcart("run", tour, "--runs", odd)
-    assert (said.status, "is no UTF-8" in said.err) == (2, True)
+    assert (said.status, "is not UTF-8" in said.err) == (2, True)
