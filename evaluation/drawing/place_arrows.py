@@ -11,10 +11,10 @@ import numpy as np
 
 from .palette import BLACK
 
-LETTER_WIDTH_EM = 0.62  # of the font's size: how wide one is
-LINE_HEIGHT_EM = 1.3  # of it: how high a line is
-LABEL_DISTANCE_PT = 4.0  # [pt] from the place
-ARROW_LENGTH_PT = 10.0  # [pt] long
+LETTER_WIDTH_EM = 0.62  # mean width of a letter, relative to the font size
+LINE_HEIGHT_EM = 1.3  # relative to the font size
+LABEL_DISTANCE_PT = 4.0  # from the place
+ARROW_LENGTH_PT = 10.0
 LABEL_DIRECTIONS = tuple(
     (math.cos(math.radians(turn)), math.sin(math.radians(turn))) for turn in range(0, 360, 45)
 )

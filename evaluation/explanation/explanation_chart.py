@@ -30,9 +30,9 @@ COMMAND_COLOUR, READING_COLOUR, RESTORED_COLOUR, LIMIT_COLOUR, SENSED_COLOUR = (
     VERMILION,
     VERMILION,
 )
-LINE_LENGTH = 90  # characters of a line of words
-VIEW_RADIUS_M = 2.0  # [m] about the robot that is drawn
-AHEAD_ANGLE_RAD = np.radians(20.0)  # to both sides of the robot's nose, where the nearest range is told apart
+LINE_LENGTH = 90  # characters
+VIEW_RADIUS_M = 2.0  # around the robot
+AHEAD_ANGLE_RAD = np.radians(20.0)  # to both sides of the heading, for the nearest range ahead
 
 
 MOST_PIXELS = 50_000_000

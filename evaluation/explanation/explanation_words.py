@@ -28,7 +28,7 @@ CHECK_TEXTS = {
     "framework": "by the framework",
 }
 """Text for each kind of check that may find a fault, by its name in the journal."""
-MAX_ROUTE_ACTIONS = 6  # actions of a way that are named
+MAX_ROUTE_ACTIONS = 6  # actions of a route that are named
 
 
 def in_words(explanation: Explanation, chart: Path | None) -> str:

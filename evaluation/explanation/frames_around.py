@@ -17,8 +17,8 @@ from handcart.backends.can.bus.frame_words import FrameDescription, FrameWords
 
 from .bus_log import read_log
 
-MAX_LINES = 40  # lines at most, those nearest in time
-_SILENT = 2.5  # times its usual spacing that a frame is missing for
+MAX_LINES = 40  # those nearest in time
+_SILENT = 2.5  # multiples of its usual spacing after which a frame counts as missing
 
 
 class FrameLine(NamedTuple):

@@ -30,7 +30,7 @@ CAMERA_FRAME, LIDAR_FRAME = "camera", "range_sensor"
 """Names of the sensors' frames; the frame of the base is the URDF's root link."""
 FINGER_JOINTS = ("left_finger", "right_finger")
 """Finger joints, each at half the gripper's opening, if the URDF has them."""
-MAX_SUMMARY_BYTES = 64 * 2**20  # of a summary, in [bytes]
+MAX_SUMMARY_BYTES = 64 * 2**20
 FREE_CELL, OCCUPIED_CELL, UNKNOWN_CELL = 0, 100, -1
 """Cell values of an occupancy grid, as in ROS."""
 

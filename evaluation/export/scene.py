@@ -17,7 +17,7 @@ from .stamped import MAP_FRAME, Message, pose_of, stamp
 if TYPE_CHECKING:
     from foxglove.messages import SceneEntity
 
-FURNITURE_GREY = 178  # grey of what has none of its own
+FURNITURE_GREY = 178  # of solids without a grey value
 
 
 def scene_messages(recorded: Playback) -> Iterator[Message]:

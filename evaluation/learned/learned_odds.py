@@ -12,11 +12,11 @@ from handcart.networks.task.task_file import Task
 
 from .seen_actions import SeenActions
 
-KNOWN_ENDS = len(End) - 1  # ends that can have been seen
+KNOWN_ENDS = len(End) - 1  # ends that can be observed
 POOLING_WEIGHTS = (1.0, 3.0, 10.0, 30.0, 100.0, 1e9)
 _FOLDS = 5
-_ENOUGH = 20  # seconds seen in a context, that those of other contexts aren't asked
-_LEAST = 1e-4  # probability of what was never seen, where likelihoods are compared
+_ENOUGH = 20  # durations seen in a context, from which other contexts are not used
+_LEAST = 1e-4  # probability of an unseen end, when likelihoods are compared
 
 
 class LearnedOdds:

@@ -15,7 +15,7 @@ from .learned_odds import LearnedOdds
 from .seen_actions import SeenActions
 
 BOOTSTRAP_COUNT = 100
-_WALKS = 4096  # for each of them
+_WALKS = 4096  # for each bootstrap sample
 _STREAM = 21
 
 

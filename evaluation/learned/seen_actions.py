@@ -15,7 +15,7 @@ from handcart.evaluation.walks.odds import MOST_FAILS, End, Floats
 from handcart.networks.task.task_file import Task
 
 Numbers = NDArray[np.int64]
-_FAULT = 5  # the exit status of a trial that ended by a fault in the program itself
+_FAULT = 5  # exit status of a trial that ended by a fault of the program
 _ENDS = {"Success": End.SUCCESS, "Fail": End.FAIL, "GiveUp": End.GIVE_UP}
 
 

@@ -22,10 +22,10 @@ from .part import PLAYBACK_FOLDER, SCENERY_FILE, Part, metres
 from .scenery import Scenery, ThingShape
 from .seven import between, on_floor
 
-MAX_SCENERY_BYTES = 64 * 2**20  # of the scenery, in [bytes]
-MAX_ROW_GAP_S = 1.0  # [s] between two rows: what lies further apart isn't a motion
-BUMPED_KEY = "bumped"  # likewise, where the base ran into something that no sensor shows
-PLANNED_KEY = "planned"  # how primitives call, in their evidence, the path that they mean to drive
+MAX_SCENERY_BYTES = 64 * 2**20
+MAX_ROW_GAP_S = 1.0  # rows farther apart are not interpolated
+BUMPED_KEY = "bumped"  # evidence of primitives: where the base hit something that no sensor sees
+PLANNED_KEY = "planned"  # evidence of primitives: the path that they plan to drive
 Array = NDArray[np.float64]
 
 

@@ -34,8 +34,8 @@ ROW_PERIOD_S, SCAN_PERIOD_S, PICTURE_PERIOD_S = (
     0.2,
     0.5,
 )  # [s] of the robot's time between rows, scans and clouds, pictures
-PART_DURATION_S = 60.0  # [s] of a part
-MAX_CLOUD_PARTICLES = 256  # particles that are kept of a cloud
+PART_DURATION_S = 60.0
+MAX_CLOUD_PARTICLES = 256  # recorded particles of a cloud
 JPEG_QUALITY = 80  # of pictures
 ROW_COLUMNS = ("time", "world_time", "pose", "truth", "joints", "width", "covariance", "action", "restoring")
 _SOON = 1e-6  # [s]

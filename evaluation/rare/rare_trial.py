@@ -20,7 +20,7 @@ from .walked_runs import WalkedRuns
 
 ESTIMATED_OUTCOME = "Estimated"
 """Outcome of such a trial."""
-_WALKED, _RUN = 21, 22  # tell these draws from others that begin with the same numbers
+_WALKED, _RUN = 21, 22  # separate these random streams from others with the same seeds
 
 
 def walked_population(trials: WalkedTrials, event: RareEvent, seed: int) -> Trial:

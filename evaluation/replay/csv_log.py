@@ -26,7 +26,7 @@ from .log_header import UNIT_FACTORS, LogHeader
 
 MAX_BYTES = 1 << 28
 HEADER_MARK = "---"
-MAX_SHOWN_CELLS = 10  # bad cells that are told one by one
+MAX_SHOWN_CELLS = 10  # invalid cells reported one by one
 GRAVITY_M_S2 = 9.81
 Array = NDArray[np.float64]
 
@@ -230,7 +230,7 @@ def _take_out_held(values: dict[str, Array], header: LogHeader) -> None:
 
 _TRUE = ("true_latitude", "true_longitude")
 _PLACES = (("gps_east", "gps_north"), ("latitude", "longitude"), ("true_x", "true_y"), _TRUE)
-_STILL = (("x", 0.0), ("y", 0.0), ("z", GRAVITY_M_S2))  # what accelerometers that aren't there would read
+_STILL = (("x", 0.0), ("y", 0.0), ("z", GRAVITY_M_S2))  # readings of missing accelerometers
 
 
 def _travel(values: dict[str, Array], header: LogHeader, steps: Array) -> Array:

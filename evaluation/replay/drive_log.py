@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from handcart.robotics.navigation.beacons.beacon_errors import BeaconErrors
 
-MIN_PERIOD_SHARE = 0.8  # of a receiver's period: fixes don't come to the millisecond
+MIN_PERIOD_SHARE = 0.8  # of a receiver's period: fixes are not exactly periodic
 Array = NDArray[np.float64]
 
 

@@ -17,7 +17,7 @@ from handcart.networks.run_observer import RunObserver
 from handcart.networks.task.preparing import Prepared
 
 DRIVE_LOG_FILE = "drive.csv"
-TIME_RESOLUTION_S = 1e-4  # [s]: times are written so
+TIME_RESOLUTION_S = 1e-4  # of the written times
 COLUMN_UNITS = {
     "time": "s",
     **{f"gyro_{axis}": "rad/s" for axis in "xyz"},

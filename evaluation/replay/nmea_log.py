@@ -22,8 +22,8 @@ from .checks.places import checked_places
 from .csv_log import MAX_BYTES, first_place, plane
 from .drive_log import DriveLog
 
-DAY_S = 86_400.0  # [s]
-GST_MAX_DELAY_S = 2.0  # [s] between a GGA and the GST that belongs to it
+DAY_S = 86_400.0
+GST_MAX_DELAY_S = 2.0  # between a GGA and the GST that belongs to it
 
 
 def with_nmea(log: DriveLog, path: Path) -> DriveLog:

@@ -12,11 +12,11 @@ from .drive_log import DriveLog
 from .replay import localizer_for, replay
 
 KNOB_FACTORS = (0.25, 0.5, 0.71, 1.41, 2.0, 4.0)
-DRIFT_SHARES = (0.0, 0.25, 0.5, 1.0, 2.0)  # of a fix's white error
+DRIFT_SHARES = (0.0, 0.25, 0.5, 1.0, 2.0)  # relative to a fix's white error
 ANY_VEHICLE_TEXT = "as of any vehicle"
 LENGTH_FACTORS = (0.25, 4.0)
-MAX_ROUNDS = 4  # through all knobs at most
-MIN_LIKELIHOOD_GAIN = 3.0  # by which a logarithm of likelihood has to grow: less is chance
+MAX_ROUNDS = 4  # through all knobs
+MIN_LIKELIHOOD_GAIN = 3.0  # of the log-likelihood: a smaller gain is chance
 
 
 class Knob(NamedTuple):

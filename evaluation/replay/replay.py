@@ -21,13 +21,13 @@ from handcart.robotics.navigation.outdoors.suppositions import suppositions
 from .checks.jump_gate import JumpGate
 from .drive_log import MIN_PERIOD_SHARE, DriveLog
 
-TRACK_PERIOD_S = 1.0  # [s] between points of the track
-CLOUD_COUNT = 5  # instants at which particles are kept: as many as figure 3 of Ohki et al. (2012) shows
-HEADING_SIGMA = math.radians(10.0)  # of a heading that is known well enough for a track
-PARTICLES_SIGMA = math.radians(20.0)  # the same of particles, which never learn a gyro's bias
-LASTS_S = 2.0  # for which a bias turns the particles before the fixes tell
-SLOW_COUNTS = 2.5  # times the slow error, that a fix counts as off
-START_SIGMAS = 3.0  # sigmas of a fix: how well the first one tells where the base is
+TRACK_PERIOD_S = 1.0  # between points of the track
+CLOUD_COUNT = 5  # instants with recorded particles: as in figure 3 of Ohki et al. (2012)
+HEADING_SIGMA = math.radians(10.0)  # below which a heading counts as known
+PARTICLES_SIGMA = math.radians(20.0)  # the limit for particles, which never estimate a gyro's bias
+LASTS_S = 2.0  # for which a bias turns the particles before fixes correct them
+SLOW_COUNTS = 2.5  # weight of the slow error in the particle filter's error of a fix
+START_SIGMAS = 3.0  # uncertainty of the start, in sigmas of the first fix
 STEERED_NOISE: dict[str, Any] = {
     "gyro_white": math.radians(0.5),
     "gyro_bias": math.radians(0.2),

@@ -17,8 +17,8 @@ from .replay import Replayed
 
 PARTICLE_COLOUR = GREEN
 TRACK_COLOUR, TRUTH_COLOUR, REFUSED_COLOUR, FIX_COLOUR = BLUE, BLACK, VERMILION, GREY
-CHART_WIDTH_IN = 9.0  # inches
-CLOUD_RADIUS_M = 1.0  # [m] on each side of a cloud's middle
+CHART_WIDTH_IN = 9.0
+CLOUD_RADIUS_M = 1.0  # on each side of a cloud's centre
 ELLIPSE_COUNT = 25  # along the track
 CLAIM_SIGMAS = 3.0
 

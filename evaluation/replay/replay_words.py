@@ -10,7 +10,7 @@ import numpy as np
 
 from .replay import Replayed
 
-MAX_SHOWN_FIXES = 12  # refused fixes that are told one by one
+MAX_SHOWN_FIXES = 12  # rejected fixes listed one by one
 
 
 def figures(replayed: Replayed) -> dict[str, Any]:

@@ -23,11 +23,11 @@ from handcart.networks.runs.run_folder import read_file
 
 REPORT_FILE = "report.html"
 OVERVIEW_FILE = "overview.svg"
-MAX_FILE_BYTES = 16 * 2**20  # of a picture or the summary, in [bytes]
-MAX_WIDTH_PX = 640  # of a picture of an action, in [px]
-JPEG_QUALITY = 80  # of its JPEG
-MAX_PICTURES = 60  # actions with a picture; further ones go without
-GAUGE_LENGTH_FACTOR = 1.15  # by which a gauge is longer than what it shows
+MAX_FILE_BYTES = 16 * 2**20  # of a picture or the summary
+MAX_WIDTH_PX = 640  # of an action's picture
+JPEG_QUALITY = 80
+MAX_PICTURES = 60  # actions with a picture; further actions have none
+GAUGE_LENGTH_FACTOR = 1.15  # length of a gauge, relative to the larger of value and limit
 
 
 def write_report(folder: Path, path: Path | None = None) -> Path:

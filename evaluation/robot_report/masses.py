@@ -12,7 +12,7 @@ from handcart.robotics.kinematics.shapes import Box, Cylinder, Hull, Shape, Sphe
 from handcart.robotics.kinematics.urdf_contents import INERTIA_ROUNDED, LinkFacts
 
 LIGHT, HEAVY = 50.0, 12000.0  # of a link, mass by volume of its bodies [kg/m³]: foam to lead
-MAX_OUTSIDE_M = 0.03  # [m] beside its bodies that a middle of mass may lie
+MAX_OUTSIDE_M = 0.03  # from a centre of mass to the link's bodies
 
 
 def mass_faults(link: LinkFacts, bodies: Sequence[Shape], moves: bool = False) -> list[str]:

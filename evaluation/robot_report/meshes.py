@@ -9,7 +9,7 @@ from handcart.files.suggest import did_you_mean
 from handcart.robotics.kinematics.coal_bodies import hull_of_mesh, read_mesh
 from handcart.robotics.kinematics.urdf_contents import MeshUse
 
-MIN_CONVEX_SHARE = 0.9  # share of its hull that a mesh fills that counts as convex
+MIN_CONVEX_SHARE = 0.9  # of its convex hull that a convex mesh fills
 
 
 @dataclass(frozen=True)

@@ -22,9 +22,9 @@ from .remark import Remark
 LIDAR_LINK = "range_sensor"
 MIN_HEIGHT_M = 0.02  # of a lidar above the floor
 MAX_TILT_DEG = 3.0  # of its plane against the floor
-FOOT_TOLERANCE_M = 0.01  # above the lowest wheel, within which a body stands on the floor
-MIN_SECTOR_DEG = 0.5  # of the robot itself that a lidar sees
-MARGIN_M = 0.005  # by which the middle of mass is inside what the base stands on
+FOOT_TOLERANCE_M = 0.01  # above the lowest wheel, within which a body touches the floor
+MIN_SECTOR_DEG = 0.5  # smallest sector of the robot itself that is reported
+MARGIN_M = 0.005  # from the centre of mass to the edge of the support polygon
 Points = NDArray[np.float64]
 
 

@@ -21,9 +21,9 @@ from .reach import Reach
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-MAX_POSTURES = 6  # postures that are drawn
+MAX_POSTURES = 6
 STILL, MOVED, FRONT, REACHED, EDGE = "#9aa3ad", "#4a78b5", "#c8382e", "#e8f1e4", "#3a3f45"
-REACH_CELL_M = 0.06  # of the reach that is drawn [m]
+REACH_CELL_M = 0.06
 VIEW_AXES = {"from the side": (0, 2), "from above": (0, 1)}
 
 

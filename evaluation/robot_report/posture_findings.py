@@ -20,7 +20,7 @@ from .masses import corners_of
 
 FINGER_JOINTS = ("left_finger", "right_finger")
 TRAVEL_POSTURES = ("home", "carry")  # in which primitives leave the arm before the base drives
-ROUNDING_M = 1e-3  # [m]
+ROUNDING_M = 1e-3
 
 
 class PostureFacts(NamedTuple):

@@ -21,8 +21,8 @@ from .self_contact import Pair
 
 START_COUNT = 60
 FEWER_STARTS = 20  # for each of several rolls
-ROLL_COUNT = 12  # that are tried where any will do
-LINK_MARGIN_M = 0.008  # [m] between the arm's own links
+ROLL_COUNT = 12  # rolls that are tried if any is allowed
+LINK_MARGIN_M = 0.008  # between the arm's own links
 
 Vector = NDArray[np.float64]
 

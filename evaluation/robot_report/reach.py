@@ -14,9 +14,12 @@ from handcart.robotics.geometry.transform import transform
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.manipulation.motions.collision_model import CollisionModel
 
-SAMPLES, FEWER = 6000, 1500  # postures; of a robot without a tray fewer: nothing is looked for near them
-START_COUNT = 16  # starts of the search for a posture
-OUT_OF_REACH_M = 0.15  # [m] from all random places of the hand: out of reach
+SAMPLES, FEWER = (
+    6000,
+    1500,
+)  # postures; fewer for a robot without a tray, because no position near them is searched
+START_COUNT = 16  # of the search for a posture
+OUT_OF_REACH_M = 0.15  # distance from all random positions of the hand
 
 
 class Reach:

@@ -25,7 +25,7 @@ from .remark import Remark
 from .self_contact import SelfContact, self_contact, touching_words
 from .sizes import size_remarks
 
-LABEL_DISTANCE_M = 0.3  # [m] from the camera: where it reads labels
+LABEL_DISTANCE_M = 0.3  # from the camera, when it reads labels
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-FRAMES_PER_S = 25  # a second
+FRAMES_PER_S = 25
 _FLAGS = "frag_keyframe+empty_moov+default_base_moof"
 _CODEC = {"preset": "ultrafast", "tune": "zerolatency", "crf": "23", "g": str(FRAMES_PER_S)}
 

@@ -41,16 +41,16 @@ PLANNED_COLOUR, DRIVEN_COLOUR, RESTORED_COLOUR, SENSED_COLOUR, GRAPH_COLOUR = (
 )
 BUMPED_COLOUR = PURPLE
 SCAN_COLOUR = GREEN
-TIME_LINE_LETTERS = 125.0  # of the widest kind that fit on the time line
-MAP_MARGIN_M = 0.5  # of the known part of a map that is drawn too [m]
+TIME_LINE_LETTERS = 125.0  # letters of the widest kind that fit on the time line
+MAP_MARGIN_M = 0.5  # around the known part of a map
 MIN_MAP_ASPECT = (
     0.08  # height of a map that is drawn, by its width: of a straight course what is beside it, too
 )
-PICTURE_WIDTH_IN = 12.0  # of a picture [in]
-FOOTER_HEIGHT_IN = 1.6  # of key and time line [in]
-MAP_HEIGHTS_IN = (1.5, 5.6)  # of a map [in]
-MIN_HEIGHT_BESIDE_IN = 3.5  # at least, beside a picture
-MAPS_SHARE = 0.57  # of the width, beside a picture
+PICTURE_WIDTH_IN = 12.0
+FOOTER_HEIGHT_IN = 1.6  # legend and time line
+MAP_HEIGHTS_IN = (1.5, 5.6)  # lower and upper limit
+MIN_HEIGHT_BESIDE_IN = 3.5  # of a map next to a picture
+MAPS_SHARE = 0.57  # of the width, next to a picture
 
 
 @dataclass(frozen=True)

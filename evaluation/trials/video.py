@@ -18,10 +18,10 @@ from handcart.networks.run_observer import RunObserver
 
 from .mp4 import FRAMES_PER_S, Mp4
 
-HEIGHT_PX, BAR_HEIGHT_PX = 720, 40  # of the pictures, of the line of text at their foot [px]
-INSET_HEIGHT_SHARE = 0.3  # of the height is that of what the hand's camera sees, while it is used
-INSET_DURATION_S = 1.0  # [s] that its last picture stays
-_MARGIN, _FRAME = 16, 2  # about the inset [px]
+HEIGHT_PX, BAR_HEIGHT_PX = 720, 40  # of the pictures, and of the line of text at their bottom
+INSET_HEIGHT_SHARE = 0.3  # height of the camera picture, relative to the frame
+INSET_DURATION_S = 1.0  # for which the last camera picture is shown
+_MARGIN, _FRAME = 16, 2  # around the inset [px]
 _PAPER, _INK = (245, 245, 245), (30, 30, 30)
 
 Colours = NDArray[np.uint8]

@@ -20,8 +20,8 @@ from .at_most import at_most
 from .sensor_sigmas import LIMIT_SIGMAS
 from .survey import Claim, FiguresSurvey, Survey, SurveyedRun
 
-STOOD_MM, STOOD_DEG = 5.0, 0.3  # that a base creeps which stands
-UNFELT_MM = 60.0  # that it may slide beside, which looks at nothing near it
+STOOD_MM, STOOD_DEG = 5.0, 0.3  # allowed creep of a base at rest
+UNFELT_MM = 60.0  # further allowed slide with a localizer that does not see the surroundings
 LOOKS_ROUND = (
     "scan",
     "odometry",

@@ -17,8 +17,8 @@ from handcart.robotics.kinematics.arm_model import ArmModel
 
 from .survey import Survey, SurveyedRun
 
-FINGERS_BODY = "fingers"  # both together, as one that pushes
-MAX_LISTED_CONTACTS = 8  # contacts that a run's metrics tell one by one
+FINGERS_BODY = "fingers"  # both fingers together, as one body that pushes
+MAX_LISTED_CONTACTS = 8  # contacts listed one by one in a run's metrics
 Pair = tuple[str, str]
 
 

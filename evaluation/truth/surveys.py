@@ -29,7 +29,7 @@ from .survey_notes import as_noted
 from .true_changes import disturbed, not_restored
 
 GENERAL_SURVEYS = (PathSurvey, ContactSurvey, LocalisationSurvey, ArrivalSurvey)
-MOST_DISTURBED_MM = 10.0  # that anything may be moved which isn't the primitive's to move
+MOST_DISTURBED_MM = 10.0  # largest allowed motion of a body that a primitive does not move
 S = TypeVar("S", bound=Survey)
 T = TypeVar("T")
 

@@ -21,7 +21,7 @@ from .sensor_sigmas import (
 )
 
 GRIPPER_SIGMA_MM = 0.05  # of the measured opening
-UNSURE_SHARE = 2.0  # fixed limit of the base in its tolerances: so far off, and as much again unnoticed
+UNSURE_SHARE = 2.0  # fixed limit of the base, in tolerances: one known error and one unnoticed
 STILL_LIMITS = {
     "base mm": 0.5,
     "base deg": 0.05,

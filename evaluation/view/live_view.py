@@ -29,7 +29,7 @@ from .page import Page
 if TYPE_CHECKING:
     import viser
 
-MAX_FRAMES_PER_S = 15.0  # in a second, at most
+MAX_FRAMES_PER_S = 15.0
 FASTEST_LABEL = "fastest"
 SPEED_LABELS = ("1", "2", "5", "20", FASTEST_LABEL)
 Array = NDArray[np.float64]

@@ -10,8 +10,8 @@ from handcart.networks.drawing.svg import to_svg
 from handcart.networks.graph.network import ActionNetwork
 from handcart.networks.journal.past_run import PastAction
 
-WINDOW_WIDTH_PX, WINDOW_HEIGHT_PX = 560.0, 260.0  # of the window, in pixels of the network
-BOX_MARGIN_PX = 10.0  # of the outermost boxes
+WINDOW_WIDTH_PX, WINDOW_HEIGHT_PX = 560.0, 260.0  # in pixels of the network
+BOX_MARGIN_PX = 10.0  # around the outermost boxes
 
 
 class NetworkWindow:

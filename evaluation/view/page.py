@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     import viser
 
 Array = NDArray[np.float64]
-WIDE_PICTURE = 1.6  # width over height of a window that is not known yet
-RAY_STRIDE = 2  # of the rays that hit something, every how many is drawn
+WIDE_PICTURE = 1.6  # width over height of a window of unknown size
+RAY_STRIDE = 2  # every second ray that hit something is drawn
 LAYER_NODES = {
     "range sensor": ("rays", "hits"),
     "planned path": ("planned",),

@@ -18,7 +18,7 @@ from .time_line import time_line
 if TYPE_CHECKING:
     import viser
 
-TIME_LINE_PERIOD_S = 0.2  # [s] between two pictures of the time line
+TIME_LINE_PERIOD_S = 0.2  # between two updates
 _READABLE = """<style>
 label { color: #495057 !important }
 .mantine-Button-root { --button-bg: #00527f !important; --button-hover: #003f61 !important }

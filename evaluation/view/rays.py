@@ -10,7 +10,7 @@ from handcart.evaluation.playback.seven import transforms
 from handcart.robotics.geometry.transform import transform
 
 Array = NDArray[np.float64]
-DEFAULT_HEIGHT_M = 0.25  # of the sensor above the floor, where the robot's URDF doesn't tell [m]
+DEFAULT_HEIGHT_M = 0.25  # of the lidar above the floor, if the URDF has no frame for it
 
 
 def rays_of(robot: RobotShape, ranges: Array, base: Array, height: float) -> Array:

@@ -11,8 +11,8 @@ from .frame import Frame
 from .rays import height_of, rays_of
 
 Array = NDArray[np.float64]
-PATH_STEP_M = 0.05  # [m] between two points of the driven path that is drawn
-PATH_PERIOD_S = 0.5  # [s] after which the driven path is drawn anew
+PATH_STEP_M = 0.05  # between two points of the drawn path
+PATH_PERIOD_S = 0.5  # after which the driven path is drawn again
 
 
 class RecordedFrames:

@@ -16,11 +16,11 @@ from .recorded_frames import RecordedFrames
 if TYPE_CHECKING:
     import viser
 
-MAX_FRAMES_PER_S = 25.0  # in a second, at most
+MAX_FRAMES_PER_S = 25.0
 SPEED_LABELS = ("¼", "1", "2", "5", "20")
 SPEED_FACTORS = {"¼": 0.25}
 BEFORE_LABEL, NEXT_LABEL = "◂ before", "next ▸"
-SLIDER_STEP_S = 0.1  # [s] of the slider
+SLIDER_STEP_S = 0.1
 
 
 class Replay:

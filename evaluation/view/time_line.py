@@ -9,7 +9,7 @@ from handcart.evaluation.drawing.palette import OUTCOME_COLOURS
 from handcart.networks.journal.past_run import PastAction
 
 LINE_WIDTH, LINE_HEIGHT = 1000.0, 64.0
-LETTER_WIDTH = 15.0  # width of a letter of the numbers on it
+LETTER_WIDTH = 15.0  # of the numbers on the bars
 
 
 def time_line(actions: Sequence[PastAction], start: float, end: float, now: float) -> str:

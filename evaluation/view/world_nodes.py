@@ -19,12 +19,12 @@ if TYPE_CHECKING:
     import viser
 
 Array = NDArray[np.float64]
-SEE_THROUGH_HEIGHT_M = 1.6  # [m]: what is higher is seen through
-SEE_THROUGH_OPACITY = 0.28  # how opaque that is
-LINE_HEIGHT_M = 0.015  # of lines over the floor [m]
-ELLIPSE_CORNERS = 48  # corners of an ellipse
+SEE_THROUGH_HEIGHT_M = 1.6  # higher solids are drawn transparent
+SEE_THROUGH_OPACITY = 0.28
+LINE_HEIGHT_M = 0.015  # of lines above the floor
+ELLIPSE_CORNERS = 48
 ELLIPSE_SIGMAS = 3.0
-RAISED_HEIGHT_M = 0.3  # [m] of what a map shows, where no solids are known
+RAISED_HEIGHT_M = 0.3  # of a map's occupied cells, where no solids are known
 
 
 class WorldNodes:

@@ -22,8 +22,8 @@ from .bag_messages import Bag, BagError, BagMessage, read_bag
 IMU, ODOMETRY, FIX = "sensor_msgs/msg/Imu", "nav_msgs/msg/Odometry", "sensor_msgs/msg/NavSatFix"
 POSE_TYPES = (ODOMETRY, "geometry_msgs/msg/PoseStamped", "geometry_msgs/msg/PoseWithCovarianceStamped")
 NO_FIX = -1  # of NavSatFix.status
-MAX_UNREADABLE = 0.5  # share of a topic's messages: more, and it is of another type
-MIN_SIGMA_M = 1e-3  # a receiver that states less states nothing
+MAX_UNREADABLE = 0.5  # share of a topic's messages: with more it has another type
+MIN_SIGMA_M = 1e-3  # smaller stated errors are ignored
 READING_LIMITS = {"rates": 100.0, "accelerations": 1000.0, "speed": 150.0, "turn": 100.0, "reference": 1e7}
 """Largest plausible readings, in SI units."""
 Stamps = Literal["header", "receive"]

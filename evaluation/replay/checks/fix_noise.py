@@ -13,13 +13,13 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.outdoors.field_noise import FieldNoise
 from handcart.robotics.navigation.outdoors.gyro_odometry import GyroOdometry
 
-WINDOW_S = 10.0  # in which the fixes are laid over the odometry's track
+WINDOW_S = 10.0  # in which the fixes are fitted to the odometry's track
 MIN_FIXES = 6  # in a window
 MIN_WINDOWS = 3
-SLOW_RATIO = 2.25  # slow error over the white one of a receiver of which nothing is known
-SLOW_TIME_S = 100.0  # over which that changes
+SLOW_RATIO = 2.25  # slow error over white error of an unknown receiver
+SLOW_TIME_S = 100.0  # correlation time of the slow error
 LEAST_M = 0.05  # of the white error
-MAX_RATIO = 3.0  # between what a receiver states and what is seen: more, and it is not believed
+MAX_RATIO = 3.0  # between stated and observed error: beyond it the stated one is rejected
 Array = NDArray[np.float64]
 
 

@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 
-MAX_FIX_SIGMAS = 4.0  # of a fix against the mean of those before it
-AVERAGED_FIXES = 5  # fixes that are averaged
-MAX_STEPS = 60  # steps between fixes by which the white error is estimated
-MIN_STEPS = 20  # of them, before the estimate is used
-SLIP_RATIO = 0.04  # of the way since the latest good fix: what wheels and heading may be off
-WANDER_M = 0.3  # per root second, that slow errors may change
-PATIENCE_S = 20.0  # for which a jump may last before it is believed
-RAYLEIGH_MEDIAN = math.sqrt(2.0 * math.log(2.0))  # median of a length, in sigmas of an axis
+MAX_FIX_SIGMAS = 4.0  # between a fix and the mean of the fixes before it
+AVERAGED_FIXES = 5
+MAX_STEPS = 60  # between fixes, from which the white error is estimated
+MIN_STEPS = 20  # before the estimate is used
+SLIP_RATIO = 0.04  # error of wheels and heading, relative to the distance since the latest good fix
+WANDER_M = 0.3  # change of slow errors, per root second
+PATIENCE_S = 20.0  # after which a lasting jump is accepted
+RAYLEIGH_MEDIAN = math.sqrt(2.0 * math.log(2.0))  # median of a 2D length, in sigmas per axis
 Array = NDArray[np.float64]
 
 

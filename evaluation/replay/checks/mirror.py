@@ -10,8 +10,8 @@ from handcart.evaluation.replay.drive_log import DriveLog
 
 WINDOW_S = 90.0
 MIN_FIXES = 10  # in a window
-MIN_WIDTH_M = 4.0  # of the way's narrower side, that shows which way it bends
-MAX_MISFIT_SHARE = 0.1  # share of the fixes' spread that is left at most
+MIN_WIDTH_M = 4.0  # of the track's narrower side, to show in which direction it bends
+MAX_MISFIT_SHARE = 0.1  # of the fixes' squared spread
 MIN_VOTE_SHARE = 0.8  # of the windows
 MIRROR_TEXT = (
     "the fixes are the mirror image of the way by wheels and gyros: latitude and longitude (east and north) "

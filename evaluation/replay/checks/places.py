@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 FAR_DEG = 1.0  # from the median of all fixes: some 100 km
-MIN_HELD_FIXES = 5  # equal fixes in a row, from which a receiver only repeats itself
+MIN_HELD_FIXES = 5  # equal fixes in a row that count as repetitions
 Array = NDArray[np.float64]
 
 

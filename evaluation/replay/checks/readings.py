@@ -11,21 +11,21 @@ from handcart.evaluation.replay.checks.fix_noise import odometry_track
 from handcart.evaluation.replay.checks.places import repeated_rows
 from handcart.evaluation.replay.drive_log import DriveLog
 
-STILL_TIME_S = (8.0, 20.0)  # for which wheels stand, least and most that is looked at in one piece
-MAX_STILL_M = 6.0  # that fixes of a vehicle at rest travel within that time: slow errors
-SPAN_PARTS = 5  # of that time, from one to the next of which a vehicle that moves gets on
-MIN_PARTS = 3  # differences between them that show it; a jump of the fixes shows in one or two
-MAX_STILL_SIGMAS = 6.0  # the same in accuracies that the receiver states
-FROZEN_TIME_S = 3.0  # for which a gyro repeats its reading
-MIN_FROZEN = 20  # readings of it
-MIN_DRIVEN_M = 1.0  # meanwhile: vibration changes a driving gyro's last digit
-MAX_BACKWARD = 0.8  # share of the way that a vehicle drives backwards
+STILL_TIME_S = (8.0, 20.0)  # shortest and longest time at rest that is checked in one piece
+MAX_STILL_M = 6.0  # motion of the fixes of a vehicle at rest within that time: slow errors
+SPAN_PARTS = 5  # of that time; a moving vehicle advances from each to the next
+MIN_PARTS = 3  # advancing steps between parts; a jump of the fixes makes one or two
+MAX_STILL_SIGMAS = 6.0  # the same limit, in the receiver's stated accuracies
+FROZEN_TIME_S = 3.0  # for which a gyro may repeat its reading
+MIN_FROZEN = 20  # repeated readings
+MIN_DRIVEN_M = 1.0  # during the repetitions: vibration changes a driving gyro's last digit
+MAX_BACKWARD = 0.8  # share of the distance driven backwards
 MIN_WAY_M = 10.0
-SCALE_WINDOW_S = 60.0  # in which fixes are laid over the odometry's track
-MIN_SPREAD_M = 3.0  # root mean square of the fixes about their middle in a window
+SCALE_WINDOW_S = 60.0  # in which fixes are fitted to the odometry's track
+MIN_SPREAD_M = 3.0  # root mean square distance of a window's fixes from their mean
 MIN_FIXES = 8  # in a window
 MIN_FIT = 0.9  # squared correlation of fixes and track
-MAX_SCALE = 1.5  # between the ways by fixes and by wheels
+MAX_SCALE = 1.5  # between the distances by fixes and by wheels
 UNIT_ERRORS = {
     1000.0: "km where m is needed, or m where mm is",
     1e-3: "mm where m is needed",
@@ -35,7 +35,7 @@ UNIT_ERRORS = {
     math.radians(1.0): "degrees where m is needed",
 }
 """Likely unit error, by the factor that corrects the readings."""
-NEAR_UNIT = 0.1  # relative, about a factor of `UNIT_ERRORS`
+NEAR_UNIT = 0.1  # relative difference to a factor of `UNIT_ERRORS`
 RADII_M = (0.02, 0.7)  # of wheels
 Array = NDArray[np.float64]
 Rows = NDArray[np.bool_]

@@ -7,12 +7,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-JUMP_S = 1.0  # by which a stamp and the receive time may part between two messages
-JUMP_SPREADS = 10.0  # of the usual difference, besides: a bag that was replayed slowly or in bursts
-NEIGHBOUR_COUNT = 5  # messages on either side that a lasting jump is judged by
-APART_S = 2.0  # between the clocks of two topics: more can be no delay
+JUMP_S = 1.0  # allowed change between stamp and receive time from one message to the next
+JUMP_SPREADS = 10.0  # the same in median changes: a bag may have been replayed slowly or in bursts
+NEIGHBOUR_COUNT = 5  # messages on either side that decide whether a jump lasts
+APART_S = 2.0  # between the clocks of two topics: more cannot be a delay
 LATE_S = 0.2  # between two topics, from which a delay is reported
-MAX_WRONG = 0.5  # share of a topic's stamps: more, and they are no times
+MAX_WRONG = 0.5  # share of a topic's stamps: with more they are unusable
 Array = NDArray[np.float64]
 
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from handcart.evaluation.replay.drive_log import DriveLog
 
-WINDOW_S = 30.0  # over which a vehicle's roll and pitch come back to what they were
+WINDOW_S = 30.0  # within which roll and pitch of a vehicle return to their mean
 Array = NDArray[np.float64]
 
 

@@ -13,8 +13,8 @@ from .home_posture import Home, home_of, middle_of, radius_of
 from .outline import Outline
 
 GUESSED_TEXT = "by the URDF; measure"
-DEFAULT_FOOTPRINT_M = 0.5  # [m] of a robot without collision bodies
-FLOOR_TOLERANCE_M = 0.01  # [m]
+DEFAULT_FOOTPRINT_M = 0.5  # for a robot without collision bodies
+FLOOR_TOLERANCE_M = 0.01
 CAMERA_SECTION = "{width_px: 640, height_px: 480, focal_px: 600}"
 LIDAR_SECTION = "beams: 360, reach_m: 8, sigma_mm: 20"
 OPTIONAL_SECTIONS = ("gripper", "camera", "range_sensor")

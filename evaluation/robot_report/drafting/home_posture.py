@@ -20,7 +20,7 @@ from handcart.robotics.kinematics.urdf_frames import link_poses
 from handcart.robotics.manipulation.motions.collision_model import CollisionModel
 
 RANDOM_POSTURES = 300
-MIN_HEIGHT_M = -1e-3  # [m] the floor: rounding
+MIN_HEIGHT_M = -1e-3  # rounding, relative to the floor
 POSTURE_DIGITS = 1  # of a posture in the draft, in [deg] or [mm]
 
 

@@ -16,7 +16,7 @@ from handcart.robotics.kinematics.urdf_contents import JointFacts, bodies_of
 from .link_tree import LinkTree
 from .sensor_frames import SensorFrame, sensor_frames
 
-MIN_AXLE_Y = 0.9  # of a wheel's axis: least part along y
+MIN_AXLE_Y = 0.9  # y component of a wheel's axis
 _WHEEL = re.compile(r"wheel", re.IGNORECASE)
 _IDLE = re.compile(r"caster|castor|steer|swivel|rotation", re.IGNORECASE)
 _FINGER = re.compile(r"finger|gripper|jaw|knuckle|thumb", re.IGNORECASE)

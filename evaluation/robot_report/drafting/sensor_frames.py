@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 from .link_tree import LinkTree
 
-MIN_LEVEL_COSINE = 0.99  # least cosine between a range sensor's z axis and the vertical
-MIN_LIDAR_HEIGHT_M = 0.03  # [m] of a range sensor above the floor
+MIN_LEVEL_COSINE = 0.99  # between a lidar's z axis and the vertical
+MIN_LIDAR_HEIGHT_M = 0.03  # above the floor
 _NAMES = {
     "range_sensor": re.compile(r"laser|lidar|scan|rplidar|hokuyo|sick", re.IGNORECASE),
     "camera": re.compile(r"optical|camera|kinect|xtion|realsense", re.IGNORECASE),

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 LOOPBACK_HOST = "127.0.0.1"
 FIRST_PORT = 8080
-MAX_PORT_TRIES = 100  # ports from the usual one on
+MAX_PORT_TRIES = 100  # ports from the first one on
 
 
 class NoView(InputError):
