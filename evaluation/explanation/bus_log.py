@@ -21,7 +21,7 @@ class UnreadableLog(InputError):
     """Error: a file is not a readable log of CAN frames."""
 
     def __init__(self, file: Path, why: object) -> None:
-        super().__init__(f"{file} is no log of CAN frames: {why}; allowed: {', '.join(LOG_SUFFIXES)}")
+        super().__init__(f"{file} is not a log of CAN frames: {why}; allowed: {', '.join(LOG_SUFFIXES)}")
 
 
 def read_log(file: Path) -> list[can.Message]:
@@ -33,7 +33,7 @@ def read_log(file: Path) -> list[can.Message]:
     if file.suffix.lower() not in LOG_SUFFIXES:
         raise UnreadableLog(file, f"its suffix is {file.suffix!r}")
     if not file.is_file():
-        raise UnreadableLog(file, "there is no such file")
+        raise UnreadableLog(file, "the file does not exist")
     try:
         with ExitStack() as opened:
             frames = list(islice(_reader(file, opened), MAX_FRAMES + 1))

@@ -63,7 +63,7 @@ def _head(run: PastRun) -> str:
     header, end = run.header, run.end
     lines = [f"{run.folder}: {header['task']} (backend {header['backend']}, seed {header['seed']})"]
     if end is None:
-        lines.append("no end in the journal: it was killed, or still goes on")
+        lines.append("no end in the journal: it was killed, or is still running")
     else:
         reason = f": {end['reason']}" if end["reason"] else ""
         lines.append(f"{end['outcome']} in situation {end['situation']}{reason}")

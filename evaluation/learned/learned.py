@@ -63,7 +63,7 @@ class Learned:
         wrong = self.trust.wrong
         if wrong is not None:
             raise NothingLearned(
-                f"what is learned from one half of the trials predicts {wrong.name} {wrong.predicted:.3g} "
+                f"odds learned from one half of the trials predict {wrong.name} {wrong.predicted:.3g} "
                 f"for the other, in which it is {wrong.measured:.3g} (p = {wrong.p_value:.2g}); needed: "
                 "trials whose actions depend on no more than their own Fails and on whether the one before "
                 "failed"

@@ -84,7 +84,7 @@ class Part(NamedTuple):
             for name in names:
                 array = arrays[name]
                 if array.dtype.kind not in _KINDS.get(name, "f") or array.shape[:1] != (length,):
-                    raise ValueError(f"its {name} is no such array: {array.dtype} {array.shape}")
+                    raise ValueError(f"its {name} has a wrong type or shape: {array.dtype} {array.shape}")
         for name, size in _WIDTHS.items():
             if len(arrays[name]) and arrays[name].shape[1:] != size:
                 raise ValueError(f"its {name} is of the shape {arrays[name].shape}; needed: (n, {size})")

@@ -70,7 +70,7 @@ class MapShape(FileModel):
         raw = np.frombuffer(base64.b64decode(self.png), np.uint8)
         found = cv2.imdecode(raw, cv2.IMREAD_GRAYSCALE) if len(raw) else None
         if found is None:
-            raise ValueError("the map in it is no picture")
+            raise ValueError("the map in it is not a picture")
         return found.astype(np.uint8, copy=False)
 
 

@@ -147,7 +147,7 @@ def _table(
         else:
             table.append([_number(row, place, path, line, findings) for place in places.values()])
             if not (table[-2][at] if len(table) > 1 else -math.inf) <= table[-1][at] < math.inf:
-                findings.add(Finding(str(path), line, 1, "time doesn't go on; needed: times that rise"))
+                findings.add(Finding(str(path), line, 1, "time doesn't increase; needed: increasing times"))
         if len(findings) >= MAX_SHOWN_CELLS:
             break
     findings.raise_all()

@@ -57,7 +57,7 @@ def _with_axes(path: Path, log: DriveLog, imu_axes: str | None) -> DriveLog:
         turned = axes_rotation(imu_axes or "")
         if turned is None:
             allowed = "three different ones of x, y, z, right-handed, with - where one points the other way"
-            raise FileError([Finding("--imu-axes", 0, 0, f"{imu_axes!r} is no frame; allowed: {allowed}")])
+            raise FileError([Finding("--imu-axes", 0, 0, f"{imu_axes!r} is not a frame; allowed: {allowed}")])
         return mounted(log, turned)
     mount = check_mount(log)
     if not mount.words:

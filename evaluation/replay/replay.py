@@ -148,7 +148,7 @@ def _by_beacons(log: DriveLog, noise: FieldNoise, start: Pose2, position: float)
     if log.beacons is None:
         raise NoRanges("the log has no ranges; needed: `beacons` in its header, and columns range_NAME")
     if math.isinf(noise.start_heading):
-        raise NoRanges("ranges tell no heading; needed: `start` with `heading_deg` in the log's header")
+        raise NoRanges("ranges alone give no heading; needed: `start` with `heading_deg` in the log's header")
     return BeaconFilter(start, noise, log.beacons.errors, position)
 
 
@@ -181,7 +181,7 @@ def replay(
     due, clouds = log.times[0], list[tuple[float, Array]]()
     kept = set(np.linspace(0, len(log.times) - 1, CLOUD_COUNT).astype(int).tolist())
     for row in range(len(log.times)):
-        if row:  # before the first one nobody knows since when
+        if row:  # the first row has no previous time
             localizer.predict(log.rates[row], log.accelerations[row], log.wheels[row], float(steps[row]))
         if log.beacons is not None and np.isfinite(log.beacons.ranges[row]).any():
             localizer.ranges(log.beacons.ranges[row])

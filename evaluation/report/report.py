@@ -81,7 +81,7 @@ def _sentence(run: PastRun) -> str:
     task = str(run.header["task"])
     count = f"{len(run.actions)} action{'' if len(run.actions) == 1 else 's'} ({fails or 'none'} failed)"
     if end is None:
-        return f"{task}: no end is known after {count}; it was killed, or still goes on."
+        return f"{task}: no end is known after {count}; it was killed, or is still running."
     reason = f": {end['reason']}" if end["reason"] else ""
     when = f"after {end['t']:.1f} s and {count}"
     return f"{task}: {end['outcome']} in situation {end['situation']} {when}{reason}."

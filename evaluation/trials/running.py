@@ -279,6 +279,6 @@ def new_folder(runs: Path, name: str) -> Path:
                 folder = runs / f"{name}.{number}"
     except UnicodeEncodeError:
         shown = str(folder.absolute()).encode(errors="backslashreplace").decode()
-        raise NoFolder(f"the name of {shown} is no UTF-8; allowed: a folder whose name is") from None
+        raise NoFolder(f"the name of {shown} is not UTF-8; allowed: a folder whose name is") from None
     except OSError as error:
         raise NoFolder(f"no folder can be made in {runs}: {error.strerror}") from None

@@ -60,7 +60,9 @@ def _kind(domain: str, path: str) -> type[Survey]:
         reason = f"{type(error).__name__}: {error}"
         raise NoSurvey(f"the survey {path} of the domain {domain} can't be imported: {reason}") from error
     if not (isinstance(kind, type) and issubclass(kind, Survey)):
-        raise NoSurvey(f"the survey {path} of the domain {domain} is none; allowed: a subclass of Survey")
+        raise NoSurvey(
+            f"the survey {path} of the domain {domain} is not a survey; allowed: a subclass of Survey"
+        )
     return kind
 
 

@@ -221,8 +221,8 @@ def test_what_is_wrong_in_the_header_is_told(
     [
         (20, "1,2", "2 cells; needed: 9"),
         (20, "x,0,0,0,,,0,0,0", "no number: 'x'"),
-        (20, "0,0,0,0,,,0,0,0", "time doesn't go on"),
-        (20, ",0,0,0,,,0,0,0", "time doesn't go on"),
+        (20, "0,0,0,0,,,0,0,0", "time doesn't increase"),
+        (20, ",0,0,0,,,0,0,0", "time doesn't increase"),
     ],
 )
 def test_what_is_wrong_in_the_table_is_told(

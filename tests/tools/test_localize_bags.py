@@ -130,7 +130,7 @@ def test_a_sideways_imu_is_never_played_silently(
         assert found["error_m_rms"] < 2.5
     said = handcart("localize", bag, "--imu-axes", "x,x,y")
     assert said.status == 2
-    assert "'x,x,y' is no frame" in said.err
+    assert "'x,x,y' is not a frame" in said.err
 
 
 def test_what_a_bag_lacks_is_told_at_once(

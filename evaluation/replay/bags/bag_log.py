@@ -112,7 +112,7 @@ def _readable(path: Path, bag: Bag, messages: list[BagMessage], chosen: dict[str
         if bad > MAX_UNREADABLE * (good + bad):
             wrong.append(f"{topic}: {bad} of {good + bad} messages can't be read as {kind}")
         elif bad:
-            notes.append(f"{topic}: {bad} of {good + bad} messages can't be read; left out")
+            notes.append(f"{topic}: {bad} of {good + bad} messages can't be read; they are skipped")
         elif not good:
             wrong.append(f"{topic}: no messages; needed: at least two")
     if wrong:

@@ -59,7 +59,7 @@ def test_a_log_that_is_too_long_is_refused(tmp_path: Path, monkeypatch: pytest.M
 def test_what_is_none_is_told(tmp_path: Path, kind: str) -> None:
     """T1 T14: missing, a folder, another kind, nonsense."""
     path = tmp_path / f"bus{kind}"
-    with pytest.raises(UnreadableLog, match=r"there is no such file; allowed: \.asc, \.blf"):
+    with pytest.raises(UnreadableLog, match=r"the file does not exist; allowed: \.asc, \.blf"):
         read_log(path)
     path.mkdir()
     with pytest.raises(UnreadableLog):

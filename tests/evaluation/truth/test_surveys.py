@@ -133,7 +133,7 @@ def test_one_that_breaks_is_named_and_the_run_goes_on(
 def test_a_survey_that_is_none_is_named_before_anything_moves(monkeypatch: pytest.MonkeyPatch) -> None:
     for path, words in (
         ("gone:Gone", "the survey gone:Gone of the domain pond can't be imported: ModuleNotFoundError"),
-        ("pathlib:Path", "the survey pathlib:Path of the domain pond is none"),
+        ("pathlib:Path", "the survey pathlib:Path of the domain pond is not a survey"),
     ):
         monkeypatch.setattr(surveys, "domains", lambda path=path: (Domain("pond", survey=path),))
         with pytest.raises(surveys.NoSurvey, match=words):

@@ -100,4 +100,4 @@ def test_another_recorders_log_is_told_in_the_runs_names(
     assert f"Frames on the CAN bus at the end of {log}" in handcart("explain", folder, "--frames", log).out
     wrong = handcart("explain", folder, "--frames", folder / "journal.jsonl")
     assert wrong.status == 2
-    assert "journal.jsonl is no log of CAN frames: its suffix is '.jsonl'; allowed: .asc" in wrong.err
+    assert "journal.jsonl is not a log of CAN frames: its suffix is '.jsonl'; allowed: .asc" in wrong.err
