@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from enum import IntEnum
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -26,8 +27,8 @@ class Validity(IntEnum):
     """No reading, or a masked one: the space along the beam is unknown."""
 
 
-class Scan(NamedTuple):
-    """One turn of a range sensor, or the part of it that the sensor sees."""
+class _Beams(NamedTuple):
+    """What a scan is made of."""
 
     angles: NDArray[np.float64]
     """(n,) in [rad], in the sensor frame, counter-clockwise from its x axis."""
@@ -40,11 +41,24 @@ class Scan(NamedTuple):
     validity: NDArray[np.uint8] = UNREAD
     """(n,) of `Validity`; empty in a raw scan."""
 
+
+class Scan(_Beams):
+    """One turn of a range sensor, or the part of it that the sensor sees."""
+
     def points(self) -> NDArray[np.float64]:
         """Points that were hit, (m, 2) in [m], in the base frame."""
+        return self._points
+
+    @cached_property
+    def _points(self) -> NDArray[np.float64]:
+        """Compute them once: several look at each scan."""
         hit = np.isfinite(self.ranges)
         reach, angle = self.ranges[hit], self.angles[hit]
-        return self.base_T_sensor.apply(np.column_stack([reach * np.cos(angle), reach * np.sin(angle)]))
+        points = np.empty((len(reach), 2))
+        points[:, 0], points[:, 1] = reach * np.cos(angle), reach * np.sin(angle)
+        points = self.base_T_sensor.apply(points)
+        points.flags.writeable = False
+        return points
 
     def blind(self) -> NDArray[np.bool_]:
         """(n,) whether a beam of a read scan shows neither a thing nor free ground."""

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +26,7 @@ from handcart.files.yaml.yaml_syntax import syntax_error
 
 MAX_BYTES = 1 << 20
 MAX_NODES = 50_000
+KEPT_TREES = 32
 # libyaml follows YAML 1.1: other line breaks, tabs where 1.2 has none, other words behind these signs.
 _READ_DIFFERENTLY = re.compile("[\t\r\x85\u2028\u2029\ufeff&*!%?]")
 
@@ -125,8 +126,13 @@ def parse_document(content: bytes, file: str, *, max_nodes: int = MAX_NODES) -> 
     return Document(file, content, root)
 
 
+@lru_cache(maxsize=KEPT_TREES)
 def _fast_tree(text: str, file: str, max_nodes: int) -> Node | None:
-    """The tree by the fast parser; None where the exact one has to be asked."""
+    """The tree by the fast parser; None where the exact one has to be asked.
+
+    Kept for the next one who reads the same text: the trials of a campaign read the same files. Nobody
+    changes a tree.
+    """
     events = fast_events(text)
     builder = TreeBuilder(file, max_nodes)
     try:

@@ -28,11 +28,8 @@ class _Period(NamedTuple):
     """map_T_base at its start, as estimated."""
     now: Pose2
     """Likewise at its end."""
-
-    @property
-    def ahead(self) -> float:
-        """Distance that the base moved along its heading, in [m]; negative backwards."""
-        return self.now.relative_to(self.before).x
+    ahead: float
+    """Distance that the base moved along its heading, in [m]; negative backwards."""
 
 
 class Blocked(NamedTuple):
@@ -94,7 +91,7 @@ class BlockedMotion:
         if commanded == 0.0 or (self._periods and commanded * self._periods[-1].commanded < 0.0):
             self.clear()
         if commanded != 0.0:
-            self._periods.append(_Period(commanded, rolled, before, now))
+            self._periods.append(_Period(commanded, rolled, before, now, now.relative_to(before).x))
         found = self._judged()
         self._in_a_row = 0 if found is None else self._in_a_row + 1
         return found if self._in_a_row >= CONFIRMED else None

@@ -348,12 +348,13 @@ class ScanLocalizer(Localizer):
 
     def _count_way(self, match: ScanMatch) -> None:
         """Compare the way with what the wheels say, where the scan alone tells it."""
-        ahead = np.array([math.cos(self.pose.theta), math.sin(self.pose.theta)])
-        if float(ahead @ match.kept[:2, :2] @ ahead) > SCANS_TELL or self._poor:
+        cos, sin = math.cos(self.pose.theta), math.sin(self.pose.theta)
+        (xx, xy, _), (yx, yy, _), _ = match.kept.tolist()
+        if cos * (xx * cos + xy * sin) + sin * (yx * cos + yy * sin) > SCANS_TELL or self._poor:
             self.way.begin()
             return
-        missed = float(ahead @ (match.pose.x - self.pose.x, match.pose.y - self.pose.y))
-        map_sigma = float(np.linalg.norm(ahead @ match.map_error[:2]))
+        missed = cos * (match.pose.x - self.pose.x) + sin * (match.pose.y - self.pose.y)
+        map_sigma = math.hypot(*(cos * match.map_error[0] + sin * match.map_error[1]).tolist())
         wrong = self.way.take(missed, map_sigma, self._odometry.scale_variance)
         if wrong:
             self._odometry.doubt_scale(wrong)

@@ -25,8 +25,10 @@ MIN_SHARE = 0.12  # of the rise that the slopes claim; less is grain: up to 0.10
 PLAIN_SHARE = 0.8  # of it; no less, and there is no need to look closer
 FAN_STEP = math.radians(2.0)
 FAN = FAN_STEP * np.arange(-8, 9)  # [rad] from the direction that the slopes give: grain turns it
+FAN_COS_SIN = np.column_stack([np.cos(FAN), np.sin(FAN)])
+FAN_ACROSS = np.column_stack([-np.sin(FAN), np.cos(FAN)])
 FIT_PARABOLA = np.linalg.pinv(np.vander(FAN_STEP * np.arange(-2, 3), 3))  # (3, 5): squares, slope, constant
-FAN_POINTS = 120  # points by which those directions are compared
+FAN_POINTS = 120  # points by which those directions are compared: half of them by half as many at first
 MIN_POINTS = 5.0  # points on a wall across the direction that the cost has to rise by
 NO_SLOPES = np.empty((0, 2))
 SAME = 0.7  # cosine of two directions that are about the same
@@ -70,8 +72,8 @@ def weakest_evidence(
     lever = information[:2, 2] / max(float(information[2, 2]), 1e-9)
     inner = information[:2, :2] - lever[:, None] * information[2, :2]
     direction = _weakest_axis(inner)
-    used = reading.distances < 4.0 * scale
-    if not used.any():
+    used = np.flatnonzero(reading.distances < 4.0 * scale)
+    if not len(used):
         return Evidence(direction, 0.0)
     near = reading.distances[used], reading.slopes[used]
     shifted = _Shifted(grid, distance, points[used], *near, np.array(pose[:2]), lever, scale)
@@ -117,19 +119,22 @@ class _Shifted(NamedTuple):
         Both as a number of points: those on a wall straight across that would make it rise as much. The least
         of several shifts counts: grain that lies as before after one of them doesn't after another.
         """
-        seen, claimed, one = self._rises(direction[None], 1, self.slopes)[0].T
-        return float((seen / one).min()), float((claimed / one).min())
+        rises = self._rises(direction[None], 1, self.slopes)[0].tolist()
+        return min(seen / one for seen, _, one in rises), min(claimed / one for _, claimed, one in rises)
 
     def flattest(self, direction: Array) -> Array:
         """Direction (2,) near this one along which the cost rises least: that of the walls."""
-        cos, sin = np.cos(FAN), np.sin(FAN)
-        x, y = direction
-        rays = np.column_stack([cos * x - sin * y, sin * x + cos * y])
-        rises = self._rises(rays, max(1, len(self.points) // FAN_POINTS), NO_SLOPES)[:, :, 0].sum(axis=1)
-        least = int(np.clip(np.argmin(rises), 2, len(FAN) - 3))
-        bend, slope, _ = FIT_PARABOLA @ rises[least - 2 : least + 3]
+        x, y = direction.tolist()
+        rays = FAN_COS_SIN * x + FAN_ACROSS * y
+        every = max(1, len(self.points) // FAN_POINTS)
+        coarse = self._rises(rays[::2], 2 * every, NO_SLOPES)[:, :, 0].sum(axis=1)
+        least = min(max(2 * int(coarse.argmin()), 2), len(FAN) - 3)
+        close = slice(least - 2, least + 3)
+        bend, slope, _ = (
+            FIT_PARABOLA @ self._rises(rays[close], every, NO_SLOPES)[:, :, 0].sum(axis=1)
+        ).tolist()
         off = min(FAN_STEP, max(-FAN_STEP, -0.5 * slope / bend)) if bend > 0.0 else 0.0
-        turned = float(FAN[least] + off)
+        turned = FAN[least] + off
         return np.array(
             [math.cos(turned) * x - math.sin(turned) * y, math.sin(turned) * x + math.cos(turned) * y]
         )

@@ -141,16 +141,33 @@ def match_scan(
             pose = Pose2(*found.tolist())
             residuals = field.read(pose.apply(points))
         hessian[:2, :2] += seen.more * seen.direction[:, None] * seen.direction
-    inliers = float(np.mean(residuals < INLIER * noise)) if len(points) else 0.0
-    fit = np.asarray(np.linalg.inv(hessian + 1e-9 * np.eye(3)), dtype=np.float64)
+    inliers = np.count_nonzero(residuals < INLIER * noise) / len(points) if len(points) else 0.0
+    fit = _inverse(hessian, 1e-9)
     kept = fit @ information
     covariance, error = _posterior(fit, kept, _cells(points, field.map.resolution), map_error)
     spread = _excess(residuals, noise) * fit
     return ScanMatch(pose, covariance, error, kept, spread, evidence, inliers, residuals)
 
 
-def _inverse(covariance: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.asarray(np.linalg.inv(covariance + 1e-12 * np.eye(3)), dtype=np.float64)
+def _inverse(covariance: NDArray[np.float64], small: float = 1e-12) -> NDArray[np.float64]:
+    """Return that of a symmetric matrix (3, 3) with a `small` number added to its diagonal, from its L D Lᵀ.
+
+    By hand: a call of LAPACK takes ten times as long. Minors would lose too much where it is almost singular.
+    """
+    (xx, xy, xt), (_, yy, yt), (_, _, tt) = covariance.tolist()
+    first = xx + small
+    if first > 0.0:
+        a, b = xy / first, xt / first
+        second, rest = yy + small - a * xy, yt - a * xt
+        if second > 0.0:
+            c = rest / second
+            third = tt + small - b * xt - c * rest
+            if third > 0.0:
+                d = a * c - b
+                one, two = 1.0 / first + a * a / second + d * d / third, -a / second - c * d / third
+                four, low = 1.0 / second + c * c / third, (d / third, -c / third)
+                return np.array([[one, two, low[0]], [two, four, low[1]], [*low, 1.0 / third]])
+    return np.asarray(np.linalg.inv(covariance + small * np.eye(3)), dtype=np.float64)
 
 
 def _posterior(
@@ -266,12 +283,18 @@ def _excess(residuals: NDArray[np.float64], noise: float) -> float:
     """By how much a scan varies more than it should, at least 1: a sensor may be noisier than is supposed."""
     if not len(residuals):
         return 1.0
-    middle = float(np.median(np.minimum(residuals, INLIER * noise)))
+    middle = min(_median(residuals), INLIER * noise)
     return max(1.0, (middle / OF_SIGMA / noise) ** 2)
+
+
+def _median(values: NDArray[np.float64]) -> float:
+    """Of (n,), the upper of the two middle ones for an even n; none of them NaN."""
+    half = len(values) // 2
+    return float(np.partition(values, half)[half])
 
 
 def _cells(points: NDArray[np.float64], resolution: float) -> NDArray[np.float64]:
     """(3, 3) factor of what no number of beams averages away: where surfaces lie in their cells."""
-    reach = math.sqrt(float(np.mean(points**2)) + 0.01) if len(points) else 1.0
+    reach = math.sqrt(float(np.vdot(points, points)) / points.size + 0.01) if len(points) else 1.0
     bias = CELL_BIAS * resolution
     return np.diag([bias, bias, 0.5 * bias / reach])

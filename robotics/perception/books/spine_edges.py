@@ -168,13 +168,20 @@ def _to_seam(grey: Floats, column: float) -> float:
     near = grey[:, int(column) : int(column) + _SEAM_COLUMNS]
     if near.shape[1] < _SEAM_COLUMNS or np.isnan(near).all(axis=0).any():
         return 0.0
-    profile = np.nanmedian(near, axis=0)
+    profile = _medians(near)
     darkest = int(np.argmin(profile[:-2]))
     brightens = profile[darkest:].max() - profile[darkest]
     if darkest == 0 or brightens < max(_LEAST_DROP, _BRIGHTENS * profile[0]):
         return 0.0
     a, b, c = profile[darkest - 1 : darkest + 2]
     return float(darkest + 0.5 * (a - c) / max(a - 2 * b + c, 1e-9) - column % 1.0)
+
+
+def _medians(values: Floats) -> Floats:
+    """Median (n,) of each column (m, n) without its NaN; numpy's `nanmedian` takes ten times as long."""
+    ordered = np.sort(values, axis=0)  # NaN last
+    counts, columns = np.count_nonzero(~np.isnan(values), axis=0), np.arange(values.shape[1])
+    return np.asarray(0.5 * (ordered[(counts - 1) // 2, columns] + ordered[counts // 2, columns]))
 
 
 def all_sides(strips: Strips) -> list[float]:
@@ -224,9 +231,10 @@ def _robust_line(z: Floats, columns: Floats) -> float:
     for _ in range(6):
         residuals = columns - level - slope * z
         scale = max(0.3, 1.48 * float(np.median(np.abs(residuals))))
-        weights = np.clip(1.0 - (residuals / (4.0 * scale)) ** 2, 0.0, None) ** 2
-        mean_z, mean_c = np.average(z, weights=weights), np.average(columns, weights=weights)
-        spread = float(np.average((z - mean_z) ** 2, weights=weights))
-        slope = float(np.average((z - mean_z) * (columns - mean_c), weights=weights)) / max(spread, 1e-6)
-        level = float(mean_c - slope * mean_z)
+        weights = np.maximum(1.0 - (residuals / (4.0 * scale)) ** 2, 0.0) ** 2
+        weights /= weights.sum()
+        mean_z, mean_c = float(weights @ z), float(weights @ columns)
+        spread = float(weights @ (z - mean_z) ** 2)
+        slope = float(weights @ ((z - mean_z) * (columns - mean_c))) / max(spread, 1e-6)
+        level = mean_c - slope * mean_z
     return level
