@@ -56,9 +56,7 @@ class Scan(_Beams):
         reach, angle = self.ranges[hit], self.angles[hit]
         points = np.empty((len(reach), 2))
         points[:, 0], points[:, 1] = reach * np.cos(angle), reach * np.sin(angle)
-        points = self.base_T_sensor.apply(points)
-        points.flags.writeable = False
-        return points
+        return self.base_T_sensor.apply(points)
 
     def blind(self) -> NDArray[np.bool_]:
         """(n,) whether a beam of a read scan shows neither a thing nor free ground."""

@@ -80,15 +80,3 @@ def read_field(
         out[i, 2] = (c - a) * (1 - u) + (d - b) * u
         out[i, 3] = occupied[int(row + v + 0.5), int(column + u + 0.5)]
     return out
-
-
-@compiled
-def distance_at(distance: NDArray[np.float32], u: float, v: float) -> float:
-    """Distance as `read_field` has it, at column `u` and row `v`."""
-    column, row = math.floor(u), math.floor(v)
-    if not (0 <= column < distance.shape[1] - 1 and 0 <= row < distance.shape[0] - 1):
-        return np.inf
-    u, v = u - column, v - row
-    a, b = distance[row, column], distance[row, column + 1]
-    c, d = distance[row + 1, column], distance[row + 1, column + 1]
-    return float((a * (1 - u) + b * u) * (1 - v) + (c * (1 - u) + d * u) * v)

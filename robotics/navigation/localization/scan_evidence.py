@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.grid_map import GridMap
-from handcart.robotics.numerics.compiled import compiled
+from handcart.robotics.numerics.compiled import compiled_fast
 
-from .likelihood_field import Reading, distance_at
+from .likelihood_field import Reading
 
 SHIFTS = np.array([2.6, 3.3, 4.3, 5.2])  # cells, each way: more than one, and no multiples of each other
 MIN_SHARE = 0.12  # of the rise that the slopes claim; less is grain: up to 0.10 along a diagonal wall
@@ -28,8 +28,9 @@ FAN = FAN_STEP * np.arange(-8, 9)  # [rad] from the direction that the slopes gi
 FAN_COS_SIN = np.column_stack([np.cos(FAN), np.sin(FAN)])
 FAN_ACROSS = np.column_stack([-np.sin(FAN), np.cos(FAN)])
 FIT_PARABOLA = np.linalg.pinv(np.vander(FAN_STEP * np.arange(-2, 3), 3))  # (3, 5): squares, slope, constant
-FAN_POINTS = 120  # points by which those directions are compared: half of them by half as many at first
+FAN_POINTS = 120  # points by which those directions are compared
 MIN_POINTS = 5.0  # points on a wall across the direction that the cost has to rise by
+FAR = 1e3  # scales: as far as a point beyond the map
 NO_SLOPES = np.empty((0, 2))
 SAME = 0.7  # cosine of two directions that are about the same
 
@@ -126,13 +127,9 @@ class _Shifted(NamedTuple):
         """Direction (2,) near this one along which the cost rises least: that of the walls."""
         x, y = direction.tolist()
         rays = FAN_COS_SIN * x + FAN_ACROSS * y
-        every = max(1, len(self.points) // FAN_POINTS)
-        coarse = self._rises(rays[::2], 2 * every, NO_SLOPES)[:, :, 0].sum(axis=1)
-        least = min(max(2 * int(coarse.argmin()), 2), len(FAN) - 3)
-        close = slice(least - 2, least + 3)
-        bend, slope, _ = (
-            FIT_PARABOLA @ self._rises(rays[close], every, NO_SLOPES)[:, :, 0].sum(axis=1)
-        ).tolist()
+        rises = self._rises(rays, max(1, len(self.points) // FAN_POINTS), NO_SLOPES)[:, :, 0].sum(axis=1)
+        least = min(max(int(rises.argmin()), 2), len(FAN) - 3)
+        bend, slope, _ = (FIT_PARABOLA @ rises[least - 2 : least + 3]).tolist()
         off = min(FAN_STEP, max(-FAN_STEP, -0.5 * slope / bend)) if bend > 0.0 else 0.0
         turned = FAN[least] + off
         return np.array(
@@ -147,7 +144,7 @@ class _Shifted(NamedTuple):
         return rises(*where, slopes, self.middle, self.lever, self.scale)
 
 
-@compiled
+@compiled_fast
 def rises(
     rays: Array,
     steps: Array,
@@ -182,33 +179,60 @@ def rises(
         (k, n, 3) in [m²]: the rise as it is seen, as the slopes claim it, and that of one point on a wall
         straight across.
     """
-    out = np.empty((len(rays), len(steps), 3))
+    count, per = (len(points) + every - 1) // every, 1.0 / resolution
+    out, before = np.zeros((len(rays), len(steps), 3)), 0.0
+    at, moved = np.empty((2, count)), np.empty((2, count))
+    for i in range(count):
+        at[0, i] = (points[i * every, 0] - origin[0]) * per - 0.5
+        at[1, i] = (points[i * every, 1] - origin[1]) * per - 0.5
+        before += _cost(min(distances[i * every], FAR * scale) ** 2, scale)
     for k in range(len(rays)):
         turn = lever[0] * rays[k, 0] + lever[1] * rays[k, 1]
+        for i in range(count):  # cells moved by, for each metre of the base
+            moved[0, i] = (rays[k, 0] + turn * (points[i * every, 1] - middle[1])) * per
+            moved[1, i] = (rays[k, 1] - turn * (points[i * every, 0] - middle[0])) * per
         for j in range(len(steps)):
-            out[k, j, 0], out[k, j, 1], out[k, j, 2] = 0.0, 0.0, 2.0 * _cost(steps[j], scale)
-        for i in range(0, len(points), every):
-            x = rays[k, 0] + turn * (points[i, 1] - middle[1])  # moved by, for each metre of the base
-            y = rays[k, 1] - turn * (points[i, 0] - middle[0])
-            before = 2.0 * _cost(distances[i], scale)
-            u = (points[i, 0] - origin[0]) / resolution - 0.5
-            v = (points[i, 1] - origin[1]) / resolution - 0.5
-            for j in range(len(steps)):
-                cells = steps[j] / resolution
-                forth = _cost(distance_at(distance, u + cells * x, v + cells * y), scale)
-                back = _cost(distance_at(distance, u - cells * x, v - cells * y), scale)
-                out[k, j, 0] += forth + back - before
+            forth = _shifted_cost(distance, at, moved, steps[j], scale)
+            back = _shifted_cost(distance, at, moved, -steps[j], scale)
+            out[k, j, 0] = forth + back - 2.0 * before
+            out[k, j, 2] = 2.0 * _cost(steps[j] ** 2, scale)
             if len(slopes):
-                slope = abs(slopes[i, 0] * x + slopes[i, 1] * y)
-                for j in range(len(steps)):
-                    out[k, j, 1] += 2.0 * _cost(steps[j] * slope, scale)
+                length = steps[j] * resolution
+                for i in range(count):
+                    slope = slopes[i * every, 0] * moved[0, i] + slopes[i * every, 1] * moved[1, i]
+                    out[k, j, 1] += 2.0 * _cost((length * slope) ** 2, scale)
     return out
 
 
-@compiled
-def _cost(distance: float, scale: float) -> float:
-    """Cost of Geman and McClure, in [m²]: of a point beyond the map that of one far off."""
-    square = min(distance, 1e3 * scale) ** 2
+@compiled_fast
+def _shifted_cost(distance: NDArray[np.float32], at: Array, moved: Array, step: float, scale: float) -> float:
+    """Cost in [m²] of points at columns and rows (2, n) that are moved, (2, n) a metre, by a step.
+
+    Without a branch, so that several points are read at once; see `likelihood_field.read_field`. A point
+    beyond the map costs as much as one far off.
+    """
+    height, width = distance.shape
+    cells, total = distance.reshape(-1), 0.0
+    if height < 2 or width < 2:
+        return float(at.shape[1] * _cost((FAR * scale) ** 2, scale))
+    for i in range(at.shape[1]):
+        u, v = at[0, i] + step * moved[0, i], at[1, i] + step * moved[1, i]
+        inside = (u >= 0.0) & (u < width - 1.0) & (v >= 0.0) & (v < height - 1.0)
+        u, v = u if inside else 0.0, v if inside else 0.0
+        column, row = np.int32(u), np.int32(v)
+        u, v = u - column, v - row
+        cell = row * np.int32(width) + column
+        # Numba asks of each index that may be negative whether it is.
+        a, b = cells[np.uint32(cell)], cells[np.uint32(cell + 1)]
+        c, d = cells[np.uint32(cell + width)], cells[np.uint32(cell + width + 1)]
+        low, high = a + (b - a) * u, c + (d - c) * u
+        total += _cost((low + (high - low) * v) ** 2 if inside else (FAR * scale) ** 2, scale)
+    return total
+
+
+@compiled_fast
+def _cost(square: float, scale: float) -> float:
+    """Cost of Geman and McClure, in [m²], of a point at a distance whose square is given in [m²]."""
     return square * scale**2 / (scale**2 + square)
 
 
