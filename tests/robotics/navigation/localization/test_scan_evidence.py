@@ -1,0 +1,68 @@
+"""The rise of a shifted scan's cost: the compiled loop against plain numpy, and on a map of one row."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from handcart.robotics.navigation.localization.likelihood_field import LikelihoodField
+from handcart.robotics.navigation.localization.scan_evidence import _weakest_axis, rises
+from handcart.robotics.navigation.localization.scan_matching import _inverse
+from handcart.robotics.navigation.maps.grid_map import from_boxes
+
+SCALE_M, STEPS_M = 0.05, np.array([0.13, 0.26])
+
+
+def cost(distances: np.ndarray) -> np.ndarray:
+    squares = np.minimum(distances, 1e3 * SCALE_M) ** 2
+    return np.asarray(squares * SCALE_M**2 / (SCALE_M**2 + squares))
+
+
+@pytest.mark.parametrize("every", [1, 3])
+def test_a_shifted_scan_costs_what_numpy_says(every: int) -> None:
+    """Some of its points leave the map as they are shifted."""
+    rng = np.random.default_rng(4)
+    grid = from_boxes([(2.0, 0.1, 0.2, 4.0, 0.2), (1.0, 2.0, 0.7, 0.5, 0.3)], 0.05, (0.0, 0.0), (4.0, 3.0))
+    field = LikelihoodField(grid)
+    points = rng.uniform((0.05, 0.05), (3.9, 2.9), (200, 2))
+    reading, middle, lever = field.reading(points), np.array([2.0, 1.5]), np.array([0.2, -0.1])
+    rays = np.array([[1.0, 0.0], [0.6, 0.8]])
+    where = (grid.origin_x, grid.origin_y), grid.resolution, field.distance
+    slopes = np.ascontiguousarray(reading.slopes)
+    scan = np.ascontiguousarray(points), np.ascontiguousarray(reading.distances), slopes
+    found = rises(rays, STEPS_M, every, *where, *scan, middle, lever, SCALE_M)
+    some, then = points[::every], reading.distances[::every]
+    for ray, of_ray in zip(rays, found, strict=True):
+        turn = float(lever @ ray)
+        moved = ray + turn * np.column_stack([some[:, 1] - middle[1], middle[0] - some[:, 0]])
+        for step, (seen, claimed, one) in zip(STEPS_M, of_ray, strict=True):
+            shifted = [cost(field.read(some + way * moved)) for way in (step, -step)]
+            assert seen == pytest.approx(float((shifted[0] + shifted[1] - 2.0 * cost(then)).sum()), rel=1e-6)
+            along = np.abs(np.sum(slopes[::every] * moved, axis=1))
+            assert claimed == pytest.approx(float(2.0 * cost(step * along).sum()), rel=1e-9)
+            assert one == pytest.approx(2.0 * float(cost(step)), rel=1e-9)
+
+
+def test_a_map_of_one_row_reads_as_beyond_it() -> None:
+    points, distance = np.array([[0.1, 0.02]]), np.zeros((1, 40), np.float32)
+    zero = np.zeros(1), np.empty((0, 2)), np.zeros(2), np.zeros(2)
+    found = rises(np.array([[1.0, 0.0]]), STEPS_M, 1, (0.0, 0.0), 0.05, distance, points, *zero, SCALE_M)
+    assert found[0, :, 0] == pytest.approx(2.0 * SCALE_M**2, rel=1e-5)
+
+
+def test_the_weakest_axis_is_the_first_eigenvector() -> None:
+    rng = np.random.default_rng(5)
+    for factor in rng.normal(size=(50, 2, 2)):
+        matrix = factor @ factor.T
+        assert abs(_weakest_axis(matrix) @ np.linalg.eigh(matrix)[1][:, 0]) == pytest.approx(1.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("least", [1e-8, 1e-2, -1e-3])
+def test_the_inverse_by_hand_is_that_of_lapack(least: float) -> None:
+    """Of a matrix that is almost singular, or has a negative variance, too."""
+    rng = np.random.default_rng(6)
+    for each in rng.normal(size=(50, 3, 3)):
+        axes = np.linalg.qr(each)[0]
+        matrix = axes @ np.diag([least, 0.5, 3.0]) @ axes.T
+        expected = np.linalg.inv(0.5 * (matrix + matrix.T) + 1e-12 * np.eye(3))
+        np.testing.assert_allclose(_inverse(0.5 * (matrix + matrix.T)), expected, rtol=1e-5, atol=1e-6)
