@@ -190,8 +190,9 @@ def _picture_path(loaded: Loaded[MapFile], path: Path) -> Path:
 
 
 def _beside(path: Path, image: str) -> Path:
-    """Resolve the picture in the folder of the map file; if that is a link (as in ROS packages), of its
-    target.
+    """Return the path of the picture in the folder of the map file.
+
+    If the map file is a link (as in ROS packages), the folder of its target counts as well.
     """
     try:
         return resolve_inside(path.parent, image)

@@ -26,8 +26,9 @@ class Loaded(Generic[M]):
     document: Document
 
     def finding(self, path: KeyPath, message: str, *, at_key: bool = False) -> Finding:
-        """Return a finding at the value (or key) at `path`; `message` reads "what is wrong; what is
-        allowed".
+        """Return a finding at the value (or key) at `path`.
+
+        `message` reads "what is wrong; what is allowed".
         """
         return self.document.finding(path, message, at_key=at_key)
 

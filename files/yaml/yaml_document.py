@@ -75,8 +75,9 @@ class Document:
         return (node.key_line, node.key_column) if whole else (node.line, node.column)
 
     def finding(self, path: KeyPath, message: str, *, at_key: bool = False) -> Finding:
-        """Return a finding at the value (or its key) at `path`; `message` reads "what is wrong; what is
-        allowed".
+        """Return a finding at the value (or its key) at `path`.
+
+        `message` reads "what is wrong; what is allowed".
         """
         node, _ = self.root.deepest(path)
         line, column = self.key_position(path) if at_key else (node.line, node.column)

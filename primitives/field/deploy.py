@@ -207,8 +207,9 @@ class Deploy(TreePrimitive):
         )
 
     def finish(self, robot: Robot, model: ModelView) -> Periods:
-        """Open the fingers completely, because half open ones drag the sensor; lift the slide and stow the
-        arm.
+        """Open the fingers completely, lift the slide and stow the arm.
+
+        Half open fingers would drag the sensor.
         """
         yield from settle(robot)
         if not self._let_go_whole:
@@ -246,9 +247,7 @@ class Deploy(TreePrimitive):
         self.found(stood_s=round(robot.time - begun + self.settle_s, 2), sigma_mm=round(1e3 * sigma, 1))
 
     def _sigma(self, robot: Robot, target: Target) -> float:
-        """Return the standard deviation of the target in the base frame, along the worst direction, in
-        [m].
-        """
+        """Return the standard deviation of the target in the base frame, in the worst direction, in [m]."""
         away = np.array([target.x - robot.pose.x, target.y - robot.pose.y])
         return math.sqrt(float(np.linalg.eigvalsh(_spread(robot, away))[-1]))
 
@@ -298,9 +297,7 @@ class Deploy(TreePrimitive):
         yield from self._lead_clear(robot, arm, better, moved)
 
     def _lead_clear(self, robot: Robot, arm: SensorArm, place: Vector, way: float) -> Periods:
-        """Lead the tip to a place at a distance of `way` [m], lifting the sensor where it touches rising
-        ground.
-        """
+        """Lead the tip to a place `way` [m] away; lift the sensor where it touches rising ground."""
         yield from arm.slide(max(0.0, float(robot.arm.command()[2]) - MAX_GROUND_SLOPE * way))
         for _ in range(LIFT_MAX_TRIES):
             for _ in arm.lead(place):

@@ -95,8 +95,9 @@ class FieldWork(Section):
         return (self.sensor_contact(place),) if place in self.targets else ()
 
     def sensor_contact(self, target: str) -> MeantContact:
-        """Return the contact of the hand with the sensor for a target; sensors are laid in the magazine's
-        order.
+        """Return the contact of the hand with the sensor for a target.
+
+        Sensors are laid in the magazine's order.
         """
         laid = [each.name for each in self.laid]
         number = laid.index(target) if target in laid else len(laid)

@@ -84,9 +84,7 @@ class SensorArm:
             raise Discrepancy("the magazine gives no sensor", permanent=True, measured=read)
 
     def place_of(self, point: Vector) -> Vector:
-        """Return a ground point (2,) of the field in the arm's own frame, (2,) in [m], by the current
-        estimate.
-        """
+        """Return a ground point (2,) of the field in the arm's frame, (2,) in [m], as estimated now."""
         robot = self._robot
         return self.place_beside(
             world_to_base(robot.pose, robot.localization.tilt, np.array([*point, 0.0]))[:2]

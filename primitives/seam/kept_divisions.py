@@ -17,8 +17,9 @@ class KeptDivisions:
         self._kept: dict[bytes, Placements] = {}
 
     def division(self, follows_from: Iterable[bytes], find: Callable[[], Placements]) -> Placements:
-        """Return the kept division for the same data; otherwise call `find`, which may raise, and keep its
-        result.
+        """Return the kept division for the same data.
+
+        Without one, call `find`, which may raise, and keep its result.
         """
         whole = hashlib.sha256()
         for each in follows_from:

@@ -116,7 +116,7 @@ DATA = st.recursive(
 @bounded
 @given(st.dictionaries(KEYS, DATA, min_size=1, max_size=4))
 def test_json_is_read_as_json(data: dict[str, object]) -> None:
-    """JSON is YAML: what it says is what is read, numbers to the last bit, text in composed form."""
+    """JSON is YAML: its values are read unchanged, numbers to the last bit, text in composed form."""
     assert parse_document(json.dumps(data, ensure_ascii=False).encode(), "f.yaml").data == data
 
 
@@ -133,7 +133,7 @@ def said(content: bytes) -> object:
     st.lists(st.tuples(st.integers(0), st.integers(0, 4), st.sampled_from(SYNTAX + WORDS)), max_size=3),
 )
 def test_both_parsers_read_the_same(text: str, edits: list[tuple[int, int, str]]) -> None:
-    """What is slow to read by one is read by the other wherever both say the same."""
+    """The fast parser replaces the slow one wherever both agree."""
     for at, dropped, put in edits:
         at %= len(text) + 1
         text = text[:at] + put + text[at + dropped :]

@@ -14,7 +14,7 @@ from handcart.files.picture import MAX_PIXELS, read_grey
 
 
 def bomb(path: Path, width: int, height: int, rows: int) -> Path:
-    """A PNG that tells that size and holds so many rows of zeros."""
+    """Write a PNG that declares that size and holds `rows` rows of zeros."""
 
     def chunk(kind: bytes, content: bytes) -> bytes:
         body = kind + content

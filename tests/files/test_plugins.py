@@ -15,7 +15,7 @@ METADATA = "Metadata-Version: 2.1\nName: {0}\nVersion: 1.0\n"
 
 
 def package(folder: Path, name: str, points: str) -> None:
-    """What pip leaves of a package."""
+    """Write the files that pip leaves of a package."""
     info = folder / f"{name}-1.0.dist-info"
     info.mkdir(parents=True)
     (info / "METADATA").write_text(METADATA.format(name), encoding="utf-8")

@@ -67,7 +67,7 @@ def test_a_check_is_asked_of_each_element() -> None:
 
 
 def test_a_pipe_a_folder_and_a_huge_file_are_not_read(tmp_path: Path) -> None:
-    """A pipe that nobody writes to doesn't block."""
+    """A pipe without a writer does not block."""
     os.mkfifo(tmp_path / "pipe")
     (tmp_path / "huge").touch()
     os.truncate(tmp_path / "huge", 10**9)

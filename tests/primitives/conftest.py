@@ -80,7 +80,9 @@ GAP_MIDDLE = 0.5 - 8 * 0.04 - GAP_MM / 2e3  # y in the shelf frame of the gap's 
 
 
 def row() -> str:
-    """Eight books of 40 mm, a gap, two more books, for the end of the shelf's list in the world file."""
+    """Return eight books of 40 mm, a gap and two more books, as lines of the shelf's list in the world
+    file.
+    """
     book = "      - {{accession: {0}, call: 51{1} ABE, thickness_mm: 40, height_mm: 210, depth_mm: 150}}"
     calls = [f"0.{number}" for number in range(8)], ["2.8", "3.1"]
     left, right = ([book.format(10 + i + 10 * k, c) for i, c in enumerate(calls[k])] for k in (0, 1))
@@ -89,7 +91,7 @@ def row() -> str:
 
 @dataclass
 class Rig:
-    """A robot, what it knows, and its simulated world's truth (for tests alone)."""
+    """Robot, its world model, and the truth of its simulated world (for tests alone)."""
 
     robot: Robot
     model: WorldModel
@@ -117,7 +119,7 @@ class Rig:
             self.robot.step()
 
     def book_is_recognized(self) -> None:
-        """The model knows the book on the tray, and where it stands, without RECOGNIZE's errors."""
+        """Put the book on the tray and its true pose into the model, without RECOGNIZE's errors."""
         pose = self.scene.of(BookProps).tray_book().base_T_thing
         self.model.of(Books).book = TRAY_BOOK
         self.model.of(Books).book_pose = Pose2(
@@ -160,9 +162,11 @@ def make_rig(tmp_path: Path) -> Callable[..., Rig]:
 
 @pytest.fixture
 def at_slot(make_rig: Callable[..., Rig], monkeypatch: pytest.MonkeyPatch) -> Callable[..., Rig]:
-    """Builds a rig docked before the shelf, the book in the hand 50 mm before its slot, 5 mm above the board.
+    """Return a maker of rigs docked at the shelf, with the held book 50 mm before its slot, 5 mm above the
+    board.
 
-    `aside` in [m]: how far to the left of the slot's middle the book is held; `shelf`: more lines about it.
+    `aside` in [m]: offset of the book to the left of the slot's middle; `shelf`: more lines about the
+    shelf.
     """
     here = f"start: {{x_m: {SHELF.x_m}, y_m: {SHELF.y_m}, heading_deg: 90}}"
     docked = re.sub(r"start: .*", here, re.sub(r" +- \{accession: 3,.*\n", "", WORLD))

@@ -69,7 +69,7 @@ def test_how_the_base_gives(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_a_sheet_too_small_is_no_calibration(tmp_path: Path) -> None:
-    """Landmarks in a row don't tell how the base leans: a Fail, the robot as it was, and no file."""
+    """Landmarks in a row do not determine the tilt: a Fail, the robot as it was, and no file."""
     settings = {"rounds": "1", "swings": "4", "landmarks": "[near_left, middle, near_right]"}
     task = TASKS / "calibrate_suspension" / "task.yaml"
     summary, status = run_task(task, tmp_path, RunOptions(settings=settings, seed=2))
@@ -92,7 +92,7 @@ def test_spots_are_read_with_a_ruler() -> None:
 
 
 def test_coefficients_of_the_lens_are_named_in_opencvs_order() -> None:
-    """k1, k2, p1, p2, k3; those that the pictures don't bear are not told."""
+    """k1, k2, p1, p2, k3; those that the pictures do not determine are not reported."""
     camera = SimpleNamespace(distortion=np.array([0.1, 0.2, 0.3, 0.4, 0.5]))
     sigmas = np.array([1.0, 1.0, 1.0, 1.0, 0.01, 0.02, 0.03, 0.04, 0.0])
     found: Any = SimpleNamespace(camera=camera, sigmas=sigmas)

@@ -40,7 +40,7 @@ REAL = {
 
 @dataclass
 class Arrivals(RunObserver):
-    """How far from its place, in [m], the robot truly stood when each MOVE_TO had succeeded."""
+    """True distance in [m] of the robot from its place after each MOVE_TO that succeeded."""
 
     scene: Any
     places: Any

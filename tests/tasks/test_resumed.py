@@ -1,4 +1,4 @@
-"""A run that was killed and goes on tells of all of it, not of its last part alone."""
+"""Tests of a killed and resumed run: it reports all of its parts, not the last one alone."""
 
 from __future__ import annotations
 

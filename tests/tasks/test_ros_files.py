@@ -106,7 +106,7 @@ def test_a_wrong_mask_is_told(task: Path, old: str, new: str, words: str) -> Non
 
 
 def test_the_base_goes_around_the_zone_and_slowly_where_it_has_to(task: Path) -> None:
-    """By ground truth, with the simulated errors."""
+    """Measured by the ground truth, with the simulated errors."""
     with prepare(task) as prepared:
         backend: Any = prepared.backend
         robot, binding = prepared.robot, prepared.task.network.actions[0].binding

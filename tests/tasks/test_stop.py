@@ -25,9 +25,9 @@ PRIMITIVES = {"RECOGNIZE", "PICK_UP", "MOVE_TO", "SEARCH", "APPROACH", "INSERT",
 
 
 class Impatient(RunObserver):
-    """Presses Ctrl-C, again and again, some time after the `number`-th of the actions has begun.
+    """Presses Ctrl-C repeatedly, some time after the `number`-th of the actions has begun.
 
-    Each of those before was stopped and began anew, so it is counted twice.
+    Each earlier action was stopped and started again, so it is counted twice.
     """
 
     def __init__(self, after: float, number: int) -> None:

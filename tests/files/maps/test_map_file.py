@@ -48,7 +48,9 @@ def error_of(chart: Path, *changes: tuple[str, str]) -> str:
 
 
 def test_trinary_scale_and_raw_are_read_as_nav2_reads_them(chart: Path) -> None:
-    """By nav2_map_server/src/map_io.cpp: occupied from the one threshold on, free up to the other."""
+    """The rule is that of nav2_map_server/src/map_io.cpp: occupied above one threshold, free below the
+    other.
+    """
     assert read_occupancy(chart).values.tolist() == [[100, 100, -1, -1, -1, 0, 0]]
     negated = changed(chart, ("negate: 0", "negate: 1"))
     assert read_occupancy(negated).values.tolist() == [[0, -1, -1, -1, 100, 100, 100]]
@@ -74,7 +76,7 @@ def test_where_a_picture_is_clear_nothing_is_known(chart: Path) -> None:
 
 
 def test_a_picture_is_read_by_its_absolute_path(chart: Path, tmp_path: Path) -> None:
-    """As ROS's map_saver writes it."""
+    """ROS's map_saver writes such paths."""
     elsewhere = tmp_path / "pictures"
     elsewhere.mkdir()
     (chart.parent / "map.pgm").rename(elsewhere / "map.pgm")
@@ -83,7 +85,7 @@ def test_a_picture_is_read_by_its_absolute_path(chart: Path, tmp_path: Path) -> 
 
 
 def test_a_map_that_is_linked_is_read(chart: Path, tmp_path: Path) -> None:
-    """As colcon installs packages: each file is a link."""
+    """colcon installs packages so: each file is a link."""
     installed = tmp_path / "share"
     installed.mkdir()
     for name in ("map.yaml", "map.pgm"):

@@ -1,4 +1,4 @@
-"""From files to models: every error at its place, in the words of files (rows T7, T10, T11, T13)."""
+"""Tests from files to models: every error at its place, in the words of files (rows T7, T10, T11, T13)."""
 
 import os
 from enum import Enum

@@ -1,4 +1,4 @@
-"""Reading YAML: what is refused, where, and in which words (rows T1 to T9, T14, T16, T18)."""
+"""Tests of reading YAML: each refusal, with its place and words (rows T1 to T9, T14, T16, T18)."""
 
 import hashlib
 import os

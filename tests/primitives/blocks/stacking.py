@@ -21,7 +21,7 @@ def at_the_wall(
     seed: int = 0,
     building: Path = TASK / "building.yaml",
 ) -> Rig:
-    """The robot stands about where it should, five blocks on its own table."""
+    """Return a rig with the robot near its place at the wall and five blocks on its own table."""
     files = RigFiles(world, TASK / "map.yaml", TASK / "places.yaml", {"building": building}, "stacking")
     return build_rig(files, robot=robot, seed=seed)
 

@@ -1,4 +1,4 @@
-"""What accelerometers feel beside the suspension's model."""
+"""Tests of the tilt that accelerometers measure beyond the suspension's model."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def leans(pose: NDArray[np.float64]) -> tuple[float, float]:
 
 
 def felt(robot: Robot) -> tuple[Any, int]:
-    """What is felt, and after how many periods."""
+    """Return the measured tilt, and the number of periods it took."""
     periods, count = felt_beside(robot), 0
     while True:
         try:
@@ -34,7 +34,7 @@ def felt(robot: Robot) -> tuple[Any, int]:
 
 
 def test_what_is_felt_far_beside_the_model_is_taken_half_each_time() -> None:
-    """What is felt both times, by sensors mounted askew, say, is no lean."""
+    """A tilt measured both times, for example by a mounting error of the sensors, does not count."""
     with at_the_wall() as rig:
         then = np.array([0.03, -0.02])
         one, other = unmodelled_leans(rig.robot, then, then + np.array([2e-3, -4e-3]))
@@ -60,7 +60,7 @@ def test_it_leans_about_the_pivot() -> None:
 
 
 def test_tilt_is_averaged_over_a_second_beside_the_model() -> None:
-    """The arm stands off the middle: by its model the base leans, and so it does."""
+    """The arm is off the middle: the base tilts as its model predicts."""
     with at_the_wall() as rig:
         found = [felt(rig.robot) for _ in range(8)]
         assert {count for _, count in found} == {round(1.0 / rig.robot.period)}

@@ -1,4 +1,4 @@
-"""What was found before and what is found now, put together."""
+"""Tests of the fusion of an earlier fixation with a new one."""
 
 from __future__ import annotations
 

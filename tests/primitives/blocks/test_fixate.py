@@ -1,4 +1,4 @@
-"""FIXATE: where the base stands, by a landmark."""
+"""Tests of FIXATE: the pose of the base by a landmark."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def test_the_robot_then_knows_where_it_is() -> None:
 
 @pytest.mark.parametrize("turn", [0.006, -0.006])
 def test_a_base_that_is_turned_once_it_was_found_is_a_fail(turn: float) -> None:
-    """The wheels stand still, the gyros feel it; what was found is no longer so."""
+    """The wheels do not move, the gyros measure a turn: the measured pose is invalid."""
     with at_the_wall(seed=1) as rig:
         found: list[bool] = []
         robot: Any = rig.robot
@@ -137,9 +137,9 @@ def looked_at(
     name: str = "stacking",
     aside: float = 0.0,
 ) -> tuple[Pose2, Any]:
-    """What a fixation finds, outside of an attempt; `at` is called with each picture's number.
+    """Return the result of a fixation outside of an attempt; `at` is called with each picture's number.
 
-    `aside`: how far beside the landmark the hand is to look from, in [m].
+    `aside`: offset of the views from the landmark, in [m].
     """
     robot: Any = rig.robot
     model: Any = rig.model
@@ -195,7 +195,7 @@ def test_what_is_looked_at_more_often_is_surer() -> None:
 
 
 def test_looks_that_differ_are_less_sure() -> None:
-    """By how far they lie apart, and by the arm's accuracy where few agree by chance."""
+    """Sigma follows their scatter, and the arm's accuracy if a few agree by chance."""
     seen = [
         Pose2(0.01 + x, 0.0, turn)
         for x, turn in ((0.002, 0.0), (-0.002, 0.001), (0.002, 0.0), (-0.002, 0.001))
@@ -209,7 +209,7 @@ def test_looks_that_differ_are_less_sure() -> None:
 
 
 def test_a_fixed_pose_is_as_far_off_as_its_sigma_says() -> None:
-    """The base leans under the arm: what the localizer is given stands upright."""
+    """The base tilts under the arm: the localizer receives the pose without tilt."""
     squares = []
     for seed in range(4):
         with at_the_wall(seed=seed) as rig:

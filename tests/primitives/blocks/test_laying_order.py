@@ -1,4 +1,4 @@
-"""Whether a drawing can be built, and in which order."""
+"""Tests of the order in which a drawing can be built."""
 
 from __future__ import annotations
 

@@ -34,7 +34,7 @@ def building_of(rig: Rig) -> Building:
 
 
 def error_mm(rig: Rig, number: int) -> Any:
-    """How far a block stands from its goal."""
+    """Return the distance of a block from its goal, in [mm]."""
     goal = building_of(rig).goals[number - 1].pose
     off = inverse(goal) @ scene_of(rig).of(BlockProps).blocks[str(number)].pose
     return 1e3 * float((off[0, 3] ** 2 + off[1, 3] ** 2) ** 0.5)
@@ -73,7 +73,7 @@ def test_looking_first_a_missing_block_is_a_fail_with_the_arm_back() -> None:
 
 
 def test_the_gyros_tell_how_far_the_base_turned() -> None:
-    """What the model says of a swing is wrong by its spread; the gyros feel the turn itself."""
+    """The model's prediction of a swing has an error; the gyros measure the turn itself."""
     with with_block(at_the_wall(seed=3)) as rig:
         before, stood = rig.model.of(Blocks).fixed, scene_of(rig).base.theta
         assert isinstance(rig.do(Stack(number=1, onto="goal", method="fix_once")), Success)
@@ -212,7 +212,7 @@ def test_a_block_pushed_aside_once_placed_is_seen() -> None:
 
 
 def test_block_put_back_at_another_place_is_a_give_up() -> None:
-    """A picture tells, whatever the hand has felt."""
+    """The picture decides, not the force on the hand."""
     with at_the_wall() as rig:
         assert isinstance(rig.do(Fixate(landmark="stacking")), Success)
         scene, gripper, outcome = scene_of(rig), rig.robot.gripper, None
@@ -237,7 +237,7 @@ def test_block_put_back_at_another_place_is_a_give_up() -> None:
 
 
 def test_the_base_is_still_to_turn_when_the_block_is_yet_to_swing() -> None:
-    """By the suspension's model, the same for each swing that was and that is to come."""
+    """The suspension's model predicts the same turn for each past and each coming swing."""
     with with_block(at_the_wall()) as rig:
         fixed, stack = rig.model.of(Blocks).fixed, Stack(number=1, onto="goal", method="model")
         assert fixed is not None

@@ -19,7 +19,7 @@ from .stacking import TASK, at_the_wall, scene_of
 def test_a_neighbour_nearer_to_the_middle_of_the_picture_is_not_taken(
     off: tuple[float, float, float],
 ) -> None:
-    """The base stands so far off that the next block's landmark is where this one should be."""
+    """The base is so far off that the next block's landmark is at the expected position."""
     with at_the_wall(TASK / "servo_world.yaml", building=TASK / "servo_building.yaml", seed=4) as rig:
         scene = scene_of(rig)
         scene.move_base(rig.model.places["stacking"].pose.compose(Pose2(*off)))
@@ -40,6 +40,6 @@ def test_a_covered_landmark_is_not_its_neighbour(tmp_path: Path) -> None:
 
 
 def test_covered_landmark_of_a_row_is_not_mistaken(tmp_path: Path) -> None:
-    """A scan at rest tells where the base was moved to, so the row is not seen shifted by one."""
+    """A scan at rest locates the moved base, so the row is not seen shifted by one."""
     reason = trial(PLANS["a row of 4, 110 mm apart"], "it is covered", 2, tmp_path)
     assert reason == "the landmark is not found where it should be by those around it"

@@ -82,5 +82,5 @@ def test_it_needs_a_slot_and_the_book_in_the_hand(at_slot: Callable[..., Rig]) -
 
 
 def _pose_error(rig: Any) -> float:
-    """How far off along the shelf the robot takes the slot to be, in [m]: SEARCH would see it there."""
+    """Return the robot's error along the shelf in [m], which SEARCH would add to the slot."""
     return float(rig.scene.base.x - rig.robot.pose.x)

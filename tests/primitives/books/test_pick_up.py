@@ -145,7 +145,7 @@ def _teach(rig: Rig) -> None:
 
 
 def test_another_book_on_the_tray_is_not_taken(with_book: Callable[..., Rig]) -> None:
-    """Somebody exchanged it: its tag is another one."""
+    """The book was exchanged: its tag is another one."""
     rig = with_book()
     books = rig.model.of(Books)
     assert books.book is not None

@@ -79,7 +79,7 @@ def test_a_book_that_the_library_does_not_own_is_a_fail_for_good(with_tray: Call
 def test_tags_of_another_family(
     with_tray: Callable[..., Rig], read_as: Literal["apriltag_36h11", "6x6_250"]
 ) -> None:
-    """A tag is read as what it is, and as nothing else."""
+    """A tag is read only as a tag of its own family."""
     rig = with_tray(TRAY.format(210, "readable, tags: apriltag_36h11"))
     rig.model.of(Books).catalogue = Catalogue(format="handcart-catalogue/1", tags=read_as, books=(NAGEL,))
     outcome = rig.run(Recognize())

@@ -33,7 +33,7 @@ def inserted(at_slot: Callable[..., Rig]) -> Callable[..., Rig]:
 
 
 def standing(rig: Rig, accession: int) -> Any:
-    """How a book stands on the shelf; None if it doesn't."""
+    """Return the book on the shelf; None if it is not there."""
     found = [
         each for each in rig.scene.of(BookProps).shelf_books("shelf_1") if each.book.accession == accession
     ]
@@ -140,7 +140,7 @@ def test_fingers_that_pass_the_book_by_have_not_pushed_it_home(inserted: Callabl
 
 @pytest.mark.parametrize(("at", "stands"), [(0.105, True), (0.12, False), (-0.2, False)])
 def test_the_label_has_to_be_read_where_the_book_was_let_go(at: float, stands: bool) -> None:
-    """Another copy may stand elsewhere on the shelf."""
+    """Another copy may be elsewhere on the shelf."""
     book = Book(
         accession=1, call="512.7 NAG", title="", shelf="s", thickness_mm=25, height_mm=210, depth_mm=150
     )

@@ -1,4 +1,4 @@
-"""What is seen past a held book: sides of books, on strips that are painted here."""
+"""Tests of the sides of books seen past a held book, on painted strips."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The robot's clock inside behaviour trees: what py_trees times, threads, and what is left alone."""
+"""Tests of the robot's clock in behaviour trees: timing of py_trees, threads, and unchanged code."""
 
 from __future__ import annotations
 

@@ -135,7 +135,7 @@ def test_the_words_name_function_file_and_line() -> None:
 
 
 class Robotic(Leaf):
-    """Names `time` for something else, and an attribute `time` of the robot."""
+    """Leaf that uses the name `time` for another object, and an attribute `time` of the robot."""
 
     def __init__(self, name: str, robot: Any) -> None:
         super().__init__(name)

@@ -1,4 +1,4 @@
-"""What the framework promises for every primitive, with tiny ones on the kinematic backend."""
+"""Tests of the framework's guarantees for every primitive, with tiny ones on the kinematic backend."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from tests.primitives.conftest import Rig
 
 
 class Wave(ActionPrimitive):
-    """Turns the base and swings the arm for a second, then ends as told."""
+    """Turns the base and swings the arm for a second, then ends as given by `end`."""
 
     end: str = "returns"
     needs: ClassVar = (Base, Arm)
@@ -85,7 +85,7 @@ class NotYet(Wave):
 
 
 class Thinks(ActionPrimitive):
-    """Learns something for a period, and ends as told."""
+    """Learns something for a period, then ends as given by `end`."""
 
     end: str
     only_knowledge: ClassVar = True
@@ -176,7 +176,7 @@ class Inches(Wave):
 
 
 class Watched(Wave):
-    """Watches for somebody who comes after half a second, also while restoring."""
+    """Watches for a person who comes after half a second, also while restoring."""
 
     also_back: bool = False
     _asked: int = 0
@@ -193,7 +193,7 @@ def at(rig: Any) -> tuple[float, ...]:
 
 
 def count_stops(rig: Any) -> list[float]:
-    """When the robot is told to stop from now on, by its time."""
+    """Return the times at which the robot is stopped from now on."""
     stops: list[float] = []
     stop = rig.robot.stop
 

@@ -1,4 +1,4 @@
-"""What an attempt still notices after the motion: while it confirms, halts, comes to rest and restores."""
+"""Tests of monitoring after the motion: while an attempt confirms, halts, comes to rest and restores."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ from tests.primitives.conftest import Rig
 
 
 def push(scene: Any) -> None:
-    """Somebody pushes the base by 60 mm; its wheels don't turn."""
+    """Push the base by 60 mm; its wheels do not turn."""
     x, y, heading = scene.base
     scene.base = Pose2(x + 0.06, y, heading)
 
 
 class Stands(ActionPrimitive):
-    """Stands, and is pushed in a period of its effect, or of its way back."""
+    """Stays at rest, and is pushed in a period of its effect, or of its restoring."""
 
     effect_s: float = 0.0
     restore_s: float = 0.0
@@ -59,7 +59,7 @@ class Stands(ActionPrimitive):
 
 
 class Reaches(ActionPrimitive):
-    """Swings the arm, then finds nobody or needs a person; another one may move the robot on its way back."""
+    """Swings the arm, then fails or needs a person; the robot may be moved while it restores."""
 
     person: bool = False
     needs: ClassVar = (Arm,)
@@ -90,7 +90,7 @@ class Rolls(ActionPrimitive):
 
 
 class Jammed(LayeredBackend):
-    """Its arm stands still from the period that `jams` names."""
+    """Backend whose arm does not move from the period on in which `jams` is true."""
 
     jams: Callable[[], bool] = staticmethod(lambda: False)
 
@@ -198,7 +198,7 @@ def test_no_success_for_a_robot_that_never_stands(make_rig: Callable[..., Rig]) 
 
 @pytest.mark.parametrize("moved_mm", [0.0, 60.0])
 def test_by_wheels_alone_a_long_way_is_no_sure_return(make_rig: Callable[..., Rig], moved_mm: float) -> None:
-    """Where only the wheels tell, what was added to the uncertainty on the way counts in the residuals."""
+    """With wheels as the only sensor, the uncertainty added on the way counts in the residuals."""
     rig = make_rig()
     rig.robot = Robot(rig.robot.backend, rig.robot.spec, rig.robot.pose, None)
     outcome = rig.run(Wanders(far_mm=moved_mm))
@@ -209,7 +209,7 @@ def test_by_wheels_alone_a_long_way_is_no_sure_return(make_rig: Callable[..., Ri
 
 
 class Wanders(ActionPrimitive):
-    """Drives a way forth, then finds nobody."""
+    """Drives a distance, then fails."""
 
     far_mm: float
     needs: ClassVar = (Base,)
@@ -224,7 +224,7 @@ class Wanders(ActionPrimitive):
 
 
 class Stuck(ActionPrimitive):
-    """Fails at once; on its way back the base is told to drive, and doesn't."""
+    """Fails at once; while it restores, the base is commanded to drive but does not move."""
 
     needs: ClassVar = (Base,)
 
@@ -241,7 +241,7 @@ class Stuck(ActionPrimitive):
 def test_a_base_that_is_stuck_on_the_way_back_is_given_up_soon(
     make_rig: Callable[..., Rig], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Its drives are stuck for good: it stood for ten minutes before that was noticed."""
+    """Its drives are stuck for good: once this was noticed only after ten minutes."""
     rig = make_rig()
     base = rig.robot.backend.get(Base)  # type: ignore[type-abstract]
     monkeypatch.setattr(type(base), "drive", lambda self, speed, turn_rate: None)

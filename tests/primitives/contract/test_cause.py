@@ -22,7 +22,7 @@ FELT = Measured("Arm", "force that resists", 8.0, 7.0, "N")
 
 
 class Try(ActionPrimitive):
-    """Turns a little, and ends where it is told to."""
+    """Turns a little, and ends in the method given by `where`."""
 
     where: str
     needs: ClassVar = (Base,)
@@ -67,7 +67,7 @@ class NoWayBack(Try):
 
 
 class Branch(TreePrimitive):
-    """The same from a leaf of a tree."""
+    """Fails in a leaf of a behaviour tree."""
 
     needs: ClassVar = (Base,)
 

@@ -1,4 +1,4 @@
-"""What the framework makes of a robot that errs: rows B6, S1 to S3, S11, S12 of the fault catalogue."""
+"""Tests of the framework with a faulty robot: rows B6, S1 to S3, S11, S12 of the fault catalogue."""
 
 from __future__ import annotations
 
@@ -36,14 +36,14 @@ Vector = NDArray[np.float64]
 
 
 class Stand(ActionPrimitive):
-    """Stands for four seconds."""
+    """Stays at rest for four seconds."""
 
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         yield from robot.wait(4.0)
 
 
 def ended(primitive: ActionPrimitive, period: int, fault: Fault) -> tuple[Ending, Underway]:
-    """How an attempt ends in which something goes wrong from a period on."""
+    """Return the end of an attempt with a fault from a period on."""
     for _, _, underway in Solo(BENCH, primitive).attempts():
         for _ in range(period):
             underway.advance()
@@ -89,7 +89,7 @@ def test_a_lost_robot_knows_nothing_of_its_pose() -> None:
 
 @pytest.mark.parametrize("read", ["nothing", "the same", "the same for a while"])
 def test_gyros_that_tell_nothing_new_are_not_believed(read: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """S2, S3: outdoors nothing else tells at once how the base turns."""
+    """S2, S3: outdoors no other sensor reports at once how the base turns."""
     with prepare(FIELD, None, {}, 0) as prepared:
         rig = Rig(prepared.robot, prepared.model, prepared.backend)
         imu: Imu | None = rig.backend.get(Imu)  # type: ignore[type-abstract]

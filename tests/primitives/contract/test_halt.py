@@ -1,4 +1,4 @@
-"""What holds still until a person comes pushes nothing aside."""
+"""Tests of a robot that holds still for a person and pushes nothing aside."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Pushes(ActionPrimitive):
 def test_an_arm_that_is_jammed_holds_where_it_stands(
     make_rig: Callable[..., Rig], monkeypatch: pytest.MonkeyPatch, stiffness: float, follows: bool
 ) -> None:
-    """One whose encoders alone stand still stays where it was told to be."""
+    """An arm whose encoders alone are stuck keeps its command."""
     rig = make_rig()
     arm: Any = rig.robot.backend.get(Arm)
     stands, began = arm.joints().copy(), arm.command().copy()
@@ -54,7 +54,7 @@ def test_an_arm_that_is_jammed_holds_where_it_stands(
 def test_what_an_arm_is_jammed_in_may_follow(
     make_rig: Callable[..., Rig], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Told once to stay where it stands, the arm presses with half of what it did."""
+    """After one command to hold its measured pose, the arm presses with half of the force."""
     rig = make_rig()
     arm: Any = rig.robot.backend.get(Arm)
     free = arm.command().copy()

@@ -39,7 +39,7 @@ def base() -> Any:
 
 
 def checks_until_stuck(robot: Any, monitor: StandstillMonitor, most: int = 400) -> int | None:
-    """How many checks pass before the base counts as stuck; None if it never does."""
+    """Return the number of checks until the base counts as stuck; None if it never does."""
     for number in range(most):
         try:
             monitor.check()
@@ -142,7 +142,7 @@ def test_a_sliding_joint_is_told_in_mm() -> None:
 
 
 def test_joints_may_follow_late_but_not_later() -> None:
-    """By so many periods as the commands that are kept; a single reading may be broken."""
+    """The allowed lag is the number of kept commands; a single reading may be broken."""
     for late in (MAX_LAG_PERIODS - 1, MAX_LAG_PERIODS):
         arm: Any = Follows()
         monitor = TrackingErrorMonitor(arm)

@@ -27,7 +27,7 @@ class Wheels:
         self.displacements += self.looks <= self._pushed
 
     def settled(self) -> tuple[bool, int]:
-        """Whether it came to rest, and after how many periods."""
+        """Return whether the base came to rest, and after how many periods."""
         robot: Any = self
         waiting, periods = settle(robot), 0
         while True:
@@ -51,7 +51,7 @@ def test_motion_in_between_makes_it_wait_anew() -> None:
 
 @pytest.mark.parametrize("pushed", [1, 2])
 def test_where_a_pushed_base_stands_is_known_again_only_later(pushed: int) -> None:
-    """Each time that it was found elsewhere it is looked for anew."""
+    """After each displacement it is localized again."""
     assert Wheels(pushed=pushed).settled() == (True, REST_PERIODS + pushed * (KNOWN_AGAIN + REST_PERIODS))
 
 

@@ -1,4 +1,4 @@
-"""Behaviour trees as primitives: ours, and anybody's behaviour."""
+"""Tests of behaviour trees as primitives: handcart's own behaviours, and foreign ones."""
 
 from __future__ import annotations
 
@@ -133,7 +133,7 @@ def test_leaves_that_run_are_stopped_however_the_tree_ends() -> None:
 
 
 class Turn(Behaviour):
-    """Somebody's behaviour: turns the base a little."""
+    """Foreign behaviour that turns the base a little."""
 
     def __init__(self, robot: Robot, count: int, end: Status) -> None:
         super().__init__("turn")
@@ -198,7 +198,7 @@ class TestForeignBehaviour:
 
 
 class Careful(TreePrimitive):
-    """Moves, then needs somebody, with a Selector that would know another way."""
+    """Moves, then needs a person, although a Selector has an alternative."""
 
     needs: ClassVar = (Base,)
 

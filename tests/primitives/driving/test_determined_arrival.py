@@ -99,7 +99,7 @@ def car(sigma_deg: float) -> Any:
 
 
 def ended(robot: Any, **place: Any) -> bool:
-    """Whether the effect of MOVE_TO holds."""
+    """Return whether the effect of MOVE_TO holds."""
     model: Any = SimpleNamespace(places={"here": Place(x_m=0.0, y_m=0.0, heading_deg=0.0, **place)})
     periods = MoveTo(place="here").effect(robot, model)
     with pytest.raises(StopIteration) as end:
@@ -108,7 +108,7 @@ def ended(robot: Any, **place: Any) -> bool:
 
 
 def test_car_arrival_needs_a_determined_heading() -> None:
-    """By default within 1.5 m and 20 degrees, by 3 sigma; a place may need more, or less."""
+    """The default is 1.5 m and 20 degrees, with 3 sigma; a place may need more, or less."""
     assert ended(car(2.0))
     with pytest.raises(Discrepancy, match="not determined: at here the heading") as refused:
         ended(car(5.2))
@@ -141,7 +141,7 @@ def test_a_front_determines_the_pose_before_it_or_not(std_mm: float, std_deg: fl
 def test_it_comes_closer_only_where_that_helps(
     monkeypatch: pytest.MonkeyPatch, off_mm: float, std_mm: float, drives: bool
 ) -> None:
-    """Of 40 mm that the place needs, 32 are for the difference and 3 sigma; beyond 40 nothing helps."""
+    """The place needs 40 mm: 32 are for the difference and 3 sigma; beyond 40 nothing helps."""
     asked: list[PoseTolerance] = []
 
     def reach(robot: Any, pose: Pose2, within: PoseTolerance) -> Iterator[None]:

@@ -25,7 +25,7 @@ NEAR = 0.12  # [m] that the base may go into ground that it does not see
 
 
 class Drive(ActionPrimitive):
-    """Drive ahead, then back, for some periods each; what holds it at the end is kept."""
+    """Drive ahead, then back, for some periods each; keep the reason that holds it at the end."""
 
     ahead: int
     back: int
@@ -50,7 +50,7 @@ class DriveOn(ActionPrimitive):
 
 
 def test_missing_and_wrong_beams_do_not_end_a_drive(make_rig: Callable[..., Rig]) -> None:
-    """Of half a turn 5 % each of zeros, NaN, -inf and own body; it docks before the shelf as well."""
+    """5 % each of the scan are zeros, NaN, -inf and the robot's own body; it docks at the shelf as well."""
     rig = make_rig(lidar=HALF, errors=FAULTS, seed=1)
     assert isinstance(rig.run(MoveTo(place="shelf_1")), Success)
     assert abs(rig.scene.base.y - 4.93) < 0.006

@@ -1,4 +1,4 @@
-"""How many echoes must be missing until a lidar counts as covered."""
+"""Tests of the number of missing echoes at which a lidar counts as covered."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def test_twenty_beams_that_must_return_are_enough(width_deg: int, said: bool) ->
 
 
 def ranges_at(pose: Pose2, grid: GridMap) -> np.ndarray:
-    """What a lidar without faults reads."""
+    """Return the ranges of a lidar without faults."""
     return expected_echoes(grid, pose, ANGLES, 8.0).ranges
 
 

@@ -77,7 +77,7 @@ def test_an_unknown_place_is_a_fail_that_nothing_moved_for(make_rig: Callable[..
 
 
 def test_passers_by_are_waited_for_one_by_one() -> None:
-    """Each of them may take `wait_s`; two that follow each other are not one that stands there."""
+    """Each of them may take `wait_s`; two in a row do not count as one that stays."""
     move, way = MoveTo(place="there", wait_s=5.0), np.array([[0.0, 0.0], [2.0, 0.0]])
     in_the_way = (0.5, np.array([1.0, 0.0]))
     known = SimpleNamespace(lost=None, heading_known=True)
@@ -111,7 +111,7 @@ def test_with_the_arm_out_the_base_does_not_drive(
 
 
 def test_who_comes_behind_a_waiting_base_is_not_in_its_way(make_rig: Callable[..., Rig]) -> None:
-    """The base rolls on for 0.4 m after it began to wait: what then stands behind it is not ahead."""
+    """The base rolls on for 0.4 m after it began to wait: an obstacle behind it is then not ahead."""
     pallet = BOX.format(x=3.0, y=1.1, more=", leaves_s: 12")
     person = (
         "  - {name: person, x_m: 1.333, y_m: 1.077, heading_deg: 0, size_m: [0.1, 0.1, 1.7], appears_s: 8}\n"

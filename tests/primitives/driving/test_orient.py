@@ -1,4 +1,4 @@
-"""ORIENT: a robot that nobody told which way it heads."""
+"""Tests of ORIENT: a robot with unknown heading."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ sensors: {count: 2}
 
 @pytest.fixture
 def unheaded(tmp_path: Path) -> Callable[..., Any]:
-    """Makes a rig whose robot's file says that nobody tells its heading; it heads 70 degrees."""
+    """Return a maker of rigs whose robot's file has an unknown heading; the true one is 70 degrees."""
 
     @contextmanager
     def make(surprises: str = "") -> Iterator[Rig]:
@@ -51,7 +51,7 @@ def unheaded(tmp_path: Path) -> Callable[..., Any]:
 
 
 def test_before_the_heading_shows_a_way_is_as_certain_as_it_is_long(unheaded: Callable[..., Any]) -> None:
-    """By wheels and gyros, not by what a fix would tell."""
+    """Its uncertainty is that of wheels and gyros, not that of a fix."""
     with unheaded() as rig:
         where, robot = rig.robot.localization, rig.robot
         where.set_origin()
@@ -85,7 +85,7 @@ def test_it_drives_ahead_until_the_heading_shows(unheaded: Callable[..., Any]) -
 
 
 def test_what_stands_ahead_is_a_fail_and_it_drives_back(unheaded: Callable[..., Any]) -> None:
-    """5 m ahead of where it stands: too near for the heading to show."""
+    """The obstacle is 5 m ahead: too near for the heading to be determined."""
     x, y = 5.0 * math.cos(math.radians(70.0)), 5.0 * math.sin(math.radians(70.0))
     crate = f"surprises: [{{name: crate, x_m: {x:.2f}, y_m: {y:.2f}, size_m: [1.0, 1.0, 1.0]}}]\n"
     with unheaded(crate) as rig:
@@ -104,7 +104,7 @@ def test_too_short_a_way_is_a_fail(unheaded: Callable[..., Any]) -> None:
 
 
 def test_a_robot_that_never_could_find_its_heading_is_refused(tmp_path: Path) -> None:
-    """Gyros tell turns alone: it would drive ahead for nothing."""
+    """Gyros measure turns alone: driving ahead would be useless."""
     folder = tmp_path / "robot"
     shutil.copytree(robot_path("el_verde").parent, folder)
     path = folder / "robot.yaml"

@@ -74,7 +74,7 @@ def test_a_drive_by_wheels_stops_to_look_and_goes_on_then() -> None:
 
 
 def test_a_drive_by_wheels_is_looked_at_on_the_way() -> None:
-    """Where the sensors determine the pose no worse than the place needs it, it ends."""
+    """The drive ends if the sensors determine the pose as well as the place needs it."""
     with build_rig(FILES, "toyama", seed=2) as rig:
         added, stood = [], 0
         periods = attempt(MoveTo(place="stacking"), rig.robot, rig.model)

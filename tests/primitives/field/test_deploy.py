@@ -1,4 +1,4 @@
-"""DEPLOY alone: a base that stands beside its target."""
+"""Tests of DEPLOY alone: a base at rest next to its target."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ def test_without_ground_below_it_the_sensor_is_not_let_go(rig: Rig, monkeypatch:
 def test_a_sensor_that_falls_over_when_it_is_let_go_is_no_success(
     rig: Rig, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Closed fingers feel for its top. One that was let go can't be taken back: a person has to look."""
+    """Closed fingers feel for its top. A released sensor cannot be taken back: a person has to look."""
 
     def fall(sensor: Any) -> None:
         sensor.pose = sensor.pose @ transform((0.2, 0.0, 0.03), (0.0, np.pi / 2, 0.0))
@@ -144,7 +144,7 @@ def test_cancel_while_fingers_open_completes_the_release(rig: Rig, after: int) -
 def test_the_hand_gives_way_to_what_leans_on_a_finger(
     rig: Rig, monkeypatch: pytest.MonkeyPatch, pushed: float
 ) -> None:
-    """As far as it is pushed, to the side to which it is pushed, and no farther than the arm may."""
+    """It moves as far as it is pushed, in that direction, up to the arm's limit."""
     robot = rig.robot
     field = rig.model.of(FieldWork).field
     assert field is not None
@@ -204,7 +204,7 @@ def test_on_its_way_aside_a_sensor_that_touches_the_ground_is_lifted(
 
 @pytest.mark.parametrize("last", [False, True])
 def test_together_only_the_last_sensor_brings_the_arm_home(rig: Rig, last: bool) -> None:
-    """Else the fingers are lifted off the sensor, and the next drive does the rest."""
+    """Otherwise the fingers are lifted off the sensor, and the next drive does the rest."""
     work, robot = rig.model.of(FieldWork), rig.robot
     if last:
         work.laid = (Laid("far", 14.0, -0.75, (1.0, 0.0, 1.0), (14.0, -0.75), 0.0),)
@@ -220,7 +220,7 @@ def test_together_only_the_last_sensor_brings_the_arm_home(rig: Rig, last: bool)
 
 @pytest.mark.parametrize("away", [(0.6, -0.8), (-0.7, 0.4), (0.0, 1.0)])
 def test_point_covariance_follows_from_the_pose_of_the_base(away: tuple[float, float]) -> None:
-    """Where the heading errs to the left, what lies ahead errs to the left, and what lies left backwards."""
+    """With a heading error to the left, a point ahead errs to the left, and a point on the left backwards."""
     covariance = np.array([[4e-4, 1e-4, 2e-4], [1e-4, 9e-4, -3e-4], [2e-4, -3e-4, 4e-4]])
     spec = SimpleNamespace(arm=SimpleNamespace(accuracy_mm=20.0))
     robot: Any = SimpleNamespace(localization=SimpleNamespace(covariance=covariance), spec=spec)
@@ -242,7 +242,7 @@ def test_nothing_is_laid_while_the_fixes_contradict_what_is_claimed(
 
 
 def test_a_fail_leaves_the_target_within_reach(rig: Rig) -> None:
-    """From any place as far off as is allowed, heading as far off as is allowed, the arm gets there."""
+    """The arm reaches it from any place and heading within the tolerances."""
     robot, work = rig.robot, rig.model.of(FieldWork)
     model: Any = rig.model
     room = Deploy(target="here").base_room(robot, model)

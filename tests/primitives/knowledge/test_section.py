@@ -1,4 +1,4 @@
-"""What a section reads of itself, and what of it is journaled."""
+"""Tests of the files that a section reads, and of its journaled part."""
 
 from __future__ import annotations
 

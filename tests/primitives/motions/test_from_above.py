@@ -1,4 +1,4 @@
-"""The hand over and about what stands upright."""
+"""Tests of hand poses above and around upright objects."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def test_the_hand_points_down_and_its_fingers_close_along_the_place() -> None:
 
 @pytest.mark.parametrize("leans", [(0.0, 0.0, 0.0), (0.01, -0.02, 0.0)])
 def test_pads_cover_the_top_and_the_held_body_is_the_one_there(leans: Any) -> None:
-    """On a base that leans, what stands upright leans in the base's frame, and the hand as well."""
+    """On a tilted base, an upright object is tilted in the base frame, and the hand as well."""
     lean = STANDS.pose @ transform(rpy=leans) @ inverse(STANDS.pose)
     base_T_hand = gripping(robot(), SIZE, lean @ STANDS.pose)
     tips = inverse(lean) @ base_T_hand @ (TIP, 0.0, 0.0, 1.0)

@@ -1,4 +1,4 @@
-"""What primitives require before they start: refused in words, before anything moves."""
+"""Tests of the preconditions of primitives: a reason is returned before anything moves."""
 
 from __future__ import annotations
 

@@ -92,7 +92,7 @@ def test_a_primitive_can_not_allow_itself_more_than_the_robot_s_file(rig: Rig) -
 
 
 def test_fails_in_a_row_are_measured_from_where_the_first_began(rig: Rig) -> None:
-    """What each of them leaves adds up, and shows."""
+    """The residuals of all of them add up, and are reported."""
     begun = base(rig)
     fails = []
     for _ in range(3):
@@ -114,7 +114,7 @@ def test_short_ways_that_are_not_driven_back_do_not_add_up(rig: Rig) -> None:
 
 @pytest.mark.parametrize(("jump", "off"), [(0.6, set()), (3.0, {"base_mm"})])
 def test_a_pose_that_jumps_as_more_is_learned_is_no_motion(rig: Rig, jump: float, off: set[str]) -> None:
-    """As far as it may have been off: further, and somebody carried the base away."""
+    """A jump within its uncertainty is allowed; a larger one means that the base was carried away."""
     stood = replace(take_snapshot(rig.robot, {}), pose_sigma=(0.4, 0.1))
     assert stood.odometry_pose is not None
     now = replace(stood, pose=Pose2(stood.pose.x + jump, *stood.pose[1:]))
@@ -124,7 +124,7 @@ def test_a_pose_that_jumps_as_more_is_learned_is_no_motion(rig: Rig, jump: float
 
 
 def test_what_is_unsure_is_told_along_the_worst_direction(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
-    """0.2 m of one sigma: three of them are more than what is needed, so nobody can say that all is back."""
+    """3 sigma of 0.2 m exceed the need, so the return is not confirmed."""
     unsure = Belief(np.zeros(3), np.diag([0.01, 0.2, 0.0]) ** 2)
     monkeypatch.setattr(type(rig.robot.localization), "displacement", property(lambda self: unsure))
     outcome = rig.do(ComesBack(seconds=1.0))

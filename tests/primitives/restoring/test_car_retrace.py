@@ -141,7 +141,7 @@ def test_a_way_backwards_is_driven_ahead() -> None:
 
 @pytest.mark.parametrize("rest", [0, 5])
 def test_there_and_back_is_driven_in_two_stretches(rest: int) -> None:
-    """Where the direction changes the tracker begins anew: both are driven, the last one first."""
+    """The tracker starts again at a change of direction: both are driven, the last one first."""
     car = Car()
     robot: Any = car
     start, trace = car.record([*ramp(0.4, 50), *ramp(0.0, rest), *ramp(-0.4, 25, 0.2)])
@@ -175,7 +175,7 @@ def test_what_short_ways_left_is_driven_straight_in_the_end(ahead_m: float, sign
 
 
 def test_how_far_it_came_goes_before_where_it_is_thought_to_be() -> None:
-    """Known since the start: what the pose says of that is not looked at."""
+    """The displacement since the start is known, so the estimated pose is ignored."""
     car = Car()
     robot: Any = car
     start, trace = car.record([])

@@ -16,21 +16,23 @@ from handcart.robotics.navigation.following.drive_limits import DriveLimits
 
 
 class ShiftingRobot:
-    """Drives as commanded; turning moves its origin about a point beside it, and a little ahead for good."""
+    """Drives as commanded; turning moves its origin about a point next to it, and a little ahead for good."""
 
     held = None
     drive_limits = DriveLimits()
     period = 0.05
 
     def __init__(self, start: Pose2, beside: float, slides: float, noise: float = 0.0) -> None:
-        """Turn about a point `beside` [m] ahead, sliding so far a radian; read poses with noise in [m]."""
+        """Turn about a point `beside` [m] ahead, sliding `slides` [m] per radian; add noise in [m] to
+        poses.
+        """
         self.true, self.time, self.spec = start, 0.0, load_robot("atrv")
         self.base, self._beside, self._slides = self, beside, slides
         self._noise, self._rng = noise, np.random.default_rng(1)
 
     @property
     def pose(self) -> Pose2:
-        """As it is measured."""
+        """Return the measured pose."""
         x, y, turn = self._noise * self._rng.standard_normal(3)
         return self.true.compose(Pose2(x, y, 0.25 * turn))
 

@@ -1,4 +1,4 @@
-"""How far a robot is from where it was, by name and unit; and what of that is allowed."""
+"""Tests of the residuals of a robot against an earlier state, by name and unit, and of their limits."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ class Fingers:
 
 
 class Robot:
-    """Stands still, with the parts that the test gives."""
+    """Robot at rest, with the parts that the test gives."""
 
     def __init__(self, arm: Any = None, gripper: Any = None, jumps: bool = False) -> None:
         parts = {Arm: arm, Gripper: gripper}
@@ -248,7 +248,7 @@ def test_fingers_hold_what_keeps_them_apart(width: float, presses: bool, holds: 
 @pytest.mark.parametrize(("step", "rests"), [(JOINT_NOISE, True), (1.5 * JOINT_NOISE, False)])
 @pytest.mark.parametrize("part", ["arm", "gripper"])
 def test_a_robot_rests_when_arm_and_fingers_do(part: str, step: float, rests: bool) -> None:
-    """Noise of a joint that stands is no motion; it waits for some seconds."""
+    """Noise of a joint at rest is not motion; the robot waits for some seconds."""
     count = [0.0]
 
     def value() -> float:

@@ -19,9 +19,9 @@ TASK = Path(__file__).parents[3] / "tasks" / "track_seam"
 
 @pytest.fixture
 def rig_at(tmp_path: Path) -> Callable[..., Rig]:
-    """It stands at a place, and knows the first points of the seam.
+    """Return a maker of rigs at a place, with the first points of the seam known.
 
-    `world` is added to the world, `new` stands for `old` in the robot's file.
+    `world` is added to the world, `new` replaces `old` in the robot's file.
     """
 
     def made(here: Pose2, last: int, world: str = "", old: str = "", new: str = "") -> Rig:

@@ -1,4 +1,4 @@
-"""A seam's file: what is wrong with it is told with its line."""
+"""Tests of a seam's file: each error is reported with its line."""
 
 from __future__ import annotations
 

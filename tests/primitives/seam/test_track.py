@@ -28,7 +28,7 @@ LAST = 12
 
 @pytest.fixture
 def make_stage(rig_at: Callable[..., Rig]) -> Callable[..., Rig]:
-    """A robot that stands where it tracks the first points of the shipped seam."""
+    """Return a maker of rigs at the place for the first points of the shipped seam."""
 
     def made(old: str = "", new: str = "") -> Rig:
         rig = rig_at(HERE, LAST, old=old, new=new)
@@ -76,7 +76,7 @@ def test_what_the_tool_touches_ends_it(
 def test_a_tool_that_leaves_the_seam_ends_it(
     make_stage: Callable[..., Rig], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """By what its joints read: a gear that slips by a quarter of a degree, at more than a metre."""
+    """The joints' readings show it: a gear that slips by a quarter of a degree, at more than a metre."""
     rig, track = make_stage(), Track()
     arm = type(rig.robot.arm)
     plain = arm.joints

@@ -41,14 +41,14 @@ def scene_of(rig: Rig) -> Scene:
 
 
 def base_of(rig: Rig) -> Pose2:
-    """Where the base truly is."""
+    """Return the true pose of the base."""
     return scene_of(rig).base
 
 
 def test_the_tool_stays_on_the_seam_while_the_base_drives(
     make_rig: Callable[..., Rig], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """By the ground truth; `robot.pose` would share the localizer's error."""
+    """Measured by the ground truth; `robot.pose` would share the localizer's error."""
     rig, track, tips = make_rig(), Track(), list[Any]()
     plain = Track.watch
 
@@ -115,7 +115,7 @@ def test_tool_contact_while_driving_is_a_fail_and_base_returns(
 
 
 def test_a_base_that_stands_elsewhere_does_not_set_out(make_rig: Callable[..., Rig]) -> None:
-    """Where nobody looked whether it has room."""
+    """The free space of its way was not checked from there."""
     rig = make_rig()
     work = rig.model.of(Seam).seam_work
     assert work.next is not None
