@@ -38,7 +38,7 @@ def read_grey(path: Path, max_pixels: int = MAX_PIXELS) -> Grey:
     Raises:
         FileError: the picture is missing or not a regular file, has too many bytes or pixels, is not one
             of
-            the `FORMATS`, or is broken.
+            the `PICTURE_FORMATS`, or is broken.
     """
     from PIL import Image, UnidentifiedImageError
 

@@ -41,8 +41,8 @@ def fused(before: Fixed, turn: BaseTurn, now: Fixed) -> Fixed:
     """Return a fixation that fuses the current one with an earlier one and the base's turn since then.
 
     The position of the base is assumed unchanged. Both are weighed by their variance (update of a Kalman
-    filter with states measured one by one). If they differ by more than `GATE` sigmas, the base was moved
-    meanwhile: the earlier fixation is dropped.
+    filter with states measured one by one). If they differ by more than `FUSION_GATE_SIGMAS`,
+    the base was moved meanwhile: the earlier fixation is dropped.
     """
     spread = math.hypot(before.sigma[1], turn.sigma)
     place = (before.sigma[0] ** 2, now.sigma[0] ** 2)

@@ -160,7 +160,7 @@ def _drive_back(
 def _way_back(stretch: Sequence[Moment]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return points (n, 2) from the end to the start, and the distance along them for each moment, in [m].
 
-    Estimated poses jitter: points closer than `COARSE` would give a wrong direction.
+    Estimated poses jitter: points closer than `POINT_SPACING_M` would give a wrong direction.
     """
     ends = np.array([[each.pose.x, each.pose.y] for each in reversed(stretch)])
     kept, along = [ends[0]], [0.0]
