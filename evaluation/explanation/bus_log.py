@@ -37,7 +37,7 @@ def read_log(file: Path) -> list[can.Message]:
     try:
         with ExitStack() as opened:
             frames = list(islice(_reader(file, opened), MAX_FRAMES + 1))
-    except Exception as error:  # each reader of the library stumbles in its own way
+    except Exception as error:  # the library's readers raise different errors
         raise UnreadableLog(file, f"{type(error).__name__}: {error}") from None
     if len(frames) > MAX_FRAMES:
         raise UnreadableLog(file, f"it has more than {MAX_FRAMES} frames")
@@ -45,6 +45,6 @@ def read_log(file: Path) -> list[can.Message]:
 
 
 def _reader(file: Path, opened: ExitStack) -> Iterable[can.Message]:
-    if file.suffix.lower() == ".blf":  # the library leaves a damaged one open
+    if file.suffix.lower() == ".blf":  # the library does not close a damaged file
         return opened.enter_context(can.BLFReader(opened.enter_context(file.open("rb"))))
     return opened.enter_context(can.LogReader(file))

@@ -156,7 +156,7 @@ def _residuals(action: PastAction) -> tuple[Residual, ...]:
     limits = action.result.get("tolerance", {})
     sizes = action.result.get("residuals", {})
     return tuple(
-        # JSON has no infinity: what is no longer there is infinitely far.
+        # JSON has no infinity: None is the infinite distance of a missing body.
         Residual(name, math.inf if size is None else float(size), limits.get(name))
         for name, size in sizes.items()
     )
@@ -185,7 +185,7 @@ def _at_the_end(run: PastRun, action: PastAction, suffix: str) -> Path | None:
 
 def _kept(run: PastRun, name: str) -> Path | None:
     path = run.folder / EVIDENCE_FOLDER / name
-    # A journal that somebody made may name anything.
+    # A forged journal may name any path.
     return path if path.name == name and path.is_file() else None
 
 

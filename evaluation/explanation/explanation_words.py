@@ -223,7 +223,7 @@ def _frames(explanation: Explanation) -> str:
     """Return the CAN frames around the action as text; empty if none were recorded."""
     if explanation.frames is None:
         return ""
-    from .frames_around import frames_around, in_words  # CAN is read where there was any
+    from .frames_around import frames_around, in_words  # imports python-can only if frames were recorded
 
     action, last = explanation.action, float(explanation.run.records[-1]["t"])
     end = action.end if action else last

@@ -117,7 +117,7 @@ class PlaybackRecorder(RunObserver):
         if self._folder is None or (self._rows["time"] and robot.time <= self._rows["time"][-1]):
             return
         self._due = robot.time + ROW_PERIOD_S
-        # What a sensor's fault means is for those to say who need the reading.
+        # A sensor fault is reported by the primitives that need the reading.
         with suppress(Exception):
             self._take(robot)
         if robot.time - self._begun >= PART_DURATION_S:

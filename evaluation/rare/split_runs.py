@@ -115,7 +115,7 @@ class SplitRuns:
 
     def _keep(self, folder: Path) -> None:
         name = f"rare-{self._first}-{len(self.kept) + 1}"
-        shutil.rmtree(self._runs / name, ignore_errors=True)  # of a population that was broken off
+        shutil.rmtree(self._runs / name, ignore_errors=True)  # left by an interrupted population
         shutil.move(folder, self._runs / name)
         self.kept.append(name)
 

@@ -88,7 +88,7 @@ def fit_noise(log: DriveLog, given: FieldNoise, passed: Callable[[float], None] 
     noise, best = given, _likelihood(log, given)
     before, changed = best, dict[str, float]()
     likely = _likelihood(log, any_vehicle := _of_any_vehicle(given))
-    if likely > best + MIN_LIKELIHOOD_GAIN:  # too far from what was told to come there step by step
+    if likely > best + MIN_LIKELIHOOD_GAIN:  # too far away for coordinate ascent
         noise, best, changed = any_vehicle, likely, {ANY_VEHICLE_TEXT: 1.0}
     work = MAX_ROUNDS * sum(len(knob.factors) for knob in NOISE_KNOBS)
     done = 0

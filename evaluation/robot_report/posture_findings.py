@@ -76,7 +76,7 @@ def opened_arm(robot: RobotFile) -> ArmModel:
         return arm
     try:
         return arm.with_others(dict.fromkeys(FINGER_JOINTS, robot.gripper.opening_mm / 2e3))
-    except ValueError:  # fingers of another kind, or none
+    except ValueError:  # other finger joints, or none
         return arm
 
 

@@ -34,7 +34,7 @@ class Reach:
         self._arm, self._free = arm, free
         self._near = cKDTree(points)
         starts = np.random.default_rng(0).uniform(arm.lower, arm.upper, (START_COUNT, arm.dof))
-        starts[: START_COUNT // 2] *= 0.5  # joints that turn several times: most work is done near the middle
+        starts[: START_COUNT // 2] *= 0.5  # joints with several turns mostly work near their middle
         self._starts = starts
 
     def figures(self) -> dict[str, Any]:

@@ -43,7 +43,7 @@ class Mp4:
 
     def write(self, picture: NDArray[np.uint8]) -> None:
         """Append a frame, (height, width, 3) in RGB; raise OSError if the disk is full."""
-        import cv2  # its colours take a tenth of what FFmpeg's own take, which are half of all encoding
+        import cv2  # its colour conversion takes a tenth of FFmpeg's, which is half of the encoding time
 
         planes = cv2.cvtColor(np.ascontiguousarray(picture), cv2.COLOR_RGB2YUV_I420)
         frame = self._frame.from_ndarray(planes.astype(np.uint8, copy=False), format="yuv420p")

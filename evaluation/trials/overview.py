@@ -44,7 +44,7 @@ SCAN_COLOUR = GREEN
 TIME_LINE_LETTERS = 125.0  # letters of the widest kind that fit on the time line
 MAP_MARGIN_M = 0.5  # around the known part of a map
 MIN_MAP_ASPECT = (
-    0.08  # height of a map that is drawn, by its width: of a straight course what is beside it, too
+    0.08  # smallest height over width of the drawn map, so that a straight course shows its surroundings
 )
 PICTURE_WIDTH_IN = 12.0
 FOOTER_HEIGHT_IN = 1.6  # legend and time line
@@ -113,7 +113,7 @@ def draw_overview(
         axes["picture"].imshow(pixels)
         axes["picture"].set_title(f"what was seen: {' '.join(name.split('_'))}", fontsize=9)
         axes["picture"].set_axis_off()
-    figure.draw_without_rendering()  # where there is room for names is known then
+    figure.draw_without_rendering()  # fixes the layout, on which the free space for names depends
     _draw_places(axes["map"], places)
     path = run_dir / "overview.svg"
     save_figure(figure, path)

@@ -27,7 +27,7 @@ LOOKS_ROUND = (
     "odometry",
     "particle",
     "positioning",
-)  # localizers that feel a slide
+)  # localizers that detect a slide of the base
 CAR_ARRIVED = PoseTolerance(position=0.25, heading=0.15)
 """Arrival tolerance of a car's MOVE_TO: a car cannot move sideways, so its final pose is not regulated."""
 ORIENTED_DEG = 10.0  # fixed limit of the heading that ORIENT claims to know

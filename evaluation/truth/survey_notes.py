@@ -40,7 +40,7 @@ class SurveyNotes:
             return []
         kept = []
         for line in content.splitlines():
-            with suppress(orjson.JSONDecodeError):  # a crash may have torn the last one
+            with suppress(orjson.JSONDecodeError):  # a crash may have truncated the last line
                 note = orjson.loads(line)
                 if isinstance(note, dict) and isinstance(note.get("time_s"), float | int):
                     kept += [note] if note["time_s"] <= time_s + 1e-9 else []

@@ -56,7 +56,7 @@ def survey_kinds(run: SurveyedRun | None = None) -> tuple[type[Survey], ...]:
 def _kind(domain: str, path: str) -> type[Survey]:
     try:
         kind = imported(path)
-    except Exception as error:  # whatever a module of somebody else's raises
+    except Exception as error:  # a foreign module may raise anything
         reason = f"{type(error).__name__}: {error}"
         raise NoSurvey(f"the survey {path} of the domain {domain} can't be imported: {reason}") from error
     if not (isinstance(kind, type) and issubclass(kind, Survey)):
@@ -83,7 +83,7 @@ class Surveys:
         try:
             if kind.applies(self.run):
                 self._every.append(kind(self.run))
-        except InputError:  # what it noted in the run's folder makes no sense
+        except InputError:  # its notes in the run's folder are damaged
             raise
         except Exception as error:
             self.broken.append(_broke(kind, error))

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     import viser
 
 Array = NDArray[np.float64]
-# Each side has corners of its own: shared ones would be shaded as if they were round.
+# Each side has its own corners: shared corners would be shaded as a round surface.
 _SIDE = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) / 2
 
 

@@ -53,7 +53,7 @@ class LiveFrames:
     def now(self, situation: str, action: int, restoring: bool, planned: Array | None) -> Frame:
         """Return the frame of this period; `planned` is the planned path (n, 2) in [m], or None."""
         robot, scene = self._robot, self._scene
-        with suppress(Exception):  # what a sensor's fault means is for those to say who need the reading
+        with suppress(Exception):  # reported by primitives that need the reading
             self._sense()
         truth = None if scene is None else sevens(scene.world_T_base[None])[0]
         world_time = robot.time if scene is None else scene.time

@@ -67,7 +67,7 @@ class RobotNodes:
 def _loaded(text: str) -> Any:
     import yourdfpy
 
-    logging.getLogger("yourdfpy").setLevel(logging.CRITICAL)  # what a URDF lacks, `handcart check` tells
+    logging.getLogger("yourdfpy").setLevel(logging.CRITICAL)  # `handcart check` reports faults of a URDF
     return yourdfpy.URDF.load(
         StringIO(text),
         build_scene_graph=True,

@@ -62,7 +62,7 @@ def read_bag(path: Path, kinds: Collection[str]) -> Bag:
     with TemporaryDirectory() as folder:
         try:
             return _complete([path] if is_whole else _unpacked(files, Path(folder), notes), kinds, notes)
-        except Exception as error:  # a reader of other people's bytes raises whatever they lead it to
+        except Exception as error:  # damaged bytes may raise any error
             notes = notes if is_whole else _storage_files(path)[1]
             return _damaged(
                 _unpacked(files, Path(folder), notes),

@@ -58,9 +58,7 @@ def _from_mcap(path: Path) -> Iterator[RawMessage]:
 def _from_sqlite(path: Path) -> Iterator[RawMessage]:
     database = sqlite3.connect(f"{path.resolve().as_uri()}?mode=ro&immutable=1", uri=True)
     try:
-        database.execute(
-            "PRAGMA writable_schema=ON"
-        )  # a file shorter than its header says is read all the same
+        database.execute("PRAGMA writable_schema=ON")  # also reads a file shorter than its header states
         rows = database.execute("SELECT id, name, type FROM topics")
         topics = {number: (str(name), str(kind)) for number, name, kind in rows}
         for topic, stamp, data in database.execute("SELECT topic_id, timestamp, data FROM messages"):

@@ -65,18 +65,18 @@ class Gate(OwnPage):
         def one(name: str) -> str | None:
             return ", ".join(sent.get_all(name)) if name in sent else None
 
-        # The page itself holds no secret, and the console, which is another site, leads to it.
+        # The page itself contains no secret, and the console, another site, links to it.
         site = one("Sec-Fetch-Site") if "Upgrade" in sent else None
         refused = self.stranger(one("Host"), one("Origin"), site)
         if refused is not None:
             return connection.respond(*refused)
         if "Upgrade" in sent:
-            if "Origin" not in sent:  # browsers tell it always
+            if "Origin" not in sent:  # browsers always send it
                 return connection.respond(403, "another program asks for this")
             if not self._has_token(one("Sec-WebSocket-Protocol") or ""):
                 return connection.respond(401, TOKEN_MISSING_TEXT)
             return behind(connection, request)
-        if "Accept-Encoding" in sent:  # nothing gets faster by it on one machine
+        if "Accept-Encoding" in sent:  # compression saves no time on one machine
             del sent["Accept-Encoding"]
         page = behind(connection, request)
         return None if page is None else self._dressed(page)

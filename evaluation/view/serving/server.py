@@ -50,14 +50,14 @@ def open_server(port: int | None, title: str) -> Iterator[Opened]:
 
     chosen = _free(port)
     gate = Gate(f"{LOOPBACK_HOST}:{chosen}")
-    with gate.before_servers(), redirect_stdout(StringIO()):  # it greets
+    with gate.before_servers(), redirect_stdout(StringIO()):  # viser prints a greeting
         server = viser.ViserServer(host=LOOPBACK_HOST, port=chosen, label=title, verbose=False)
     try:
         if not gate.guards:
             raise NoView(f"viser {viser.__version__} can't be guarded against strangers; known: 1.1")
         if server.get_port() != chosen:
             raise NoView(f"the port {chosen} was taken meanwhile; try again")
-        # Sharing would lead the page out of this machine.
+        # Sharing would publish the page outside this machine.
         server.gui.configure_theme(control_width="large", show_logo=False, show_share_button=False)
         server.gui.main_panel.dock_right()
         server.scene.set_up_direction("+z")
