@@ -10,7 +10,7 @@ from handcart.files.models.model import FileModel
 from handcart.robotics.perception.cameras.calibration_board import CalibrationBoard
 from handcart.robotics.perception.cameras.charuco_board import CharucoBoard
 from handcart.robotics.perception.cameras.chessboard import Chessboard
-from handcart.robotics.perception.landmarks.tag_family import USUAL, TagFamily
+from handcart.robotics.perception.landmarks.tag_family import DEFAULT_FAMILY, TagFamily
 
 Squares = Annotated[int, Field(ge=3, le=50)]
 
@@ -24,7 +24,7 @@ class BoardLayout(FileModel):
     rows: Squares = 6
     tag_mm: Annotated[float, Field(gt=0.0)] | None = None
     """Side of a tag (default: three quarters of the side of a square)."""
-    tags: TagFamily = USUAL
+    tags: TagFamily = DEFAULT_FAMILY
 
     @model_validator(mode="after")
     def _distinct_sides(self) -> Self:

@@ -20,7 +20,7 @@ class GroundSpec(FileModel):
     """Rough ground: sigmas. A world's file says what it is, a robot's file what the robot takes it to be.
 
     The defaults are one set with which the field test of Ohki et al. (2012) comes out as printed
-    (`handcart.robotics.navigation.outdoors.field_noise.REFERENCE`).
+    (`handcart.robotics.navigation.outdoors.field_noise.REFERENCE_NOISE`).
     """
 
     roughness_deg: NotNegative = 2.5

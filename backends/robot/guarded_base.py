@@ -14,7 +14,7 @@ from handcart.backends.capabilities.base import Base, WheelTravel
 from handcart.backends.capabilities.range_sensor import Scan
 from handcart.backends.description.robot_file import RobotFile
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.following.way_guard import NOTHING, Held, WayGuard
+from handcart.robotics.navigation.following.way_guard import NO_STANDS, Held, WayGuard
 from handcart.robotics.navigation.maps.grid_map import GridMap
 
 from .unseen_ground import UnseenGround
@@ -62,7 +62,7 @@ class GuardedBase(Base):
         self._command = (0.0, 0.0)
         self._held: Held | None = None
         self._slowed_to = math.inf
-        self._felt = NOTHING
+        self._felt = NO_STANDS
 
     @cached_property
     def _guard(self) -> WayGuard:
@@ -163,12 +163,12 @@ def steady_points(scan: Scan) -> NDArray[np.float64]:
     """
     ranges = np.where(np.isfinite(scan.ranges), scan.ranges, np.inf)
     if len(ranges) < 3:
-        return scan.points() if len(ranges) else NOTHING
+        return scan.points() if len(ranges) else NO_STANDS
     angles, goes_round = scan.angles, _goes_round(scan.angles)
     if len(scan.validity) and (blind := scan.blind()).any():
         angles, ranges = angles[~blind], ranges[~blind]
         if len(ranges) == 0:
-            return NOTHING
+            return NO_STANDS
     first, last = (ranges[:1], ranges[-1:]) if goes_round else (_FAR, _FAR)
     before, after = np.concatenate((last, ranges[:-1])), np.concatenate((ranges[1:], first))
     low, high = np.minimum(before, after), np.maximum(before, after)

@@ -28,7 +28,7 @@ from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.kinematics.urdf_frames import base_T_frame
 from handcart.robotics.navigation.following.blocked_motion import Blocked, BlockedMotion
 from handcart.robotics.navigation.following.drive_limits import DriveLimits
-from handcart.robotics.navigation.following.way_guard import NOTHING, Held
+from handcart.robotics.navigation.following.way_guard import NO_STANDS, Held
 from handcart.robotics.navigation.localization.attitude import Attitude
 from handcart.robotics.navigation.maps.grid_map import GridMap
 
@@ -203,7 +203,7 @@ class Robot:
         """(n, 2) in [m], in the base frame: what this period's scan shows without lone readings and a lowered
         hand's own; nothing without a range sensor."""
         if self.lidar is None:
-            return NOTHING
+            return NO_STANDS
         points = steady_points(self.lidar.scan())
         return self.without_hand(points) if self.spec.localizer in OUTDOORS else points
 

@@ -26,7 +26,7 @@ from benchmarks.field.field_trial import start_pose
 from handcart.robotics.geometry.transform import rotations
 from handcart.robotics.navigation.beacons.beacon_errors import BeaconErrors
 from handcart.robotics.navigation.beacons.beacon_filter import BeaconFilter
-from handcart.robotics.navigation.outdoors.field_noise import REFERENCE
+from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_NOISE
 from handcart.robotics.navigation.outdoors.placement_errors import nees
 
 PLACES = np.array([[-5.0, 20.0, 2.0], [75.0, 25.0, 2.5], [35.0, -20.0, 1.5]])
@@ -64,7 +64,7 @@ class BeaconDrive(NamedTuple):
 
 def beacon_drive(seed: int, world: BeaconWorld = BeaconWorld(), stops: int = 7) -> BeaconDrive:
     """The zigzag course, driven."""
-    log, rng = record_course(zigzag_course(stops), REFERENCE, seed), np.random.default_rng([seed, 77])
+    log, rng = record_course(zigzag_course(stops), REFERENCE_NOISE, seed), np.random.default_rng([seed, 77])
     poses, tilts = log.drive.poses, log.drive.tilts
     tags = rotations(tilts[:, 0], tilts[:, 1], poses[:, 2]) @ np.array(ERRORS.tag)
     tags[:, :2] += poses[:, :2]
@@ -97,7 +97,7 @@ class BeaconTrial(NamedTuple):
 
 def try_beacons(drive: BeaconDrive, errors: BeaconErrors = ERRORS) -> BeaconTrial:
     """Play a drive to a filter that believes `errors` of the ranges."""
-    log, filtering = drive.log, BeaconFilter(start_pose(drive.log), REFERENCE, errors)
+    log, filtering = drive.log, BeaconFilter(start_pose(drive.log), REFERENCE_NOISE, errors)
     found, spreads, consistent = [], [], []
     placings = set(log.drive.placings.tolist())
     for row in range(len(log.rates)):

@@ -38,7 +38,7 @@ from handcart.networks.task.preparing import Prepared, prepare
 from handcart.primitives.field.field import Field
 from handcart.primitives.field.field_work import FieldWork
 from handcart.primitives.motions.grip import hand_to_tips
-from handcart.robotics.manipulation.motions.collision_model import HELD, CollisionModel
+from handcart.robotics.manipulation.motions.collision_model import HELD_NAME, CollisionModel
 from handcart.robotics.navigation.outdoors.placement_errors import share_radius
 
 TASKS = Path(__file__).parent.parent.parent / "tasks"
@@ -75,7 +75,7 @@ class Watcher(RunObserver):
 
     def __init__(self, robot: Robot, field: Field) -> None:
         self._scene: Any = robot.backend.scene  # type: ignore[attr-defined]
-        self._held = field.held(hand_to_tips(robot), HELD)
+        self._held = field.held(hand_to_tips(robot), HELD_NAME)
         self._arm = robot.arm_model
         self._model = cache(self._make)
         self._last = (math.nan, b"")

@@ -26,7 +26,7 @@ from benchmarks.field.field_log import FieldLog, record_course
 from benchmarks.field.field_trial import start_pose
 from benchmarks.field.mismatches import WORLDS
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.outdoors.field_noise import REFERENCE
+from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_NOISE
 from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
 from handcart.robotics.navigation.outdoors.placement_errors import nees
 
@@ -47,7 +47,7 @@ class Way(NamedTuple):
 
 def ways(log: FieldLog, legs: int) -> list[Way]:
     """Of one drive, each `legs` legs long."""
-    localizer = GpsFilter(start_pose(log), REFERENCE)
+    localizer = GpsFilter(start_pose(log), REFERENCE_NOISE)
     fixes = dict(zip(log.fix_rows.tolist(), log.fixes, strict=True))
     ends = log.drive.placings.tolist()[:: max(1, legs)] if legs else log.drive.placings.tolist()
     begins = {row - round(9.0 / PERIOD) for row in ends} if legs == 0 else set(ends)

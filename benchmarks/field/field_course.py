@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.robotics.navigation.outdoors.placement_errors import ASIDE
+from handcart.robotics.navigation.outdoors.placement_errors import TARGET_OFFSET_M
 
 SPACING = 0.05  # [m] between points of a line
 
@@ -36,7 +36,9 @@ class FieldCourse(NamedTuple):
             np.linspace(begin, end, count, endpoint=False)
             for begin, end, count in zip(corners[:-1], corners[1:], counts, strict=True)
         ]
-        return cls(stops + ASIDE * right, np.vstack([*pieces, corners[-1:]]), np.cumsum(counts[:-1]))
+        return cls(
+            stops + TARGET_OFFSET_M * right, np.vstack([*pieces, corners[-1:]]), np.cumsum(counts[:-1])
+        )
 
 
 def straight_course(count: int = 17, spacing: float = 10.0) -> FieldCourse:

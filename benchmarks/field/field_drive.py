@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.field.field_course import SPACING, FieldCourse
-from handcart.robotics.navigation.outdoors.field_noise import SHARPEST, FieldNoise
+from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_CURVATURE, FieldNoise
 from handcart.robotics.numerics.compiled import compiled
 
 PERIOD = 0.025  # [s]
@@ -82,7 +82,7 @@ def _curvature(pose: NDArray[np.float64], point: NDArray[np.float64]) -> float:
     """Pure pursuit of a point, within what the steering can do (Coulter, 1992)."""
     dx, dy = point[0] - pose[0], point[1] - pose[1]
     left = -math.sin(pose[2]) * dx + math.cos(pose[2]) * dy
-    return float(min(SHARPEST, max(-SHARPEST, 2.0 * left / (dx * dx + dy * dy))))
+    return float(min(REFERENCE_CURVATURE, max(-REFERENCE_CURVATURE, 2.0 * left / (dx * dx + dy * dy))))
 
 
 @compiled
@@ -134,7 +134,7 @@ def _drive(
             pose[0] += way * math.cos(tilt[1]) * math.cos(course)
             pose[1] += way * math.cos(tilt[1]) * math.sin(course)
             pose[2] += way * bend
-            rolled = way * (1.0 + scale + slip + turn_slip * abs(bend) / SHARPEST)
+            rolled = way * (1.0 + scale + slip + turn_slip * abs(bend) / REFERENCE_CURVATURE)
             out[row, :3], out[row, 3:5] = pose, tilt
             out[row, 5], out[row, 6] = (
                 rolled * (1.0 - 0.5 * bend * tread),

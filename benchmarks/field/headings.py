@@ -23,7 +23,7 @@ from benchmarks.field.field_drive import PERIOD, FieldTimes
 from benchmarks.field.field_log import record_course
 from benchmarks.field.mismatches import WORLDS
 from handcart.robotics.geometry.pose2 import Pose2, wrap
-from handcart.robotics.navigation.outdoors.field_noise import REFERENCE
+from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_NOISE
 from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
 
 TIMES = FieldTimes(wait=10.0, dwell=5.0)
@@ -47,7 +47,7 @@ def one_run(seed: int) -> Start:
     course = (straight_course, zigzag_course)[seed // len(WORLDS) % 2](4)
     log = record_course(course, WORLDS[world], seed, TIMES)
     heading = float(np.random.default_rng([seed, 77]).uniform(-math.pi, math.pi))
-    localizer = GpsFilter(Pose2(0.0, 0.0, heading), REFERENCE._replace(start_heading=math.inf))
+    localizer = GpsFilter(Pose2(0.0, 0.0, heading), REFERENCE_NOISE._replace(start_heading=math.inf))
     fixes = dict(zip(log.fix_rows.tolist(), log.fixes, strict=True))
     drove, known, first = 0.0, math.inf, math.inf
     for row in range(len(log.rates)):

@@ -17,7 +17,7 @@ from handcart.robotics.navigation.outdoors.field_model import (
     GPS_X,
     GPS_Y,
     HEADING,
-    SIZE,
+    STATE_SIZE,
     WARM_UP,
     FieldModel,
     carried,
@@ -44,7 +44,7 @@ def information_limit(
     model = FieldModel(noise, tilt=0.0)
     mean, spread = model.start(drive.poses[0], start_position)
     fixes, wanted = set((fix_rows // EACH).tolist()), (drive.placings // EACH).tolist()
-    bias = np.zeros((1, SIZE))
+    bias = np.zeros((1, STATE_SIZE))
     bias[0, [BIAS, WARM_UP]] = 1.0
     bounds, rested = {}, True
     for block in range(max(wanted) + 1):
@@ -75,7 +75,7 @@ def _fix_rows(mean: Array, noise: FieldNoise) -> Array:
     """(2, 13) how a fix depends on the states."""
     x, y, _ = noise.antenna
     cos, sin = math.cos(mean[HEADING]), math.sin(mean[HEADING])
-    rows = np.zeros((2, SIZE))
+    rows = np.zeros((2, STATE_SIZE))
     rows[[0, 1], [0, 1]] = rows[[0, 1], [GPS_X, GPS_Y]] = 1.0
     rows[:, HEADING] = -(sin * x + cos * y), cos * x - sin * y
     return rows

@@ -32,7 +32,12 @@ from benchmarks.field.field_log import FieldLog, record_course
 from benchmarks.field.field_trial import FieldTrial, as_laid, start_pose, try_course
 from benchmarks.field.information_limit import information_limit
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.outdoors.field_noise import REALISTIC, REFERENCE, RTK, FieldNoise
+from handcart.robotics.navigation.outdoors.field_noise import (
+    REALISTIC_NOISE,
+    REFERENCE_NOISE,
+    RTK_NOISE,
+    FieldNoise,
+)
 from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
 from handcart.robotics.navigation.outdoors.particle_filter import ParticleFilter
 from handcart.robotics.navigation.outdoors.placement_errors import (
@@ -45,9 +50,15 @@ from handcart.robotics.navigation.outdoors.placement_errors import (
 COURSES: dict[str, Callable[[], FieldCourse]] = {"straight": straight_course, "zigzag": zigzag_course}
 PAPER = {"straight": (58.0, 148.0), "zigzag": (283.0, 123.0)}  # [mm], along and across
 MANY = ("REF", "RTK")  # noise sets that all runs are made of; a quarter for the others
-REFLECTED = REFERENCE._replace(multipath_every=180.0, outliers=0.03)
-SILENT = REFERENCE._replace(outage_every=120.0, outage_time=60.0)
-SETS = {"REF": REFERENCE, "RTK": RTK, "REAL": REALISTIC, "reflections": REFLECTED, "outages": SILENT}
+REFLECTED = REFERENCE_NOISE._replace(multipath_every=180.0, outliers=0.03)
+SILENT = REFERENCE_NOISE._replace(outage_every=120.0, outage_time=60.0)
+SETS = {
+    "REF": REFERENCE_NOISE,
+    "RTK": RTK_NOISE,
+    "REAL": REALISTIC_NOISE,
+    "reflections": REFLECTED,
+    "outages": SILENT,
+}
 CHI2_95 = 5.991  # two degrees of freedom
 Array = NDArray[np.float64]
 
@@ -66,7 +77,7 @@ Results = dict[Key, list[FieldTrial]]
 def one_run(job: tuple[str, str, int]) -> list[tuple[Key, FieldTrial]]:
     """All ways of localizing on one log."""
     name, course, seed = job
-    noise = SETS.get(name, REFERENCE)
+    noise = SETS.get(name, REFERENCE_NOISE)
     log = record_course(COURSES[course](), noise, seed)
     start = start_pose(log)
     if name == "turned":

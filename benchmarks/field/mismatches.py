@@ -23,29 +23,31 @@ from rich.table import Table
 from benchmarks.field.field_course import straight_course, zigzag_course
 from benchmarks.field.field_log import record_course
 from benchmarks.field.field_trial import FieldTrial, start_pose, try_course
-from handcart.robotics.navigation.outdoors.field_noise import REFERENCE
+from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_NOISE
 from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
 from handcart.robotics.navigation.outdoors.placement_errors import nees
 
 WORLDS = {
-    "as told": REFERENCE,
-    "drift": REFERENCE._replace(gps_drift=0.5, gps_drift_time=600.0),
-    "slip": REFERENCE._replace(turn_slip=0.30, slip=0.012, side_slip=3.0 * REFERENCE.side_slip),
-    "scale": REFERENCE._replace(scale=0.015),
-    "heading": REFERENCE._replace(start_heading=math.radians(5.0)),
-    "outages": REFERENCE._replace(outage_every=120.0, outage_time=60.0),
-    "jumps": REFERENCE._replace(jump_every=60.0, jump=3.0),
-    "delay": REFERENCE._replace(gps_delay=0.5),
-    "antenna": REFERENCE._replace(antenna=(0.3, 0.2, 1.0)),
-    "creep": REFERENCE._replace(creep=0.001),
-    "multipath": REFERENCE._replace(multipath_every=180.0, outliers=0.03),
-    "gyro bias": REFERENCE._replace(gyro_bias=5.0 * REFERENCE.gyro_bias, gyro_walk=5.0 * REFERENCE.gyro_walk),
-    "tyre": REFERENCE._replace(tyre=0.03),
+    "as told": REFERENCE_NOISE,
+    "drift": REFERENCE_NOISE._replace(gps_drift=0.5, gps_drift_time=600.0),
+    "slip": REFERENCE_NOISE._replace(turn_slip=0.30, slip=0.012, side_slip=3.0 * REFERENCE_NOISE.side_slip),
+    "scale": REFERENCE_NOISE._replace(scale=0.015),
+    "heading": REFERENCE_NOISE._replace(start_heading=math.radians(5.0)),
+    "outages": REFERENCE_NOISE._replace(outage_every=120.0, outage_time=60.0),
+    "jumps": REFERENCE_NOISE._replace(jump_every=60.0, jump=3.0),
+    "delay": REFERENCE_NOISE._replace(gps_delay=0.5),
+    "antenna": REFERENCE_NOISE._replace(antenna=(0.3, 0.2, 1.0)),
+    "creep": REFERENCE_NOISE._replace(creep=0.001),
+    "multipath": REFERENCE_NOISE._replace(multipath_every=180.0, outliers=0.03),
+    "gyro bias": REFERENCE_NOISE._replace(
+        gyro_bias=5.0 * REFERENCE_NOISE.gyro_bias, gyro_walk=5.0 * REFERENCE_NOISE.gyro_walk
+    ),
+    "tyre": REFERENCE_NOISE._replace(tyre=0.03),
 }
 
 
 def one_run(job: tuple[str, int]) -> FieldTrial:
-    """One drive through a world, with what `REFERENCE` says told to the filter."""
+    """One drive through a world, with what `REFERENCE_NOISE` says told to the filter."""
     world, seed = job
     log = record_course((straight_course, zigzag_course)[seed % 2](), WORLDS[world], seed)
     return try_course(log, GpsFilter(start_pose(log)))

@@ -18,7 +18,7 @@ from handcart.primitives.blocks.stack import Stack
 from handcart.primitives.contract.discrepancy import Discrepancy
 from handcart.primitives.driving.move_to import MoveTo
 from handcart.primitives.knowledge.level_pose import LevelPose
-from handcart.robotics.manipulation.placement.stops import BESIDE
+from handcart.robotics.manipulation.placement.stops import STOP_OFFSET_M
 
 from .stop_reach import StopReach
 
@@ -52,11 +52,11 @@ def _words(
     names, goals = list(todo), [reach.goal(place) for place in todo.values()]
     table = placer.table(base[None], goals)
     if not table.sights[0, 0]:
-        return f"landmark {mark} can't be looked at from {1e3 * BESIDE:g} mm beside it"
+        return f"landmark {mark} can't be looked at from {1e3 * STOP_OFFSET_M:g} mm beside it"
     values, served = table.values[0], table.served[0]
     missed = [name for name, good in zip(names, served.tolist(), strict=True) if not good]
     if missed:
-        return f"not reached from {1e3 * BESIDE:g} mm beside it: {', '.join(missed)}"
+        return f"not reached from {1e3 * STOP_OFFSET_M:g} mm beside it: {', '.join(missed)}"
     least = int(np.argmin(values))
     return (
         f"reaches {len(names)} blocks, score {values.mean():.2f}, least {values[least]:.2f} at {names[least]}"

@@ -26,7 +26,7 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import transform
 from handcart.robotics.kinematics.shapes import Box
 from handcart.robotics.manipulation.arms.screw_arm import FreeTurn
-from handcart.robotics.manipulation.motions.collision_model import HELD, CollisionModel
+from handcart.robotics.manipulation.motions.collision_model import HELD_NAME, CollisionModel
 from handcart.robotics.manipulation.placement.placer import Placer, Work
 from handcart.robotics.manipulation.placement.stops import Goal, StopPlacer
 from handcart.robotics.manipulation.placement.untrackable import Untrackable
@@ -90,7 +90,7 @@ class StopReach:
             return error.why
         length, width, height = self._block
         middle = transform((self._tip - GRIP_DEPTH_M + height / 2, 0.0, 0.0))
-        body = Box(middle, (height, length, width), HELD) if held else None
+        body = Box(middle, (height, length, width), HELD_NAME) if held else None
         free = CollisionModel(self._open, around, None, stand, STAND_MARGIN_M)
         loaded = CollisionModel(self._open, around, body, stand, STAND_MARGIN_M)
         for number, q in enumerate(angles):

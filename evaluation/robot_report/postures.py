@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.description.robot_file import RobotFile
-from handcart.robotics.geometry.pointing import VERTICAL, pointing
+from handcart.robotics.geometry.pointing import VERTICAL_COSINE, pointing
 from handcart.robotics.geometry.transform import Transform, transform
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.manipulation.motions.collision_model import CollisionModel
@@ -40,7 +40,7 @@ class HandAim(NamedTuple):
     def poses(self) -> Iterator[Transform]:
         """Yield base_T_hand (4, 4) for each allowed roll."""
         x, y, z = self.direction
-        is_vertical = abs(z) > VERTICAL * math.sqrt(x * x + y * y + z * z)
+        is_vertical = abs(z) > VERTICAL_COSINE * math.sqrt(x * x + y * y + z * z)
         rolls = [self.roll_deg or 0.0]
         if self.roll_deg is None and is_vertical:
             rolls = [360.0 * number / ROLL_COUNT for number in range(ROLL_COUNT)]

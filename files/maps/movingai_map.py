@@ -11,11 +11,19 @@ from numpy.typing import NDArray
 from handcart.files.errors import FileError, Finding
 from handcart.files.picture import MAX_PIXELS
 from handcart.files.regular_file import decode_text, read_regular_file
-from handcart.robotics.navigation.maps.grid_map import FREE, OCCUPIED, UNKNOWN
+from handcart.robotics.navigation.maps.grid_map import FREE_VALUE, OCCUPIED_VALUE, UNKNOWN_VALUE
 
 MOVINGAI_SUFFIX = ".map"
 MAX_BYTES = MAX_PIXELS + (1 << 20)
-_MEANING = {".": FREE, "G": FREE, "S": FREE, "@": OCCUPIED, "O": OCCUPIED, "T": OCCUPIED, "W": UNKNOWN}
+_MEANING = {
+    ".": FREE_VALUE,
+    "G": FREE_VALUE,
+    "S": FREE_VALUE,
+    "@": OCCUPIED_VALUE,
+    "O": OCCUPIED_VALUE,
+    "T": OCCUPIED_VALUE,
+    "W": UNKNOWN_VALUE,
+}
 """Ground, swamp; out of bounds, trees. Water is impassable but not a wall: it counts as unknown space."""
 _HEADER = (("type", r"type\s+octile"), ("height", r"height\s+(\d{1,6})"), ("width", r"width\s+(\d{1,6})"))
 

@@ -17,9 +17,9 @@ from handcart.robotics.geometry.transform import Transform, inverse
 from handcart.robotics.manipulation.suspension.fixation import PlannedView
 from handcart.robotics.perception.cameras.overlay import draw_overlay
 from handcart.robotics.perception.landmarks.constellation import (
-    CERTAIN,
-    STRAY,
-    UNSEEN,
+    MIN_LOG_RATIO,
+    STRAY_LOG_COST,
+    UNSEEN_LOG_COST,
     Belief,
     Explanation,
     Kind,
@@ -140,7 +140,7 @@ class LandmarkViews:
         best, *others = self.explanations
         here = self._robot.base_T("hand")[:2, 3]
         differences = self._differences(best, others)
-        lacks = np.array([other.score - best.score + CERTAIN for other in others])
+        lacks = np.array([other.score - best.score + MIN_LOG_RATIO for other in others])
         ranked = []
         for x, y in offsets(MAX_VIEW_STEPS):
             hand = start.copy()
@@ -161,7 +161,10 @@ class LandmarkViews:
         found: dict[Kind, list[_Difference]] = {}
         expected = self._expected(best)
         for rival, otherwise in enumerate(map(self._expected, others)):
-            for ones, twos, weight in ((expected, otherwise, STRAY), (otherwise, expected, UNSEEN)):
+            for ones, twos, weight in (
+                (expected, otherwise, STRAY_LOG_COST),
+                (otherwise, expected, UNSEEN_LOG_COST),
+            ):
                 for kind, places in ones.items():
                     for place, shown in zip(places, self._shown(kind, places), strict=True):
                         if not shown and all(

@@ -6,7 +6,7 @@ from handcart.backends.robot.robot import Robot
 from handcart.primitives.knowledge.place import Shelf
 from handcart.robotics.geometry.transform import Transform, transform
 from handcart.robotics.kinematics.shapes import Box
-from handcart.robotics.manipulation.motions.collision_model import HELD
+from handcart.robotics.manipulation.motions.collision_model import HELD_NAME
 
 from .book_grip import GRIP_HEIGHT, hand_to_spine
 from .catalogue import Book
@@ -43,4 +43,4 @@ def held_box(robot: Robot, book: Book) -> Box:
     """A book as PICK_UP grips it, posed in the hand frame."""
     depth, thickness, height = (1e-3 * size for size in (book.depth_mm, book.thickness_mm, book.height_mm))
     middle = transform((hand_to_spine(robot) + depth / 2, 0.0, height / 2 - GRIP_HEIGHT))
-    return Box(middle, (depth, thickness, height), HELD)
+    return Box(middle, (depth, thickness, height), HELD_NAME)

@@ -8,7 +8,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from handcart.files.models.model import FileModel
-from handcart.robotics.perception.landmarks.tag_family import USUAL, TagFamily, tags_of
+from handcart.robotics.perception.landmarks.tag_family import DEFAULT_FAMILY, TagFamily, tags_of
 
 Positive = Annotated[float, Field(gt=0.0)]
 
@@ -32,7 +32,7 @@ class Catalogue(FileModel):
     """All books that the library owns."""
 
     format: Literal["handcart-catalogue/1"]
-    tags: TagFamily = USUAL
+    tags: TagFamily = DEFAULT_FAMILY
     """The family that the books' tags are of."""
     books: tuple[Book, ...]
 

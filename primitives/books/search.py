@@ -33,7 +33,7 @@ from handcart.robotics.perception.books.label_reader import Label, LabelReader
 from handcart.robotics.perception.books.ocr_label_reader import OcrLabelReader
 from handcart.robotics.perception.books.shelf_views import ShelfReading, fuse_views
 from handcart.robotics.perception.books.slots import Gap, find_slots
-from handcart.robotics.perception.books.spines import LEANS, SpineView, find_spines, scale_of
+from handcart.robotics.perception.books.spines import MIN_LEAN_RAD, SpineView, find_spines, scale_of
 from handcart.robotics.perception.books.template_label_reader import TemplateLabelReader
 from handcart.robotics.perception.cameras.overlay import draw_overlay
 
@@ -215,7 +215,7 @@ class Search(ActionPrimitive):
             return NoGap("the slot isn't seen any more from nearby", "slots seen there", 0, 1, at=seen.centre)
         leaning = self._leaning_in(near, reading.offsets)
         if leaning is not None:
-            lean, limit = abs(math.degrees(leaning.lean)), math.degrees(LEANS)
+            lean, limit = abs(math.degrees(leaning.lean)), math.degrees(MIN_LEAN_RAD)
             text = f"where it belongs the book {leaning.text or 'there'} leans by {lean:.0f} degrees"
             return NoGap(text, "lean of a label", lean, limit, "deg", seen.centre)
         solid = [(each.left, each.right) for each in reading.books]

@@ -16,7 +16,7 @@ from handcart.primitives.motions.grip import close, hand_to_tips, open_to
 from handcart.primitives.restoring.snapshot import is_holding
 from handcart.robotics.manipulation.arms.resolved_rate import RateLimits, ResolvedRate, line_postures, way_to
 from handcart.robotics.manipulation.arms.scara import world_to_base
-from handcart.robotics.manipulation.motions.collision_model import HELD
+from handcart.robotics.manipulation.motions.collision_model import HELD_NAME
 
 from .field import Field
 from .scara_arm import scara_of
@@ -117,7 +117,7 @@ class SensorArm:
 
     def _check_free(self, begin: Vector, way: list[Vector]) -> None:
         """Raise `Discrepancy` where links, hand or sensor come to wheels or body on the way there."""
-        collision = collision_model(self._robot, self._field.held(hand_to_tips(self._robot), HELD))
+        collision = collision_model(self._robot, self._field.held(hand_to_tips(self._robot), HELD_NAME))
         path = [self._robot.arm.command(), begin]
         for end in way:
             line = line_postures(self.scara, path[-1], end)
@@ -135,7 +135,7 @@ class SensorArm:
         line = line_postures(self.scara, here, place)
         if line is None or not self.scara.within(line[-1], working=True):
             return False
-        collision = collision_model(self._robot, self._field.held(hand_to_tips(self._robot), HELD))
+        collision = collision_model(self._robot, self._field.held(hand_to_tips(self._robot), HELD_NAME))
         path = [np.array([*angles, here[2]]) for angles in line]
         path.append(np.array([*path[-1][:2], self.scara.slide[1]]))
         return collision.path_free(np.array(path), step=0.03)

@@ -13,12 +13,12 @@ from handcart.primitives.contract.action_primitive import Periods
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.shapes import Shape
-from handcart.robotics.manipulation.motions.collision_model import HELD, CollisionModel
+from handcart.robotics.manipulation.motions.collision_model import HELD_NAME, CollisionModel
 from handcart.robotics.manipulation.motions.motion_planner import Path, plan_motion, plan_straight
 from handcart.robotics.manipulation.motions.trajectory import time_path
 
 ARM_MARGIN_M = 0.005  # between the arm and anything
-ALLOWED_CONTACTS = ((HELD, "tray"),)  # what the hand holds was taken from there
+ALLOWED_CONTACTS = ((HELD_NAME, "tray"),)  # what the hand holds was taken from there
 FINGER_RESOLUTION_M = 5e-4  # to which fingers are known, so that one model serves for many motions
 MAX_JOINT_LAG_RAD = 0.15  # behind the command at which something stops the arm: two periods at top speed
 SLIDE_LAGS = 0.03  # [m] the same of joints that slide

@@ -10,7 +10,7 @@ from handcart.backends.robot.robot import Robot
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, transform
 from handcart.robotics.kinematics.shapes import Box
-from handcart.robotics.manipulation.motions.collision_model import HELD
+from handcart.robotics.manipulation.motions.collision_model import HELD_NAME
 
 from .grip import hand_to_tips
 
@@ -45,4 +45,4 @@ def gripped(robot: Robot, size: Size) -> Box:
     """A thing as `gripping` has it in the hand, posed in the hand frame."""
     length, width, height = size
     middle = transform((hand_to_tips(robot) - GRIP_DEPTH_M + height / 2, 0.0, 0.0))
-    return Box(middle, (height, length, width), HELD)
+    return Box(middle, (height, length, width), HELD_NAME)

@@ -8,7 +8,7 @@ import numpy as np
 
 from handcart.robotics.geometry.transform import Transform, transform
 
-VERTICAL = 0.99  # cosine to the vertical beyond which no axis can be upright
+VERTICAL_COSINE = 0.99  # cosine to the vertical beyond which no axis can be upright
 
 
 def pointing(direction: tuple[float, float, float], roll: float = 0.0) -> Transform:
@@ -29,7 +29,7 @@ def pointing(direction: tuple[float, float, float], roll: float = 0.0) -> Transf
     if not math.isfinite(length) or length == 0.0:
         raise ValueError(f"the direction {direction} has no length; allowed: three finite numbers, not all 0")
     x /= length
-    is_vertical = abs(x[2]) > VERTICAL
+    is_vertical = abs(x[2]) > VERTICAL_COSINE
     y = np.array([0.0, 1.0, 0.0]) - x[1] * x if is_vertical else np.cross((0.0, 0.0, 1.0), x)
     y /= np.linalg.norm(y)
     result = np.eye(4)

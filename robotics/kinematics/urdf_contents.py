@@ -13,7 +13,7 @@ from handcart.robotics.kinematics.coal_bodies import hull_of_mesh, read_mesh, sh
 from handcart.robotics.kinematics.shapes import Box, Cylinder, Shape, Sphere
 from handcart.robotics.kinematics.urdf_frames import origin_of, triple
 from handcart.robotics.kinematics.urdf_reading import known_urdf
-from handcart.robotics.kinematics.urdf_tree import MOVABLE
+from handcart.robotics.kinematics.urdf_tree import MOVABLE_KINDS
 
 INERTIA_ROUNDED = 1e-9
 """Share of its largest moment by which an inertia may violate a body's conditions, because of rounding."""
@@ -73,7 +73,7 @@ def joints_of(urdf_text: str) -> list[JointFacts]:
     Raises:
         ValueError: the text is not a URDF.
     """
-    moving = [each for each in known_urdf(urdf_text).findall("joint") if each.get("type") in MOVABLE]
+    moving = [each for each in known_urdf(urdf_text).findall("joint") if each.get("type") in MOVABLE_KINDS]
     return [_joint(each) for each in moving]
 
 

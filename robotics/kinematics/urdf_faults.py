@@ -9,7 +9,7 @@ from difflib import get_close_matches
 from handcart.robotics.kinematics.urdf_doubts import joint_doubts
 from handcart.robotics.kinematics.urdf_reading import UrdfElement, UrdfFault, read_urdf
 
-KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
+JOINT_KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 _BOUNDED = ("revolute", "prismatic")
 _TURNED = (*_BOUNDED, "continuous", "planar")  # they have an axis
 _SOLIDS: dict[str, tuple[str, ...]] = {
@@ -140,8 +140,8 @@ def _joint_faults(
     joint: UrdfElement, links: Mapping[str, UrdfElement], joints: Mapping[str, UrdfElement]
 ) -> Iterator[UrdfFault]:
     title, kind = _title(joint), joint.get("type", "")
-    if kind not in KINDS:
-        yield joint.fault(f"{title}: unknown type {kind[:40]!r}{_suggested(kind, KINDS)}")
+    if kind not in JOINT_KINDS:
+        yield joint.fault(f"{title}: unknown type {kind[:40]!r}{_suggested(kind, JOINT_KINDS)}")
     for tag in ("parent", "child"):
         yield from _end_faults(title, joint, tag, links)
     yield from _origin_faults(title, joint)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from handcart.robotics.kinematics.urdf_reading import known_urdf
-from handcart.robotics.kinematics.urdf_tree import MOVABLE
+from handcart.robotics.kinematics.urdf_tree import MOVABLE_KINDS
 
 
 def joints_above(urdf_text: str, link: str) -> list[str]:
@@ -24,7 +24,7 @@ def joints_above(urdf_text: str, link: str) -> list[str]:
     found = []
     while link in above:
         joint, link = above[link]
-        if joint.get("type") in MOVABLE:
+        if joint.get("type") in MOVABLE_KINDS:
             found.append(joint.get("name", ""))
     return found[::-1]
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from handcart.robotics.kinematics.libraries import pin
 from handcart.robotics.kinematics.urdf_reading import known_urdf
 
-MOVABLE = ("revolute", "continuous", "prismatic")
+MOVABLE_KINDS = ("revolute", "continuous", "prismatic")
 _FREE = ("floating", "planar")
 _OF_JOINT = ("origin", "parent", "child", "axis", "limit", "mimic")
 _WORDS = ("name", "type", "link", "joint", "filename")
@@ -53,7 +53,7 @@ def urdf_of_arm(urdf_text: str, moving: Collection[str], standing: Mapping[str, 
 def _urdf_of_arm(urdf_text: str, moving: tuple[str, ...], standing_at: tuple[tuple[str, float], ...]) -> str:
     robot, standing = _kinematic(known_urdf(urdf_text)), dict(standing_at)
     joints = {joint.get("name", ""): joint for joint in robot.findall("joint")}
-    movable = [name for name, joint in joints.items() if joint.get("type") in MOVABLE]
+    movable = [name for name, joint in joints.items() if joint.get("type") in MOVABLE_KINDS]
     if missing := [name for name in (*moving, *standing) if name not in movable]:
         raise ValueError(f"the URDF has no movable joint {missing[0]!r}; it has {', '.join(movable)}")
     leaders = _leaders(joints)
@@ -99,7 +99,7 @@ def _leaders(joints: Mapping[str, Element]) -> dict[str, tuple[str, float, float
             if leader in seen:
                 break
             seen.add(leader)
-        if leader != name and {joint.get("type"), joints[leader].get("type")} <= set(MOVABLE):
+        if leader != name and {joint.get("type"), joints[leader].get("type")} <= set(MOVABLE_KINDS):
             found[name] = (leader, factor, offset)
     return found
 

@@ -10,14 +10,14 @@ from typing import Any, TypeVar, cast
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
-AHEAD: dict[str, list[tuple[Kernel, str]]] = {}
+COMPILED_AHEAD: dict[str, list[tuple[Kernel, str]]] = {}
 """Functions compiled by `compiled_for` in each module, with their argument types."""
 
 
 ANY_ORDER = {"reassoc", "contract", "arcp", "nsz"}
 """What LLVM may do with sums and products; not what it may take for impossible."""
 
-WAITING: list[Callable[[], None]] = []
+WAITING_LISTENERS: list[Callable[[], None]] = []
 """Functions that begin to listen to numba; called as numba is imported for the first kernel."""
 
 
@@ -39,9 +39,9 @@ class Kernel:
         """
         import numba
 
-        for listen in WAITING:
+        for listen in WAITING_LISTENERS:
             listen()
-        WAITING.clear()
+        WAITING_LISTENERS.clear()
         try:
             return numba.njit(cache=True, **self._options)(self._function)
         except RuntimeError:  # neither beside the source nor at home
@@ -83,7 +83,7 @@ def compiled_for(arguments: str) -> Callable[[Function], Function]:
 
     def compiles(function: Function) -> Function:
         kernel = Kernel(function)
-        AHEAD.setdefault(function.__module__, []).append((kernel, arguments))
+        COMPILED_AHEAD.setdefault(function.__module__, []).append((kernel, arguments))
         return cast(Function, kernel)
 
     return compiles
@@ -103,12 +103,12 @@ def hearing_of_compiling(heard: Callable[[bool], None]) -> Iterator[None]:
     if "numba" in sys.modules:
         listen()
     else:
-        WAITING.append(listen)
+        WAITING_LISTENERS.append(listen)
     try:
         yield
     finally:
-        if listen in WAITING:
-            WAITING.remove(listen)
+        if listen in WAITING_LISTENERS:
+            WAITING_LISTENERS.remove(listen)
         for end in ended:
             end()
 

@@ -11,9 +11,9 @@ from contextlib import contextmanager, suppress
 from importlib import import_module
 from typing import Any, cast
 
-from handcart.robotics.numerics.compiled import AHEAD, hearing_of_compiling
+from handcart.robotics.numerics.compiled import COMPILED_AHEAD, hearing_of_compiling
 
-MOST = 3  # processes besides this one
+MAX_HELPERS = 3  # processes besides this one
 
 
 @contextmanager
@@ -32,7 +32,7 @@ def compiling_ahead() -> Iterator[None]:
         if compiling and not asked:
             asked = True
             with suppress(OSError):
-                begun.extend(_begin(list(AHEAD)))
+                begun.extend(_begin(list(COMPILED_AHEAD)))
 
     with hearing_of_compiling(heard):
         try:
@@ -48,7 +48,7 @@ def compile_modules(modules: list[str]) -> None:
     """What `compiled_for` has in those modules, the latest first."""
     for name in modules:
         import_module(name)
-        for kernel, arguments in reversed(AHEAD.get(name, [])):
+        for kernel, arguments in reversed(COMPILED_AHEAD.get(name, [])):
             kernel.dispatcher.compile(types_of(arguments))
 
 
@@ -62,7 +62,7 @@ def types_of(arguments: str) -> tuple[Any, ...]:
 
 def _begin(modules: list[str]) -> Iterator[subprocess.Popen[bytes]]:
     """Processes for modules in the order in which they were imported."""
-    count = min(MOST, _cores() - 1, len(modules))
+    count = min(MAX_HELPERS, _cores() - 1, len(modules))
     for number in range(count):
         # -P: nothing is imported from the current folder
         words = [sys.executable, "-P", "-m", __name__, *modules[::-1][number::count]]

@@ -15,7 +15,7 @@ from handcart.evaluation.trials.running import resume_task, run_task
 from handcart.files.errors import FileError
 from handcart.networks.operator.permits import Permits
 from handcart.networks.run_options import RunOptions
-from handcart.robotics.navigation.outdoors.field_noise import REFERENCE
+from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_NOISE
 from tests.conftest import Copier
 
 TASKS = Path(__file__).parents[2] / "tasks"
@@ -60,7 +60,7 @@ def test_two_sensors_are_laid_and_told_of(tmp_path: Path, small: dict[str, str])
     assert (folder / "as_laid.svg").stat().st_size > 10_000
     log = read_csv_log(folder / "drive.csv")
     assert np.diff(log.times) == pytest.approx(0.025)
-    replayed = replay(log, localizer_for(log, REFERENCE))
+    replayed = replay(log, localizer_for(log, REFERENCE_NOISE))
     assert len(replayed.fixes) == pytest.approx(log.times[-1], abs=2)
     assert np.hypot(*replayed.errors[:, :2].T).max() < 1.0
 

@@ -17,7 +17,7 @@ from benchmarks.field.field_log import FieldLog, record_course
 from handcart.backends.can.sensors.sensor_lines import checksum
 from handcart.evaluation.replay.csv_log import read_csv_log
 from handcart.evaluation.replay.replay import localizer_for, replay
-from handcart.robotics.navigation.outdoors.field_noise import REFERENCE
+from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_NOISE
 
 COLUMNS = {
     "time": "ms",
@@ -36,7 +36,7 @@ METRES = 111_170.0  # of a degree of latitude there, about
 
 @pytest.fixture(scope="module")
 def drive() -> FieldLog:
-    return record_course(straight_course(3), REFERENCE, 1, FieldTimes(wait=20.0, dwell=10.0))
+    return record_course(straight_course(3), REFERENCE_NOISE, 1, FieldTimes(wait=20.0, dwell=10.0))
 
 
 def write(path: Path, log: FieldLog, header: str = "", columns: dict[str, str] | None = None) -> Path:
@@ -112,7 +112,7 @@ def test_nothing_is_known_of_the_start(
 
 def test_wheels_alone_turn_by_their_tread(tmp_path: Path, localized: Callable[..., dict[str, Any]]) -> None:
     columns = {name: unit for name, unit in COLUMNS.items() if name != "gyro_z"}
-    log = record_course(zigzag_course(4), REFERENCE, 1, FieldTimes(wait=20.0, dwell=10.0))
+    log = record_course(zigzag_course(4), REFERENCE_NOISE, 1, FieldTimes(wait=20.0, dwell=10.0))
     found = localized(write(tmp_path / "log.csv", log, "tread_m: 0.6", columns))
     assert found["error_m_rms"] < 1.2
 
@@ -172,8 +172,10 @@ def test_a_receivers_own_log_gives_the_fixes(
 def test_a_heading_that_stays_unknown_is_no_good_sign(tmp_path: Path, drive: FieldLog) -> None:
     """Fixes that came before it was known count too: else the worst receiver would be the likeliest."""
     log = read_csv_log(write(tmp_path / "log.csv", drive, ""))
-    hopeless = REFERENCE._replace(gps_white=60.0)
-    known, unknown = (replay(log, localizer_for(log, noise, alone=True)) for noise in (REFERENCE, hopeless))
+    hopeless = REFERENCE_NOISE._replace(gps_white=60.0)
+    known, unknown = (
+        replay(log, localizer_for(log, noise, alone=True)) for noise in (REFERENCE_NOISE, hopeless)
+    )
     assert known.known[-1]
     assert not unknown.known[-1]
     assert known.log_likelihood > unknown.log_likelihood + 50.0
@@ -181,7 +183,7 @@ def test_a_heading_that_stays_unknown_is_no_good_sign(tmp_path: Path, drive: Fie
 
 def test_noise_is_fitted_to_a_log(tmp_path: Path, localized: Callable[..., dict[str, Any]]) -> None:
     """The receiver is four times as good as its file says."""
-    log = record_course(straight_course(4), REFERENCE._replace(gps_white=0.25), 2)
+    log = record_course(straight_course(4), REFERENCE_NOISE._replace(gps_white=0.25), 2)
     found = localized(
         write(tmp_path / "log.csv", log, "start: {x_m: 0.0, y_m: 0.0, heading_deg: 0.0}"), "--fit"
     )

@@ -14,7 +14,7 @@ import pytest
 from benchmarks.field.field_course import straight_course
 from benchmarks.field.field_drive import PERIOD, FieldTimes
 from benchmarks.field.field_log import FieldLog, record_course
-from handcart.robotics.navigation.outdoors.field_noise import REFERENCE
+from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_NOISE
 
 pytest.importorskip("rosbags", reason="bags are read by the extra `bags`")
 
@@ -98,7 +98,7 @@ def write_bag(folder: Path, log: FieldLog, storage: str, topics: tuple[str, ...]
 
 @pytest.fixture(scope="module")
 def drive() -> FieldLog:
-    return record_course(straight_course(2), REFERENCE, 1, FieldTimes(wait=15.0, dwell=5.0))
+    return record_course(straight_course(2), REFERENCE_NOISE, 1, FieldTimes(wait=15.0, dwell=5.0))
 
 
 @pytest.mark.parametrize("storage", ["SQLITE3", "MCAP"])

@@ -11,7 +11,7 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.beacons.beacon_errors import BeaconErrors
 from handcart.robotics.navigation.beacons.beacon_filter import BeaconFilter
 from handcart.robotics.navigation.outdoors.field_localizer import FieldLocalizer
-from handcart.robotics.navigation.outdoors.field_noise import REFERENCE, FieldNoise
+from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_NOISE, FieldNoise
 from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
 from handcart.robotics.navigation.outdoors.gyro_only import GyroOnly
 from handcart.robotics.navigation.outdoors.particle_filter import ParticleErrors, ParticleFilter
@@ -30,7 +30,7 @@ LEAST_GYRO = math.radians(1e-4)  # [rad/√s]
 def field_noise(robot: RobotFile, antenna: tuple[float, float, float]) -> FieldNoise:
     """The figures in SI units; `antenna` is where it is in the base frame, in [m]."""
     ground, gps, imu = robot.ground, robot.gps, robot.imu
-    noise = REFERENCE._replace(
+    noise = REFERENCE_NOISE._replace(
         roughness=math.radians(ground.roughness_deg),
         roughness_length=ground.roughness_length_m,
         scale=ground.scale_percent / 100,

@@ -13,7 +13,7 @@ from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.simulation.keyed_noise import keyed, keyed_normal
 from handcart.robotics.far import Far
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.outdoors.field_noise import SHARPEST
+from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_CURVATURE
 
 SETS_OUT = 1.0  # [s] of standing after which the ground under a curve is another
 
@@ -63,7 +63,7 @@ class RoughRide:
             share = self._errs * self._ground.turn_slip_percent / 100
             self._turn_slip = share * float(keyed(self._seed, "turn slip", self._legs).standard_normal())
         self._stood = 0.0
-        slipping = self._scale + self._slip + self._turn_slip * abs(bend) / SHARPEST
+        slipping = self._scale + self._slip + self._turn_slip * abs(bend) / REFERENCE_CURVATURE
         way = rolled / max(0.2, 1.0 + slipping)
         self._change(abs(way), period)
         beside = self._side + self._errs * math.radians(self._ground.side_slip_deg_m) * bend

@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 
 from handcart.backends.simulation.world.world_file import FloorPose, Name, each_once
 from handcart.files.models.model import FileModel
-from handcart.robotics.perception.landmarks.tag_family import USUAL, TagFamily, tags_of
+from handcart.robotics.perception.landmarks.tag_family import DEFAULT_FAMILY, TagFamily, tags_of
 
 TAG_ROOM_MM = 14.0  # a tag of 10 mm and its white margins
 
@@ -36,7 +36,7 @@ class BookSpec(FileModel):
     lean_deg: Annotated[float, Field(ge=-40.0, le=40.0)] = 0.0
     """On a shelf, to the left, about the lower edge of that side; the list must leave it room."""
     tag: Literal["readable", "smeared", "none"] = "readable"
-    tags: TagFamily = USUAL
+    tags: TagFamily = DEFAULT_FAMILY
     """The family that its tag is of."""
 
     @model_validator(mode="after")

@@ -12,7 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
-from handcart.robotics.perception.landmarks.tag_family import USUAL, TagFamily, dictionary, modules_of
+from handcart.robotics.perception.landmarks.tag_family import (
+    DEFAULT_FAMILY,
+    TagFamily,
+    dictionary,
+    modules_of,
+)
 
 GreyImage = NDArray[np.uint8]
 
@@ -52,7 +57,7 @@ def draw_spine(
     px_per_mm: int = PX_PER_MM,
     smear: bool = False,
     seed: int = 0,
-    family: TagFamily = USUAL,
+    family: TagFamily = DEFAULT_FAMILY,
     label_mm: float = LABEL_WIDTH_MM,
     lines: int = 1,
 ) -> GreyImage:

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.robotics.manipulation.placement.score_rule import UNUSABLE, worth
+from handcart.robotics.manipulation.placement.score_rule import UNUSABLE_SCORE, worth
 from handcart.robotics.numerics.compiled import compiled, compiled_for
 
 from .two_links import two_links
@@ -81,7 +81,7 @@ def pitch_arm_table(
             rates[0] = abs(kt) * per_distance
             rates[1], rates[2], rates[3] = abs(upper), abs(fore - upper), abs(rate - fore)
             value = worth(measure, elements, rates, distance * l1 * l2 * abs(bend), limits)
-            if value != UNUSABLE:
+            if value != UNUSABLE_SCORE:
                 values[j, b] = value
                 usable[j, b] = True
     return values, usable

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.robotics.manipulation.placement.placement_scores import PlacementScores
-from handcart.robotics.manipulation.placement.score_rule import UNUSABLE, ScoreRule, worth
+from handcart.robotics.manipulation.placement.score_rule import UNUSABLE_SCORE, ScoreRule, worth
 from handcart.robotics.manipulation.tracking.tool_path import ToolPath
 from handcart.robotics.numerics.compiled import compiled
 
@@ -81,7 +81,7 @@ def _table(
             rates[0] = abs(second * (kx * vx + ky * vy)) / area
             rates[1] = abs(kx * x + ky * y) / area
             value = worth(measure, elements, rates, area, limits)
-            if value != UNUSABLE:
+            if value != UNUSABLE_SCORE:
                 values[j, b] = value
                 usable[j, b] = True
     return values, usable

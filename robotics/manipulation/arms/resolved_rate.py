@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from handcart.robotics.manipulation.arms.scara import Scara
 
 Array = NDArray[np.float64]
-STEP = 0.005  # [m] between postures that are looked at before a line is driven
+CHECK_STEP_M = 0.005  # [m] between postures that are looked at before a line is driven
 
 
 class RateLimits(NamedTuple):
@@ -78,7 +78,7 @@ class ResolvedRate:
 def line_postures(arm: Scara, q: Array, target: Array) -> Array | None:
     """(n, 2) postures of a straight line of the tip from `q` to `target`, or None if it leaves the limits."""
     start = arm.tip(q)
-    count = max(1, math.ceil(float(np.hypot(*(target - start))) / STEP))
+    count = max(1, math.ceil(float(np.hypot(*(target - start))) / CHECK_STEP_M))
     free = arm._replace(theta1_working=arm.theta1)
     found = [free.inverse(start + share * (target - start)) for share in np.linspace(0.0, 1.0, count + 1)[1:]]
     postures = [posture for posture in found if posture is not None]

@@ -16,7 +16,7 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import rotations
 
 Array = NDArray[np.float64]
-DIRECTIONS = 36  # in which a base may stand off
+OFFSET_DIRECTIONS = 36  # in which a base may stand off
 ROOM_STEP = 0.005  # [m] to which it is told how far
 
 
@@ -110,7 +110,7 @@ class Scara(NamedTuple):
         x, y, _, yaw = self.mount
         arm_T_base = Pose2(x, y, yaw).inverse()
         turned = np.vstack([Pose2(0.0, 0.0, angle).apply(point[None]) for angle in (-turn, 0.0, turn)])
-        angles = np.linspace(0.0, 2.0 * math.pi, DIRECTIONS, endpoint=False)
+        angles = np.linspace(0.0, 2.0 * math.pi, OFFSET_DIRECTIONS, endpoint=False)
         ways = np.column_stack([np.cos(angles), np.sin(angles)])
         room = 0.0
         while all(

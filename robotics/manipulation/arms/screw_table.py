@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.robotics.manipulation.placement.score_rule import UNUSABLE, worth
+from handcart.robotics.manipulation.placement.score_rule import UNUSABLE_SCORE, worth
 from handcart.robotics.numerics.compiled import compiled
 
 from .screw_steps import descend, determinant_in_place, solve_in_place, tip_and_jacobian, without_free
@@ -233,7 +233,7 @@ def screw_table(
                 twist[r] = cos * twists[j, r] + sin * twists[j, r + 1]
                 twist[r + 1] = cos * twists[j, r + 1] - sin * twists[j, r]
                 twist[r + 2] = twists[j, r + 2]
-            best, tries = UNUSABLE, _STARTS
+            best, tries = UNUSABLE_SCORE, _STARTS
             if warm:
                 tries = _STARTS + 1
             for attempt in range(tries):
@@ -252,9 +252,9 @@ def screw_table(
                 if value > best:
                     best = value
                     best_q = q.copy()
-                if warm and attempt == 0 and value != UNUSABLE:
+                if warm and attempt == 0 and value != UNUSABLE_SCORE:
                     break
-            if best == UNUSABLE:
+            if best == UNUSABLE_SCORE:
                 warm = False
                 continue
             if warm:
@@ -284,7 +284,7 @@ def _worth_here(
 ) -> float:
     spread = tool_rates(pose, jacobian, twist, free, rates)
     if measure != 0 and spread == 0.0:
-        return UNUSABLE
+        return UNUSABLE_SCORE
     for i in range(len(rates)):
         rates[i] = abs(rates[i])
         elements[i] = abs(twist[0] * jacobian[0, i] + twist[1] * jacobian[1, i] + twist[2] * jacobian[2, i])

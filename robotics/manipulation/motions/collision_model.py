@@ -15,7 +15,7 @@ from handcart.robotics.kinematics.libraries import pin
 from handcart.robotics.kinematics.shapes import Shape
 
 Vector = NDArray[np.float64]
-HELD = "held"
+HELD_NAME = "held"
 _TOUCH = 1e-6  # coal calls overlapping bodies free at margin 0: its GJK stops at a distance of 1e-10 [m]
 
 
@@ -60,7 +60,7 @@ class CollisionModel:
         root_T_world = root_T_base if world_T_base is None else root_T_base * pin.SE3(world_T_base).inverse()
         if held is not None:
             joint, joint_T_tip = arm.tip_mount()
-            self._add(held, HELD, joint, joint_T_tip)
+            self._add(held, HELD_NAME, joint, joint_T_tip)
         for obstacle in obstacles:
             self._add(obstacle, obstacle.name, 0, root_T_world)
         self._obstacles = range(len(self._names) - len(obstacles), len(self._names))

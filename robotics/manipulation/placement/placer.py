@@ -81,8 +81,8 @@ class _Grid(NamedTuple):
     """At most, about: where more would be tried, the step grows."""
 
 
-FINE = _Grid(0.1, 20, 400, 60_000)  # for the closed form: 0.1 us a cell
-COARSE = _Grid(0.2, 6, 100, 2500)  # for any arm: tens of us
+FINE_GRID = _Grid(0.1, 20, 400, 60_000)  # for the closed form: 0.1 us a cell
+COARSE_GRID = _Grid(0.2, 6, 100, 2500)  # for any arm: tens of us
 _HALVINGS = 2  # of the coarse grid, around the places found on it
 
 
@@ -105,7 +105,7 @@ class Placer:
         self._screw_arm = ScrewArm(arm, work.free, work.azimuth_tolerance)
         chain = self._screw_arm.chain
         self._screw_arm.chain = chain._replace(lower=chain.lower + _SPARE, upper=chain.upper - _SPARE)
-        self._grid = COARSE if self.pitch_arm is None else FINE
+        self._grid = COARSE_GRID if self.pitch_arm is None else FINE_GRID
         self._step = self._grid.step
         joints = arm.dof if self.pitch_arm is None else 4
         torque = ArmLoad(arm).torque[:joints]

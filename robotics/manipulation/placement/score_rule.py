@@ -12,7 +12,7 @@ from handcart.robotics.numerics.compiled import compiled
 
 Floats = NDArray[np.float64]
 
-UNUSABLE = -1.0
+UNUSABLE_SCORE = -1.0
 
 
 class Measure(IntEnum):
@@ -93,5 +93,5 @@ def worth(measure: int, elements: Floats, rates: Floats, spread: float, limits: 
         for i in range(len(rates)):
             value = min(value, 1.0 - limits[0, i] * rates[i])
     if value <= 0.0:
-        return UNUSABLE
+        return UNUSABLE_SCORE
     return value

@@ -23,13 +23,13 @@ Sight = Callable[[float], ToolPath]
 Touches = Callable[[Floats, int], str]
 """Check that names the obstacle touched from a base pose (3,) at the goal of that number; empty if clear."""
 
-BESIDE = 0.05  # [m] by which a base stops beside its place
-TURNED = 0.05  # [rad]
+STOP_OFFSET_M = 0.05  # [m] by which a base stops beside its place
+STOP_TURN_RAD = 0.05  # [rad]
 _ASIDE = (
-    (BESIDE, BESIDE, TURNED),
-    (-BESIDE, BESIDE, -TURNED),
-    (-BESIDE, -BESIDE, TURNED),
-    (BESIDE, -BESIDE, -TURNED),
+    (STOP_OFFSET_M, STOP_OFFSET_M, STOP_TURN_RAD),
+    (-STOP_OFFSET_M, STOP_OFFSET_M, -STOP_TURN_RAD),
+    (-STOP_OFFSET_M, -STOP_OFFSET_M, STOP_TURN_RAD),
+    (STOP_OFFSET_M, -STOP_OFFSET_M, -STOP_TURN_RAD),
 )
 _ATTEMPTS = 40
 _HALVINGS = 2

@@ -31,11 +31,11 @@ from handcart.robotics.navigation.outdoors.watched_moment import Belief, Watched
 
 from .beacon_errors import BeaconErrors
 
-BELIEVED = 5.0  # sigmas within which a range lies that is believed
+MAX_RANGE_SIGMAS = 5.0  # sigmas within which a range lies that is believed
 CARRIED_OFF = 10.0  # [s] for which all ranges to a beacon are refused: then it stands elsewhere
-OTHERS = 2  # beacons that are believed meanwhile, at least: else it is the claim that is wrong
-NEVER = -CARRIED_OFF  # a time before all others
-NEAREST = 0.3  # [m] to a beacon, from where a range tells a direction
+MIN_OTHER_BEACONS = 2  # beacons that are believed meanwhile, at least: else it is the claim that is wrong
+NEVER_TIME_S = -CARRIED_OFF  # a time before all others
+MIN_BEACON_DISTANCE_M = 0.3  # [m] to a beacon, from where a range tells a direction
 BIAS_PERIOD = 1.0  # [s] at rest over which the gyro is averaged into one reading
 Array = NDArray[np.float64]
 
@@ -87,8 +87,8 @@ class BeaconFilter(FieldLocalizer):
         mean, spread = model.start(np.array(start), start_position)
         own = np.array([errors.bias] * count + [errors.scale])
         self._mean = np.concatenate([mean, np.zeros(count + 1)])
-        self._spread = np.diag(np.concatenate([np.zeros(states.SIZE), own**2]))
-        self._spread[: states.SIZE, : states.SIZE] = spread
+        self._spread = np.diag(np.concatenate([np.zeros(states.STATE_SIZE), own**2]))
+        self._spread[: states.STATE_SIZE, : states.STATE_SIZE] = spread
         self._rested = True
         self._still = np.zeros(2)  # turn and time since the gyro's bias was seen, at rest
         self._origin: WatchedMoment | None = None
@@ -96,14 +96,14 @@ class BeaconFilter(FieldLocalizer):
         self._squares: list[tuple[float, float | None]] = []  # times of ranges, and their squares as below
         self.refused = 0
         """Ranges that were not believed."""
-        self._refused_since = np.full(count, NEVER)  # of those whose last range was refused
-        self._believed_at = np.full(count, NEVER)
+        self._refused_since = np.full(count, NEVER_TIME_S)  # of those whose last range was refused
+        self._believed_at = np.full(count, NEVER_TIME_S)
         self._left_out = np.zeros(count, np.bool_)
 
     @property
     def biases(self) -> Belief:
         """(k,) of the beacons, in [m], and (k, k)."""
-        own = slice(states.SIZE, -1)
+        own = slice(states.STATE_SIZE, -1)
         return Belief(self._mean[own].copy(), self._spread[own, own].copy())
 
     @property
@@ -125,21 +125,21 @@ class BeaconFilter(FieldLocalizer):
         residual = np.array([distance - expected])
         variance = self._errors.white**2
         square = float(residual[0] ** 2 / ((row @ self._spread @ row.T)[0, 0] + variance))
-        believed = square <= BELIEVED**2
+        believed = square <= MAX_RANGE_SIGMAS**2
         self._squares.append((self._clock, square if believed else None))
         while self._squares[0][0] < self._clock - CONSISTENCY_WINDOW:
             del self._squares[0]
         if believed:
-            self._refused_since[beacon], self._believed_at[beacon] = NEVER, self._clock
+            self._refused_since[beacon], self._believed_at[beacon] = NEVER_TIME_S, self._clock
             self._correct(row, residual, variance)
             return
         self.refused += 1
-        if self._refused_since[beacon] == NEVER:
+        if self._refused_since[beacon] == NEVER_TIME_S:
             self._refused_since[beacon] = self._clock
         fits = self._clock - self._believed_at < CARRIED_OFF
         fits[beacon] = False
         long = self._clock - self._refused_since[beacon] >= CARRIED_OFF
-        self._left_out[beacon] = long and fits.sum() >= OTHERS
+        self._left_out[beacon] = long and fits.sum() >= MIN_OTHER_BEACONS
 
     def _forecast(self, beacon: int) -> tuple[float, Array]:
         """A range in [m], and how it depends on the states (1, n)."""
@@ -149,11 +149,11 @@ class BeaconFilter(FieldLocalizer):
         distance = math.hypot(*away, height - self._errors.tag[2])
         scale = 1.0 + float(self._mean[-1])
         row = np.zeros((1, len(self._mean)))
-        if distance > NEAREST:
+        if distance > MIN_BEACON_DISTANCE_M:
             row[0, [states.X, states.Y]] = -scale * away / distance
             row[0, states.HEADING] = scale * (away[0] * lever[1] - away[1] * lever[0]) / distance
-        row[0, states.SIZE + beacon], row[0, -1] = 1.0, distance
-        return scale * distance + float(self._mean[states.SIZE + beacon]), row
+        row[0, states.STATE_SIZE + beacon], row[0, -1] = 1.0, distance
+        return scale * distance + float(self._mean[states.STATE_SIZE + beacon]), row
 
     def _correct(self, rows: Array, residual: Array, variance: float) -> None:
         if self._origin is not None:
@@ -161,7 +161,7 @@ class BeaconFilter(FieldLocalizer):
         self._mean, self._spread = corrected(self._mean, self._spread, rows, residual, variance)
 
     def _advance(self, advance: Advance) -> None:
-        size = states.SIZE
+        size = states.STATE_SIZE
         if advance.rest < advance.time:
             self._see_gyro_bias()
         new_leg = self._rested and advance.rest < advance.time

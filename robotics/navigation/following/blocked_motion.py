@@ -14,7 +14,7 @@ SHORTEST_WINDOW_S = 0.4  # drives and sensors lag behind a command by less
 LONGEST_WINDOW_S = 0.9
 MIN_COMMANDED_M = 0.04  # commanded in a window, to tell standstill from noise of the pose
 MAX_PROGRESS = 0.25  # share of what was commanded: wheels that slip on a free floor get further
-CONFIRMED = 3  # periods in a row
+CONFIRMING_PERIODS = 3  # periods in a row
 
 
 class _Period(NamedTuple):
@@ -94,7 +94,7 @@ class BlockedMotion:
             self._periods.append(_Period(commanded, rolled, before, now, now.relative_to(before).x))
         found = self._judged()
         self._in_a_row = 0 if found is None else self._in_a_row + 1
-        return found if self._in_a_row >= CONFIRMED else None
+        return found if self._in_a_row >= CONFIRMING_PERIODS else None
 
     def _judged(self) -> Blocked | None:
         commanded, rolled, ahead = 0.0, 0.0, 0.0

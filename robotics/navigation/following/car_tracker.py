@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.following.drive_limits import DriveLimits
 from handcart.robotics.navigation.following.pure_pursuit import PurePursuit
-from handcart.robotics.navigation.routes.tangent_path import SPACING, CarPath
+from handcart.robotics.navigation.routes.tangent_path import PATH_SPACING_M, CarPath
 
-BACKING = 0.25  # [m/s]
-STANDS = 1e-3  # [m/s]
+BACKING_SPEED_M_S = 0.25  # [m/s]
+STANDSTILL_SPEED_M_S = 1e-3  # [m/s]
 Array = NDArray[np.float64]
 
 
@@ -22,7 +22,7 @@ class _Leg:
 
     def __init__(self, poses: Array, reverse: bool, sharpest: float, limits: DriveLimits) -> None:
         turned = poses + np.array([0.0, 0.0, math.pi if reverse else 0.0])
-        speed = min(BACKING, limits.speed) if reverse else limits.speed
+        speed = min(BACKING_SPEED_M_S, limits.speed) if reverse else limits.speed
         self.reverse = reverse
         self.points = poses[:, :2]
         steps = np.hypot(*np.diff(self.points, axis=0).T)
@@ -98,7 +98,7 @@ class CarTracker:
             return 0.0, 0.0
         leg = self._legs[self._at]
         speed, bend = leg.pursuit.command(leg.seen(pose), self._speed, dt)
-        if speed <= STANDS:
+        if speed <= STANDSTILL_SPEED_M_S:
             self._at, self._speed = self._at + 1, 0.0
             return 0.0, 0.0
         self._speed = max(speed, self._speed - self._limits.acceleration * dt)
@@ -121,5 +121,5 @@ class CarTracker:
 
 def _straight(start: Pose2, way: float) -> Array:
     """(n, 3) poses along a straight line; one if it has no length."""
-    count = math.ceil(abs(way) / SPACING - 1e-9) + 1
+    count = math.ceil(abs(way) / PATH_SPACING_M - 1e-9) + 1
     return np.array([start.compose(Pose2(way * s, 0.0, 0.0)) for s in np.linspace(0.0, 1.0, count)])

@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-BRAKING = 0.5  # share of the acceleration that braking is planned with; the rest is for late commands
-NEAR = 4.0  # [1/s]: close to the end speed falls in proportion to what is left, so that nothing overshoots
+BRAKING_SHARE = 0.5  # share of the acceleration that braking is planned with; the rest is for late commands
+END_APPROACH_RATE = (
+    4.0  # [1/s]: close to the end speed falls in proportion to what is left, so that nothing overshoots
+)
 
 
 class DriveLimits(NamedTuple):
@@ -24,7 +26,7 @@ class DriveLimits(NamedTuple):
 
 def rate_to_stop(rest: float, most: float, acceleration: float) -> float:
     """The speed with which to cover `rest` and stop there; works for metres and for radians, with sign."""
-    size = min(most, math.sqrt(2.0 * BRAKING * acceleration * abs(rest)), NEAR * abs(rest))
+    size = min(most, math.sqrt(2.0 * BRAKING_SHARE * acceleration * abs(rest)), END_APPROACH_RATE * abs(rest))
     return math.copysign(size, rest)
 
 

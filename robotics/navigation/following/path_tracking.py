@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
-from handcart.robotics.navigation.following.drive_limits import BRAKING, DriveLimits, Ramp, rate_to_stop
+from handcart.robotics.navigation.following.drive_limits import BRAKING_SHARE, DriveLimits, Ramp, rate_to_stop
 from handcart.robotics.navigation.following.pose_regulator import PoseRegulator, PoseTolerance
 from handcart.robotics.navigation.maps.speed_limits import SpeedLimits
 
@@ -16,12 +16,12 @@ SIDEWAYS_GAIN = 25.0  # [1/m²], Ky; with the next one critically damped, 0.2 m 
 HEADING_GAIN = 10.0  # [1/m], Kθ
 MOST_SIDEWAYS = 0.12  # [m] of sideways error that steers; more would make the robot turn across the route
 TURN_FROM, TURN_UNTIL = 0.7, 0.08  # [rad] of heading error that is turned away in place
-SPACING = 0.04  # [m] between reference points
-SMOOTHED = 2  # reference points on each side that a tangent is taken over
-SLOWEST = 0.04  # [m/s]
-MARGIN = 3  # reference points before and behind a zone in which its limit holds
-LOOK = 0.6  # [m] of route ahead in which the nearest point is looked for
-CLOSE = 0.015  # [m] left, from where the goal's pose itself is regulated
+POINT_SPACING_M = 0.04  # [m] between reference points
+TANGENT_POINTS = 2  # reference points on each side that a tangent is taken over
+MIN_SPEED_M_S = 0.04  # [m/s]
+ZONE_MARGIN_POINTS = 3  # reference points before and behind a zone in which its limit holds
+SEARCH_AHEAD_M = 0.6  # [m] of route ahead in which the nearest point is looked for
+CLOSING_DISTANCE_M = 0.015  # [m] left, from where the goal's pose itself is regulated
 
 
 class PathTracker:
@@ -92,7 +92,7 @@ class PathTracker:
     def command(self, pose: Pose2, dt: float) -> tuple[float, float]:
         """Speed in [m/s], negative backwards, and turn rate in [rad/s] for the next `dt` in [s]."""
         self._advance(pose)
-        self._closing = self._closing or self.remaining < CLOSE
+        self._closing = self._closing or self.remaining < CLOSING_DISTANCE_M
         if self._closing:
             return self._regulator.command(pose, dt)
         speed, turn_rate = self._track(Pose2(pose.x, pose.y, wrap(pose.theta + self._flip)))
@@ -113,7 +113,7 @@ class PathTracker:
     def _advance(self, pose: Pose2) -> None:
         """Move progress to the nearest point of the route not far ahead; never back."""
         low = int(np.searchsorted(self._along, self._progress, side="right")) - 1
-        high = int(np.searchsorted(self._along, self._progress + LOOK, side="right")) + 1
+        high = int(np.searchsorted(self._along, self._progress + SEARCH_AHEAD_M, side="right")) + 1
         starts, ends = self._points[low : high - 1], self._points[low + 1 : high]
         if len(ends) == 0:
             return
@@ -156,7 +156,7 @@ def _resample(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray
     total = float(along[-1])
     if total < 1e-6:
         return points[-1:], np.zeros(1)
-    at = np.linspace(0.0, total, max(2, math.ceil(total / SPACING) + 1))
+    at = np.linspace(0.0, total, max(2, math.ceil(total / POINT_SPACING_M) + 1))
     points = np.column_stack([np.interp(at, along, points[:, i]) for i in (0, 1)])
     return points, np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
 
@@ -166,7 +166,7 @@ def _tangents(points: NDArray[np.float64]) -> NDArray[np.float64]:
     if len(points) < 2:
         return np.zeros(len(points))
     index = np.arange(len(points))
-    before, after = np.maximum(index - SMOOTHED, 0), np.minimum(index + SMOOTHED, len(points) - 1)
+    before, after = np.maximum(index - TANGENT_POINTS, 0), np.minimum(index + TANGENT_POINTS, len(points) - 1)
     rays = points[after] - points[before]
     headings: NDArray[np.float64] = np.unwrap(np.arctan2(rays[:, 1], rays[:, 0]))
     return headings
@@ -180,10 +180,12 @@ def _curvatures(heading: NDArray[np.float64], along: NDArray[np.float64]) -> NDA
 
 def _around(most: NDArray[np.float64]) -> NDArray[np.float64]:
     """(n,) the least of each point's and its neighbours': the robot is never quite at one."""
-    if len(most) < 2 * MARGIN + 1:
+    if len(most) < 2 * ZONE_MARGIN_POINTS + 1:
         return np.full(len(most), most.min())
-    padded = np.pad(most, MARGIN, mode="edge")
-    least: NDArray[np.float64] = np.lib.stride_tricks.sliding_window_view(padded, 2 * MARGIN + 1).min(axis=1)
+    padded = np.pad(most, ZONE_MARGIN_POINTS, mode="edge")
+    least: NDArray[np.float64] = np.lib.stride_tricks.sliding_window_view(
+        padded, 2 * ZONE_MARGIN_POINTS + 1
+    ).min(axis=1)
     return least
 
 
@@ -195,6 +197,6 @@ def _speed_profile(
     speed[-1] = 0.0
     for i in range(len(speed) - 2, -1, -1):
         room = float(along[i + 1] - along[i])
-        reachable = math.sqrt(float(speed[i + 1]) ** 2 + 2.0 * BRAKING * limits.acceleration * room)
+        reachable = math.sqrt(float(speed[i + 1]) ** 2 + 2.0 * BRAKING_SHARE * limits.acceleration * room)
         speed[i] = min(float(speed[i]), reachable)
-    return np.maximum(speed, SLOWEST)
+    return np.maximum(speed, MIN_SPEED_M_S)

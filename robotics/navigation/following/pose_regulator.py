@@ -9,7 +9,7 @@ from typing import NamedTuple
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.following.drive_limits import DriveLimits, Ramp, rate_to_stop
 
-STEERED = 0.1  # [m]: nearer than this the bearing to the goal is noise; the heading is held
+MIN_STEERED_DISTANCE_M = 0.1  # [m]: nearer than this the bearing to the goal is noise; the heading is held
 
 
 class PoseTolerance(NamedTuple):
@@ -86,7 +86,7 @@ class PoseRegulator:
             return self._ramp.towards(0.0, self._turn_rate(turn), dt)
         if self._phase is _Phase.AIM:
             return self._ramp.towards(0.0, self._turn_rate(self._aim(pose, goal)), dt)
-        far = math.hypot(goal.x, goal.y) > STEERED
+        far = math.hypot(goal.x, goal.y) > MIN_STEERED_DISTANCE_M
         turn_rate = self._turn_rate(self._bearing(goal)) if far else 0.0
         rest = self._stop.relative_to(pose).x
         return self._ramp.towards(rate_to_stop(rest, limits.speed, limits.acceleration), turn_rate, dt)
@@ -97,7 +97,7 @@ class PoseRegulator:
         )  # as in `finished`: rounded otherwise, both could wait for the other
         if self._phase is _Phase.ALIGN:
             aligned = self._aligned(pose)
-            far = distance > max(5.0 * self.tolerance.position, STEERED)
+            far = distance > max(5.0 * self.tolerance.position, MIN_STEERED_DISTANCE_M)
             if distance > self.tolerance.position and (far or (aligned and self._ramp.at_rest)):
                 self._phase, self._backwards = _Phase.AIM, goal.x < 0.0
                 self._heading = None if far else wrap(pose.theta + self._bearing(goal))

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.following.drive_limits import BRAKING
+from handcart.robotics.navigation.following.drive_limits import BRAKING_SHARE
 
-LOOK = 0.4  # [m] of path ahead in which the nearest point is looked for
+SEARCH_AHEAD_M = 0.4  # [m] of path ahead in which the nearest point is looked for
 Array = NDArray[np.float64]
 
 
@@ -62,17 +62,17 @@ class PurePursuit:
 
     def advance(self, pose: Pose2) -> None:
         """Move progress to the nearest point of the path not far ahead; never back."""
-        end = int(np.searchsorted(self._along, self._along[self._at] + LOOK, side="right"))
+        end = int(np.searchsorted(self._along, self._along[self._at] + SEARCH_AHEAD_M, side="right"))
         away = np.hypot(*(self._poses[self._at : end, :2] - pose[:2]).T)
         self._at += int(np.argmin(away))
 
     def _pace(self, pose: Pose2, speed: float, dt: float) -> float:
         x, y, heading = self._poses[-1].tolist()
         near = math.cos(heading) * (x - pose.x) + math.sin(heading) * (y - pose.y)
-        left = near if self.left < LOOK else self.left
+        left = near if self.left < SEARCH_AHEAD_M else self.left
         if left <= 0.0:
             return 0.0
-        stopping = math.sqrt(2.0 * BRAKING * self._acceleration * left)
+        stopping = math.sqrt(2.0 * BRAKING_SHARE * self._acceleration * left)
         return min(self._speed, speed + self._acceleration * dt, stopping, left / dt)
 
     def _steer(self, pose: Pose2) -> float:

@@ -6,8 +6,8 @@ from handcart.robotics.geometry.pose2 import Pose2
 
 from .drive_limits import DriveLimits, Ramp
 
-AHEAD = 1.0  # [1/s] by which it catches up with where it should be on its way
-BACK = 0.5  # [m] of way in which it comes back to it
+CATCH_UP_RATE = 1.0  # [1/s] by which it catches up with where it should be on its way
+RETURN_LENGTH_M = 0.5  # [m] of way in which it comes back to it
 
 
 class StraightWay:
@@ -30,5 +30,5 @@ class StraightWay:
             dt: of the period, in [s].
         """
         here = pose.relative_to(self._start)
-        turn = -(speed * here.y / BACK + 2.0 * abs(speed) * here.theta) / BACK
-        return self._ramp.towards(speed + AHEAD * (along - here.x), turn, dt)
+        turn = -(speed * here.y / RETURN_LENGTH_M + 2.0 * abs(speed) * here.theta) / RETURN_LENGTH_M
+        return self._ramp.towards(speed + CATCH_UP_RATE * (along - here.x), turn, dt)

@@ -13,11 +13,13 @@ from handcart.robotics.navigation.maps.clearances import Clearances, nearest_squ
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.numerics.compiled import compiled, compiled_for
 
-AWAY = 0.2  # of each metre from where it stood too near to something, that it must be farther from it there
-ALONG = 0.02  # likewise of each metre driven where it is too near by now: all but along it
-NOISE = 0.015  # [m] by which what was measured where it stood may be less when it comes back
-STEP = 0.003  # [m] at least between two looks along the way
-NOTHING = np.empty((0, 2))
+START_RETREAT_RATIO = (
+    0.2  # of each metre from where it stood too near to something, that it must be farther from it there
+)
+MIN_RETREAT_RATIO = 0.02  # likewise of each metre driven where it is too near by now: all but along it
+RETURN_NOISE_M = 0.015  # [m] by which what was measured where it stood may be less when it comes back
+MIN_STEP_M = 0.003  # [m] at least between two looks along the way
+NO_STANDS = np.empty((0, 2))
 
 
 class Held(NamedTuple):
@@ -187,7 +189,7 @@ def _free_way(
     Distances change by no more than the way driven, so as much as is left can be driven without a look.
     """
     size, sign = abs(way[1]), math.copysign(1.0, way[1])
-    most = needed + 1.3 * size + STEP
+    most = needed + 1.3 * size + MIN_STEP_M
     here = _rooms(solid, between_centres, at, scan, 0.0, 0.0, most)
     room, along = here, 0.0
     while True:
@@ -196,13 +198,13 @@ def _free_way(
             room = _rooms(solid, between_centres, at, scan, x, y, most)
         spare = np.inf
         for i in range(2):
-            least = min(needed, here[i] + ALONG * along) if here[i] < needed else needed
+            least = min(needed, here[i] + MIN_RETREAT_RATIO * along) if here[i] < needed else needed
             for k in range(len(stood)):
                 away = math.hypot(x - stood[k, 0], y - stood[k, 1])
-                least = min(least, stood[k, 2 + i] - NOISE + AWAY * away)
+                least = min(least, stood[k, 2 + i] - RETURN_NOISE_M + START_RETREAT_RATIO * away)
             if room[i] < least - 1e-9:
-                return sign * max(0.0, along - STEP), 1 + i
+                return sign * max(0.0, along - MIN_STEP_M), 1 + i
             spare = min(spare, room[i] - least)
         if along >= size:
             return way[1], 0
-        along = min(size, along + max(STEP, spare / (1.0 + AWAY)))
+        along = min(size, along + max(MIN_STEP_M, spare / (1.0 + START_RETREAT_RATIO)))

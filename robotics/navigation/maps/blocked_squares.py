@@ -14,8 +14,10 @@ from numpy.typing import NDArray
 
 from handcart.robotics.numerics.compiled import compiled
 
-ROUNDING = 1e-4  # [cells], far above that of 32-bit distances: what lies nearer to a limit is worked out anew
-TOUCHING = 1e-6  # [cells]: nearer than this, a line touches a square
+ROUNDING_CELLS = (
+    1e-4  # [cells], far above that of 32-bit distances: what lies nearer to a limit is worked out anew
+)
+TOUCHING_CELLS = 1e-6  # [cells]: nearer than this, a line touches a square
 
 
 class BlockedSquares(NamedTuple):
@@ -209,9 +211,9 @@ def line_clearance(
         here = float(squares.distance[row, column])
         a = math.sqrt((begin - row) ** 2 + (begin_column - column) ** 2)
         b = math.sqrt((finish - row) ** 2 + (finish_column - column) ** 2)
-        if here + min(a, b) + ROUNDING < enough:
+        if here + min(a, b) + ROUNDING_CELLS < enough:
             return -1.0
-        if here - max(a, b) - ROUNDING < best:
+        if here - max(a, b) - ROUNDING_CELLS < best:
             best = _stretch_clearance(squares, begin, begin_column, finish, finish_column, row, column, best)
             if best < enough:
                 return -1.0

@@ -11,7 +11,7 @@ from handcart.robotics.geometry.pose2 import Pose2
 
 from .grid_map import GridMap
 
-STEPS = 32
+CELLS_PER_STEP = 32
 """Cells by which beams are followed at a time."""
 
 
@@ -43,9 +43,11 @@ def expected_echoes(
     row = (map_T_sensor.y - grid.origin_y) / grid.resolution
     met, cells = np.zeros(len(angles), np.bool_), np.full(len(angles), -1, np.int64)
     ranges = np.full(len(angles), np.inf)
-    for near in range(0, len(along), STEPS):  # most beams meet a wall near by, and are followed no farther
+    for near in range(
+        0, len(along), CELLS_PER_STEP
+    ):  # most beams meet a wall near by, and are followed no farther
         left = np.flatnonzero(~met)
-        steps = along[near : near + STEPS, None]
+        steps = along[near : near + CELLS_PER_STEP, None]
         columns, rows = column + steps * np.cos(turned[left]), row + steps * np.sin(turned[left])
         occupied = _occupied(grid, rows, columns)
         ends = np.flatnonzero(occupied.any(axis=0))

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from handcart.robotics.geometry.pose2 import Pose2
 
 Mode = Literal["trinary", "scale", "raw"]
-UNKNOWN = -1
-OCCUPIED = 100
-FREE = 0
+UNKNOWN_VALUE = -1
+OCCUPIED_VALUE = 100
+FREE_VALUE = 0
 UNKNOWN_GREY = 205  # what map_saver writes where nothing was measured
 
 
@@ -79,8 +79,8 @@ def from_occupancy(values: NDArray[np.int8], resolution: float, origin: tuple[fl
         resolution: side of a cell, in [m].
         origin: lower-left corner, in [m].
     """
-    occupied = values == OCCUPIED
-    return GridMap(occupied, ~occupied & (values != FREE), resolution, origin[0], origin[1])
+    occupied = values == OCCUPIED_VALUE
+    return GridMap(occupied, ~occupied & (values != FREE_VALUE), resolution, origin[0], origin[1])
 
 
 def from_ros(
@@ -194,22 +194,22 @@ def ros_occupancy(
     """
     if mode == "raw":
         levels = np.arange(256)
-        table = np.where(levels <= OCCUPIED, levels, UNKNOWN).astype(np.int8)
+        table = np.where(levels <= OCCUPIED_VALUE, levels, UNKNOWN_VALUE).astype(np.int8)
         opaque = None
     else:
         table = _table(occupancy_of_levels(negate), mode, occupied_thresh, free_thresh)
     values = table[image]
     if opaque is not None:
-        values[~opaque] = UNKNOWN
+        values[~opaque] = UNKNOWN_VALUE
     return values[::-1]
 
 
 def _table(
     level: NDArray[np.float64], mode: Mode, occupied_thresh: float, free_thresh: float
 ) -> NDArray[np.int8]:
-    between = np.full(256, float(UNKNOWN))
+    between = np.full(256, float(UNKNOWN_VALUE))
     if mode == "scale":
         between = np.floor(100.0 * (level - free_thresh) / (occupied_thresh - free_thresh) + 0.5)
-    found = np.where(level >= occupied_thresh, OCCUPIED, between)
-    table: NDArray[np.int8] = np.where(level <= free_thresh, FREE, found).astype(np.int8)
+    found = np.where(level >= occupied_thresh, OCCUPIED_VALUE, between)
+    table: NDArray[np.int8] = np.where(level <= free_thresh, FREE_VALUE, found).astype(np.int8)
     return table

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from handcart.robotics.navigation.maps.grid_map import GridMap
 
-THIN = 0.1  # of a cell: thickness of a wall that is one cell wide
-LONE = 0.5  # of a cell: side of a post of one cell
+THIN_WALL_CELLS = 0.1  # of a cell: thickness of a wall that is one cell wide
+LONE_POST_CELLS = 0.5  # of a cell: side of a post of one cell
 
 Cells = NDArray[np.int64]
 _RING = np.array([[1, 1, 1], [1, 0, 1], [1, 1, 1]], dtype=np.uint8)
@@ -60,13 +60,15 @@ def _lines(starts: Cells, step: tuple[int, int]) -> NDArray[np.float64]:
     first, long = _runs(starts[:, 1] * down - starts[:, 0] * right, starts[:, 0 if down else 1])
     middle = starts[first] + long[:, None] * np.array(step) / 2
     yaw = np.full(len(first), math.atan2(down, right))
-    return np.column_stack([middle, yaw, long * math.hypot(*step) + THIN, np.full(len(first), THIN)])
+    return np.column_stack(
+        [middle, yaw, long * math.hypot(*step) + THIN_WALL_CELLS, np.full(len(first), THIN_WALL_CELLS)]
+    )
 
 
 def _posts(cells: NDArray[np.bool_]) -> NDArray[np.float64]:
     """Cells that touch no other."""
     lone = np.argwhere(cells & (cv2.dilate(cells.view(np.uint8), _RING) == 0))
-    return np.column_stack([lone, np.zeros(len(lone)), np.full((len(lone), 2), LONE)])
+    return np.column_stack([lone, np.zeros(len(lone)), np.full((len(lone), 2), LONE_POST_CELLS)])
 
 
 def _runs(line: Cells, at: Cells) -> tuple[Cells, Cells]:

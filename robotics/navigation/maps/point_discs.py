@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-APART = 0.6  # [m]: points nearer to each other belong to one thing
-BEHIND = 0.25  # [m] by which a thing may be deeper than it was seen
+MAX_POINT_GAP_M = 0.6  # [m]: points nearer to each other belong to one thing
+HIDDEN_DEPTH_M = 0.25  # [m] by which a thing may be deeper than it was seen
 Array = NDArray[np.float64]
 
 
@@ -20,7 +20,7 @@ def point_discs(points: Array) -> Array:
     from scipy.sparse.csgraph import connected_components
     from scipy.spatial import cKDTree
 
-    pairs = cKDTree(points).query_pairs(APART, output_type="ndarray")
+    pairs = cKDTree(points).query_pairs(MAX_POINT_GAP_M, output_type="ndarray")
     links = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(points),) * 2)
     count, label = connected_components(links, directed=False)
     return np.array([_disc(points[label == k]) for k in range(count)])
@@ -28,5 +28,5 @@ def point_discs(points: Array) -> Array:
 
 def _disc(points: Array) -> Array:
     middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
-    radius = float(np.hypot(*(points - middle).T).max()) + BEHIND
+    radius = float(np.hypot(*(points - middle).T).max()) + HIDDEN_DEPTH_M
     return np.array([*middle, radius])

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-RISES = 0.15  # [m/m] by which ground may rise from where the base stands
+MAX_GROUND_SLOPE = 0.15  # [m/m] by which ground may rise from where the base stands
 
 
 def may_be_ground(points: NDArray[np.float64], height: float, tilt: tuple[float, float]) -> NDArray[np.bool_]:
@@ -24,4 +24,4 @@ def may_be_ground(points: NDArray[np.float64], height: float, tilt: tuple[float,
     roll, pitch = tilt
     ahead, left = points.T
     lies = height - math.sin(pitch) * ahead + math.cos(pitch) * math.sin(roll) * left
-    return np.asarray(lies <= RISES * np.hypot(ahead, left))
+    return np.asarray(lies <= MAX_GROUND_SLOPE * np.hypot(ahead, left))

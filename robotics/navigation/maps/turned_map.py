@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 
 MAX_CELLS = 50_000_000
-UNKNOWN = -1
-ROUNDING = 1e-6  # of a cell
+UNKNOWN_VALUE = -1
+ROUNDING_CELLS = 1e-6  # of a cell
 
 
 class TooManyCells(ValueError):
@@ -50,13 +50,13 @@ def turned_occupancy(values: NDArray[np.int8], resolution: float, corner: Pose2)
     height, width = values.shape
     reach = resolution * np.array([[0.0, 0.0], [width, 0.0], [0.0, height], [width, height]])
     corners = corner.apply(reach)
-    low = np.floor((corners.min(axis=0) - [corner.x, corner.y]) / resolution + ROUNDING)
-    high = np.ceil((corners.max(axis=0) - [corner.x, corner.y]) / resolution - ROUNDING)
+    low = np.floor((corners.min(axis=0) - [corner.x, corner.y]) / resolution + ROUNDING_CELLS)
+    high = np.ceil((corners.max(axis=0) - [corner.x, corner.y]) / resolution - ROUNDING_CELLS)
     columns, rows = (high - low).astype(int).tolist()
     if rows * columns > MAX_CELLS:
         raise TooManyCells(f"turned, the map has {columns} x {rows} cells; allowed: {MAX_CELLS} in all")
     origin = np.array([corner.x, corner.y]) + low * resolution
-    sampled = np.full((rows, columns), UNKNOWN, dtype=np.int8)
+    sampled = np.full((rows, columns), UNKNOWN_VALUE, dtype=np.int8)
     for row in range(rows):  # a large map needs no coordinates of all its cells at once
         start = origin + np.array([0.0, row * resolution])
         _sample_row(values, resolution, corner, start, sampled[row])

@@ -21,22 +21,24 @@ from handcart.robotics.navigation.outdoors.field_model import (
     level_lever,
     went_on,
 )
-from handcart.robotics.navigation.outdoors.field_noise import REFERENCE, FieldNoise
+from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_NOISE, FieldNoise
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance, GyroOdometry
 from handcart.robotics.navigation.outdoors.sky import Sky, leapt, log_normal
 from handcart.robotics.navigation.outdoors.smoothing import Entries, TrackRecord
 from handcart.robotics.navigation.outdoors.watched_moment import Belief, Branch, WatchedMoment, mixed
 
-ODD = math.log(0.001)  # logarithm of the share of fixes that begin to lie anywhere
+LOG_REFLECTION_SHARE = math.log(0.001)  # logarithm of the share of fixes that begin to lie anywhere
 ODD_STILL = math.log(0.95)  # and of those that go on to lie where the one before was
-REFLECTION = 10.0  # [m] an axis, how far off they are
-ANEW = -20.0  # logarithm of how likely it is that a filter that is right has to start again
-ALIKE = 4.0  # of the latest of them, by which it is told where the next one will be
+REFLECTION_SIGMA_M = 10.0  # [m] an axis, how far off they are
+LOG_RESTART_PROBABILITY = (
+    -20.0
+)  # logarithm of how likely it is that a filter that is right has to start again
+REFLECTION_MEMORY_FIXES = 4.0  # of the latest of them, by which it is told where the next one will be
 BIAS_PERIOD = 1.0  # [s] at rest over which the gyro is averaged into one reading
-FEW = math.log(1e-4)  # of what fixes' error may have done: less likely than that does not count
+MIN_LOG_SHARE = math.log(1e-4)  # of what fixes' error may have done: less likely than that does not count
 LEAST_TIME = 0.1  # [s] in which fixes may leap at least, for want of a step between two of them
-_BIAS_ROW = np.array([[1.0 if k in (states.BIAS, states.WARM_UP) else 0.0 for k in range(states.SIZE)]])
-_LEAPT = np.diag([0.0 if k in (states.GPS_X, states.GPS_Y) else 1.0 for k in range(states.SIZE)])
+_BIAS_ROW = np.array([[1.0 if k in (states.BIAS, states.WARM_UP) else 0.0 for k in range(states.STATE_SIZE)]])
+_LEAPT = np.diag([0.0 if k in (states.GPS_X, states.GPS_Y) else 1.0 for k in range(states.STATE_SIZE)])
 Array = NDArray[np.float64]
 
 
@@ -98,7 +100,7 @@ class FieldKalman:
     def __init__(
         self,
         start: Pose2,
-        noise: FieldNoise = REFERENCE,
+        noise: FieldNoise = REFERENCE_NOISE,
         start_position: float = 0.05,
         record: TrackRecord | None = None,
     ) -> None:
@@ -217,7 +219,7 @@ class FieldKalman:
         rows, expected = fix_forecast(self._mean, lever, self._speed)
         skies = self._skies(rows, position - expected, variance)
         likely = float(np.logaddexp.reduce([sky.log_likelihood for sky in skies]))
-        skies = [sky for sky in skies if sky.log_likelihood > likely + FEW]
+        skies = [sky for sky in skies if sky.log_likelihood > likely + MIN_LOG_SHARE]
         _, _, residual, whole, _ = max(skies, key=lambda sky: sky.log_likelihood)
         white = whitened(residual, whole)
         square = float(white @ white)
@@ -243,7 +245,9 @@ class FieldKalman:
         likelihood = self._reflected(residual, whole)
         self.refused += 1
         if self._start_again(math.sqrt(variance)):
-            return Fixed(True, likelihood + ANEW, square, "the filter starts again from these fixes")
+            return Fixed(
+                True, likelihood + LOG_RESTART_PROBABILITY, square, "the filter starts again from these fixes"
+            )
         return Fixed(False, likelihood, square, why)
 
     def _leap(self, position: Array, sigma: float | None, odometry: GyroOdometry) -> Fixed:
@@ -259,11 +263,11 @@ class FieldKalman:
         """Return the log-likelihood of a rejected fix: anywhere, or off in the same way as those before
         it.
         """
-        anywhere = log_normal(residual, whole + REFLECTION**2 * np.eye(2)) + ODD
+        anywhere = log_normal(residual, whole + REFLECTION_SIGMA_M**2 * np.eye(2)) + LOG_REFLECTION_SHARE
         alike, (before, count) = -math.inf, (self._refused[:2], float(self._refused[2]))
         if count:
             alike = log_normal(residual - before / count, (1.0 + 1.0 / count) * whole) + ODD_STILL
-        fewer = min(1.0, (ALIKE - 1.0) / count) if count else 1.0
+        fewer = min(1.0, (REFLECTION_MEMORY_FIXES - 1.0) / count) if count else 1.0
         goes_on = fewer * self._refused if alike > anywhere else np.zeros(3)
         self._refused = goes_on + np.append(residual, 1.0)
         return float(np.logaddexp(anywhere, alike))

@@ -15,10 +15,10 @@ from handcart.robotics.navigation.outdoors.gyro_odometry import Advance, GyroOdo
 from handcart.robotics.navigation.outdoors.watched_moment import Belief
 
 CONSISTENCY_WINDOW = 60.0  # [s] over which readings are held against what was expected of them
-FEWEST = 10  # readings to judge by
-SURE = 4.0  # standard deviations of a mean of squares, that of one is 1 where errors are normal
-REFUSED = 0.5  # share of readings: more, and it is the filter that may be wrong
-PERIOD = 0.1  # [s] of a filter's step; gyros and wheels are integrated with each reading
+MIN_READINGS = 10  # readings to judge by
+MAX_MEAN_SIGMAS = 4.0  # standard deviations of a mean of squares, that of one is 1 where errors are normal
+MAX_REFUSED_SHARE = 0.5  # share of readings: more, and it is the filter that may be wrong
+STEP_PERIOD_S = 0.1  # [s] of a filter's step; gyros and wheels are integrated with each reading
 Array = NDArray[np.float64]
 
 
@@ -39,7 +39,7 @@ class FieldLocalizer(ABC):
 
     STATE: ClassVar[Mapping[str, Any]] = {"_since": Pose2, "_lead": Pose2 | None}
     """Attributes that change, besides the odometry's, with their types."""
-    REST_PERIOD: ClassVar[float] = PERIOD
+    REST_PERIOD: ClassVar[float] = STEP_PERIOD_S
     """[s] of a step at rest."""
     TAKES_FIXES: ClassVar[bool] = True
     """True if it uses GNSS fixes."""
@@ -131,7 +131,7 @@ class FieldLocalizer(ABC):
     def predict(self, rates: Array, accelerations: Array, wheels: Array, dt: float) -> None:
         """Take in one period's readings (see `GyroOdometry.update`)."""
         self._odometry.update(rates, accelerations, wheels, dt)
-        due = self.REST_PERIOD if self._odometry.at_rest else PERIOD
+        due = self.REST_PERIOD if self._odometry.at_rest else STEP_PERIOD_S
         if self._odometry.pending >= due - 1e-9:
             self._flush()
 
@@ -203,12 +203,12 @@ def inconsistency_of(squares: Sequence[tuple[float, float | None]], axes: int = 
             those that were rejected.
         axes: number of axes of each reading.
     """
-    if len(squares) < FEWEST:
+    if len(squares) < MIN_READINGS:
         return None
     believed = [square for _, square in squares if square is not None]
     refused = 1.0 - len(believed) / len(squares)
-    if refused > REFUSED:
-        return Inconsistency("share of them that can't be believed", refused, REFUSED)
+    if refused > MAX_REFUSED_SHARE:
+        return Inconsistency("share of them that can't be believed", refused, MAX_REFUSED_SHARE)
     mean, spread = sum(believed) / len(believed) / axes, math.sqrt(2.0 / axes / len(believed))
-    limit = 1.0 + SURE * spread
+    limit = 1.0 + MAX_MEAN_SIGMAS * spread
     return Inconsistency("mean square of their errors, in sigmas", mean, limit) if mean > limit else None

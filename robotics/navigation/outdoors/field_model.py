@@ -8,14 +8,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.robotics.navigation.outdoors.field_noise import SHARPEST, FieldNoise
+from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_CURVATURE, FieldNoise
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance
 from handcart.robotics.numerics.compiled import compiled
 from handcart.robotics.numerics.small_solve import solved
 
 X, Y, HEADING, SCALE, TURN_SLIP, SLIP, SIDE, BIAS, WARM_UP, GYRO_SCALE, GPS_X, GPS_Y, DELAY = range(13)
-SIZE = 13
-TILT = math.radians(0.17)  # what a levelled accelerometer of ordinary make leaves
+STATE_SIZE = 13
+TILT_SIGMA_RAD = math.radians(0.17)  # what a levelled accelerometer of ordinary make leaves
 Array = NDArray[np.float64]
 
 
@@ -28,15 +28,15 @@ class FieldModel(NamedTuple):
     """
 
     noise: FieldNoise
-    tilt: float = TILT
+    tilt: float = TILT_SIGMA_RAD
     """Sigma of the estimated roll and pitch, in [rad]: the antenna isn't where it is thought to be."""
 
     def start(self, pose: Array, position_sigma: float) -> tuple[Array, Array]:
         """Mean (13,) and covariance (13, 13) before the first reading, at a pose (3,)."""
         noise = self.noise
-        mean = np.zeros(SIZE)
+        mean = np.zeros(STATE_SIZE)
         mean[:3] = pose
-        sigmas = np.zeros(SIZE)
+        sigmas = np.zeros(STATE_SIZE)
         sigmas[[X, Y]] = position_sigma
         sigmas[HEADING] = noise.start_heading
         sigmas[SCALE], sigmas[SLIP], sigmas[TURN_SLIP] = noise.scale, noise.slip, noise.turn_slip
@@ -80,7 +80,7 @@ def field_step(mean: Array, advance: Array, new_leg: bool, figures: Array) -> tu
         read = turn + drift - (mean[7] + mean[8]) * moving
         bent = read * (1.0 - mean[9])
         bend = min(0.6, max(-0.6, bent / forward)) if abs(forward) > 1e-3 else 0.0
-        curve = abs(bend) / SHARPEST
+        curve = abs(bend) / REFERENCE_CURVATURE
         slipped = max(0.2, 1.0 + mean[3] + mean[4] * curve + mean[5])
         way = forward / slipped
         course = mean[2] + 0.5 * bent + mean[6] + side_turning * bend
@@ -148,7 +148,7 @@ def fix_forecast(mean: Array, lever: Array, speed: float) -> tuple[Array, Array]
         speed: speed of the base, in [m/s].
     """
     cos, sin = math.cos(mean[HEADING]), math.sin(mean[HEADING])
-    rows = np.zeros((2, SIZE))
+    rows = np.zeros((2, STATE_SIZE))
     rows[0, X] = rows[0, GPS_X] = rows[1, Y] = rows[1, GPS_Y] = 1.0
     rows[0, HEADING], rows[1, HEADING] = -lever[1], lever[0]
     rows[0, DELAY], rows[1, DELAY] = -speed * cos, -speed * sin

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-SHARPEST = 0.5  # [1/m], the curvature at which `FieldNoise.turn_slip` is stated
+REFERENCE_CURVATURE = 0.5  # [1/m], the curvature at which `FieldNoise.turn_slip` is stated
 
 
 class FieldNoise(NamedTuple):
@@ -91,9 +91,9 @@ class FieldNoise(NamedTuple):
     """Error of the robot's heading at the start, in [rad]."""
 
 
-REFERENCE = FieldNoise()
-REALISTIC = FieldNoise(gps_white=0.5, gps_drift=0.5, gps_drift_time=600.0)
-RTK = FieldNoise(gps_white=0.01, gps_drift=0.01, gps_drift_time=100.0)
+REFERENCE_NOISE = FieldNoise()
+REALISTIC_NOISE = FieldNoise(gps_white=0.5, gps_drift=0.5, gps_drift_time=600.0)
+RTK_NOISE = FieldNoise(gps_white=0.01, gps_drift=0.01, gps_drift_time=100.0)
 ANY_VEHICLE = FieldNoise(
     scale=0.03,
     slip=0.1,

@@ -18,17 +18,20 @@ from handcart.robotics.navigation.outdoors.field_localizer import (
     Inconsistency,
     inconsistency_of,
 )
-from handcart.robotics.navigation.outdoors.field_noise import REFERENCE, FieldNoise
+from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_NOISE, FieldNoise
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance
-from handcart.robotics.navigation.outdoors.heading_bank import KNOWN, HeadingBank
+from handcart.robotics.navigation.outdoors.heading_bank import KNOWN_HEADING_SIGMA_RAD, HeadingBank
 from handcart.robotics.navigation.outdoors.smoothing import TrackRecord
 from handcart.robotics.navigation.outdoors.suppositions import Supposition, suppositions
 from handcart.robotics.navigation.outdoors.watched_moment import Belief, spread_about
 
-CAUTION = (0.015, 0.3)  # of a weight: claims suppose a worse sky than what is as told, than anything else
-BECOMES = 1e-4  # with each fix a world may become a worse one; never a better one
-UNKNOWN = 1.0  # [rad] of a start heading's sigma: more, and it isn't told at all
-LEAST = 1e-130  # of a weight: two hours of good fixes bring it back
+CAUTION_SHARES = (
+    0.015,
+    0.3,
+)  # of a weight: claims suppose a worse sky than what is as told, than anything else
+WORSENING_PROBABILITY = 1e-4  # with each fix a world may become a worse one; never a better one
+UNKNOWN_HEADING_SIGMA_RAD = 1.0  # [rad] of a start heading's sigma: more, and it isn't told at all
+MIN_WEIGHT = 1e-130  # of a weight: two hours of good fixes bring it back
 Array = NDArray[np.float64]
 
 
@@ -55,11 +58,11 @@ class GpsFilter(FieldLocalizer):
     def __init__(
         self,
         start: Pose2,
-        noise: FieldNoise = REFERENCE,
+        noise: FieldNoise = REFERENCE_NOISE,
         start_position: float = 0.05,
         record: bool = False,
         supposed: Sequence[Supposition] | None = None,
-        heading_sigma: float = KNOWN,
+        heading_sigma: float = KNOWN_HEADING_SIGMA_RAD,
     ) -> None:
         """Start at a pose whose position is right to `start_position` [m] an axis.
 
@@ -76,7 +79,7 @@ class GpsFilter(FieldLocalizer):
         self._noise, self._begun, self._start_position = noise, start, start_position
         supposed = suppositions(noise) if supposed is None else supposed
         self._bank = HeadingBank(start, supposed[0].noise, start_position)
-        self._searching = noise.start_heading > UNKNOWN
+        self._searching = noise.start_heading > UNKNOWN_HEADING_SIGMA_RAD
         self._heading_sigma = heading_sigma
         self._clock = 0.0  # [s]
         self._squares: list[
@@ -86,7 +89,7 @@ class GpsFilter(FieldLocalizer):
         self._weights: Array = shares / shares.sum()
         self._worse = [each.worse for each in supposed]
         worse = np.array([[a.may_become(b) for a in supposed] for b in supposed])
-        self._becomes = np.eye(len(shares)) + BECOMES * self._weights[:, None] * worse
+        self._becomes = np.eye(len(shares)) + WORSENING_PROBABILITY * self._weights[:, None] * worse
         self.log_likelihood = 0.0
         self.filters = [
             FieldKalman(start, _computable(each.noise), start_position, TrackRecord() if record else None)
@@ -196,7 +199,7 @@ class GpsFilter(FieldLocalizer):
         fixed = [each.fix(position, sigma, self._odometry) for each in self.filters]
         likely = np.array([one.log_likelihood for one in fixed])
         weights = self._becomes @ self._weights * np.exp(likely - likely.max())
-        self._weights = np.maximum(weights / weights.sum(), LEAST)
+        self._weights = np.maximum(weights / weights.sum(), MIN_WEIGHT)
         best = fixed[int(np.argmax(self._weights))]
         self.refusal = best.why
         self.log_likelihood += best.log_likelihood
@@ -214,7 +217,7 @@ class GpsFilter(FieldLocalizer):
         mean = _mean([each.mean for each in beliefs], self._weights)[:first]
         away = np.array([each.mean[:first] for each in beliefs]) - mean
         away[:, 2] = (away[:, 2] + math.pi) % (2.0 * math.pi) - math.pi
-        moved = self._weights * np.where(np.arange(len(beliefs)) == 0, *CAUTION)
+        moved = self._weights * np.where(np.arange(len(beliefs)) == 0, *CAUTION_SHARES)
         cautious = self._weights - moved
         np.add.at(cautious, self._worse, moved)
         covariances = np.array([each.covariance[:first, :first] for each in beliefs])
@@ -231,7 +234,7 @@ class GpsFilter(FieldLocalizer):
 
 def _computable(noise: FieldNoise) -> FieldNoise:
     """With a start heading that can be computed with, until one is found."""
-    return noise._replace(start_heading=min(noise.start_heading, UNKNOWN))
+    return noise._replace(start_heading=min(noise.start_heading, UNKNOWN_HEADING_SIGMA_RAD))
 
 
 def _mean(means: list[Array], weights: Array) -> Array:

@@ -16,12 +16,14 @@ from numpy.typing import NDArray
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.numerics.compiled import compiled
 
-WINDOW = 20  # readings that must be quiet before the base counts as standing: 0.5 s
-QUIET = 0.1  # [m/s²] standard deviation of the accelerometers at rest
-CREEP = 0.01  # [m/s] that a wheel may tell on average of a base that stands
-ALIKE = 4.0  # standard errors by which the vertical gyro may differ from its bias while the wheels creep
-WANDERS = math.radians(0.05)  # [rad/s] besides, for a bias that changes
-MEMORY = 20.0  # [s] over which a gyro's bias is averaged at rest: longer and it drifts away meanwhile
+REST_WINDOW_READINGS = 20  # readings that must be quiet before the base counts as standing: 0.5 s
+QUIET_SIGMA_M_S2 = 0.1  # [m/s²] standard deviation of the accelerometers at rest
+MAX_CREEP_M_S = 0.01  # [m/s] that a wheel may tell on average of a base that stands
+MAX_BIAS_SIGMAS = (
+    4.0  # standard errors by which the vertical gyro may differ from its bias while the wheels creep
+)
+BIAS_WANDER_RAD_S = math.radians(0.05)  # [rad/s] besides, for a bias that changes
+BIAS_MEMORY_S = 20.0  # [s] over which a gyro's bias is averaged at rest: longer and it drifts away meanwhile
 Array = NDArray[np.float64]
 
 
@@ -58,7 +60,7 @@ class GyroOdometry:
         self._euler = euler
         self._state = np.zeros(19)
         self._state[:2], self._state[3] = start[:2], start.theta
-        self._felt = np.zeros((WINDOW, 8))
+        self._felt = np.zeros((REST_WINDOW_READINGS, 8))
         self._seen = np.zeros(12)
 
     @property
@@ -147,7 +149,7 @@ def _quiet(felt: Array) -> bool:
     """Return True if each accelerometer (the first three columns) varies no more than at rest."""
     for axis in range(3):
         mean = felt[:, axis].mean()
-        if ((felt[:, axis] - mean) ** 2).mean() > QUIET * QUIET:
+        if ((felt[:, axis] - mean) ** 2).mean() > QUIET_SIGMA_M_S2 * QUIET_SIGMA_M_S2:
             return False
     return True
 
@@ -156,11 +158,11 @@ def _quiet(felt: Array) -> bool:
 def _creeps(felt: Array, bias: float, known: bool, dt: float) -> bool:
     """Return True if wheels (columns 3, 4) and vertical gyro (7) read no more than is possible at rest."""
     count = len(felt)
-    if max(abs(felt[:, 3].mean()), abs(felt[:, 4].mean())) > CREEP * dt:
+    if max(abs(felt[:, 3].mean()), abs(felt[:, 4].mean())) > MAX_CREEP_M_S * dt:
         return False
     mean = felt[:, 7].mean()
     error = math.sqrt(((felt[:, 7] - mean) ** 2).sum() / (count - 1) / count)
-    return not known or abs(mean - bias) <= ALIKE * error + WANDERS
+    return not known or abs(mean - bias) <= MAX_BIAS_SIGMAS * error + BIAS_WANDER_RAD_S
 
 
 @compiled
@@ -174,7 +176,7 @@ def _rest(state: Array, felt: Array, turning: Array, force: Array, dt: float) ->
     state[10] += dt
     state[16] += dt
     state[17] += dt * turning[2]
-    share = max(dt / state[10], dt / MEMORY)
+    share = max(dt / state[10], dt / BIAS_MEMORY_S)
     for axis in range(3):
         state[6 + axis] += share * (turning[axis] - state[6 + axis])
     share = dt / state[10]

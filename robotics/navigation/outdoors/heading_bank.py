@@ -12,7 +12,7 @@ from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.outdoors.field_model import (
     BIAS,
     HEADING,
-    SIZE,
+    STATE_SIZE,
     WARM_UP,
     FieldModel,
     corrected,
@@ -25,17 +25,17 @@ from handcart.robotics.navigation.outdoors.gyro_odometry import Advance, GyroOdo
 from handcart.robotics.navigation.outdoors.sky import log_normal
 from handcart.robotics.navigation.outdoors.watched_moment import Belief, spread_about
 
-HEADINGS = 36
-KNOWN = math.radians(4.0)  # sigma of a heading that is known well enough to lay sensors by
+HEADING_COUNT = 36
+KNOWN_HEADING_SIGMA_RAD = math.radians(4.0)  # sigma of a heading that is known well enough to lay sensors by
 REFLECTED_SHARE = 0.05  # of the fixes
 REFLECTED_M = 10.0  # [m] an axis, how far those are off
-SURPRISE = 1e-3  # share of all headings that stay possible after each fix: fixes may be off together
+SURPRISE_SHARE = 1e-3  # share of all headings that stay possible after each fix: fixes may be off together
 MIN_FIXES = 6  # before a heading counts as known
 LEAST_DRIFT = 0.75  # of a fix's white error: the slow error that is supposed at least
 LEAST_DRIFT_TIME_S = 60.0  # over which that changes
-MEMORY = 10.0  # fixes over which the share of those that fit no heading is averaged
+MISFIT_MEMORY_FIXES = 10.0  # fixes over which the share of those that fit no heading is averaged
 MAX_ODD = 0.6  # of that share: more, and odometry was wrong at some time, so it begins anew
-_BIAS_ROW = np.array([[1.0 if state in (BIAS, WARM_UP) else 0.0 for state in range(SIZE)]])
+_BIAS_ROW = np.array([[1.0 if state in (BIAS, WARM_UP) else 0.0 for state in range(STATE_SIZE)]])
 Array = NDArray[np.float64]
 
 
@@ -64,7 +64,7 @@ class HeadingBank:
         Fixes without any slow error would be believed too much: where one jumps, nothing else shows it yet.
         """
         self._noise = noise
-        supposed = noise._replace(start_heading=0.6 * 2.0 * math.pi / HEADINGS)
+        supposed = noise._replace(start_heading=0.6 * 2.0 * math.pi / HEADING_COUNT)
         if noise.gps_drift < LEAST_DRIFT * noise.gps_white:
             supposed = supposed._replace(
                 gps_drift=LEAST_DRIFT * noise.gps_white, gps_drift_time=LEAST_DRIFT_TIME_S
@@ -80,12 +80,12 @@ class HeadingBank:
             start: world_T_base; its heading is the first one that is tried.
             start_position: sigma in [m].
         """
-        turn = 2.0 * math.pi / HEADINGS
+        turn = 2.0 * math.pi / HEADING_COUNT
         mean, spread = self._model.start(np.array(start), start_position)
-        self._means = np.tile(mean, (HEADINGS, 1))
-        self._means[:, 2] += turn * np.arange(HEADINGS)
-        self._spreads = np.tile(spread, (HEADINGS, 1, 1))
-        self._weights = np.full(HEADINGS, 1.0 / HEADINGS)
+        self._means = np.tile(mean, (HEADING_COUNT, 1))
+        self._means[:, 2] += turn * np.arange(HEADING_COUNT)
+        self._spreads = np.tile(spread, (HEADING_COUNT, 1, 1))
+        self._weights = np.full(HEADING_COUNT, 1.0 / HEADING_COUNT)
         self._rested, self._fixes, self._speed, self._odd = True, 0, 0.0, 0.0
 
     @property
@@ -115,7 +115,7 @@ class HeadingBank:
         self._rested = advance.rest > 0.0
         self._speed = advance.forward / advance.time
         step = np.array(advance)
-        for k in range(HEADINGS):
+        for k in range(HEADING_COUNT):
             mean, spread, _ = went_on(self._means[k], self._spreads[k], step, new_leg, self._figures)
             if advance.rest > 0.0:  # the vertical gyro reads nothing but its bias
                 residual = np.array([advance.still / advance.rest - mean[BIAS] - mean[WARM_UP]])
@@ -134,8 +134,8 @@ class HeadingBank:
         variance = sigma**2
         if not odometry.levelled:
             variance += (self._noise.antenna[2] * self._noise.roughness) ** 2
-        likely, odd = np.empty(HEADINGS), np.zeros(HEADINGS)
-        for k in range(HEADINGS):
+        likely, odd = np.empty(HEADING_COUNT), np.zeros(HEADING_COUNT)
+        for k in range(HEADING_COUNT):
             lever = level_lever(self._noise.antenna, odometry.tilt, float(self._means[k, HEADING]))
             self._means[k], self._spreads[k], likely[k], odd[k] = _corrected_by(
                 self._means[k], self._spreads[k], position, variance, lever, self._speed
@@ -144,9 +144,9 @@ class HeadingBank:
         most = float(joint.max())
         weights = np.exp(joint - most)
         total = float(weights.sum())
-        self._weights = (1.0 - SURPRISE) * weights / total + SURPRISE / HEADINGS
+        self._weights = (1.0 - SURPRISE_SHARE) * weights / total + SURPRISE_SHARE / HEADING_COUNT
         self._fixes += 1
-        self._odd += (float(self._weights @ odd) - self._odd) / MEMORY
+        self._odd += (float(self._weights @ odd) - self._odd) / MISFIT_MEMORY_FIXES
         if self._odd > MAX_ODD:
             lever = level_lever(self._noise.antenna, odometry.tilt, self.pose.theta)
             x, y = (position - lever).tolist()

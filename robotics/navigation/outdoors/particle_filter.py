@@ -14,7 +14,7 @@ from handcart.robotics.navigation.localization.fix_monitor import FixMonitor
 from handcart.robotics.navigation.localization.lost_track import LostTrack
 from handcart.robotics.navigation.outdoors.field_localizer import FieldLocalizer
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance
-from handcart.robotics.navigation.outdoors.heading_bank import KNOWN
+from handcart.robotics.navigation.outdoors.heading_bank import KNOWN_HEADING_SIGMA_RAD
 from handcart.robotics.navigation.outdoors.watched_moment import Belief
 from handcart.robotics.numerics.compiled import compiled
 
@@ -70,7 +70,7 @@ class ParticleFilter(FieldLocalizer):
         count: int = 1024,
         seed: int = 0,
         euler: bool = True,
-        heading_sigma: float = KNOWN,
+        heading_sigma: float = KNOWN_HEADING_SIGMA_RAD,
     ) -> None:
         """Start at a pose; without `euler` the gyros are integrated as printed in the paper.
 

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
 
-ASIDE = 0.75  # [m] from the base to the target on its right
-LEAST = {0.95: 59, 0.997: 998}  # placements below which a share isn't claimed, with 95 % confidence
+TARGET_OFFSET_M = 0.75  # [m] from the base to the target on its right
+MIN_PLACEMENTS = {0.95: 59, 0.997: 998}  # placements below which a share isn't claimed, with 95 % confidence
 Array = NDArray[np.float64]
 
 
@@ -29,12 +29,14 @@ class Radius(NamedTuple):
 
 def tip_place(pose: Pose2) -> Array:
     """(2,) where a sensor is laid from this base, in [m]."""
-    return pose.apply(np.array([[0.0, -ASIDE]])).reshape(2)
+    return pose.apply(np.array([[0.0, -TARGET_OFFSET_M]])).reshape(2)
 
 
 def tip_covariance(covariance: Array, heading: float) -> Array:
     """(2, 2) of `tip_place` in [m²] by the covariance (3, 3) of the base's pose."""
-    by_pose = np.array([[1.0, 0.0, ASIDE * math.cos(heading)], [0.0, 1.0, ASIDE * math.sin(heading)]])
+    by_pose = np.array(
+        [[1.0, 0.0, TARGET_OFFSET_M * math.cos(heading)], [0.0, 1.0, TARGET_OFFSET_M * math.sin(heading)]]
+    )
     spread: Array = by_pose @ covariance @ by_pose.T
     return spread
 
@@ -61,7 +63,7 @@ def share_radius(errors: list[Array], share: float, seed: int = 0, draws: int = 
     """
     lengths = [np.hypot(*run.T) for run in errors]
     count = sum(map(len, lengths))
-    if count < LEAST[share]:
+    if count < MIN_PLACEMENTS[share]:
         return None
     rng = np.random.default_rng(seed)
     drawn = [

@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 from handcart.robotics.navigation.outdoors.watched_moment import Belief, Branch, WatchedMoment
 
 Array = NDArray[np.float64]
-LEAST = 1e-9  # of a state's variance before a gain is taken, relative to one: exactly known states have none
+MIN_RELATIVE_VARIANCE = (
+    1e-9  # of a state's variance before a gain is taken, relative to one: exactly known states have none
+)
 
 
 class _Link(NamedTuple):
@@ -104,8 +106,8 @@ class TrackRecord:
             return []
         out = [self._latest.belief]
         for (before, shared), second in reversed(self._links):
-            scale = np.sqrt(np.maximum(np.diag(second.covariance), LEAST**2))
-            unit = second.covariance / np.outer(scale, scale) + LEAST * np.eye(len(scale))
+            scale = np.sqrt(np.maximum(np.diag(second.covariance), MIN_RELATIVE_VARIANCE**2))
+            unit = second.covariance / np.outer(scale, scale) + MIN_RELATIVE_VARIANCE * np.eye(len(scale))
             gain = np.linalg.solve(unit, (shared / scale).T).T / scale
             mean = before.mean + gain @ (out[-1].mean - second.mean)
             spread = before.covariance + gain @ (out[-1].covariance - second.covariance) @ gain.T

@@ -7,12 +7,18 @@ from typing import NamedTuple
 
 from handcart.robotics.navigation.outdoors.field_noise import FieldNoise
 
-LATE = 0.3  # [s] that a receiver's fixes may come too late, whatever is told
-SKIES = ((0.0, math.inf, 0.55), (0.25, 600.0, 0.25), (0.75, 600.0, 0.15))
+MAX_FIX_DELAY_S = 0.3  # [s] that a receiver's fixes may come too late, whatever is told
+GNSS_CONDITIONS = ((0.0, math.inf, 0.55), (0.25, 600.0, 0.25), (0.75, 600.0, 0.15))
 """Slow error of the fixes, in sigmas of one; over how many seconds it changes; share of worlds."""
-LEAPS = (3.0, 600.0, 0.05)  # the same of an error that leaps besides
-EVERY = 1000.0  # [s] on average: more often, and reflections of some seconds are taken for leaps
-GROUNDS = (0.6, 0.3, 0.1)  # shares of worlds: as given, more slip than given, a start heading further off
+LEAP_CONDITION = (3.0, 600.0, 0.05)  # the same of an error that leaps besides
+MIN_LEAP_INTERVAL_S = (
+    1000.0  # [s] on average: more often, and reflections of some seconds are taken for leaps
+)
+GROUND_SHARES = (
+    0.6,
+    0.3,
+    0.1,
+)  # shares of worlds: as given, more slip than given, a start heading further off
 
 
 class Supposition(NamedTuple):
@@ -40,15 +46,21 @@ def _badness(noise: FieldNoise) -> tuple[float, float, float]:
 
 def suppositions(given: FieldNoise) -> list[Supposition]:
     """Return each GNSS condition combined with each ground, the given one first and worse ones later."""
-    given = given._replace(gps_delay=max(given.gps_delay, LATE))
+    given = given._replace(gps_delay=max(given.gps_delay, MAX_FIX_DELAY_S))
     found: list[Supposition] = []
-    skies = [(_drifting(given, sigma, time), share) for sigma, time, share in SKIES[1:]]
-    skies = [(given, SKIES[0][2]), *skies, (_leaping(given, *LEAPS[:2]), LEAPS[2])]
-    last = (len(skies) - 1) * len(GROUNDS)
+    skies = [(_drifting(given, sigma, time), share) for sigma, time, share in GNSS_CONDITIONS[1:]]
+    skies = [
+        (given, GNSS_CONDITIONS[0][2]),
+        *skies,
+        (_leaping(given, *LEAP_CONDITION[:2]), LEAP_CONDITION[2]),
+    ]
+    last = (len(skies) - 1) * len(GROUND_SHARES)
     for sky, share in skies:
-        for noise, rough in zip((sky, _slipping(sky), _turned(sky)), GROUNDS, strict=True):
+        for noise, rough in zip((sky, _slipping(sky), _turned(sky)), GROUND_SHARES, strict=True):
             here = len(found)
-            found.append(Supposition(noise, share * rough, here if here >= last else here + len(GROUNDS)))
+            found.append(
+                Supposition(noise, share * rough, here if here >= last else here + len(GROUND_SHARES))
+            )
     return found
 
 
@@ -59,7 +71,7 @@ def _drifting(given: FieldNoise, sigma: float, time: float) -> FieldNoise:
 
 def _leaping(given: FieldNoise, sigma: float, time: float) -> FieldNoise:
     drifting = _drifting(given, sigma, time)
-    return drifting._replace(jump=drifting.gps_drift, jump_every=EVERY)
+    return drifting._replace(jump=drifting.gps_drift, jump_every=MIN_LEAP_INTERVAL_S)
 
 
 def _slipping(given: FieldNoise) -> FieldNoise:

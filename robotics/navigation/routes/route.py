@@ -21,12 +21,16 @@ from handcart.robotics.navigation.routes.shortcuts import (
     straightened,
 )
 from handcart.robotics.navigation.routes.shortest_path import shortest_clear_path
-from handcart.robotics.navigation.routes.voronoi_graph import BREAK, VoronoiGraph
+from handcart.robotics.navigation.routes.voronoi_graph import BLOCKED_PRICE, VoronoiGraph
 
-MOST = 1.1  # of the shortest way's length, that a way with more room may have
-HASTE = (0.05, 0.15, 0.4)  # of the dearest cell's price, that length costs by itself while a way is too long
-HURRY = 1e4  # that length costs by itself where nothing else counts
-ROUNDS = 20  # of corner rounding: about half a metre of corner on cells of 5 cm
+MAX_DETOUR_RATIO = 1.1  # of the shortest way's length, that a way with more room may have
+LENGTH_PRICE_SHARES = (
+    0.05,
+    0.15,
+    0.4,
+)  # of the dearest cell's price, that length costs by itself while a way is too long
+SHORTEST_LENGTH_PRICE = 1e4  # that length costs by itself where nothing else counts
+CORNER_ROUNDING_PASSES = 20  # of corner rounding: about half a metre of corner on cells of 5 cm
 
 
 class Route(NamedTuple):
@@ -102,7 +106,7 @@ def plan_route(
     path = _within_reason(graph, ends[0], ends[1])
     if path is None:
         return None
-    smooth = rounded(graph.squares, graph.need, sampled(path, 1.0), ROUNDS)
+    smooth = rounded(graph.squares, graph.need, sampled(path, 1.0), CORNER_ROUNDING_PASSES)
     points = _with_ends(ends[0], smooth, ends[1])
     clearance = path_clearance(graph.squares, points) * graph.map.resolution
     if clearance.min() < least:
@@ -113,17 +117,17 @@ def plan_route(
 def _within_reason(graph: VoronoiGraph, start: _End, goal: _End) -> NDArray[np.float64] | None:
     """The way with the most room that isn't much longer than the shortest; (n, 2), in [cells]."""
     points = _way(graph, start, goal, 0.0)
-    if points is None or path_length(points) <= MOST * math.hypot(*(points[-1] - points[0])):
+    if points is None or path_length(points) <= MAX_DETOUR_RATIO * math.hypot(*(points[-1] - points[0])):
         return points
-    shortest = _way(graph, start, goal, HURRY)
+    shortest = _way(graph, start, goal, SHORTEST_LENGTH_PRICE)
     assert shortest is not None, "where one way leads, the shortest does"
-    for share in HASTE:
-        if path_length(points) <= MOST * path_length(shortest):
+    for share in LENGTH_PRICE_SHARES:
+        if path_length(points) <= MAX_DETOUR_RATIO * path_length(shortest):
             return points
         again = _way(graph, start, goal, share * graph.dearest)
         assert again is not None
         points = again
-    return points if path_length(points) <= MOST * path_length(shortest) else shortest
+    return points if path_length(points) <= MAX_DETOUR_RATIO * path_length(shortest) else shortest
 
 
 def _way(graph: VoronoiGraph, start: _End, goal: _End, haste: float) -> NDArray[np.float64] | None:
@@ -195,7 +199,7 @@ def _through_graph(graph: VoronoiGraph, start: _End, goal: _End, haste: float) -
     last, total, back = cheapest_nodes(
         table.slots, table.slot_first, table.ends, price, start_cost, goal_cost, direct
     )
-    if not min(direct, total) < BREAK:
+    if not min(direct, total) < BLOCKED_PRICE:
         return shortest_clear_path(graph.free, graph.squares, graph.need, start.cell, goal.cell)
     if last < 0:
         return np.vstack([start.ways[a], _stretch(graph, start.joins[a], goal.joins[b]), goal.ways[b][::-1]])

@@ -7,11 +7,11 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.robotics.navigation.maps.blocked_squares import ROUNDING, BlockedSquares, is_clear
+from handcart.robotics.navigation.maps.blocked_squares import ROUNDING_CELLS, BlockedSquares, is_clear
 from handcart.robotics.navigation.routes.line_price import line_price
 from handcart.robotics.numerics.compiled import compiled
 
-SAMPLE = 4.0  # of the path, in [cells], before shortcuts
+SAMPLE_SPACING_CELLS = 4.0  # of the path, in [cells], before shortcuts
 LONGEST_LEAP = 50  # samples
 
 
@@ -86,8 +86,8 @@ def straightened(
         need: clearance of every line, in [cells]; the path's own stretches have it.
         path: (n, 2) positions in [cells], row and column.
     """
-    path = sampled(path, SAMPLE)
-    samples = _evenly(path, SAMPLE)
+    path = sampled(path, SAMPLE_SPACING_CELLS)
+    samples = _evenly(path, SAMPLE_SPACING_CELLS)
     jumps = _jumps(min(len(samples) - 1, LONGEST_LEAP))
     back, walked = _leaps(price, haste, squares, need, path, samples, jumps)
     kept = [samples[-1]]
@@ -190,7 +190,7 @@ def rounded(
             row, column = int(moved[0] + 0.5), int(moved[1] + 0.5)
             far = max(_apart(moved, smooth[i - 1]), _apart(moved, smooth[i + 1]))
             off = math.sqrt((moved[0] - row) ** 2 + (moved[1] - column) ** 2)
-            if squares.distance[row + 1, column + 1] > keep + far + off + ROUNDING or (
+            if squares.distance[row + 1, column + 1] > keep + far + off + ROUNDING_CELLS or (
                 is_clear(squares, smooth[i - 1], moved, keep)
                 and is_clear(squares, moved, smooth[i + 1], keep)
             ):

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from handcart.robotics.navigation.routes.thinning import neighbour_steps
 from handcart.robotics.numerics.compiled import compiled
 
-DEGREE = np.array([code.bit_count() for code in range(256)], dtype=np.uint8)
+LINK_COUNTS = np.array([code.bit_count() for code in range(256)], dtype=np.uint8)
 
 
 class Trace(NamedTuple):
@@ -112,7 +112,7 @@ def link(skeleton: NDArray[np.bool_]) -> tuple[NDArray[np.int64], NDArray[np.uin
 
 def trace(cells: NDArray[np.int64], links: NDArray[np.uint8], width: int) -> Trace:
     """Nodes and edges of linked cells (n,); `links` is left as it was."""
-    degree = DEGREE[links[cells]]
+    degree = LINK_COUNTS[links[cells]]
     is_node = np.zeros(links.size, dtype=np.uint8)
     is_node[cells[degree != 2]] = 1
     most = int(degree.sum()) // 2
@@ -137,7 +137,7 @@ def prune_leaves(
     """
     before = trace(cells, links, width)
     keep = np.ones(len(cells), dtype=np.bool_)
-    degree = DEGREE[links]
+    degree = LINK_COUNTS[links]
     for low, high in zip(before.first[:-1], before.first[1:], strict=True):
         run = before.cells[low:high]
         run = run if degree[run[-1]] == 1 else run[::-1]

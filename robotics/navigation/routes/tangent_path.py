@@ -17,12 +17,18 @@ from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 
-TOUCH = 1e-6  # [m] that a tangent may seem to be inside the disc it touches
-LEANS = (-1.4, -0.7, 0.0, 0.7, 1.4)  # [rad] beside straight aside: where a wide circle lies on a small disc
+TOUCH_TOLERANCE_M = 1e-6  # [m] that a tangent may seem to be inside the disc it touches
+CIRCLE_DIRECTIONS_RAD = (
+    -1.4,
+    -0.7,
+    0.0,
+    0.7,
+    1.4,
+)  # [rad] beside straight aside: where a wide circle lies on a small disc
 MANY_LEANS = tuple(0.25 * k for k in range(-6, 7))  # where those few give a long way
-BACKS = (0.0, 0.25, 0.5, 0.75, 1.5, 2.25, 3.0)  # [m] that may be driven backwards at either end
-LONG = 1.05  # of the detour that no vehicle can shorten: shorter, and backing isn't tried
-SPACING = 0.05  # [m] between points of a path
+BACKING_LENGTHS_M = (0.0, 0.25, 0.5, 0.75, 1.5, 2.25, 3.0)  # [m] that may be driven backwards at either end
+LONG_PATH_RATIO = 1.05  # of the detour that no vehicle can shorten: shorter, and backing isn't tried
+PATH_SPACING_M = 0.05  # [m] between points of a path
 Array = NDArray[np.float64]
 
 
@@ -75,12 +81,12 @@ def car_path(start: Pose2, goal: Pose2, discs: Array, radius: float) -> CarPath 
     discs = np.asarray(discs, dtype=np.float64).reshape(-1, 3)
     best = _forward(start, goal, discs, radius)
     least = shortest_detour(np.array(start[:2]), np.array(goal[:2]), discs)
-    if not math.isinf(least) and (best is None or best.length > LONG * least):
+    if not math.isinf(least) and (best is None or best.length > LONG_PATH_RATIO * least):
         other = _forward(start, goal, discs, radius, MANY_LEANS)
         best = min((path for path in (best, other) if path is not None), key=_length, default=None)
-    for before, after in sorted(((b, a) for b in BACKS for a in BACKS), key=sum)[1:]:
+    for before, after in sorted(((b, a) for b in BACKING_LENGTHS_M for a in BACKING_LENGTHS_M), key=sum)[1:]:
         if math.isinf(least) or (
-            best is not None and best.length <= max(LONG * least, least + before + after)
+            best is not None and best.length <= max(LONG_PATH_RATIO * least, least + before + after)
         ):
             break
         begin, end = start.compose(Pose2(-before, 0.0, 0.0)), goal.compose(Pose2(after, 0.0, 0.0))
@@ -100,7 +106,7 @@ def _length(path: CarPath) -> float:
 
 
 def _forward(
-    start: Pose2, goal: Pose2, discs: Array, radius: float, leans: Sequence[float] = LEANS
+    start: Pose2, goal: Pose2, discs: Array, radius: float, leans: Sequence[float] = CIRCLE_DIRECTIONS_RAD
 ) -> CarPath | None:
     """Return the shortest path past discs without backing, or None."""
     ends = [*_turning(start, radius), *_turning(goal, radius)]
@@ -233,7 +239,7 @@ def _lines_free(start: Array, end: Array, discs: Array) -> NDArray[np.bool_]:
     to_disc = discs[None, :, :2] - start[:, None]
     share = np.clip((to_disc * ray[:, None]).sum(axis=2) / square[:, None], 0.0, 1.0)
     gap = np.hypot(*np.moveaxis(to_disc - share[..., None] * ray[:, None], -1, 0))
-    free: NDArray[np.bool_] = (gap > discs[:, 2] - TOUCH).all(axis=1)
+    free: NDArray[np.bool_] = (gap > discs[:, 2] - TOUCH_TOLERANCE_M).all(axis=1)
     return free
 
 
@@ -250,7 +256,7 @@ def _arc_free(circle: _Circle, come: float, turn: float, discs: Array) -> bool:
         for a in (begin, begin + circle.sense * turn)
     ]
     gap = np.where(at <= turn, np.abs(distance - circle.radius), np.minimum(*ends))
-    return bool((gap > discs[:, 2] - TOUCH).all())
+    return bool((gap > discs[:, 2] - TOUCH_TOLERANCE_M).all())
 
 
 def _drawn(
@@ -285,4 +291,4 @@ def _arc(circle: _Circle, come: float, go: float) -> Array:
 
 def _steps(length: float) -> Array:
     """Ways along a piece of this length, in [m], evenly, without 0."""
-    return np.linspace(0.0, length, math.ceil(length / SPACING - 1e-9) + 1)[1:]
+    return np.linspace(0.0, length, math.ceil(length / PATH_SPACING_M - 1e-9) + 1)[1:]

@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 
 from handcart.robotics.numerics.compiled import compiled
 
-RIDGE = (
+MAX_RIDGE_SLOPE = (
     0.8  # slope of the distance: 1 before a wall, 0.71 into a right-angled corner, 0 in a corridor's middle
 )
-ROOT2 = math.sqrt(2.0)
+SQRT_2 = math.sqrt(2.0)
 LEVELS_PER_CELL = 16  # finer than a cell's rounding of a distance, coarse enough to sort by counting
 
 
@@ -40,8 +40,8 @@ def _removable_table() -> NDArray[np.bool_]:
     return _simple_table() & (neighbours > 1)
 
 
-SIMPLE = _simple_table()
-REMOVABLE = _removable_table()
+SIMPLE_TABLE = _simple_table()
+REMOVABLE_TABLE = _removable_table()
 
 
 def neighbour_steps(width: int) -> NDArray[np.int64]:
@@ -71,8 +71,8 @@ def _ridges(distance: NDArray[np.float32], free: NDArray[np.uint8], width: int) 
     ridges = np.zeros(free.size, dtype=np.uint8)
     ridges[inner] = (
         (free[inner] != 0)
-        & (steepest(1, -1, width, -width) < RIDGE)
-        & (steepest(width + 1, width - 1, 1 - width, -1 - width) < RIDGE * ROOT2)
+        & (steepest(1, -1, width, -width) < MAX_RIDGE_SLOPE)
+        & (steepest(width + 1, width - 1, 1 - width, -1 - width) < MAX_RIDGE_SLOPE * SQRT_2)
     )
     return ridges
 
@@ -127,7 +127,7 @@ def thin(free: NDArray[np.bool_], distance: NDArray[np.float32]) -> NDArray[np.b
     order = _nearest_first(flat, state, levels)
     ridges = _ridges(flat, state, free.shape[1])
     steps = neighbour_steps(free.shape[1])
-    _peel(state, order, ridges, steps, SIMPLE)
+    _peel(state, order, ridges, steps, SIMPLE_TABLE)
     state = (state != 0).astype(np.uint8)
-    _peel(state, order[state[order] != 0], np.zeros_like(state), steps, REMOVABLE)
+    _peel(state, order[state[order] != 0], np.zeros_like(state), steps, REMOVABLE_TABLE)
     return np.asarray(state.reshape(free.shape) != 0)

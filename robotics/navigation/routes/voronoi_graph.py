@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.robotics.navigation.maps.blocked_squares import (
-    TOUCHING,
+    TOUCHING_CELLS,
     BlockedSquares,
     blocked_squares,
     is_clear,
@@ -19,10 +19,14 @@ from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.routes.skeleton_trace import Trace, link, prune_leaves, trace
 from handcart.robotics.navigation.routes.thinning import thin
 
-POWER = 0.75  # of room in the price of a way: buys the clearance that 1.15 of the shortest length can
-EXACT = 1e-6  # of the radius, by which 32-bit distances may be off
-BREAK = 1e9  # price of what can't be passed: more than any way on a map costs
-TOUCH = 2.0  # a leaf this near to the grown obstacles, in [cells], touches them: rounding of two distances
+CLEARANCE_EXPONENT = (
+    0.75  # of room in the price of a way: buys the clearance that 1.15 of the shortest length can
+)
+DISTANCE_TOLERANCE = 1e-6  # of the radius, by which 32-bit distances may be off
+BLOCKED_PRICE = 1e9  # price of what can't be passed: more than any way on a map costs
+TOUCH_DISTANCE_CELLS = (
+    2.0  # a leaf this near to the grown obstacles, in [cells], touches them: rounding of two distances
+)
 
 
 class EdgeTable:
@@ -59,7 +63,7 @@ class EdgeTable:
         self.length: NDArray[np.float64] = self.along[self.first[1:] - 1]
         priced = np.cumsum(
             step * price[self.cells[:, 0], self.cells[:, 1]]
-            + BREAK * _too_narrow(squares, need, self.cells, step)
+            + BLOCKED_PRICE * _too_narrow(squares, need, self.cells, step)
         )
         self.price_along: NDArray[np.float64] = priced - np.repeat(priced[self.first[:-1]], sizes)
         self.price: NDArray[np.float64] = self.price_along[self.first[1:] - 1]
@@ -97,7 +101,7 @@ class VoronoiGraph:
     @property
     def dearest(self) -> float:
         """Price of a cell of length where a robot of this radius just fits."""
-        return float(max(self.radius, self.map.resolution) ** -POWER)
+        return float(max(self.radius, self.map.resolution) ** -CLEARANCE_EXPONENT)
 
     @property
     def components(self) -> int:
@@ -125,13 +129,15 @@ def voronoi_graph(
     """
     squares = blocked_squares(grid.blocked)
     distance = squares.distance
-    need = max(radius / grid.resolution * (1.0 - 2.0 * EXACT), TOUCHING)
+    need = max(radius / grid.resolution * (1.0 - 2.0 * DISTANCE_TOLERANCE), TOUCHING_CELLS)
     free = _component(
-        (distance >= radius / grid.resolution * (1.0 - EXACT)) & (distance > 0.0), grid, seed_point
+        (distance >= radius / grid.resolution * (1.0 - DISTANCE_TOLERANCE)) & (distance > 0.0),
+        grid,
+        seed_point,
     )
     cells, links = link(thin(free, distance))
     width = free.shape[1]
-    cells = prune_leaves(cells, links, width, distance.ravel() <= need + TOUCH)
+    cells = prune_leaves(cells, links, width, distance.ravel() <= need + TOUCH_DISTANCE_CELLS)
     clearance = np.ascontiguousarray(distance[1:-1, 1:-1]) * np.float32(grid.resolution)
     price = room_price(clearance, grid.resolution)
     table = EdgeTable(trace(cells, links, width), width, price, squares, need)
@@ -142,7 +148,9 @@ def voronoi_graph(
 
 def room_price(clearance: NDArray[np.float32], resolution: float) -> NDArray[np.float32]:
     """Return the price of a cell of length at each clearance (h, w), in [m]."""
-    price: NDArray[np.float32] = np.maximum(clearance, np.float32(resolution)) ** np.float32(-POWER)
+    price: NDArray[np.float32] = np.maximum(clearance, np.float32(resolution)) ** np.float32(
+        -CLEARANCE_EXPONENT
+    )
     return price
 
 

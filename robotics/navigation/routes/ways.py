@@ -15,19 +15,23 @@ from handcart.robotics.navigation.localization.scan_matching import CELL_BIAS
 from handcart.robotics.navigation.maps.clearances import Clearances
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.routes.route import Route, plan_route
-from handcart.robotics.navigation.routes.voronoi_graph import EXACT, VoronoiGraph, voronoi_graph
+from handcart.robotics.navigation.routes.voronoi_graph import DISTANCE_TOLERANCE, VoronoiGraph, voronoi_graph
 from handcart.robotics.navigation.routes.widest_way import narrowest_spot
 
-ROOM = 0.02  # [m] beside the footprint that a route keeps
+ROUTE_ROOM_M = 0.02  # [m] beside the footprint that a route keeps
 ROOM_AT_GOAL = 0.04  # [m] likewise where the robot is to stand: it comes to stand within half of that
 SENSED_ROOM = 0.10  # [m] that what was sensed is grown by: its far side wasn't seen
 ROOM_BEFORE = 0.02  # [m] likewise before what the robot is to stand before
-FINE = 0.05  # [m]: cells larger than that leave a pose unsure, by `UNSURE` of what they are larger
-UNSURE = 2.0 * CELL_BIAS  # twice the standard deviation
-LEAST = 0.01  # [m] beside the footprint that is left in any case, but on the way out of a start without it
-LEAVING = 0.25  # [m] at most, from a start that is too near to something to where there is room
+FINE_CELL_M = (
+    0.05  # [m]: cells larger than that leave a pose unsure, by `CELL_UNCERTAINTY` of what they are larger
+)
+CELL_UNCERTAINTY = 2.0 * CELL_BIAS  # twice the standard deviation
+MIN_ROOM_M = (
+    0.01  # [m] beside the footprint that is left in any case, but on the way out of a start without it
+)
+LEAVING_DISTANCE_M = 0.25  # [m] at most, from a start that is too near to something to where there is room
 
-NOTHING = np.empty((0, 2))
+NO_POINTS = np.empty((0, 2))
 
 Kind = Literal["something", "unknown space", "the map's edge", "its front", "nothing"]
 Why = Literal["", "too near", "too narrow", "cut off"]
@@ -86,7 +90,7 @@ class Ways:
         grid: GridMap,
         radius: float,
         start: Pose2 | tuple[float, float],
-        sensed: NDArray[np.float64] = NOTHING,
+        sensed: NDArray[np.float64] = NO_POINTS,
     ) -> None:
         """Prepare routes on a map.
 
@@ -123,7 +127,7 @@ class Ways:
         found = stands._replace(component=self._component(goal))
         if self._graph is None:
             return found._replace(why="too narrow")
-        reach = min(LEAVING, 0.7 * self._needed)
+        reach = min(LEAVING_DISTANCE_M, 0.7 * self._needed)
         route = plan_route(self._graph, self._start, goal, reach)
         if route is None:
             return self._without_way(found, goal, reach)
@@ -181,7 +185,7 @@ class Ways:
         return self._too_narrow(found, self._grid.to_point(np.array([spot]))[0])
 
     def _too_narrow(self, found: Way, at: NDArray[np.float64]) -> Way:
-        width, needed = self._width(at), 2.0 * (self._radius + ROOM + self._unsure)
+        width, needed = self._width(at), 2.0 * (self._radius + ROUTE_ROOM_M + self._unsure)
         if width >= needed:  # ways are looked for from cell to cell
             needed += self._grid.resolution
         spot = (float(at[0]), float(at[1]))
@@ -206,8 +210,8 @@ class Ways:
         points, room = route.points, route.clearance
         if front is not None:
             room = np.minimum(room, [_to_segment((x, y), front)[0] for x, y in points.tolist()])
-        leaving = (np.hypot(*(points - self._start).T) < LEAVING) & (room >= room[0] - 1e-6)
-        tight = (room < self._radius + LEAST - 1e-9) & ~leaving
+        leaving = (np.hypot(*(points - self._start).T) < LEAVING_DISTANCE_M) & (room >= room[0] - 1e-6)
+        tight = (room < self._radius + MIN_ROOM_M - 1e-9) & ~leaving
         return points[int(np.argmin(np.where(tight, room, np.inf)))] if tight.any() else None
 
     @property
@@ -216,8 +220,8 @@ class Ways:
 
     @property
     def _unsure(self) -> float:
-        """Pose uncertainty added by cells coarser than `FINE`, in [m]."""
-        return UNSURE * max(0.0, self._grid.resolution - FINE)
+        """Pose uncertainty added by cells coarser than `FINE_CELL_M`, in [m]."""
+        return CELL_UNCERTAINTY * max(0.0, self._grid.resolution - FINE_CELL_M)
 
     @cached_property
     def _clearances(self) -> Clearances:
@@ -226,7 +230,9 @@ class Ways:
     @cached_property
     def _graph(self) -> VoronoiGraph | None:
         try:
-            return voronoi_graph(self._grown, self._radius + ROOM + self._unsure, seed_point=self._start)
+            return voronoi_graph(
+                self._grown, self._radius + ROUTE_ROOM_M + self._unsure, seed_point=self._start
+            )
         except ValueError:
             return None
 
@@ -235,7 +241,7 @@ class Ways:
         """(h, w) part of the map that each cell belongs to, 1 the largest; 0 where the robot can't be."""
         if self._graph is None:
             return np.zeros(self._grid.occupied.shape, dtype=np.int64)
-        free = (self._graph.clearance >= self._graph.radius * (1.0 - EXACT)).astype(np.uint8)
+        free = (self._graph.clearance >= self._graph.radius * (1.0 - DISTANCE_TOLERANCE)).astype(np.uint8)
         count, labels, stats, _ = cv2.connectedComponentsWithStats(free, connectivity=8)
         order = 1 + np.argsort(-stats[1:, cv2.CC_STAT_AREA], kind="stable")
         numbers = np.zeros(count, dtype=np.int64)

@@ -15,9 +15,9 @@ from handcart.robotics.perception.blocks.plane_view import PlaneView
 from handcart.robotics.perception.blocks.rectangle_edges import fit_rectangle
 from handcart.robotics.perception.cameras.camera_model import CameraModel, Floats, GreyImage
 
-TURN = 0.35
+MAX_TURN_RAD = 0.35
 """Largest difference from the expected heading, in [rad]."""
-_ANGLES = np.linspace(-TURN, TURN, 11)
+_ANGLES = np.linspace(-MAX_TURN_RAD, MAX_TURN_RAD, 11)
 _M_PER_PX = 0.0016  # of the picture of the plane in which guesses are looked for
 _LEAST_SIZE = 0.015  # [m]
 _STRIP = 3  # breadth of what is compared on both sides of an edge [px]
@@ -56,7 +56,7 @@ def find_block(
     view = PlaneView(image, camera, camera_T_plane)
     for guess in _guesses(view, size, expected, within):
         found = fit_rectangle(view, size, guess)
-        if found is not None and found.distance(expected) <= within and found.turn(expected) <= TURN:
+        if found is not None and found.distance(expected) <= within and found.turn(expected) <= MAX_TURN_RAD:
             return found
     return None
 

@@ -11,7 +11,7 @@ from scipy.special import ndtr
 
 from handcart.robotics.perception.cameras.camera_model import Floats
 
-PLACES: Floats = np.arange(-5.0, 5.25, 0.5)
+SAMPLE_POSITIONS_PX: Floats = np.arange(-5.0, 5.25, 0.5)
 """Sample positions of a profile, from inside to outside, in [px]."""
 _AT: Floats = np.arange(-2.4, 2.5, 0.2)
 _WIDTHS: Floats = np.array([1.0, 1.2, 1.4, 1.7, 2.0, 2.4, 2.8, 3.2, 3.8, 4.4, 5.0, 6.0])
@@ -100,8 +100,10 @@ def _blur(left: Floats) -> int:
 def _residuals(models: _Models, centred: Floats, least: Floats) -> tuple[Floats, Floats]:
     """Mean squared residuals (n, k) and weights (n, 3, k) of all models."""
     shape = (-1, 3, len(centred))
-    onto, weights = ((each.reshape(-1, len(PLACES)) @ centred.T).reshape(shape) for each in models[2:])
-    left = np.maximum((centred**2).sum(axis=1) - (weights * onto).sum(axis=1), 0.0) / len(PLACES)
+    onto, weights = (
+        (each.reshape(-1, len(SAMPLE_POSITIONS_PX)) @ centred.T).reshape(shape) for each in models[2:]
+    )
+    left = np.maximum((centred**2).sum(axis=1) - (weights * onto).sum(axis=1), 0.0) / len(SAMPLE_POSITIONS_PX)
     left[weights[:, 1] > -least] = np.inf
     return left, weights
 
@@ -145,6 +147,6 @@ def _double(blur: int) -> _Models:
 
 
 def _models(at: Floats, width: Floats, blur: float) -> _Models:
-    first, second = (ndtr((PLACES - place[:, None]) / blur) for place in (at, at + width))
+    first, second = (ndtr((SAMPLE_POSITIONS_PX - place[:, None]) / blur) for place in (at, at + width))
     basis = np.stack([np.ones_like(first), first, second], axis=1)
     return _Models(at, width, basis, np.linalg.pinv(basis, rcond=1e-5).swapaxes(1, 2))

@@ -12,9 +12,9 @@ from handcart.robotics.perception.cameras.camera_model import Floats
 
 Bools = NDArray[np.bool_]
 
-OUT: Floats = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
+OUTWARD_NORMALS: Floats = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
 """Out of the edges at +x, +y, -x, -y: the order of edges everywhere."""
-ALONG: Floats = np.array([[0.0, 1.0], [-1.0, 0.0], [0.0, -1.0], [1.0, 0.0]])
+EDGE_DIRECTIONS: Floats = np.array([[0.0, 1.0], [-1.0, 0.0], [0.0, -1.0], [1.0, 0.0]])
 AXIS, OTHER = np.array([0, 1, 0, 1]), np.array([1, 0, 1, 0])
 """Along which axis (0: x, 1: y) the edges stand apart, and run."""
 _ENDS = 0.08  # of an edge at each end is left out: the blurred corners
@@ -40,6 +40,8 @@ def across(half: Floats, share: Floats, inner: Floats, outer: Floats) -> tuple[F
 
     `share` (n,) along the edges, from `inner` to `outer` (4,) [m] out of them.
     """
-    along = (half[OTHER, None] * share)[..., None] * ALONG[:, None]
-    first, last = (((half[AXIS] + each)[:, None] * OUT)[:, None] + along for each in (inner, outer))
+    along = (half[OTHER, None] * share)[..., None] * EDGE_DIRECTIONS[:, None]
+    first, last = (
+        ((half[AXIS] + each)[:, None] * OUTWARD_NORMALS)[:, None] + along for each in (inner, outer)
+    )
     return first, last

@@ -7,9 +7,17 @@ from typing import NamedTuple
 import numpy as np
 
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.perception.blocks.edge_step import PLACES, fit_steps
+from handcart.robotics.perception.blocks.edge_step import SAMPLE_POSITIONS_PX, fit_steps
 from handcart.robotics.perception.blocks.plane_view import PlaneView
-from handcart.robotics.perception.blocks.rectangle import AXIS, OTHER, OUT, Bools, Rectangle, across, shares
+from handcart.robotics.perception.blocks.rectangle import (
+    AXIS,
+    OTHER,
+    OUTWARD_NORMALS,
+    Bools,
+    Rectangle,
+    across,
+    shares,
+)
 from handcart.robotics.perception.blocks.rough_rectangle import rough_rectangle
 from handcart.robotics.perception.cameras.camera_model import Floats
 
@@ -87,13 +95,13 @@ def _settled(view: PlaneView, wanted: Floats, last: Rectangle) -> Rectangle | No
 def _edges(view: PlaneView, rectangle: Rectangle) -> _Edges | None:
     """A step is fitted to each edge's usual profile, then that to the profiles of all its segments."""
     share, scale = shares(_ROWS), _m_per_px(view, rectangle)
-    ends = across(rectangle.half, share, scale * PLACES[0], scale * PLACES[-1])
-    greys = view.profiles(rectangle.pose, *ends, len(PLACES))
+    ends = across(rectangle.half, share, scale * SAMPLE_POSITIONS_PX[0], scale * SAMPLE_POSITIONS_PX[-1])
+    greys = view.profiles(rectangle.pose, *ends, len(SAMPLE_POSITIONS_PX))
     if greys is None:
         return None
     eye = view.eye(rectangle.pose)
-    beyond = (OUT @ eye[:2] - rectangle.half[AXIS]) / eye[2]
-    segments = greys.reshape(4, _SEGMENTS, -1, len(PLACES)).mean(axis=2)
+    beyond = (OUTWARD_NORMALS @ eye[:2] - rectangle.half[AXIS]) / eye[2]
+    segments = greys.reshape(4, _SEGMENTS, -1, len(SAMPLE_POSITIONS_PX)).mean(axis=2)
     lit = _lit(segments)
     steps = fit_steps(_usual(segments, lit), beyond < 0.0, _LEAST_DROP)
     off = _displaced(segments, steps.model) * scale[:, None]
@@ -134,7 +142,7 @@ def _displaced(segments: Floats, model: Floats) -> Floats:
     """Return how much further out than the model (4, m) each segment (4, k, m) is, in [px], to first
     order.
     """
-    slope = (model[:, 2:] - model[:, :-2]) / (PLACES[2] - PLACES[0])
+    slope = (model[:, 2:] - model[:, :-2]) / (SAMPLE_POSITIONS_PX[2] - SAMPLE_POSITIONS_PX[0])
     slope -= slope.mean(axis=1, keepdims=True)
     differs = np.matmul((segments - model[:, None])[..., 1:-1], slope[..., None])[..., 0]
     return np.asarray(-differs / np.maximum((slope**2).sum(axis=1), 1e-9)[:, None])
@@ -149,7 +157,7 @@ def _enclosed(last: Rectangle, wanted: Floats, edges: _Edges) -> Rectangle | Non
     if edges.seen.sum() < 3 or edges.lit[edges.seen].sum() < _LEAST_IN_ALL:
         return None
     rows = np.zeros((*edges.out.shape, 5))
-    rows[..., :2] = OUT[:, None]
+    rows[..., :2] = OUTWARD_NORMALS[:, None]
     rows[..., 2] = -edges.along
     rows[[0, 2], :, 3] = rows[[1, 3], :, 4] = 1.0
     fixed = ~(edges.sure[:2] & edges.sure[2:])
@@ -198,10 +206,11 @@ def _goes_on(view: PlaneView, rectangle: Rectangle) -> bool:
     """
     missing = int(np.flatnonzero(~rectangle.seen)[0])
     sides = [(missing - 1) % 4, (missing + 1) % 4]
-    out = (4.0 * _m_per_px(view, rectangle))[sides, None, None] * OUT[sides][:, None]
-    edges = rectangle.half[AXIS[sides], None, None] * OUT[sides][:, None]
+    out = (4.0 * _m_per_px(view, rectangle))[sides, None, None] * OUTWARD_NORMALS[sides][:, None]
+    edges = rectangle.half[AXIS[sides], None, None] * OUTWARD_NORMALS[sides][:, None]
     before, beyond = (
-        edges + (rectangle.half[AXIS[missing]] + np.linspace(*stretch, _ROWS))[:, None] * OUT[missing]
+        edges
+        + (rectangle.half[AXIS[missing]] + np.linspace(*stretch, _ROWS))[:, None] * OUTWARD_NORMALS[missing]
         for stretch in ((-_BEYOND[1], -_BEYOND[0]), _BEYOND)
     )
     both = np.stack([before, beyond])

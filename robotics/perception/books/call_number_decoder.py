@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-SYMBOLS = "0123456789.ABCDEFGHIJKLMNOPQRSTUVWXYZ"
+CALL_NUMBER_SYMBOLS = "0123456789.ABCDEFGHIJKLMNOPQRSTUVWXYZ"
 # What a recogniser trained on all scripts may call our symbols. Digits and letters share their look-alikes:
 # the place in the call number decides which of the two was meant.
 _ALIASES = {
@@ -53,7 +53,7 @@ class CallNumberDecoder:
         columns = {character: i for i, character in enumerate(characters)}
         self._groups = [
             [columns[alias] for alias in _ALIASES.get(symbol, symbol) if alias in columns]
-            for symbol in SYMBOLS
+            for symbol in CALL_NUMBER_SYMBOLS
         ]
         self._blank = [0] + [columns[c] for c in (" ", "\u3000") if c in columns]
         self._letters, self._max_decimals = letters, max_decimals
@@ -70,7 +70,7 @@ class CallNumberDecoder:
         if not finished:
             return None
         best = max(finished, key=lambda prefix: (finished[prefix], prefix))
-        text = "".join(SYMBOLS[i] for i in best)
+        text = "".join(CALL_NUMBER_SYMBOLS[i] for i in best)
         quality = min(1.0, finished[best]) ** (1.0 / len(best))
         confidence = finished[best] / sum(finished.values()) * quality
         return Decoded(f"{text[: -self._letters]} {text[-self._letters :]}", float(confidence))

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from handcart.robotics.perception.books.call_number import CallNumber
 from handcart.robotics.perception.books.label_reader import Label
-from handcart.robotics.perception.books.slots import NARROWEST, Gap
+from handcart.robotics.perception.books.slots import MIN_SLOT_M, Gap
 from handcart.robotics.perception.books.spines import Spine, SpineView
 
 _SAME_CENTRE, _SAME_WIDTH = 0.008, 0.003  # of one book in two aligned views
@@ -51,7 +51,7 @@ class ShelfReading(NamedTuple):
         label.
         """
         between = (Gap(a.right, b.left) for a, b in pairwise(self.books))
-        return tuple(gap for gap in between if gap.width >= NARROWEST)
+        return tuple(gap for gap in between if gap.width >= MIN_SLOT_M)
 
 
 class _Sighting(NamedTuple):

@@ -13,7 +13,7 @@ from handcart.robotics.perception.books.spines import SpineView
 
 Floats = NDArray[np.float64]
 
-NARROWEST = 0.005  # [m]
+MIN_SLOT_M = 0.005  # [m]
 _LEAST_BASE, _MOST_BASE = 0.045, 0.16  # [m] between two cameras: nearer, what is deep hardly shifts
 _STEP = 0.0003  # [m] between the columns that are compared
 _RIM = 0.0015  # [m] beside an edge that isn't compared
@@ -79,14 +79,14 @@ def find_slots(
     slots: list[Gap] = []
     for i, (left, right) in enumerate(pieces):
         # No book is as thin as a piece that can't be compared: what lies within a slot has edges, too.
-        thin = left - right < NARROWEST and any(deep[max(0, i - 1) : i + 2])
+        thin = left - right < MIN_SLOT_M and any(deep[max(0, i - 1) : i + 2])
         if not deep[i] and not thin:
             continue
         if slots and slots[-1].right == left:
             slots[-1] = slots[-1]._replace(right=right)
         else:
             slots.append(Gap(left, right))
-    return tuple(slot for slot in slots if slot.width >= NARROWEST)
+    return tuple(slot for slot in slots if slot.width >= MIN_SLOT_M)
 
 
 class Placed(NamedTuple):

@@ -22,7 +22,7 @@ _M_PER_PX = 0.0003
 _HEIGHTS = (0.003, 0.150)  # of the shelf's front that is looked at, [m]: every book is taller
 _EDGES_FROM = 0.012  # [m]: below, the board shows between books
 _THINNEST, _THICKEST = 0.005, 0.085
-LEANS = math.radians(3.0)  # what is turned less may be the camera's roll
+MIN_LEAN_RAD = math.radians(3.0)  # what is turned less may be the camera's roll
 _OFF_MIDDLE, _OFF_THICKNESS = (
     0.004,
     0.0025,
@@ -85,8 +85,8 @@ def find_spines(
     sides = all_sides(above)
     eye = float(np.linalg.inv(camera_T_shelf)[1, 3])
     right = view.left - view.picture.shape[1] * view.m_per_px
-    leaning = tuple(label for label in labels if abs(label.lean) > LEANS)
-    spines = _labelled([label for label in labels if abs(label.lean) <= LEANS], sides, thicknesses)
+    leaning = tuple(label for label in labels if abs(label.lean) > MIN_LEAN_RAD)
+    spines = _labelled([label for label in labels if abs(label.lean) <= MIN_LEAN_RAD], sides, thicknesses)
     return SpineView(spines, tuple(sorted(sides)), strips, eye, view.left, right, leaning)
 
 

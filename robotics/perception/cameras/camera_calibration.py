@@ -19,7 +19,7 @@ LEAST_TILT = 0.25
 LEAST_COVER = 0.6
 """Minimum share of the image's 6 by 4 fields that held a corner in some view."""
 _FIELDS = (6, 4)
-SIGNIFICANT = 4.0  # standard deviations that one more coefficient of the lens has to be from 0
+SIGNIFICANT_SIGMAS = 4.0  # standard deviations that one more coefficient of the lens has to be from 0
 
 
 _MORE_OF_THE_LENS = ((cv2.CALIB_ZERO_TANGENT_DIST, [2, 3]), (cv2.CALIB_FIX_K3, [4]))
@@ -85,7 +85,7 @@ def _borne(found: CameraCalibration, richer: CameraCalibration, more: list[int],
     numbers = 2 * corners
     gain = 2 * numbers * math.log(found.rms / max(richer.rms, 1e-12))
     value, sigma = richer.camera.distortion[more], richer.sigmas[4:][more]
-    significant = bool((np.abs(value) > SIGNIFICANT * sigma).any())
+    significant = bool((np.abs(value) > SIGNIFICANT_SIGMAS * sigma).any())
     return significant and gain > len(more) * math.log(numbers)
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from handcart.robotics.perception.cameras.calibration_board import BoardView, CalibrationBoard
 from handcart.robotics.perception.cameras.camera_model import GreyImage
-from handcart.robotics.perception.landmarks.tag_family import USUAL, TagFamily, dictionary, tags_of
+from handcart.robotics.perception.landmarks.tag_family import DEFAULT_FAMILY, TagFamily, dictionary, tags_of
 
 TAG_SHARE = 0.75  # of a square's side, where nobody says otherwise
 _FEWEST_CORNERS = 6
@@ -24,7 +24,7 @@ class CharucoBoard(CalibrationBoard):
         rows: int = 6,
         square: float = 0.02,
         tag: float | None = None,
-        family: TagFamily = USUAL,
+        family: TagFamily = DEFAULT_FAMILY,
     ) -> None:
         """`columns` by `rows` squares with sides of `square` [m], each white one with a tag of `tag` [m].
 

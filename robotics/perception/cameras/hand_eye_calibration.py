@@ -13,7 +13,7 @@ from handcart.robotics.geometry.transform import Transform, apply, inverse
 from handcart.robotics.perception.cameras.board_pose import PosedBoard, pose_board
 from handcart.robotics.perception.cameras.calibration_board import BoardView
 from handcart.robotics.perception.cameras.camera_model import CameraModel, Floats
-from handcart.robotics.perception.cameras.hand_eye_closed_form import METHODS, closed_form
+from handcart.robotics.perception.cameras.hand_eye_closed_form import HAND_EYE_METHODS, closed_form
 
 FEWEST_VIEWS = 8
 LEAST_TURN = 0.1
@@ -108,7 +108,7 @@ def _best_start(
 ) -> tuple[str, tuple[Transform, Transform]]:
     """The closed form from which the views put the board most alike, with where that is."""
     starts = []
-    for method in METHODS:
+    for method in HAND_EYE_METHODS:
         hand_T_camera = closed_form(
             [view.base_T_hand for view in views], [board.camera_T_board for board in boards], method
         )

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from handcart.robotics.geometry.transform import Transform
 
-METHODS = {
+HAND_EYE_METHODS = {
     "Park": cv2.CALIB_HAND_EYE_PARK,
     "Horaud": cv2.CALIB_HAND_EYE_HORAUD,
     "Daniilidis": cv2.CALIB_HAND_EYE_DANIILIDIS,
@@ -31,7 +31,7 @@ def closed_form(
         [hand[:3, 3] for hand in base_T_hand],
         [board[:3, :3] for board in camera_T_board],
         [board[:3, 3] for board in camera_T_board],
-        method=METHODS[method],
+        method=HAND_EYE_METHODS[method],
     )
     if not (np.isfinite(turn).all() and np.isfinite(origin).all() and np.linalg.det(turn) > 0.5):
         return None

@@ -15,12 +15,12 @@ Floats = NDArray[np.float64]
 
 NEAR, NEAR_TURN = 0.010, 0.05  # [m], [rad] within which what is seen may be what is planned there
 SIGMA, TURN_SIGMA = 0.002, 0.005  # [m], [rad] of a landmark against the others: glued on, and seen
-STRAY = math.log(1e3)  # one mark in so many that look like landmarks isn't in the plan
-UNSEEN = math.log(100.0)  # one landmark in so many isn't found in a picture that should show it
-CERTAIN = math.log(5e3)
+STRAY_LOG_COST = math.log(1e3)  # one mark in so many that look like landmarks isn't in the plan
+UNSEEN_LOG_COST = math.log(100.0)  # one landmark in so many isn't found in a picture that should show it
+MIN_LOG_RATIO = math.log(5e3)
 """Minimum log-likelihood ratio to any other explanation. One stray mark alone does not reach it."""
 APART, APART_TURN = 0.02, 0.05  # [m], [rad] between places of the base that aren't one
-MOVED = math.log(1e-3)  # of a base that somebody moved
+MOVED_LOG_SHARE = math.log(1e-3)  # of a base that somebody moved
 MOVED_BY = np.diag([0.3, 0.3, 0.17]) ** 2  # [m², rad²] how far, then
 
 
@@ -59,7 +59,7 @@ class Belief(NamedTuple):
         off = np.subtract(planned_T_base, self.planned_T_base)
         off[2] = wrap(float(off[2]))
         moved = _log_normal(off, self.covariance + MOVED_BY)
-        return float(np.logaddexp(_log_normal(off, self.covariance), MOVED + moved))
+        return float(np.logaddexp(_log_normal(off, self.covariance), MOVED_LOG_SHARE + moved))
 
 
 class Explanation(NamedTuple):
@@ -107,7 +107,7 @@ def explain(
 def rivals(explanations: Sequence[Explanation]) -> list[Explanation]:
     """The best one, then those which have the base elsewhere and are hardly less likely."""
     best = explanations[0]
-    close = [each for each in explanations if each.score > best.score - CERTAIN]
+    close = [each for each in explanations if each.score > best.score - MIN_LOG_RATIO]
     return [best, *(each for each in close if each.rivals(best))]
 
 
@@ -120,7 +120,7 @@ def _explained(
     misfit = sum(0.5 * (place.compose(at).distance(mark.place) / SIGMA) ** 2 for mark, at in pairs)
     missing = _missing(place, [mark for i, mark in enumerate(marks) if i not in chosen], shown)
     stray = chosen.count(None)
-    score = belief.log_density(place) - misfit - stray * STRAY - missing * UNSEEN
+    score = belief.log_density(place) - misfit - stray * STRAY_LOG_COST - missing * UNSEEN_LOG_COST
     return Explanation(place, tuple(chosen), score)
 
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from handcart.robotics.perception.cameras.camera_model import CameraModel, Floats, GreyImage
 
-CELLS = 8  # fields across the square
-FIELD = slice(1, 3)  # rows and columns of the white fields, from the upper left
+CELLS_ACROSS = 8  # fields across the square
+WHITE_FIELD = slice(1, 3)  # rows and columns of the white fields, from the upper left
 PAPER, INK = 244, 22
 
 
@@ -35,11 +35,11 @@ def draw_landmark(side: float = 0.06, margin: float = 0.01, m_per_px: float = 1.
     Raises:
         ValueError: a field or the margin is not a whole number of pixels, which would displace edges.
     """
-    fields, border = side / CELLS / m_per_px, margin / m_per_px
+    fields, border = side / CELLS_ACROSS / m_per_px, margin / m_per_px
     if any(abs(n - round(n)) > 1e-6 for n in (fields, border)) or round(fields) < 1:
         raise ValueError(
             f"a landmark of {side:g} m with a margin of {margin:g} m can't be drawn with {m_per_px:g} m a "
-            f"pixel; side / {CELLS} and margin must be whole numbers of pixels"
+            f"pixel; side / {CELLS_ACROSS} and margin must be whole numbers of pixels"
         )
     ink = np.kron(pattern(), np.ones((round(fields), round(fields))))
     square = np.where(ink > 0, PAPER, INK).astype(np.uint8)
@@ -48,8 +48,8 @@ def draw_landmark(side: float = 0.06, margin: float = 0.01, m_per_px: float = 1.
 
 def pattern() -> Floats:
     """The fields (8, 8) from the upper left: 1 white, 0 black."""
-    fields = np.zeros((CELLS, CELLS))
-    fields[FIELD, FIELD] = 1.0
+    fields = np.zeros((CELLS_ACROSS, CELLS_ACROSS))
+    fields[WHITE_FIELD, WHITE_FIELD] = 1.0
     return fields
 
 

@@ -8,14 +8,14 @@ import cv2
 import numpy as np
 
 from handcart.robotics.perception.cameras.camera_model import CameraModel, Floats, GreyImage
-from handcart.robotics.perception.landmarks.landmark import CELLS, Landmark, pattern, seen_landmark
+from handcart.robotics.perception.landmarks.landmark import CELLS_ACROSS, Landmark, pattern, seen_landmark
 from handcart.robotics.perception.landmarks.square_edges import fit_square
 
 _SHRINK = 4  # candidates are looked for in an image that many times smaller
 _WINDOWS = (51, 15)  # [px] of the small image; the small window is for a small landmark on a dark table
 _DARKER = 10  # grey levels
 _LEAST_SIDE = 9  # [px] of the small image
-_SAMPLES = 2 * CELLS
+_SAMPLES = 2 * CELLS_ACROSS
 _LIKELY, _CERTAIN = 0.6, 0.9  # correlation before and after the edges are fitted
 _SQUARE = 0.04  # largest relative difference of the sides, and largest cosine between them
 

@@ -13,7 +13,7 @@ from handcart.robotics.perception.cameras.camera_model import CameraModel
 from handcart.robotics.perception.landmarks.constellation import Kind
 from handcart.robotics.perception.landmarks.landmark import square_corners
 
-RIM = 16.0  # [px] of the picture in which a landmark may be, or not
+RIM_PX = 16.0  # [px] of the picture in which a landmark may be, or not
 
 
 def wholly_in_view(
@@ -27,5 +27,5 @@ def wholly_in_view(
     corners = np.array([apply(place.lift(kind.height), square) for place in places]).reshape(-1, 3)
     seen = apply(inverse(base_T_camera), corners)
     pixels, middle = camera.project(seen), np.array([camera.width - 1.0, camera.height - 1.0]) / 2
-    inside = (np.abs(pixels - middle) <= middle - RIM).all(axis=1)  # not where a pixel is NaN
+    inside = (np.abs(pixels - middle) <= middle - RIM_PX).all(axis=1)  # not where a pixel is NaN
     return np.asarray(inside.reshape(-1, 4).all(axis=1))

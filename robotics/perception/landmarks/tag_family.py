@@ -33,9 +33,14 @@ TagFamily = Literal[
 ]
 """Bits along and down, and how many tags there are; AprilTag and MIP: bits in all, and their distance."""
 
-USUAL: TagFamily = "5x5_250"
+DEFAULT_FAMILY: TagFamily = "5x5_250"
 
-CORRECTING: tuple[TagFamily, ...] = ("apriltag_25h9", "apriltag_36h10", "apriltag_36h11", "aruco_mip_36h12")
+CORRECTING_FAMILIES: tuple[TagFamily, ...] = (
+    "apriltag_25h9",
+    "apriltag_36h10",
+    "apriltag_36h11",
+    "aruco_mip_36h12",
+)
 """Families of which one bit is corrected: any two codes, in any of four turns, differ in 9 bits or more."""
 
 
@@ -49,7 +54,7 @@ def dictionary(family: TagFamily) -> cv2.aruco.Dictionary:
 
 def corrected_bits(family: TagFamily) -> int:
     """Return how many damaged bits of a tag are corrected: 1 if any two codes differ enough, otherwise 0."""
-    return int(family in CORRECTING)
+    return int(family in CORRECTING_FAMILIES)
 
 
 def tags_of(family: TagFamily) -> int:

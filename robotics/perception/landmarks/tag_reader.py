@@ -9,7 +9,12 @@ import cv2
 import numpy as np
 
 from handcart.robotics.perception.cameras.camera_model import CameraModel, Floats, GreyImage
-from handcart.robotics.perception.landmarks.tag_family import USUAL, TagFamily, corrected_bits, dictionary
+from handcart.robotics.perception.landmarks.tag_family import (
+    DEFAULT_FAMILY,
+    TagFamily,
+    corrected_bits,
+    dictionary,
+)
 
 _ENLARGE = 2
 _LEAST_SIDE_PX = 13  # of the tag in the image as taken
@@ -31,7 +36,9 @@ class Tag(NamedTuple):
     corners: Floats
 
 
-def read_tags(image: GreyImage, region: Region | None = None, family: TagFamily = USUAL) -> list[Tag]:
+def read_tags(
+    image: GreyImage, region: Region | None = None, family: TagFamily = DEFAULT_FAMILY
+) -> list[Tag]:
     """Return the family's tags in the image, or in one region of it, ordered by id.
 
     A tag of 10 mm may be 0.35 m away at f = 800 px.

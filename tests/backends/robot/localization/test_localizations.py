@@ -33,7 +33,7 @@ from handcart.robotics.navigation.localization.localizer import OdometryLocalize
 from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.outdoors.field_localizer import Inconsistency
-from handcart.robotics.navigation.outdoors.field_noise import REFERENCE
+from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_NOISE
 from handcart.robotics.navigation.outdoors.gyro_only import GyroOnly
 
 START = Pose2(2.0, 3.0, 0.5)
@@ -248,7 +248,7 @@ def outdoors(
     wheels, gyros = Wheels(), Gyros()
     field = LikelihoodField(room())
     odometry = OdometryLocalizer(START, 0.6, covariance=np.diag(START_VARIANCES), field=field)
-    filtering = GyroOnly(START, REFERENCE, 0.05) if filtering is None else filtering
+    filtering = GyroOnly(START, REFERENCE_NOISE, 0.05) if filtering is None else filtering
     return OutdoorLocalization(Stub(wheels, gyros, *parts), odometry, filtering), wheels, gyros
 
 
@@ -312,7 +312,7 @@ class Asked(GyroOnly):
     found: Inconsistency | None = None
 
     def __init__(self, fixes: bool, ranges: bool) -> None:
-        super().__init__(START, REFERENCE, 0.05)
+        super().__init__(START, REFERENCE_NOISE, 0.05)
         self.TAKES_FIXES, self.TAKES_RANGES = fixes, ranges  # type: ignore[misc]
         self.given: list[list[float]] = []
 

@@ -14,7 +14,7 @@ from handcart.backends.description.sensor_specs import ImuSpec
 from handcart.backends.robot.localization.noise_model import beacon_errors, field_localizer, field_noise
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.beacons.beacon_filter import BeaconFilter
-from handcart.robotics.navigation.outdoors.field_noise import REFERENCE
+from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_NOISE
 from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
 from handcart.robotics.navigation.outdoors.gyro_only import GyroOnly
 from handcart.robotics.navigation.outdoors.particle_filter import ParticleFilter
@@ -62,7 +62,7 @@ def test_each_figure_of_a_file_becomes_si() -> None:
     noise = field_noise(ROBOT, ANTENNA)
     assert noise.antenna == ANTENNA
     assert noise._replace(antenna=0.0) == pytest.approx(  # type: ignore[arg-type]
-        REFERENCE._replace(
+        REFERENCE_NOISE._replace(
             roughness=3.0 * DEGREE,
             roughness_length=0.7,
             scale=0.011,
@@ -107,9 +107,9 @@ def test_no_sensor_is_believed_to_be_perfect() -> None:
 
 def test_without_receiver_and_gyros_the_reference_counts() -> None:
     noise = field_noise(ROBOT.model_copy(update={"gps": None, "imu": None}), ANTENNA)
-    assert noise.gps_white == REFERENCE.gps_white
-    assert noise.gyro_white == REFERENCE.gyro_white
-    assert noise.start_heading == REFERENCE.start_heading
+    assert noise.gps_white == REFERENCE_NOISE.gps_white
+    assert noise.gyro_white == REFERENCE_NOISE.gyro_white
+    assert noise.start_heading == REFERENCE_NOISE.start_heading
 
 
 def test_beacons_are_where_and_as_wrong_as_the_file_says() -> None:

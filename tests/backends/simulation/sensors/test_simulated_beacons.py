@@ -26,7 +26,7 @@ from handcart.evaluation.trials.rig import RigFiles
 from handcart.files.errors import FileError
 from handcart.networks.task.preparing import prepare
 from handcart.robotics.navigation.beacons.beacon_filter import BeaconFilter
-from handcart.robotics.navigation.outdoors.field_noise import REFERENCE
+from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_NOISE
 
 TASK = Path(__file__).parents[4] / "tasks" / "deploy_straight" / "task.yaml"
 BEACONS = """\
@@ -90,14 +90,14 @@ def test_a_robot_knows_where_it_is_by_them_and_its_log_tells_it_again(
     log = read_csv_log(tmp_path / "drive.csv")
     assert log.beacons is not None
     assert np.isnan(log.beacons.ranges[:, 3]).all()  # out of reach
-    played = replay(log, localizer_for(log, REFERENCE, "beacons"))
+    played = replay(log, localizer_for(log, REFERENCE_NOISE, "beacons"))
     assert np.hypot(*(played.poses[-1, :2] - np.array(pose)[:2])) < 0.05
     assert np.hypot(*played.errors[-1, :2]) < 0.2
     assert re.match(r"40 s, 600 ranges, 0 of them refused\n", in_words(played))
     with pytest.raises(NoRanges, match="the log has no ranges"):
-        localizer_for(log._replace(beacons=None), REFERENCE, "beacons")
+        localizer_for(log._replace(beacons=None), REFERENCE_NOISE, "beacons")
     with pytest.raises(NoRanges, match="heading_deg"):
-        localizer_for(log._replace(start=(0.0, 0.0, math.nan)), REFERENCE, "beacons")
+        localizer_for(log._replace(start=(0.0, 0.0, math.nan)), REFERENCE_NOISE, "beacons")
 
 
 def test_rows_of_one_time_are_put_together_beacon_by_beacon(

@@ -14,7 +14,7 @@ from handcart.backends.plain_values import attributes, set_attributes
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.beacons.beacon_errors import BeaconErrors
 from handcart.robotics.navigation.beacons.beacon_filter import BeaconFilter
-from handcart.robotics.navigation.outdoors.field_noise import REFERENCE
+from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_NOISE
 from handcart.robotics.navigation.outdoors.placement_errors import nees
 
 CONSTANT = ERRORS._replace(bias_walk=0.0)
@@ -45,7 +45,7 @@ def test_who_supposes_no_bias_is_wrong_and_hears_so(drives: list[BeaconDrive]) -
 def test_biases_are_found_as_well_as_is_claimed(drives: list[BeaconDrive]) -> None:
     squares = []
     for drive in drives:
-        filtering = BeaconFilter(Pose2(0.0, 0.0, drive.log.start_heading), REFERENCE, CONSTANT)
+        filtering = BeaconFilter(Pose2(0.0, 0.0, drive.log.start_heading), REFERENCE_NOISE, CONSTANT)
         for row in range(len(drive.log.rates)):
             readings = drive.log.rates[row], drive.log.accelerations[row], drive.log.wheels[row]
             filtering.predict(*readings, PERIOD)
@@ -129,7 +129,7 @@ def test_what_is_not_heard_tells_nothing(drives: list[BeaconDrive]) -> None:
     """Ranges that aren't finite, and a tag right below a beacon, from where no direction is told."""
     log = drives[0].log
     errors = ERRORS._replace(places=np.array([[0.0, 0.0, 2.0]]))
-    one, other = (BeaconFilter(Pose2(0.0, 0.0, 0.0), REFERENCE, errors) for _ in range(2))
+    one, other = (BeaconFilter(Pose2(0.0, 0.0, 0.0), REFERENCE_NOISE, errors) for _ in range(2))
     for row in range(200):
         for each in (one, other):
             each.predict(log.rates[row], log.accelerations[row], log.wheels[row], PERIOD)
@@ -145,7 +145,9 @@ def test_how_far_it_came_and_a_checkpoint_that_keeps_it(drives: list[BeaconDrive
     drive, begin = drives[1], 2400
     end = int(drive.log.drive.placings[0])
     log = drive.log
-    first, second = (BeaconFilter(Pose2(0.0, 0.0, log.start_heading), REFERENCE, ERRORS) for _ in range(2))
+    first, second = (
+        BeaconFilter(Pose2(0.0, 0.0, log.start_heading), REFERENCE_NOISE, ERRORS) for _ in range(2)
+    )
     for row in range(end):
         if row == begin:
             first.set_origin()
@@ -169,7 +171,7 @@ def test_a_range_corrects_by_the_derivative_of_its_distance(
     """Against differences: of the place, and through the tag's lever of the heading, too."""
     place, start = np.array([6.0, 4.0, 2.5]), Pose2(1.0, 1.0, heading)
     errors = BeaconErrors(place[None], tag, white=0.05, bias=0.2, scale=0.01)
-    noise = REFERENCE._replace(start_heading=0.1)
+    noise = REFERENCE_NOISE._replace(start_heading=0.1)
     filtering = BeaconFilter(start, noise, errors, start_position=0.3)
 
     def distance(x: float, y: float, theta: float) -> float:
@@ -194,7 +196,7 @@ def test_a_range_corrects_by_the_derivative_of_its_distance(
 @pytest.mark.parametrize(("sigmas", "refused"), [(4.99, 0), (5.01, 1), (-5.01, 1)])
 def test_a_range_is_refused_beyond_five_of_its_sigmas(sigmas: float, refused: int) -> None:
     errors = BeaconErrors(np.array([[5.0, 0.0, 1.0]]), (0.0, 0.0, 1.0), 0.1, 0.3, 0.01)
-    filtering = BeaconFilter(Pose2(0.0, 0.0, 0.0), REFERENCE, errors, 0.2)
+    filtering = BeaconFilter(Pose2(0.0, 0.0, 0.0), REFERENCE_NOISE, errors, 0.2)
     sigma = math.sqrt(0.1**2 + 0.3**2 + 0.05**2 + 0.2**2)
     filtering.ranges(np.array([5.0 + sigmas * sigma]))
     assert filtering.refused == refused

@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.following.way_guard import NOTHING, WayGuard
+from handcart.robotics.navigation.following.way_guard import NO_STANDS, WayGuard
 from handcart.robotics.navigation.maps.clearances import Clearances
 from handcart.robotics.navigation.maps.grid_map import GridMap
 
@@ -56,7 +56,7 @@ def test_what_is_called_free_touches_neither_map_nor_scan(cell: float, share: fl
 
 
 def test_an_arc_ends_before_what_the_map_shows() -> None:
-    free, held = WayGuard(NEEDED, WALL).free_way(Pose2(3.0, 2.0, 0.0), NOTHING, 0.0, 2.0)
+    free, held = WayGuard(NEEDED, WALL).free_way(Pose2(3.0, 2.0, 0.0), NO_STANDS, 0.0, 2.0)
     assert free == pytest.approx(0.6, abs=0.01)
     assert held is not None
     assert held.shown_by == "map"
@@ -66,24 +66,24 @@ def test_an_arc_ends_before_what_the_map_shows() -> None:
 
 def test_what_is_too_near_may_be_left_and_not_be_come_nearer_to() -> None:
     guard, here = WayGuard(NEEDED, WALL), Pose2(3.75, 2.0, 0.0)
-    assert guard.free_way(here, NOTHING, 0.0, -0.5) == (-0.5, None)
-    assert guard.free_way(here, NOTHING, 0.0, 0.05)[1] is not None
-    assert guard.free_way(here._replace(theta=math.pi / 2), NOTHING, 0.0, 0.5)[1] is not None  # along it
+    assert guard.free_way(here, NO_STANDS, 0.0, -0.5) == (-0.5, None)
+    assert guard.free_way(here, NO_STANDS, 0.0, 0.05)[1] is not None
+    assert guard.free_way(here._replace(theta=math.pi / 2), NO_STANDS, 0.0, 0.5)[1] is not None  # along it
 
 
 def test_where_it_stood_too_near_it_may_come_back_to_and_no_nearer() -> None:
     guard = WayGuard(NEEDED, WALL)
-    guard.stand_at(Pose2(3.75, 2.0, 0.0), NOTHING)
+    guard.stand_at(Pose2(3.75, 2.0, 0.0), NO_STANDS)
     out = Pose2(3.4, 2.0, 0.0)
-    assert guard.free_way(out, NOTHING, 0.0, 0.35) == (0.35, None)
-    assert guard.free_way(out, NOTHING, 0.0, 0.38)[1] is not None
-    assert guard.free_way(Pose2(3.4, 3.0, 0.0), NOTHING, 0.0, 0.35)[1] is not None  # another place
+    assert guard.free_way(out, NO_STANDS, 0.0, 0.35) == (0.35, None)
+    assert guard.free_way(out, NO_STANDS, 0.0, 0.38)[1] is not None
+    assert guard.free_way(Pose2(3.4, 3.0, 0.0), NO_STANDS, 0.0, 0.35)[1] is not None  # another place
 
 
 def test_declared_place_excuses_the_map_but_not_the_scan() -> None:
     guard, out = WayGuard(NEEDED, WALL), Pose2(3.4, 2.0, 0.0)
     guard.may_stand_at(Pose2(3.65, 2.0, 0.0))
-    assert guard.free_way(out, NOTHING, 0.0, 0.25) == (0.25, None)
+    assert guard.free_way(out, NO_STANDS, 0.0, 0.25) == (0.25, None)
     free, held = guard.free_way(out, np.array([[0.52, 0.0]]), 0.0, 0.25)
     assert free == pytest.approx(0.22, abs=0.01)
     assert held is not None

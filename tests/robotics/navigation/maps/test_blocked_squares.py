@@ -8,7 +8,7 @@ from hypothesis.extra import numpy as hnp
 
 from benchmarks.driving.random_grids import distance_to_squares
 from handcart.robotics.navigation.maps.blocked_squares import (
-    TOUCHING,
+    TOUCHING_CELLS,
     blocked_squares,
     is_clear,
     line_clearance,
@@ -53,7 +53,7 @@ def test_line_clearance_is_the_least_distance_along_it(
 
 
 @settings(deadline=None, max_examples=100)
-@given(GRIDS, SHARES, st.floats(TOUCHING, 3.0))
+@given(GRIDS, SHARES, st.floats(TOUCHING_CELLS, 3.0))
 def test_a_line_is_clear_exactly_when_its_clearance_suffices(
     blocked: np.ndarray, shares: tuple[float, ...], need: float
 ) -> None:

@@ -8,7 +8,7 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
 from handcart.robotics.navigation.maps.box_ranges import box_ranges
 from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
-from handcart.robotics.navigation.maps.map_walls import LONE, THIN, map_walls
+from handcart.robotics.navigation.maps.map_walls import LONE_POST_CELLS, THIN_WALL_CELLS, map_walls
 
 CELL = 0.05
 ANGLES = np.linspace(-np.pi, np.pi, 360, endpoint=False)
@@ -45,13 +45,15 @@ def test_a_block_reaches_from_centre_to_centre_of_its_outermost_cells() -> None:
 def test_a_wall_of_one_cell_is_thin_and_solid(
     rows: tuple[str, ...], middle: list[float], yaw: float, length: float
 ) -> None:
-    assert cells(map_walls(grid(*rows))) == [pytest.approx([*middle, yaw, length + THIN, THIN], abs=1e-5)]
+    assert cells(map_walls(grid(*rows))) == [
+        pytest.approx([*middle, yaw, length + THIN_WALL_CELLS, THIN_WALL_CELLS], abs=1e-5)
+    ]
 
 
 def test_a_lone_cell_is_a_post_and_an_empty_map_has_nothing() -> None:
-    assert cells(map_walls(grid("...", "..#"))) == [[2.0, 1.0, 0.0, LONE, LONE]]
+    assert cells(map_walls(grid("...", "..#"))) == [[2.0, 1.0, 0.0, LONE_POST_CELLS, LONE_POST_CELLS]]
     assert map_walls(grid("...", "...")).shape == (0, 5)
-    assert cells(map_walls(grid("#"))) == [[0.0, 0.0, 0.0, LONE, LONE]]
+    assert cells(map_walls(grid("#"))) == [[0.0, 0.0, 0.0, LONE_POST_CELLS, LONE_POST_CELLS]]
 
 
 @pytest.mark.parametrize("seed", range(12))

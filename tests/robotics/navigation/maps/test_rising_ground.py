@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from handcart.robotics.geometry.transform import transform
-from handcart.robotics.navigation.maps.rising_ground import RISES, may_be_ground
+from handcart.robotics.navigation.maps.rising_ground import MAX_GROUND_SLOPE, may_be_ground
 
 HEIGHT = 0.32
 
@@ -21,7 +21,7 @@ def test_where_beams_meet_a_slope_that_rises_from_the_base(tilt: tuple[float, fl
     turn = transform(rpy=(*tilt, 0.0))[:3, :3]
     for share, ground in ((0.95, True), (1.1, False)):
         sinks = turn[2, :2] @ ways.T
-        far = HEIGHT / np.maximum(share * RISES - sinks, 1e-3)
+        far = HEIGHT / np.maximum(share * MAX_GROUND_SLOPE - sinks, 1e-3)
         met = far < 8.0
         assert met.sum() > 50
         points = (far[:, None] * ways)[met]

@@ -15,7 +15,7 @@ from benchmarks.field.field_trial import start_pose
 from handcart.backends.plain_values import attributes, set_attributes
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.outdoors.field_localizer import FieldLocalizer
-from handcart.robotics.navigation.outdoors.field_noise import REFERENCE
+from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_NOISE
 from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
 from handcart.robotics.navigation.outdoors.gyro_only import GyroOnly
 from handcart.robotics.navigation.outdoors.particle_filter import ParticleFilter
@@ -27,12 +27,12 @@ STANDS = 2400  # periods at first
 
 @pytest.fixture(scope="module")
 def log() -> FieldLog:
-    return record_course(straight_course(2), REFERENCE, 5)
+    return record_course(straight_course(2), REFERENCE_NOISE, 5)
 
 
 def localizers(log: FieldLog) -> list[FieldLocalizer]:
     start = start_pose(log)
-    return [GpsFilter(start), GyroOnly(start, REFERENCE, 0.05), ParticleFilter(start)]
+    return [GpsFilter(start), GyroOnly(start, REFERENCE_NOISE, 0.05), ParticleFilter(start)]
 
 
 def play(log: FieldLog, localizer: FieldLocalizer, begin: int, end: int) -> None:
@@ -74,7 +74,7 @@ def test_it_is_the_way_that_was_driven(log: FieldLog, number: int) -> None:
 def test_displacement_over_ten_metres_is_consistent_and_smaller() -> None:
     found: list[Way] = []
     for seed in range(6):
-        found += ways(record_course(straight_course(4), REFERENCE, seed), legs=1)
+        found += ways(record_course(straight_course(4), REFERENCE_NOISE, seed), legs=1)
     errors = np.array([way.error for way in found])
     squares = nees(errors, np.array([way.covariance for way in found]))
     assert 0.5 < squares.mean() < 3.0
@@ -87,7 +87,9 @@ def test_fixes_that_are_taken_back_are_taken_back_of_the_way_too(log: FieldLog, 
     """Set before, or among, fixes that are reflected, which shows only later: as if they hadn't come."""
     rows = (log.fix_rows > 1600) & (log.fix_rows < 2300)
     wrong = log._replace(fixes=log.fixes + 1.5 * rows[:, None])
-    first, second = (GpsFilter(start_pose(log), supposed=[Supposition(REFERENCE, 1.0, 0)]) for _ in range(2))
+    first, second = (
+        GpsFilter(start_pose(log), supposed=[Supposition(REFERENCE_NOISE, 1.0, 0)]) for _ in range(2)
+    )
     play(wrong, first, 0, origin)
     first.set_origin()
     assert first.refused == 0
@@ -119,7 +121,7 @@ def test_after_a_restart_nothing_is_known_to_cancel(log: FieldLog) -> None:
 
 def test_before_the_heading_is_known_the_way_is(log: FieldLog) -> None:
     """It is the way from where it stood, whichever way that headed."""
-    localizer = GpsFilter(Pose2(0.0, 0.0, 0.0), REFERENCE._replace(start_heading=math.inf))
+    localizer = GpsFilter(Pose2(0.0, 0.0, 0.0), REFERENCE_NOISE._replace(start_heading=math.inf))
     play(log, localizer, 0, STANDS)
     localizer.set_origin()
     play(log, localizer, STANDS, STANDS + 300)

@@ -11,11 +11,11 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.outdoors import field_model as states
 from handcart.robotics.navigation.outdoors.field_kalman import FieldKalman
 from handcart.robotics.navigation.outdoors.field_model import corrected, fix_forecast, level_lever
-from handcart.robotics.navigation.outdoors.field_noise import REFERENCE
+from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_NOISE
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance, GyroOdometry
 from handcart.robotics.navigation.outdoors.watched_moment import Belief
 
-STEADY = REFERENCE._replace(gyro_walk=0.0, gyro_warm_up=0.0, gyro_bias=0.02, gyro_white=0.005)
+STEADY = REFERENCE_NOISE._replace(gyro_walk=0.0, gyro_warm_up=0.0, gyro_bias=0.02, gyro_white=0.005)
 START = Pose2(1.0, -2.0, 0.3)
 BIAS = 0.013
 
@@ -135,9 +135,9 @@ def test_begun_with_a_belief_it_adds_what_it_supposes_beyond() -> None:
     there, here = STEADY, STEADY._replace(gps_drift=0.8, slip=0.05, scale=0.02, turn_slip=0.2, side_slip=0.1)
     kalman = FieldKalman(START, here)
     kalman.advance(rest(0.4))
-    mean = np.linspace(0.1, 1.3, states.SIZE)
+    mean = np.linspace(0.1, 1.3, states.STATE_SIZE)
     mean[states.HEADING] = 2.0 * math.pi + 0.5
-    spread = np.diag(np.full(states.SIZE, 0.04))
+    spread = np.diag(np.full(states.STATE_SIZE, 0.04))
     kalman.begin_with(Belief(mean, spread), there)
     found = kalman.belief
     assert found.mean[states.HEADING] == pytest.approx(0.5)

@@ -12,15 +12,15 @@ from hypothesis import strategies as st
 from handcart.robotics.geometry.transform import transform
 from handcart.robotics.navigation.outdoors import field_model as states
 from handcart.robotics.navigation.outdoors.field_model import (
-    SIZE,
-    TILT,
+    STATE_SIZE,
+    TILT_SIGMA_RAD,
     FieldModel,
     carried,
     corrected,
     fix_forecast,
     level_lever,
 )
-from handcart.robotics.navigation.outdoors.field_noise import ANY_VEHICLE, REFERENCE, FieldNoise
+from handcart.robotics.navigation.outdoors.field_noise import ANY_VEHICLE, REFERENCE_NOISE, FieldNoise
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance
 
 NOISE = FieldNoise(
@@ -51,7 +51,7 @@ def step_of(
     advance: Advance, given: dict[str, float], new_leg: bool = False, noise: FieldNoise = NOISE
 ) -> np.ndarray:
     """Mean after a step from the origin, with some states other than zero."""
-    mean = np.zeros(SIZE)
+    mean = np.zeros(STATE_SIZE)
     for name, value in given.items():
         mean[getattr(states, name)] = value
     return FieldModel(noise).step(mean, advance, new_leg)[0]
@@ -120,8 +120,8 @@ def test_step_what_changes_with_way_and_time_decays() -> None:
 
 @pytest.mark.parametrize("new_leg", [False, True])
 def test_step_adds_the_variance_of_each_figure(new_leg: bool) -> None:
-    added = MODEL.step(np.zeros(SIZE), Advance(-2.0, 0.0, 0.0, 5.0, 1.0, 0.0), new_leg)[2]
-    expected = np.zeros(SIZE)
+    added = MODEL.step(np.zeros(STATE_SIZE), Advance(-2.0, 0.0, 0.0, 5.0, 1.0, 0.0), new_leg)[2]
+    expected = np.zeros(STATE_SIZE)
     expected[states.HEADING] = 0.06**2 * 4.0
     expected[states.TURN_SLIP] = 0.3**2 if new_leg else 0.0
     expected[states.SLIP] = 0.02**2 * (1.0 - math.exp(-1.0))
@@ -132,9 +132,11 @@ def test_step_adds_the_variance_of_each_figure(new_leg: bool) -> None:
 
 
 def test_step_at_rest_only_what_changes_with_time_does() -> None:
-    mean, transition, added = MODEL.step(np.full(SIZE, 0.1), Advance(0.0, 0.0, 0.0, 5.0, 5.0, 0.2), False)
+    mean, transition, added = MODEL.step(
+        np.full(STATE_SIZE, 0.1), Advance(0.0, 0.0, 0.0, 5.0, 5.0, 0.2), False
+    )
     assert mean[:8] == pytest.approx([0.1] * 8)
-    kept = np.ones(SIZE)
+    kept = np.ones(STATE_SIZE)
     kept[states.WARM_UP], kept[[states.GPS_X, states.GPS_Y]] = math.exp(-0.125), math.exp(-0.1)
     assert transition == pytest.approx(np.diag(kept))
     assert np.flatnonzero(added).tolist() == [states.BIAS, states.GPS_X, states.GPS_Y]
@@ -144,7 +146,7 @@ def test_step_at_rest_only_what_changes_with_time_does() -> None:
     st.floats(-1.0, 1.0).filter(lambda way: abs(way) > 0.05),
     st.floats(-0.5, 0.5),
     st.floats(0.0, 0.9),
-    st.lists(SMALL, min_size=SIZE, max_size=SIZE),
+    st.lists(SMALL, min_size=STATE_SIZE, max_size=STATE_SIZE),
     st.booleans(),
 )
 def test_transition_is_the_derivative_of_the_step(
@@ -155,8 +157,8 @@ def test_transition_is_the_derivative_of_the_step(
     mean[[states.TURN_SLIP, states.GYRO_SCALE]] = 0.0  # elsewhere the curve's own derivative is left out
     advance = Advance(forward, bend * forward, 0.01, 1.0, rest, 0.0)
     transition = MODEL.step(mean, advance, new_leg)[1]
-    for state in range(SIZE):
-        aside = np.zeros(SIZE)
+    for state in range(STATE_SIZE):
+        aside = np.zeros(STATE_SIZE)
         aside[state] = 1e-6
         change = MODEL.step(mean + aside, advance, new_leg)[0] - MODEL.step(mean - aside, advance, new_leg)[0]
         assert transition[:, state] == pytest.approx(change / 2e-6, abs=1e-6)
@@ -171,7 +173,7 @@ def test_lever_is_the_antenna_turned_in_space(
     assert level_lever((x, y, z), (roll, pitch), heading) == pytest.approx(turned[:2], abs=1e-12)
 
 
-@given(st.lists(SMALL, min_size=SIZE, max_size=SIZE), st.floats(-3.0, 3.0), st.floats(-2.0, 2.0))
+@given(st.lists(SMALL, min_size=STATE_SIZE, max_size=STATE_SIZE), st.floats(-3.0, 3.0), st.floats(-2.0, 2.0))
 def test_fix_rows_are_the_derivative_of_its_forecast(
     values: list[float], heading: float, speed: float
 ) -> None:
@@ -184,8 +186,8 @@ def test_fix_rows_are_the_derivative_of_its_forecast(
     rows, expected = forecast(mean)
     lever = level_lever((0.4, -0.3, 1.0), (0.05, -0.02), heading)
     assert expected == pytest.approx(mean[:2] + mean[[states.GPS_X, states.GPS_Y]] + lever)
-    for state in range(SIZE):
-        aside = np.zeros(SIZE)
+    for state in range(STATE_SIZE):
+        aside = np.zeros(STATE_SIZE)
         aside[state] = 1e-6
         change = forecast(mean + aside)[1] - forecast(mean - aside)[1]
         assert rows[:, state] == pytest.approx(change / 2e-6, abs=1e-6)
@@ -211,7 +213,7 @@ def test_a_vehicle_of_which_nothing_is_given_is_believed_little() -> None:
     """By what each figure does to what is claimed: a change of one changes tracks of such logs."""
     sigmas = np.sqrt(np.diag(FieldModel(ANY_VEHICLE).start(np.zeros(3), 1.0)[1]))
     degree = math.pi / 180.0
-    drift = math.hypot(2.0, TILT)
+    drift = math.hypot(2.0, TILT_SIGMA_RAD)
     expected = [
         1.0,
         1.0,
@@ -228,7 +230,7 @@ def test_a_vehicle_of_which_nothing_is_given_is_believed_little() -> None:
         0.5,
     ]
     assert sigmas == pytest.approx(expected)
-    added = FieldModel(ANY_VEHICLE).step(np.zeros(SIZE), drive(30.0), False)[2]
+    added = FieldModel(ANY_VEHICLE).step(np.zeros(STATE_SIZE), drive(30.0), False)[2]
     assert added[states.HEADING] == pytest.approx((0.2 * degree) ** 2)
     assert added[states.BIAS] == pytest.approx((0.01 * degree) ** 2)
     assert added[states.SLIP] == pytest.approx(0.1**2 * (1.0 - math.exp(-2.0)))
@@ -236,16 +238,16 @@ def test_a_vehicle_of_which_nothing_is_given_is_believed_little() -> None:
 
 
 def test_the_papers_vehicle_errs_as_its_field_test_says() -> None:
-    sigmas = np.sqrt(np.diag(FieldModel(REFERENCE).start(np.zeros(3), 1.0)[1]))
+    sigmas = np.sqrt(np.diag(FieldModel(REFERENCE_NOISE).start(np.zeros(3), 1.0)[1]))
     degree = math.pi / 180.0
     wheels = [0.002 * math.sqrt(2.0), 0.12, 0.004, 0.8 * degree]
     assert sigmas == pytest.approx(
-        [1.0, 1.0, degree, *wheels, 0.3 * degree, 0.1 * degree, 0.005, TILT, TILT, 0.0]
+        [1.0, 1.0, degree, *wheels, 0.3 * degree, 0.1 * degree, 0.005, TILT_SIGMA_RAD, TILT_SIGMA_RAD, 0.0]
     )
-    mean, _, added = FieldModel(REFERENCE).step(np.zeros(SIZE), drive(2.0, 1.0), False)
+    mean, _, added = FieldModel(REFERENCE_NOISE).step(np.zeros(STATE_SIZE), drive(2.0, 1.0), False)
     assert added[states.HEADING] == pytest.approx((0.02 * degree) ** 2)
     assert added[states.BIAS] == pytest.approx((0.001 * degree) ** 2)
     assert added[states.SLIP] == pytest.approx(0.004**2 * (1.0 - math.exp(-2.0)))
     assert added[states.SIDE] == pytest.approx((0.8 * degree) ** 2 * (1.0 - math.exp(-4.0 / 3.0)))
     assert math.atan2(mean[1], mean[0]) == pytest.approx(0.5 + 0.02 * 0.5)
-    assert added[states.GPS_X] == pytest.approx(TILT**2 * (1.0 - math.exp(-2.0 / 300.0)))
+    assert added[states.GPS_X] == pytest.approx(TILT_SIGMA_RAD**2 * (1.0 - math.exp(-2.0 / 300.0)))

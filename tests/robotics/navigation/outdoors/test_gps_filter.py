@@ -13,7 +13,7 @@ from benchmarks.field.information_limit import information_limit
 from handcart.backends.plain_values import to_plain
 from handcart.backends.saved_state import pack
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.outdoors.field_noise import REFERENCE, RTK, FieldNoise
+from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_NOISE, RTK_NOISE, FieldNoise
 from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
 from handcart.robotics.navigation.outdoors.placement_errors import nees, tip_covariance
 from handcart.robotics.navigation.outdoors.smoothing import TrackRecord
@@ -29,7 +29,7 @@ def only(noise: FieldNoise) -> list[Supposition]:
 
 def limit(log: FieldLog) -> np.ndarray:
     """(k, 2) least variances of the tip, in [m²]."""
-    bounds = information_limit(log.drive, log.fix_rows, REFERENCE)
+    bounds = information_limit(log.drive, log.fix_rows, REFERENCE_NOISE)
     headings = log.drive.poses[log.drive.placings, 2]
     return np.array([np.diag(tip_covariance(p, float(h))) for p, h in zip(bounds, headings, strict=True)])
 
@@ -50,7 +50,7 @@ def test_it_reaches_the_limit_and_knows_how_wrong_it_is() -> None:
     """Its errors, its own covariance, and the report afterwards; the benchmark has more runs."""
     live, later, bounds = [], [], []
     for seed in RUNS:
-        log = record_course(zigzag_course(), REFERENCE, seed)
+        log = record_course(zigzag_course(), REFERENCE_NOISE, seed)
         localizer = GpsFilter(start_pose(log), record=True)
         live.append(try_course(log, localizer))
         later.append(as_laid(log, localizer.smoothed()))
@@ -70,12 +70,12 @@ def test_it_reaches_the_limit_and_knows_how_wrong_it_is() -> None:
 def test_rtk_lays_within_three_centimetres() -> None:
     errors = []
     for seed in range(6):
-        log = record_course(zigzag_course(), RTK, seed)
-        errors.append(np.hypot(*try_course(log, GpsFilter(start_pose(log), RTK)).errors.T))
+        log = record_course(zigzag_course(), RTK_NOISE, seed)
+        errors.append(np.hypot(*try_course(log, GpsFilter(start_pose(log), RTK_NOISE)).errors.T))
     assert np.quantile(errors, 0.95) < 0.035
 
 
-@pytest.mark.parametrize("noise", [REFERENCE, RTK])
+@pytest.mark.parametrize("noise", [REFERENCE_NOISE, RTK_NOISE])
 @pytest.mark.parametrize("turn", [math.pi, -2.0, math.radians(40.0)])
 def test_a_wrong_start_heading_is_found_out(noise: FieldNoise, turn: float) -> None:
     log = record_course(straight_course(3), noise, 2)
@@ -87,7 +87,7 @@ def test_a_wrong_start_heading_is_found_out(noise: FieldNoise, turn: float) -> N
 
 @pytest.mark.parametrize("shift", [2.5, 5.0, 30.0])
 def test_reflection_is_rejected_and_its_effect_undone(shift: float) -> None:
-    log = record_course(straight_course(4), REFERENCE, 3)
+    log = record_course(straight_course(4), REFERENCE_NOISE, 3)
     rows = (log.fix_rows > 4000) & (log.fix_rows < 5600)  # 40 s
     log.fixes[rows] += shift
     localizer = GpsFilter(start_pose(log), record=True)
@@ -100,14 +100,14 @@ def test_reflection_is_rejected_and_its_effect_undone(shift: float) -> None:
 
 def test_good_fixes_are_believed() -> None:
     for seed in range(4):
-        log = record_course(zigzag_course(), REFERENCE, seed)
+        log = record_course(zigzag_course(), REFERENCE_NOISE, seed)
         localizer = GpsFilter(start_pose(log))
         try_course(log, localizer)
         assert localizer.refused == 0
 
 
 def test_an_outage_is_bridged_and_the_covariance_says_so() -> None:
-    log = record_course(straight_course(3), REFERENCE, 4)
+    log = record_course(straight_course(3), REFERENCE_NOISE, 4)
     heard = (log.fix_rows < 2400) | (log.fix_rows > 4800)
     quiet = log._replace(fix_rows=log.fix_rows[heard], fixes=log.fixes[heard])
     spread = [try_course(one, GpsFilter(start_pose(one))).covariances[0].trace() for one in (log, quiet)]
@@ -116,7 +116,7 @@ def test_an_outage_is_bridged_and_the_covariance_says_so() -> None:
 
 
 def test_a_filter_that_is_beside_the_truth_believes_patient_fixes() -> None:
-    log = record_course(straight_course(6), REFERENCE, 5)
+    log = record_course(straight_course(6), REFERENCE_NOISE, 5)
     log.fixes[:] += (30.0, -20.0)  # as from a start held for 36 m away from where it was
     localizer = GpsFilter(start_pose(log))
     shifted = Pose2(*(log.drive.poses[-1] + (30.0, -20.0, 0.0)).tolist())
@@ -126,7 +126,7 @@ def test_a_filter_that_is_beside_the_truth_believes_patient_fixes() -> None:
 
 
 def test_broken_readings_never_spread() -> None:
-    log = record_course(straight_course(2), REFERENCE, 6)
+    log = record_course(straight_course(2), REFERENCE_NOISE, 6)
     rng = np.random.default_rng(0)
     for readings in (log.rates, log.accelerations, log.wheels, log.fixes):
         readings[rng.random(readings.shape) < 0.02] = rng.choice([np.nan, np.inf, -np.inf])
@@ -136,14 +136,14 @@ def test_broken_readings_never_spread() -> None:
 
 
 def test_antenna_away_from_the_middle_is_known() -> None:
-    noise = RTK._replace(antenna=(0.4, -0.3, 1.2))
+    noise = RTK_NOISE._replace(antenna=(0.4, -0.3, 1.2))
     log = record_course(straight_course(2), noise, 7)
     assert final_error(log, GpsFilter(start_pose(log), noise)) < 0.05
 
 
 @pytest.mark.parametrize("sigma", [0.5, 4.0])
 def test_one_fix_leaves_the_position_as_unsure_as_it_is(sigma: float) -> None:
-    noise = REFERENCE._replace(antenna=(0.0, 0.0, 0.0))
+    noise = REFERENCE_NOISE._replace(antenna=(0.0, 0.0, 0.0))
     localizer = GpsFilter(Pose2(0.0, 0.0, 0.0), noise, start_position=1000.0, supposed=only(noise))
     assert localizer.fix(np.array([3.0, -2.0]), sigma)
     assert np.sqrt(np.diag(localizer.covariance)[:2]) == pytest.approx([sigma, sigma], rel=1e-3)
@@ -152,7 +152,7 @@ def test_one_fix_leaves_the_position_as_unsure_as_it_is(sigma: float) -> None:
 
 @pytest.mark.parametrize("heading", [0.0, math.pi / 2, -2.5])
 def test_an_antenna_far_ahead_tells_the_heading_at_rest(heading: float) -> None:
-    noise = RTK._replace(antenna=(3.0, 0.0, 0.0))
+    noise = RTK_NOISE._replace(antenna=(3.0, 0.0, 0.0))
     localizer = GpsFilter(Pose2(0.0, 0.0, heading), noise, start_position=0.001, supposed=only(noise))
     truth = heading + noise.start_heading
     for _ in range(50):
@@ -167,7 +167,7 @@ def test_no_marks_no_report() -> None:
 @pytest.mark.slow
 def test_record_grows_with_the_moments_asked_for_not_with_time() -> None:
     sizes = []
-    for noise in (REFERENCE, REFERENCE._replace(gps_period=0.2)):
+    for noise in (REFERENCE_NOISE, REFERENCE_NOISE._replace(gps_period=0.2)):
         log = record_course(straight_course(5), noise, 1)
         localizer = GpsFilter(start_pose(log), noise, record=True, supposed=only(noise))
         try_course(log, localizer)

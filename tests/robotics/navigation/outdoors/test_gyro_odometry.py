@@ -6,13 +6,13 @@ import pytest
 from benchmarks.field.field_course import straight_course
 from benchmarks.field.field_log import FieldLog, record_course
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.outdoors.field_noise import REFERENCE
+from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_NOISE
 from handcart.robotics.navigation.outdoors.gyro_odometry import GyroOdometry
 
 DT = 0.025
 LEVEL = np.array([0.0, 0.0, 9.81])
 STILL = np.zeros(2)
-QUIET = REFERENCE._replace(
+QUIET = REFERENCE_NOISE._replace(
     scale=0.0, slip=0.0, turn_slip=0.0, side_slip=0.0, side_slip_turning=0.0, gyro_white=0.0, gyro_walk=0.0,
     gyro_bias=0.0, gyro_warm_up=0.0, gyro_scale=0.0, accelerometer_white=0.0, accelerometer_bias=0.0,
 )  # fmt: skip

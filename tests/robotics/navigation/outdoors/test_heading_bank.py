@@ -16,10 +16,10 @@ from benchmarks.field.field_log import record_course
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.outdoors.field_localizer import FieldLocalizer
 from handcart.robotics.navigation.outdoors.field_model import GPS_X, X
-from handcart.robotics.navigation.outdoors.field_noise import REFERENCE, RTK, FieldNoise
+from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_NOISE, RTK_NOISE, FieldNoise
 from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance, GyroOdometry
-from handcart.robotics.navigation.outdoors.heading_bank import KNOWN, HeadingBank
+from handcart.robotics.navigation.outdoors.heading_bank import KNOWN_HEADING_SIGMA_RAD, HeadingBank
 from handcart.robotics.navigation.outdoors.particle_filter import ParticleErrors, ParticleFilter
 
 Away = Callable[[int], NDArray[np.float64]]
@@ -51,7 +51,7 @@ def log_pose(noise: FieldNoise, seed: int, seconds: float) -> list[float]:
     return pose
 
 
-@pytest.mark.parametrize("noise", [REFERENCE, RTK], ids=["white 1 m", "RTK"])
+@pytest.mark.parametrize("noise", [REFERENCE_NOISE, RTK_NOISE], ids=["white 1 m", "RTK"])
 @pytest.mark.parametrize("heading", [0.0, 2.5, -1.2])
 def test_the_heading_is_found_on_the_way(noise: FieldNoise, heading: float) -> None:
     localizer = GpsFilter(Pose2(0.0, 0.0, heading), noise._replace(start_heading=math.inf))
@@ -64,15 +64,15 @@ def test_the_heading_is_found_on_the_way(noise: FieldNoise, heading: float) -> N
 
 
 def test_outliers_do_not_turn_it() -> None:
-    noise = REFERENCE._replace(outliers=0.1, outlier=30.0)
-    localizer = GpsFilter(Pose2(0.0, 0.0, 1.0), REFERENCE._replace(start_heading=math.inf))
+    noise = REFERENCE_NOISE._replace(outliers=0.1, outlier=30.0)
+    localizer = GpsFilter(Pose2(0.0, 0.0, 1.0), REFERENCE_NOISE._replace(start_heading=math.inf))
     seconds, off = driven_until_known(localizer, noise, 4)
     assert seconds < 60.0
     assert off < math.radians(12.0)
 
 
 def test_standing_still_tells_no_heading() -> None:
-    localizer = GpsFilter(Pose2(5.0, 7.0, 0.0), REFERENCE._replace(start_heading=math.inf))
+    localizer = GpsFilter(Pose2(5.0, 7.0, 0.0), REFERENCE_NOISE._replace(start_heading=math.inf))
     rng = np.random.default_rng(0)
     for _ in range(120):
         localizer.predict(np.zeros(3), np.array([0.0, 0.0, 9.81]), np.zeros(2), 1.0)
@@ -86,14 +86,14 @@ def test_standing_still_tells_no_heading() -> None:
 def test_the_particles_find_it_too() -> None:
     localizer = ParticleFilter(Pose2(0.0, 0.0, 0.0), ParticleErrors(start_heading=math.inf))
     assert not localizer.heading_known
-    seconds, off = driven_until_known(localizer, REFERENCE, 3)
+    seconds, off = driven_until_known(localizer, REFERENCE_NOISE, 3)
     assert seconds < 40.0
     assert off < math.radians(12.0)
 
 
 def test_particles_that_are_elsewhere_start_again() -> None:
     """One outlier of 30 m at the start kept them there for half an hour."""
-    log = record_course(straight_course(6), REFERENCE, 5)
+    log = record_course(straight_course(6), REFERENCE_NOISE, 5)
     localizer = ParticleFilter(Pose2(30.0, -20.0, 0.5))
     fixes = dict(zip(log.fix_rows.tolist(), log.fixes, strict=True))
     for row in range(len(log.rates)):
@@ -120,7 +120,9 @@ def driven(
     the way. `away` is what a fix is off besides its white error, by its number.
     """
     rng = np.random.default_rng(seed)
-    noise = REFERENCE._replace(antenna=(0.0, 0.0, 0.0), gyro_bias=math.radians(1.0), start_heading=math.inf)
+    noise = REFERENCE_NOISE._replace(
+        antenna=(0.0, 0.0, 0.0), gyro_bias=math.radians(1.0), start_heading=math.inf
+    )
     bank, truth = HeadingBank(Pose2(0.0, 0.0, 0.0), noise, 2.0), Pose2(0.0, 0.0, heading)
     odometry = GyroOdometry()
     for second in range(60):
@@ -136,7 +138,7 @@ def driven(
 @pytest.mark.parametrize("bias", [-1.5, 0.0, 1.5])
 def test_a_biased_gyro_bends_the_track(heading: float, bias: float) -> None:
     bank, truth = driven(math.radians(bias), heading)
-    assert bank.is_known(KNOWN)
+    assert bank.is_known(KNOWN_HEADING_SIGMA_RAD)
     mean, covariance = bank.belief
     off = np.array([mean[0] - truth.x, mean[1] - truth.y, wrap(float(mean[2]) - truth.theta)])
     assert off @ np.linalg.solve(covariance[:3, :3], off) < 14.2  # 99.7 %
@@ -171,7 +173,7 @@ def test_slow_errors_of_the_fixes_cancel_within_a_minute() -> None:
 def test_the_place_follows_the_fixes_while_the_heading_is_open() -> None:
     rng = np.random.default_rng(2)
     localizer = GpsFilter(
-        Pose2(0.0, 0.0, 0.0), REFERENCE._replace(start_heading=math.inf), 3.0, heading_sigma=1e-3
+        Pose2(0.0, 0.0, 0.0), REFERENCE_NOISE._replace(start_heading=math.inf), 3.0, heading_sigma=1e-3
     )
     truth, most = Pose2(0.0, 0.0, 2.0), 0.0
     for _fix in range(40):
@@ -191,18 +193,18 @@ def test_the_place_follows_the_fixes_while_the_heading_is_open() -> None:
 
 def test_a_track_needs_its_heading_less_exactly_than_a_sensor() -> None:
     loose, strict = (
-        GpsFilter(Pose2(0.0, 0.0, 0.0), REFERENCE._replace(start_heading=math.inf), heading_sigma=sigma)
+        GpsFilter(Pose2(0.0, 0.0, 0.0), REFERENCE_NOISE._replace(start_heading=math.inf), heading_sigma=sigma)
         for sigma in (math.radians(10.0), math.radians(2.0))
     )
-    first, second = (driven_until_known(each, REFERENCE, 3)[0] for each in (loose, strict))
+    first, second = (driven_until_known(each, REFERENCE_NOISE, 3)[0] for each in (loose, strict))
     assert first < second
     assert math.sqrt(loose.covariance[2, 2]) <= math.radians(10.5)
 
 
 def test_a_worse_sky_moves_the_place_as_much_as_its_fixes_err() -> None:
     """Fixes see place and slow error together: their sum is as sure by each supposition."""
-    localizer = GpsFilter(Pose2(0.0, 0.0, 0.0), REFERENCE._replace(start_heading=math.inf))
-    driven_until_known(localizer, REFERENCE, 3)
+    localizer = GpsFilter(Pose2(0.0, 0.0, 0.0), REFERENCE_NOISE._replace(start_heading=math.inf))
+    driven_until_known(localizer, REFERENCE_NOISE, 3)
     spreads = [each.belief.covariance for each in localizer.filters]
     sums = [spread[X, X] + 2.0 * spread[X, GPS_X] + spread[GPS_X, GPS_X] for spread in spreads]
     assert max(sums) == pytest.approx(min(sums), rel=1e-6)

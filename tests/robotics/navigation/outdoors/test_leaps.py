@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.outdoors import field_model as states
 from handcart.robotics.navigation.outdoors.field_kalman import FieldKalman, Fixed
-from handcart.robotics.navigation.outdoors.field_noise import REFERENCE, FieldNoise
+from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_NOISE, FieldNoise
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance, GyroOdometry
 from handcart.robotics.navigation.outdoors.sky import leapt, log_normal
 from handcart.robotics.navigation.outdoors.smoothing import TrackRecord
 from handcart.robotics.navigation.outdoors.watched_moment import Belief, mixed
 
-LEAPING = REFERENCE._replace(gps_drift=3.0, gps_drift_time=600.0, jump=3.0, jump_every=100.0)
+LEAPING = REFERENCE_NOISE._replace(gps_drift=3.0, gps_drift_time=600.0, jump=3.0, jump_every=100.0)
 STANDS = Advance(0.0, 0.0, 0.0, 1.0, 1.0, 0.0)
 
 
@@ -45,7 +45,7 @@ def fixes(seed: int, count: int, off: tuple[float, float] = (0.0, 0.0)) -> NDArr
 @pytest.mark.parametrize("size", [2.5, 6.0, 9.0])
 def test_a_leap_is_believed_and_moves_nothing(size: float) -> None:
     """The one who supposes it goes on; the other one doubts for as long as it lasts."""
-    leaping, nominal = standing(LEAPING), standing(REFERENCE)
+    leaping, nominal = standing(LEAPING), standing(REFERENCE_NOISE)
     for filtering in (leaping, nominal):
         seen(filtering, fixes(1, 30))
         seen(filtering, fixes(2, 30, (size, -size)))
@@ -68,11 +68,11 @@ def test_a_rare_leap_that_only_many_fixes_show_is_believed_at_once(size: float) 
 
 
 def test_an_error_that_has_leapt_tells_nothing_of_the_one_before() -> None:
-    root = np.random.default_rng(4).standard_normal((states.SIZE, states.SIZE))
+    root = np.random.default_rng(4).standard_normal((states.STATE_SIZE, states.STATE_SIZE))
     before = root @ root.T
     after = leapt(before, 3.0)
     error = [states.GPS_X, states.GPS_Y]
-    others = [k for k in range(states.SIZE) if k not in error]
+    others = [k for k in range(states.STATE_SIZE) if k not in error]
     assert np.array_equal(after[np.ix_(error, error)], 9.0 * np.eye(2))
     assert not after[np.ix_(error, others)].any()
     assert not after[np.ix_(others, error)].any()
@@ -89,8 +89,8 @@ def test_a_leap_is_what_it_costs() -> None:
 
 
 def test_an_error_that_cannot_leap_has_one_sky() -> None:
-    nominal = standing(REFERENCE)
-    leaping = standing(REFERENCE._replace(jump=3.0, jump_every=1e12))
+    nominal = standing(REFERENCE_NOISE)
+    leaping = standing(REFERENCE_NOISE._replace(jump=3.0, jump_every=1e12))
     for one, other in zip(seen(nominal, fixes(3, 20)), seen(leaping, fixes(3, 20)), strict=True):
         assert one.log_likelihood == pytest.approx(other.log_likelihood, abs=1e-6)
     assert np.allclose(nominal.belief.mean, leaping.belief.mean, atol=1e-6)
@@ -119,7 +119,7 @@ def test_a_mixture_spreads_as_far_as_its_parts() -> None:
 
 def test_lasting_reflection_is_as_likely_as_its_first_fix() -> None:
     """Refused fixes are held against those before them, not each against nothing."""
-    nominal = standing(REFERENCE)
+    nominal = standing(REFERENCE_NOISE)
     seen(nominal, fixes(1, 30))
     off = [each.log_likelihood for each in seen(nominal, fixes(2, 30, (12.0, 12.0)))]
     assert off[0] < -10.0
@@ -128,7 +128,7 @@ def test_lasting_reflection_is_as_likely_as_its_first_fix() -> None:
 
 def test_before_gravity_told_the_tilt_a_fix_is_less_exact() -> None:
     """The antenna of a base that leans isn't above it."""
-    exact = REFERENCE._replace(gps_white=0.01)
+    exact = REFERENCE_NOISE._replace(gps_white=0.01)
     odometry, level = GyroOdometry(), standing(exact)
     lean = math.tan(2.0 * exact.roughness) * exact.antenna[2]
     assert not odometry.levelled

@@ -7,7 +7,7 @@ from benchmarks.field.field_course import zigzag_course
 from benchmarks.field.field_log import record_course
 from benchmarks.field.field_trial import start_pose, try_course
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.outdoors.field_noise import REFERENCE
+from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_NOISE
 from handcart.robotics.navigation.outdoors.particle_filter import ParticleErrors, ParticleFilter
 from handcart.robotics.navigation.outdoors.placement_errors import aligned_spread
 
@@ -25,7 +25,7 @@ def test_it_spreads_like_the_papers_field_test() -> None:
     course = zigzag_course()
     spreads = []
     for seed in range(10):
-        log = record_course(course, REFERENCE, seed)
+        log = record_course(course, REFERENCE_NOISE, seed)
         trial = try_course(log, ParticleFilter(start_pose(log), seed=seed, euler=False))
         spreads.append(aligned_spread(trial.errors, course.targets))
     low, high = np.percentile(spreads, [10, 90], axis=0)

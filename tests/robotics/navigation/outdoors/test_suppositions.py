@@ -11,7 +11,7 @@ from benchmarks.field.field_course import straight_course, zigzag_course
 from benchmarks.field.field_log import record_course
 from benchmarks.field.field_trial import start_pose, try_course
 from benchmarks.field.mismatches import WORLDS
-from handcart.robotics.navigation.outdoors.field_noise import REFERENCE
+from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_NOISE
 from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
 from handcart.robotics.navigation.outdoors.placement_errors import nees
 from handcart.robotics.navigation.outdoors.suppositions import Supposition, suppositions
@@ -19,7 +19,7 @@ from handcart.robotics.navigation.outdoors.suppositions import Supposition, supp
 
 def squares(world: str, seeds: range, alone: bool = False) -> np.ndarray:
     """Of all placements in some runs; `alone`: nothing but what is told is supposed."""
-    supposed = [Supposition(REFERENCE, 1.0, 0)] if alone else None
+    supposed = [Supposition(REFERENCE_NOISE, 1.0, 0)] if alone else None
     found = []
     for seed in seeds:
         log = record_course((straight_course, zigzag_course)[seed % 2](5), WORLDS[world], seed)
@@ -36,7 +36,7 @@ def test_claims_hold_where_the_world_is_not_as_told(world: str) -> None:
 
 
 def test_what_the_world_is_like_is_found_out() -> None:
-    before = GpsFilter(start_pose(record_course(straight_course(1), REFERENCE, 0))).weights
+    before = GpsFilter(start_pose(record_course(straight_course(1), REFERENCE_NOISE, 0))).weights
     for world, rows in (("as told", slice(0, 1)), ("jumps", slice(9, 12))):
         log = record_course(straight_course(6), WORLDS[world], 2)
         localizer = GpsFilter(start_pose(log))
@@ -45,7 +45,7 @@ def test_what_the_world_is_like_is_found_out() -> None:
 
 
 def test_suppositions_that_are_apart_are_unsure() -> None:
-    localizer = GpsFilter(start_pose(record_course(straight_course(1), REFERENCE, 0)))
+    localizer = GpsFilter(start_pose(record_course(straight_course(1), REFERENCE_NOISE, 0)))
     near = localizer.covariance[0, 0]
     localizer.filters[1]._mean[0] += 2.0
     localizer.forget_derived()
@@ -56,8 +56,8 @@ def test_suppositions_that_are_apart_are_unsure() -> None:
 
 def test_fixes_twice_as_far_off_as_they_may_be_contradict_the_claim() -> None:
     """Each could be, all of them can't."""
-    start = start_pose(record_course(straight_course(1), REFERENCE, 0))
-    localizer = GpsFilter(start, supposed=[Supposition(REFERENCE, 1.0, 0)])
+    start = start_pose(record_course(straight_course(1), REFERENCE_NOISE, 0))
+    localizer = GpsFilter(start, supposed=[Supposition(REFERENCE_NOISE, 1.0, 0)])
     rng = np.random.default_rng(3)
     for _ in range(60):
         localizer.predict(np.zeros(3), np.array([0.0, 0.0, 9.81]), np.zeros(2), 1.0)
@@ -69,8 +69,8 @@ def test_fixes_twice_as_far_off_as_they_may_be_contradict_the_claim() -> None:
 
 
 def test_worlds_become_worse_and_never_better() -> None:
-    localizer = GpsFilter(start_pose(record_course(straight_course(1), REFERENCE, 0)))
-    given, worse = suppositions(REFERENCE)[0], suppositions(REFERENCE)[3]
+    localizer = GpsFilter(start_pose(record_course(straight_course(1), REFERENCE_NOISE, 0)))
+    given, worse = suppositions(REFERENCE_NOISE)[0], suppositions(REFERENCE_NOISE)[3]
     assert given.may_become(worse)
     assert not worse.may_become(given)
     assert localizer._becomes[0].tolist() == [1.0] + [0.0] * 11
@@ -106,7 +106,7 @@ def test_turning_slowly_on_the_spot_is_no_creep() -> None:
 
 
 def test_a_minute_of_fixes_far_off_is_an_inconsistency() -> None:
-    localizer = GpsFilter(start_pose(record_course(straight_course(1), REFERENCE, 0)), REFERENCE)
+    localizer = GpsFilter(start_pose(record_course(straight_course(1), REFERENCE_NOISE, 0)), REFERENCE_NOISE)
     rng = np.random.default_rng(1)
     for _ in range(30):
         assert localizer.inconsistency is None

@@ -10,11 +10,11 @@ import pytest
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.outdoors import field_model as states
 from handcart.robotics.navigation.outdoors.field_localizer import inconsistency_of
-from handcart.robotics.navigation.outdoors.field_noise import REFERENCE
+from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_NOISE
 from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
 from handcart.robotics.navigation.outdoors.suppositions import suppositions
 
-GIVEN = REFERENCE._replace(gps_white=2.0, gps_drift=0.5, antenna=(0.0, 0.0, 0.0))
+GIVEN = REFERENCE_NOISE._replace(gps_white=2.0, gps_drift=0.5, antenna=(0.0, 0.0, 0.0))
 DRIFTS = [0.5, math.hypot(0.5, 0.5), math.hypot(0.5, 1.5), math.hypot(0.5, 6.0)]
 SHARES = np.outer([0.55, 0.25, 0.15, 0.05], [0.6, 0.3, 0.1]).ravel()
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, inverse, transform
-from handcart.robotics.perception.blocks.block_finder import TURN, find_block
+from handcart.robotics.perception.blocks.block_finder import MAX_TURN_RAD, find_block
 from handcart.robotics.perception.cameras.camera_model import CameraModel
 
 CAMERA = CameraModel(
@@ -293,7 +293,7 @@ def test_only_near_the_expected_place_and_heading(paint: Painter) -> None:
 
     assert found(0.0095, 0.0, 0.010) and not found(0.0105, 0.0, 0.010)
     assert found(0.025, 0.0, 0.030) and found(0.0, 0.0, 0.001)
-    assert found(0.0, TURN - 0.01, 0.010) and not found(0.0, TURN + 0.01, 0.010)
+    assert found(0.0, MAX_TURN_RAD - 0.01, 0.010) and not found(0.0, MAX_TURN_RAD + 0.01, 0.010)
     assert not found(0.2, 0.0, 0.010)
 
 

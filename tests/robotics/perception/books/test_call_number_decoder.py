@@ -3,9 +3,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.robotics.perception.books.call_number_decoder import SYMBOLS, CallNumberDecoder, Decoded
+from handcart.robotics.perception.books.call_number_decoder import (
+    CALL_NUMBER_SYMBOLS,
+    CallNumberDecoder,
+    Decoded,
+)
 
-CHARACTERS = ["", *SYMBOLS, *"abcdefghijklmnopqrstuvwxyz", "中", " "]
+CHARACTERS = ["", *CALL_NUMBER_SYMBOLS, *"abcdefghijklmnopqrstuvwxyz", "中", " "]
 DECODER = CallNumberDecoder(CHARACTERS)
 
 

@@ -12,7 +12,7 @@ from handcart.robotics.perception.cameras.camera_model import CameraModel
 from handcart.robotics.perception.cameras.charuco_board import CharucoBoard
 from handcart.robotics.perception.cameras.chessboard import Chessboard
 from handcart.robotics.perception.cameras.hand_eye_calibration import HandEyeView, calibrate_hand_eye
-from handcart.robotics.perception.cameras.hand_eye_closed_form import METHODS, closed_form
+from handcart.robotics.perception.cameras.hand_eye_closed_form import HAND_EYE_METHODS, closed_form
 from handcart.robotics.perception.landmarks.landmark_pose import facing
 
 from ..conftest import Tabletop
@@ -159,7 +159,7 @@ def test_views_that_tell_too_little_of_a_camera(tabletop: Tabletop) -> None:
         calibrate_camera(bent, 640, 480)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", HAND_EYE_METHODS)
 def test_each_closed_form_on_exact_poses(method: str) -> None:
     rng = np.random.default_rng(5)
     boards = [looking(rng, 0.4) for _ in range(10)]
@@ -199,7 +199,9 @@ def test_refined_beats_the_closed_forms_with_a_good_arm(tabletop: Tabletop) -> N
         found = calibrate_hand_eye(views, tabletop.camera)
         refined.append(difference(found.hand_T_camera, HAND_T_CAMERA)[0])
         boards = [pose_board(view.board, tabletop.camera).camera_T_board for view in views]
-        starts = [closed_form([view.base_T_hand for view in views], boards, method) for method in METHODS]
+        starts = [
+            closed_form([view.base_T_hand for view in views], boards, method) for method in HAND_EYE_METHODS
+        ]
         closed.append(min(difference(start, HAND_T_CAMERA)[0] for start in starts if start is not None))
     assert np.mean(refined) < 0.6 * np.mean(closed)
 

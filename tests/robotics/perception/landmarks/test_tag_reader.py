@@ -5,7 +5,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from handcart.robotics.perception.landmarks.tag_family import CORRECTING, TagFamily, dictionary, modules_of
+from handcart.robotics.perception.landmarks.tag_family import (
+    CORRECTING_FAMILIES,
+    TagFamily,
+    dictionary,
+    modules_of,
+)
 from handcart.robotics.perception.landmarks.tag_reader import Region, read_tags, tag_pose
 
 from ..conftest import Bookshelf
@@ -94,11 +99,11 @@ def _damaged(family: TagFamily, number: int, bits: int, rng: np.random.Generator
     return np.pad(cells, 30, constant_values=255)
 
 
-@pytest.mark.parametrize("family", ["5x5_250", "apriltag_16h5", *CORRECTING])
+@pytest.mark.parametrize("family", ["5x5_250", "apriltag_16h5", *CORRECTING_FAMILIES])
 def test_one_damaged_bit_is_corrected_where_codes_differ_enough(family: TagFamily) -> None:
     rng = np.random.default_rng(1)
     for number in range(8):
-        for bits, wanted in ((0, [number]), (1, [number] if family in CORRECTING else [])):
+        for bits, wanted in ((0, [number]), (1, [number] if family in CORRECTING_FAMILIES else [])):
             assert [t.id for t in read_tags(_damaged(family, number, bits, rng), family=family)] == wanted
         for bits in (2, 3):
             assert read_tags(_damaged(family, number, bits, rng), family=family) == []
