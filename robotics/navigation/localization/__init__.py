@@ -1,1 +1,1 @@
-"""Where a base is, indoors."""
+"""Localization of a base, indoors."""

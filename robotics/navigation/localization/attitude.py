@@ -1,4 +1,4 @@
-"""How a base is turned and tilted, by its inertial sensors."""
+"""Heading and tilt of a base, by its inertial sensors."""
 
 from __future__ import annotations
 
@@ -67,10 +67,10 @@ class Attitude:
 
 
 def yaw_sigma(walk: float, moved: float) -> float:
-    """Sigma of a difference of `Attitude.yaw`, in [rad], once the bias is learned.
+    """Return the sigma of a difference of `Attitude.yaw`, in [rad], once the bias is learned.
 
     Args:
         walk: the gyro's angle random walk, in [rad/√s].
-        moved: for how long rates were added up in between, in [s].
+        moved: duration over which rates were added up in between, in [s].
     """
     return walk * math.sqrt(moved + moved**2 / BIAS_TIME)

@@ -1,4 +1,4 @@
-"""Whether fixes agree with a filter: one alone, and many in a row."""
+"""Test of fixes against a filter: one alone, and many in a row."""
 
 from __future__ import annotations
 
@@ -31,14 +31,15 @@ class FixMonitor:
         self._sums: list[Array] = []  # normalised innovations (2,) of believed fixes
         self._doubted: list[Array] = []  # residuals (2,) in [m]
         self.doubting = False
-        """Whether fixes are refused until proved right."""
+        """True while fixes are rejected until proved right."""
 
     def suspects(self, residual: Array, covariance: Array) -> int:
-        """How many of the latest fixes can't be believed, this one counted first; 0 if all can.
+        """Return how many of the latest fixes are implausible, this one counted first; 0 if all are
+        plausible.
 
         Args:
             residual: (2,) fix less forecast, in [m].
-            covariance: (2, 2) it should have, in [m²].
+            covariance: (2, 2) expected covariance of the residual, in [m²].
         """
         white = whitened(residual, covariance)
         if float(white @ white) > GATE:
@@ -56,9 +57,10 @@ class FixMonitor:
         return count
 
     def cleared(self, residual: Array, forecast: Array, variance: float) -> bool:
-        """Whether the doubt is over, given this fix's residual (2,) and its `variance` an axis, in [m²].
+        """Return True if the doubt is over, given this fix's residual (2,) and its `variance` an axis, in
+        [m²].
 
-        `forecast` (2, 2) is the filter's own share of the residual's covariance, the same for all of them.
+        `forecast` (2, 2) is the filter's own share of the residual's covariance, common to all of them.
         """
         self._doubted.append(residual)
         del self._doubted[:-AGAIN]

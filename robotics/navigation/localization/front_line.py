@@ -1,4 +1,4 @@
-"""Docking on a straight front: where a shelf stands, seen by a range sensor."""
+"""Docking on a straight front: the line of a shelf's front, seen by a lidar."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ class FrontLine(NamedTuple):
     """A straight front in the base frame."""
 
     distance: float
-    """From the base's origin straight to the line, in [m]."""
+    """Perpendicular distance from the base's origin to the line, in [m]."""
     angle: float
     """Direction of the line's nearest point (of the front's inward normal), in [rad]; 0: square before it."""
     distance_std: float
-    """In [m]."""
+    """Standard deviation of the distance, in [m]."""
     angle_std: float
-    """In [rad]."""
+    """Standard deviation of the angle, in [rad]."""
     inliers: int
     """Points that made the line."""
 
@@ -40,17 +40,17 @@ def fit_front(
 ) -> FrontLine | None:
     """Fit a line to the points of a front: the best of lines through two points, then Tukey's weights.
 
-    What stands before a part of the front, or a part that is open, doesn't pull the line.
+    Obstacles before a part of the front, and open parts, don't pull the line.
 
     Args:
         points: (n, 2) scan points in the base frame, in [m]; several scans from one pose may be stacked.
-        expected: (2, 2) the front's two ends in the base frame, as map and pose have it, in [m].
+        expected: (2, 2) the front's two ends in the base frame, by map and pose, in [m].
         sigma: noise of a range, in [m].
-        gate: how far the front may be from where it is expected, in [m].
-        margin: left out at both ends of the front, in [m]; corners belong to something else as well.
+        gate: largest distance of the front from its expected position, in [m].
+        margin: length ignored at both ends of the front, in [m]; corners belong to other things as well.
 
     Returns:
-        None if too few points belong to one line.
+        The line; None if too few points belong to one line.
     """
     along, normal = _axes(expected)
     local = np.column_stack([(points - expected[0]) @ along, (points - expected[0]) @ normal])

@@ -18,7 +18,7 @@ from handcart.robotics.numerics.compiled import compiled
 
 
 class Reading(NamedTuple):
-    """What a likelihood field says of points."""
+    """Values of a likelihood field at points."""
 
     distances: NDArray[np.float64]
     """(n,) in [m] to the nearest surface; inf outside the map."""
@@ -30,7 +30,7 @@ class LikelihoodField:
     """Distances to the surfaces of a map, ready for matching scans."""
 
     def __init__(self, grid: GridMap) -> None:
-        """Compute the field; takes about a millisecond for 100,000 cells."""
+        """Compute the field; takes roughly a millisecond for 100,000 cells."""
         solid = grid.occupied.astype(np.uint8)
         inner = cv2.erode(solid, np.ones((3, 3), dtype=np.uint8), borderType=cv2.BORDER_REPLICATE)
         away = (solid == inner).astype(np.uint8)

@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 
 
 class FoundTrack(NamedTuple):
-    """Where the fixes say the robot is."""
+    """Pose of the robot according to the fixes."""
 
     pose: Pose2
     covariance: Array
@@ -43,7 +43,9 @@ class LostTrack:
         self._tracks: list[tuple[float, ...]] = []
 
     def take(self, reckoned: Pose2, position: Array, believed: bool) -> None:
-        """A fix of the base's `position` (2,) in [m] came in where odometry alone had `reckoned`."""
+        """Record a fix of the base's `position` (2,) in [m], received when odometry alone was at
+        `reckoned`.
+        """
         self._tracks.append((*reckoned, float(position[0]), float(position[1]), float(believed)))
         del self._tracks[:-LONGEST]
 
@@ -97,7 +99,7 @@ def _shifted(refused: Array, sigma: float, estimate: Pose2, heading_sigma: float
 
 
 def _length(tracks: Array) -> float:
-    """Of the odometry's track, in [m]."""
+    """Return the length of the odometry's track, in [m]."""
     return float(np.hypot(*np.diff(tracks[:, :2], axis=0).T).sum())
 
 

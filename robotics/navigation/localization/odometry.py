@@ -1,4 +1,4 @@
-"""Dead reckoning of a differential drive, with an honest covariance."""
+"""Odometry of a differential drive, with an honest covariance."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ _LEAST = 1e-12 * np.eye(3)  # [m², rad²] of a pose that is certain: it can be 
 
 
 class OdometryErrors(NamedTuple):
-    """One-sigma errors of a differential drive's wheels; by default of wheels that nobody calibrated."""
+    """One-sigma errors of a differential drive's wheels; by default those of uncalibrated wheels."""
 
     radius: float = 0.02
-    """Of each wheel's radius, relative, the same all the time."""
+    """Relative error of each wheel's radius, constant."""
     tread: float = 0.02
-    """Of the distance between the wheels, relative, the same all the time."""
+    """Relative error of the distance between the wheels, constant."""
     slip: float = 0.02
-    """Of each wheel's travel, relative, new every `slip_length`."""
+    """Relative error of each wheel's travel, new every `slip_length`."""
     slip_length: float = 0.1
-    """In [m]."""
+    """Distance after which the slip is new, in [m]."""
 
 
 class Odometry:
@@ -62,7 +62,7 @@ class Odometry:
         """Distance between the wheels, in [m]."""
         self._errors = errors
         self.slip_factor = 1.0
-        """By which the variance of slip is larger than `errors` has it."""
+        """Factor of the slip's variance relative to `errors`."""
         self._scales = np.zeros(3)  # relative: left travel, right travel, tread
         self._state = np.diag([0.0, 0.0, 0.0, errors.radius**2, errors.radius**2, errors.tread**2])
         self._origin = WatchedMoment(Belief(np.array(pose), np.zeros((3, 3))), np.zeros((3, 6)))
@@ -96,7 +96,7 @@ class Odometry:
         return self._origin.relative_pose(now)
 
     def reset(self, pose: Pose2, covariance: NDArray[np.float64] | None = None) -> None:
-        """Forget the pose; what was learned about the wheels is kept."""
+        """Set the pose; keep the calibration of the wheels."""
         self.pose = pose
         self._state[:3] = 0.0
         self._state[:, :3] = 0.0
@@ -162,7 +162,7 @@ class Odometry:
 
     @property
     def errors(self) -> OdometryErrors:
-        """What the wheels are taken to be good for."""
+        """Assumed errors of the wheels."""
         return self._errors
 
     def turn_variance(self, left: float, right: float) -> float:
@@ -193,5 +193,5 @@ def _wheel_jacobian(forward: float, cos: float, sin: float, tread: float) -> NDA
 
 
 def _arc(chord: float, turn: float) -> Pose2:
-    """Where an arc with this chord and turn ends, seen from where it starts."""
+    """Return the end of an arc with this chord and turn, in the frame of its start."""
     return Pose2(float(chord) * math.cos(0.5 * turn), float(chord) * math.sin(0.5 * turn), float(turn))

@@ -1,4 +1,4 @@
-"""Where the robot is, by an indoor positioning system and its wheels."""
+"""Localization by an indoor positioning system and the wheels."""
 
 from __future__ import annotations
 
@@ -105,12 +105,14 @@ class PositioningLocalizer(Localizer):
         return True
 
     def _shift(self) -> None:
-        """What is remembered ends at the corrected pose; the way since stays as it was."""
+        """Move the remembered poses so that they end at the corrected pose; the travel since then is
+        unchanged.
+        """
         moved = self.pose.compose(self._remembered(0).inverse())
         self._shifts = (*self._shifts[:-1], (*self._shifts[-1], moved))
 
     def _remembered(self, periods: int) -> Pose2:
-        """map_T_base of so many periods ago, by all that was taken in since."""
+        """Return map_T_base of so many periods ago, with all corrections since."""
         at = max(0, len(self._poses) - 1 - periods)
         pose = self._poses[at]
         for moved in chain.from_iterable(self._shifts[at:]):

@@ -1,4 +1,4 @@
-"""Whether wheels slip more than is claimed, by how far scans find the heading from where wheels put it."""
+"""Detection of wheels that slip more than assumed, by the difference between headings of scans and wheels."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ class SlipMonitor:
 
     @property
     def factor(self) -> float:
-        """By how much the variance of slip is larger than claimed; at least 1."""
+        """Factor of the slip's variance relative to the assumed one; at least 1."""
         if len(self._ratios) < MIN_WINDOWS:
             return 1.0
         return min(MAX_FACTOR, max(1.0, math.fsum(self._ratios) / len(self._ratios)))
 
     @property
     def begun(self) -> bool:
-        """Whether a window has just begun."""
+        """True if a window has just begun."""
         return self._rolled == 0.0
 
     def roll(self, left: float, right: float, variance: float) -> None:
@@ -58,7 +58,7 @@ class SlipMonitor:
         self.begin()
 
     def begin(self) -> None:
-        """Start a window: what was counted in this one is left out."""
+        """Start a window, and drop the counts of this one."""
         self._missed = self._claimed = self._rolled = 0.0
 
 

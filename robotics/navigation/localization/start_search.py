@@ -1,4 +1,4 @@
-"""Whether a scan belongs to where a robot is said to start, or to another place of the map."""
+"""Test of a stated start by a scan, against all other places of the map."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class Beams(NamedTuple):
     ranges: Array
     """(n,) in [m]; infinity where nothing came back, NaN where nothing is known."""
     reach: float
-    """In [m]."""
+    """Maximum range of the lidar, in [m]."""
 
     @property
     def points(self) -> Array:
@@ -55,19 +55,19 @@ class Beams(NamedTuple):
 
 
 class StartFit(NamedTuple):
-    """What a scan says about a stated start."""
+    """Result of comparing a scan with a stated start."""
 
     share: float
-    """Of the beams that the map explains from the stated start."""
+    """Share of the beams that the map explains from the stated start."""
     other: Pose2 | None = None
     """map_T_base of a place that explains more."""
     other_share: float = 0.0
     is_sure: bool = False
-    """Whether that place is the only one, and explains nearly all."""
+    """True if that place is the only one, and explains nearly all."""
 
     @property
     def contradicts(self) -> bool:
-        """Whether the robot is not where it is said to start."""
+        """True if the robot is not at the stated start."""
         return self.other is not None
 
 

@@ -1,4 +1,4 @@
-"""Whether wheels err in the length of the way more than is claimed, where scans determine it."""
+"""Detection of wheels whose travel errs more than assumed, if scans determine it."""
 
 from __future__ import annotations
 
@@ -28,16 +28,16 @@ class WayMonitor:
         self._claimed += variance
 
     def begin(self) -> None:
-        """Start a window: what was counted in this one is left out."""
+        """Start a window, and drop the counts of this one."""
         self._missed, self._way, self._claimed, self._next = 0.0, 0.0, 0.0, TEST_EVERY_M
 
     def take(self, missed: float, map_sigma: float, scale_variance: float) -> float:
-        """Count a correction along the way; return the size of a scale error that is proven, else 0.
+        """Count a correction along the travel; return the size of a scale error that is proven, otherwise 0.
 
         Args:
-            missed: by which the pose was corrected ahead, in [m].
-            map_sigma: of the map's error at one place, in [m].
-            scale_variance: that is claimed of the length of ways, relative.
+            missed: forward correction of the pose, in [m].
+            map_sigma: sigma of the map's error at one place, in [m].
+            scale_variance: assumed relative variance of the length of travel.
         """
         self._missed += missed
         way = abs(self._way)

@@ -59,9 +59,7 @@ def _nearest_first(distance: NDArray[np.float32], free: NDArray[np.uint8], level
 
 
 def _ridges(distance: NDArray[np.float32], free: NDArray[np.uint8], width: int) -> NDArray[np.uint8]:
-    """Mark cells where distance rises by less than `RIDGE` towards each neighbour: between obstacles on two
-    sides.
-    """
+    """Mark cells where the distance rises less than `MAX_RIDGE_SLOPE` to all sides: between two obstacles."""
     inner = slice(width + 1, free.size - width - 1)
 
     def steepest(*steps: int) -> NDArray[np.float64]:

@@ -40,9 +40,8 @@ class EdgeTable:
         along: (c,) length along the edge up to each cell, in [cells].
         edge_of: (c,) number of the edge that a cell belongs to.
         length: (e,) in [cells].
-        price_along: (c,) like `along`, each step times the price of its cell; `BREAK` more behind a step
-            over
-            a corner that is too narrow.
+        price_along: (c,) like `along`, each step times the price of its cell; `BLOCKED_PRICE` more behind a
+            step over a corner that is too narrow.
         price: (e,) price of each complete edge.
     """
 
@@ -78,7 +77,7 @@ class VoronoiGraph:
     as the rest of the map (everything outside that component, the world beyond the border included) has
     components, less one. Free cells are connected over corners (8), the rest over sides only (4). Where two
     free cells share nothing but a corner and the robot doesn't fit between what is blocked beside it, the
-    graph's edge has a `BREAK`: no route takes it.
+    graph's edge has a `BLOCKED_PRICE`: no route takes it.
     """
 
     map: GridMap

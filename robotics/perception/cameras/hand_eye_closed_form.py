@@ -22,7 +22,7 @@ HAND_EYE_METHODS = {
 def closed_form(
     base_T_hand: Sequence[Transform], camera_T_board: Sequence[Transform], method: str
 ) -> Transform | None:
-    """Return hand_T_camera (4, 4) by one of OpenCV's `METHODS`; None if it breaks down.
+    """Return hand_T_camera (4, 4) by one of OpenCV's `HAND_EYE_METHODS`; None if it breaks down.
 
     OpenCV's gripper2base is base_T_hand, its target2cam camera_T_board, its cam2gripper hand_T_camera.
     """

@@ -21,11 +21,11 @@ import sys
 from pathlib import Path
 from handcart.evaluation.trials.running import run_task
 from handcart.networks.run_options import RunOptions
-from handcart.robotics.numerics.compiled import AHEAD
+from handcart.robotics.numerics.compiled import COMPILED_AHEAD
 from handcart.robotics.numerics.compiling_ahead import types_of
 
 run_task(Path("tasks/track_seam/task.yaml"), Path(sys.argv[1]), RunOptions())
-kernels = [each for module in AHEAD.values() for each in module]
+kernels = [each for module in COMPILED_AHEAD.values() for each in module]
 assert len(kernels) >= 8
 wrong = [kernel for kernel, types in kernels if kernel.dispatcher.signatures != [types_of(types)]]
 print(*(kernel.__name__ for kernel in wrong))
@@ -108,7 +108,7 @@ def test_cores_that_are_free_take_what_is_needed_last(
     monkeypatch.setattr(Begun, "every", [], raising=False)
     monkeypatch.setattr(subprocess, "Popen", Begun)
     monkeypatch.setattr(ahead, "_cores", lambda: cores)
-    monkeypatch.setattr(ahead, "AHEAD", {"first": [], "second": [], "third": []})
+    monkeypatch.setattr(ahead, "COMPILED_AHEAD", {"first": [], "second": [], "third": []})
     kernel = _kernel()
     with ahead.compiling_ahead():
         assert not Begun.every  # nothing has been compiled
