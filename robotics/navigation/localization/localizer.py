@@ -1,4 +1,4 @@
-"""Where the robot is: odometry, with or without scans."""
+"""Indoor localizers: odometry, with or without scans."""
 
 from __future__ import annotations
 
@@ -59,12 +59,12 @@ class Localizer(ABC):
 
     @property
     def odometry(self) -> Odometry:
-        """What the wheels say, corrected."""
+        """Corrected odometry of the wheels."""
         return self._odometry
 
     @property
     def looks(self) -> bool:
-        """Whether scans tell it anything."""
+        """True if it uses scans."""
         return True
 
     @property
@@ -91,14 +91,14 @@ class Localizer(ABC):
 
 
 class OdometryLocalizer(Localizer):
-    """Wheels alone carry the pose while the base drives.
+    """Localizer that uses wheels alone while the base drives.
 
-    With a map, scans at rest are evidence: whether the base was moved while its wheels stood, and where it
-    came to stand after a drive (`check_drive`).
+    With a map, scans at rest are evidence: of a base that was moved while its wheels were still, and of
+    its pose after a drive (`check_drive`).
 
     Attributes:
-        slips: how often a scan contradicted the wheels after a drive.
-        astray: whether the map doesn't explain the scan after the last drive, though it did before.
+        slips: number of drives after which a scan contradicted the wheels.
+        astray: True if the map doesn't explain the scan after the last drive, though it did before.
         explained: share of the points that the map explained when a scan was last compared with it.
     """
 
@@ -121,7 +121,7 @@ class OdometryLocalizer(Localizer):
         field: LikelihoodField | None = None,
         sigma: float = 0.01,
     ) -> None:
-        """As for `Localizer`; `field` of the map, `sigma` the noise of a range in [m]."""
+        """Start like `Localizer`; `field` is that of the map, `sigma` the noise of a range in [m]."""
         super().__init__(start, tread, errors, covariance)
         self._field, self._sigma = field, sigma
         self._stands: Pose2 | None = None
@@ -152,7 +152,7 @@ class OdometryLocalizer(Localizer):
 
     @property
     def unchecked(self) -> bool:
-        """Whether it has driven since a scan was last compared with where the wheels say that it is."""
+        """True if it has driven since a scan was last compared with the wheels' pose."""
         return self._field is not None and self._driven > ROLLS
 
     @property
@@ -168,8 +168,8 @@ class OdometryLocalizer(Localizer):
     def check_drive(self, points: NDArray[np.float64]) -> None:
         """Correct the pose after a drive by a scan at rest, its end points (n, 2) in the base frame, in [m].
 
-        Where chance doesn't explain what lies between them, the wheels slipped, and the scan's pose counts
-        alone. A map that explained no scan before is no evidence.
+        If chance doesn't explain the difference between the two, the wheels slipped, and the scan's pose
+        counts alone. A map that did not explain the scan before is not used.
         """
         if self._field is None:
             return
@@ -197,9 +197,9 @@ class OdometryLocalizer(Localizer):
         self._odometry.correct(pose, (np.eye(3) - gain) @ own)
 
     def find_again(self, points: NDArray[np.float64]) -> bool:
-        """Whether the last two scans of a base that should stand fit the map at different places.
+        """Return True if the last two scans of a base at rest fit the map at different places.
 
-        What lies between them is added to the pose.
+        The difference between them is added to the pose.
         """
         if self._field is None or len(points) < FEWEST_POINTS:
             return False
@@ -222,7 +222,7 @@ class ScanLocalizer(Localizer):
     """Odometry corrected by matching scans with a map.
 
     Attributes:
-        last_match: what the latest scan gave, taken over or not; None before the first.
+        last_match: match of the latest scan, accepted or not; None before the first.
     """
 
     STATE: ClassVar[Mapping[str, Any]] = {
@@ -264,17 +264,17 @@ class ScanLocalizer(Localizer):
         self._poor = 0
         self._map_error = np.zeros((3, 3))  # factor, as in `ScanMatch`
         self.misplaced = False
-        """Whether the first scan says that the robot does not stand where it should, but not where."""
+        """True if the first scan contradicts the stated start, but does not reveal the true one."""
         self.slip = SlipMonitor()
-        """Whether the wheels slip more than is claimed."""
+        """Monitor of wheels that slip more than assumed."""
         self._rolled = (0.0, 0.0)  # by the wheels in its window
         self.way = WayMonitor()
-        """Whether ways are longer or shorter than the wheels say."""
+        """Monitor of travel that is longer or shorter than measured by the wheels."""
         self.last_match: ScanMatch | None = None
 
     @property
     def sure(self) -> bool:
-        """Whether the last scan was believed."""
+        """True if the last scan was accepted."""
         return self.last_match is not None and self._poor == 0
 
     @property
@@ -301,7 +301,9 @@ class ScanLocalizer(Localizer):
 
     @property
     def lost(self) -> bool:
-        """Whether the last scans didn't fit the map anywhere near, or the first one not where it should."""
+        """True if the last scans didn't fit the map anywhere near, or the first one not at the stated
+        start.
+        """
         return self.misplaced or self._poor >= self._patience
 
     def correct(self, points: NDArray[np.float64]) -> bool:
@@ -326,8 +328,8 @@ class ScanLocalizer(Localizer):
     def check_start(self, beams: Beams) -> StartFit:
         """Compare the stated start with all other places of the map, by the first scan.
 
-        Where one other place alone explains the scan, the pose is there; where several do, or none fully, the
-        robot is misplaced.
+        If exactly one other place explains the scan, the pose is set to it; if several do, or none
+        completely, the robot is misplaced.
         """
         noise = math.hypot(self._sigma, CELL_SIGMA * self._field.map.resolution)
         fit = check_start(self._field, beams, self.pose, noise)
@@ -337,7 +339,7 @@ class ScanLocalizer(Localizer):
         return fit
 
     def _count_slip(self, match: ScanMatch) -> None:
-        """Compare the turn that the wheels missed with what is claimed, where the scan alone tells it."""
+        """Compare the turn that the wheels missed with the assumed slip, if the scan alone determines it."""
         if match.kept[2, 2] > SCANS_TELL or self._poor:
             self.slip.begin()
         else:
@@ -347,7 +349,7 @@ class ScanLocalizer(Localizer):
             self._rolled = (0.0, 0.0)
 
     def _count_way(self, match: ScanMatch) -> None:
-        """Compare the way with what the wheels say, where the scan alone tells it."""
+        """Compare the travel with the wheels' measurement, if the scan alone determines it."""
         cos, sin = math.cos(self.pose.theta), math.sin(self.pose.theta)
         (xx, xy, _), (yx, yy, _), _ = match.kept.tolist()
         if cos * (xx * cos + xy * sin) + sin * (yx * cos + yy * sin) > SCANS_TELL or self._poor:
@@ -381,7 +383,7 @@ class ScanLocalizer(Localizer):
 
 
 def _apart(before: Pose2, after: ScanMatch, field: LikelihoodField) -> bool:
-    """Whether two poses that scans gave are of two places; where scans tell little, they lie apart anyhow."""
+    """Return True if two poses by scans are different places, beyond the uncertainty of the scans."""
     most = max(DISPLACED[0], SHARE_OF_CELL * field.map.resolution)
     if before.distance(after.pose) <= most and before.turn(after.pose) <= DISPLACED[1]:
         return False
@@ -396,5 +398,5 @@ def _between(before: Pose2, after: Pose2) -> NDArray[np.float64]:
 
 
 def _worst_variance(covariance: NDArray[np.float64]) -> float:
-    """In [m²], of a position along its worst direction."""
+    """Return the variance of a position along its worst direction, in [m²]."""
     return float(np.linalg.eigvalsh(covariance[:2, :2])[-1])
