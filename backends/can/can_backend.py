@@ -60,21 +60,21 @@ class CanBackend(Backend):
         """Open the interface, and set the drives up.
 
         Args:
-            robot: its file.
-            bench: simulated drives, taken over; None: real ones.
+            robot: the robot's file.
+            bench: simulated drives, owned by the backend from now on; None: real ones.
 
         Raises:
             NoDrives: the robot's file has no section `can`.
-            TooManyCounts: what an axis may be told doesn't fit into the drives' 32 bits.
+            TooManyCounts: a possible command to an axis doesn't fit into the drives' 32 bits.
             NoInterface: the interface can't be opened.
-            NoSensor: a sensor beside the drives can't be opened, or gives nothing.
+            NoSensor: a sensor that is not on the bus can't be opened, or delivers nothing.
             CanFault: a drive is missing, is of a wrong kind, or is not set as it should be.
         """
         if robot.can is None:
             raise NoDrives()
         self.period = robot.period_s
         self.bench = bench
-        """What is simulated; None with real drives."""
+        """The simulated drives; None with real drives."""
         self.simulated = bench is not None
         self.address = f"{robot.can.interface} {robot.can.channel}"
         self._spec, self._periods = robot.can, 0
@@ -82,7 +82,7 @@ class CanBackend(Backend):
         self._enabled = self._closed = False
         self._sensors: list[LiveSensor] = []
         self.epoch = 0
-        """Goes up with each stop: what was commanded in an earlier one moves nothing."""
+        """Number of stops; commands of an earlier epoch move nothing."""
         self.axes = Axes(robot, robot.can)
         """The drives, by what they move."""
         self._parts = CanParts(robot, robot.can, self.axes)
@@ -318,9 +318,10 @@ class CanBackend(Backend):
             self._parts.halt()
 
     def _brake(self) -> None:
-        """Go on until all have told that they stand.
+        """Repeat the quick stop until all axes report that they are at rest.
 
-        The order is repeated: drives that hear no command for a while leave OPERATIONAL, and then take none.
+        The order is repeated because drives that hear no command for a while leave OPERATIONAL, and then
+        take none.
         """
         for _ in range(self.axes.periods_to_rest):
             self._heartbeat.beat()
@@ -332,11 +333,11 @@ class CanBackend(Backend):
                 self._pace.wait()
 
     def _deliver(self) -> None:
-        """See to it that what was sent is taken in."""
+        """Process the frames that have been sent."""
         self._line.wait(lambda: False, 0.0)
 
     def _now(self) -> float:
-        """In [s]: the bench's time, or the monotonic clock's."""
+        """Return the time in [s]: the bench's, or the monotonic clock's."""
         return self.bench.time if self.bench else time.monotonic()
 
     def _stamp(self) -> float:
@@ -344,14 +345,14 @@ class CanBackend(Backend):
 
 
 def _same_kind(part: Capability, own: tuple[Capability, ...]) -> bool:
-    """Whether a capability is of a kind that is there already."""
+    """Return whether a capability is of the same kind as one of `own`."""
     kinds = {kind for each in own for kind in type(each).__mro__ if Capability in kind.__bases__}
     return isinstance(part, tuple(kinds))
 
 
 @contextmanager
 def _bus(doing: str) -> Iterator[None]:
-    """Tell of a failing interface in our words."""
+    """Raise errors of the interface as `BusFault`."""
     try:
         yield
     except can.CanError as error:

@@ -28,11 +28,11 @@ class CanGripper(Gripper):
         self._command = 0.0
 
     def begin(self) -> None:
-        """The drive is about to be enabled: what it holds is what was measured."""
+        """Take the measured width as the command, before the drive is enabled."""
         self._command = min(max(0.0, self._axis.position), self._spec.opening_mm / 1e3)
 
     def holds(self, width: float) -> None:
-        """What it was commanded last, in [m]."""
+        """Set the last command to a width in [m]."""
         self._command = width
 
     @override
@@ -57,7 +57,7 @@ class CanGripper(Gripper):
         return stands and self._axis.torque <= -_PRESSES * most
 
     def halt(self) -> None:
-        """Hold: fingers that press go on pressing, those that move stop."""
+        """Hold: pressing fingers continue to press, moving fingers stop."""
         if not self.closed_on_something():
             self._command = min(self.width(), self._spec.opening_mm / 1e3)
 

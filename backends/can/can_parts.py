@@ -1,4 +1,4 @@
-"""What a robot with CAN drives can do."""
+"""Capabilities of a robot with CAN drives."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ from .can_gripper import CanGripper
 
 
 class CanParts:
-    """The capabilities that drives stand behind."""
+    """The capabilities that drives provide."""
 
     def __init__(self, robot: RobotFile, spec: CanSpec, axes: Axes) -> None:
-        """Those of a robot's file."""
+        """Build the capabilities that a robot's file declares."""
         self.base = CanBase(robot.drive, axes.left, axes.right)
         self.arm: CanArm | None = None
         """None where the robot has none."""
@@ -41,7 +41,7 @@ class CanParts:
             self.gripper = CanGripper(robot.gripper, axes.gripper)
 
     def capabilities(self) -> tuple[Capability, ...]:
-        """Those that there are."""
+        """The capabilities that this robot has."""
         return tuple(each for each in (self.base, self.arm, self.gripper) if each is not None)
 
     def begin(self) -> None:
@@ -59,7 +59,7 @@ class CanParts:
 
     @property
     def travel(self) -> WheelTravel:
-        """How far the wheels have rolled."""
+        """Travel of the wheels."""
         return self.base.wheel_travel()
 
     @travel.setter
@@ -68,7 +68,7 @@ class CanParts:
 
     @property
     def joints(self) -> NDArray[np.float64] | None:
-        """What the arm is commanded, (n,) in [rad]."""
+        """The arm's command, (n,) in [rad]; None without an arm."""
         return None if self.arm is None else self.arm.command()
 
     @joints.setter
@@ -78,7 +78,7 @@ class CanParts:
 
     @property
     def opening(self) -> float | None:
-        """What the gripper is commanded, in [m]."""
+        """The gripper's command, in [m]; None without a gripper."""
         return None if self.gripper is None else self.gripper.command()
 
     @opening.setter
@@ -102,7 +102,7 @@ class CanParts:
 
 
 def capabilities_of(robot: RobotFile) -> tuple[type[Capability], ...]:
-    """What a robot's file says that it can do by CAN and the sensors of its section `can`."""
+    """Return the capabilities that a robot has through its drives and the sensors of its section `can`."""
     spec = robot.can
     if spec is None:
         return ()

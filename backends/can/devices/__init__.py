@@ -1,1 +1,1 @@
-"""What makers say of their drives, and what drives lack."""
+"""Manufacturers' descriptions of drives, and features that drives lack."""

@@ -44,7 +44,7 @@ def _interface(spec: CanSpec) -> Iterator[tuple[Place, str]]:
 
 
 def _held(spec: CanSpec) -> Iterator[tuple[Place, str]]:
-    """What would fall when it is stopped."""
+    """Find axes whose load would fall at a stop."""
     for place, axis in placed_axes(spec):
         if axis.gravity and not axis.brake and axis.stop != "hold":
             words = f"an axis under gravity without a brake would fall with stop: {axis.stop}"
@@ -55,7 +55,7 @@ def _held(spec: CanSpec) -> Iterator[tuple[Place, str]]:
 
 
 def _load(robot: RobotFile, spec: CanSpec) -> Iterator[tuple[Place, str]]:
-    """Whether the bus carries what goes over it each period."""
+    """Find a bus that can't carry its cyclic frames."""
     load = bus_load(spec, robot.period_s)
     if load.too_much:
         words = (

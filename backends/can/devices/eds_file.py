@@ -86,7 +86,13 @@ def _sign_defaults(dictionary: ObjectDictionary) -> None:
 
 
 def missing_objects(dictionary: ObjectDictionary, needed: Mapping[int, str], name: str) -> list[Finding]:
-    """What a file that is called so lacks of the objects that are needed, by index, with what each is."""
+    """Return a finding if an EDS file lacks needed objects.
+
+    Args:
+        dictionary: objects of the file.
+        needed: description of each needed object, by index.
+        name: name of the file in the finding.
+    """
     lacking = [f"{index:04X}h ({what})" for index, what in needed.items() if index not in dictionary]
     if not lacking:
         return []
@@ -94,7 +100,7 @@ def missing_objects(dictionary: ObjectDictionary, needed: Mapping[int, str], nam
 
 
 def _sections(text: str) -> list[_Section]:
-    """All that can be told of lines, however wrong others are."""
+    """Return all sections that can be read, whatever is wrong with other lines."""
     found: list[_Section] = []
     for number, line in enumerate(text.splitlines(), 1):
         head = re.match(r"\s*\[([^\]]*)\]", line)
@@ -109,7 +115,7 @@ def _sections(text: str) -> list[_Section]:
 
 
 def _findings(name: str, sections: list[_Section]) -> Iterator[Finding]:
-    """What the library would choke on without saying where."""
+    """Find entries that the library would reject without naming the place."""
     if all(each.name != "DeviceInfo" for each in sections):
         yield Finding(name, 1, 1, "there is no section [DeviceInfo]; needed by CiA 306")
     objects = {int(each.name, 16): each for each in sections if _OBJECT.fullmatch(each.name)}

@@ -20,7 +20,7 @@ SECTIONS = (
     "OptionalObjects",
     "ManufacturerObjects",
 )
-"""As the library spells them, also its DeviceComissioning."""
+"""Section names as the library spells them, including its DeviceComissioning."""
 NUMBER_KEYS = (
     "ObjectType",
     "DataType",

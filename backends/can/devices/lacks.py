@@ -1,4 +1,4 @@
-"""What a drive may lack, if its robot's file accepts what follows from that."""
+"""Features that a drive may lack if its robot's file accepts the consequences."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ class Lack(NamedTuple):
     objects: tuple[int, ...]
     what: str
     then: str
-    """What follows if a drive is used without them."""
+    """Consequence of using a drive without these objects."""
     positioned: bool = False
-    """Whether only drives that are told positions need them."""
+    """True if only drives under position control need them."""
 
 
 LACKS: Mapping[Without, Lack] = {
@@ -58,7 +58,7 @@ LACKS: Mapping[Without, Lack] = {
         True,
     ),
 }
-"""By the words of the robot's file."""
+"""Lacks by their names in the robot's file."""
 
 
 def left_out(axis: AxisSpec) -> frozenset[int]:
@@ -67,16 +67,16 @@ def left_out(axis: AxisSpec) -> frozenset[int]:
 
 
 def lack_of(index: int) -> Without | None:
-    """The word that accepts that there is no such object; None where there is none."""
+    """Return the name of the lack that a missing object belongs to; None if the object is always needed."""
     return next((word for word, lack in LACKS.items() if index in lack.objects), None)
 
 
 def accepting(index: int) -> str:
-    """How the robot's file accepts that there is no such object; "" where it can't."""
+    """Return how the robot's file can accept that an object is missing; "" if it can't."""
     word = lack_of(index)
     return "" if word is None else f"; if it has none: {LACKS[word].then}; to accept that: without: [{word}]"
 
 
 def not_watched(axis: AxisSpec) -> list[str]:
-    """What its robot's file accepts, in words."""
+    """Return the lacks that an axis accepts, in words."""
     return [f"without {LACKS[each].what}: {LACKS[each].then}" for each in axis.without]

@@ -31,10 +31,10 @@ class Axes(Mapping[str, Axis]):
     """
 
     def __init__(self, robot: RobotFile, spec: CanSpec) -> None:
-        """Drives by a robot's file and its section `can`; nothing is sent yet.
+        """Plan the drives by a robot's file and its section `can`, without sending anything.
 
         Raises:
-            TooManyCounts: what an axis can be told doesn't fit into 32 bits.
+            TooManyCounts: a possible command to an axis doesn't fit into 32 bits.
             FileError: an EDS file is missing, or can't be read.
         """
         self._spec, self._period = spec, robot.period_s
@@ -44,7 +44,7 @@ class Axes(Mapping[str, Axis]):
         }
         self.left, self.right = self._axes["left wheel"], self._axes["right wheel"]
         self.joints = [self._axes[f"joint {number}"] for number in range(1, len(spec.joints) + 1)]
-        """In the order of the arm's."""
+        """Axes in the order of the arm's joints."""
         self.gripper = self._axes.get("gripper")
 
     def __getitem__(self, name: str) -> Axis:
@@ -58,7 +58,7 @@ class Axes(Mapping[str, Axis]):
 
     @property
     def names(self) -> dict[int, str]:
-        """What people call the drives, by node ID."""
+        """Names of the drives for people, by node ID."""
         return {axis.spec.node: axis.name for axis in self.values()}
 
     def set_up(self, line: CanLine) -> None:
@@ -69,7 +69,7 @@ class Axes(Mapping[str, Axis]):
         set_up(self.values(), self._spec, self._period)
 
     def look(self) -> None:
-        """See where all of them stand; raises `CanFault`."""
+        """Read the positions of all axes; raise `CanFault`."""
         look(self.values())
 
     def enable(self, simulated: bool, beat: Callable[[], None]) -> None:
@@ -92,7 +92,7 @@ class Axes(Mapping[str, Axis]):
         self._line.wait(lambda: all(axis.answered for axis in axes), _ANSWER_WITHIN * self._period)
 
     def check(self) -> None:
-        """Whether all is well after a SYNC; raises `CanFault`."""
+        """Check all axes after a SYNC; raise `CanFault` if one is faulty."""
         for check in self._checks:
             check.check()
 
@@ -102,7 +102,7 @@ class Axes(Mapping[str, Axis]):
             axis.end_handshake()
 
     def hold(self) -> None:
-        """From the next period on every axis slows down and holds."""
+        """Let every axis slow down and hold from the next period on."""
         for axis in self.values():
             axis.hold()
 
@@ -112,7 +112,7 @@ class Axes(Mapping[str, Axis]):
 
     @property
     def at_rest(self) -> bool:
-        """Whether all have told that they stand."""
+        """True if all axes have reported that they are at rest."""
         return all(axis.answered and axis.stands for axis in self.values())
 
     @property
@@ -122,7 +122,7 @@ class Axes(Mapping[str, Axis]):
         return 3 + round(longest / self._period)
 
     def disable(self) -> None:
-        """Take the torque away where it may be; what holds goes on holding."""
+        """Remove the torque where that is allowed; axes with stop: hold keep theirs."""
         _each(axis.disable for axis in self.values())
 
     def leave(self) -> None:
@@ -131,7 +131,7 @@ class Axes(Mapping[str, Axis]):
 
     @property
     def holding(self) -> tuple[Axis, ...]:
-        """Those that keep their torque when the program ends."""
+        """Axes that keep their torque when the program ends."""
         return tuple(axis for axis in self.values() if axis.spec.stop == HOLD)
 
 

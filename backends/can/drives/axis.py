@@ -57,19 +57,19 @@ class Axis(canopen.RemoteNode):
         dictionary: ObjectDictionary,
         period: float,
     ) -> None:
-        """A drive that is on no network yet.
+        """Create a drive that is not on a network yet.
 
         Args:
-            name: how people call what it moves.
+            name: name of the axis for people.
             spec: from the robot's file.
-            mode: of operation (6060h).
-            units: of what it moves.
-            limits: the same.
-            dictionary: its objects.
-            period: between two SYNCs, in [s].
+            mode: mode of operation (6060h).
+            units: units of the axis.
+            limits: limits of the axis.
+            dictionary: objects of the drive.
+            period: time between two SYNCs, in [s].
 
         Raises:
-            TooManyCounts: what it may be told doesn't fit into 32 bits.
+            TooManyCounts: a possible command doesn't fit into 32 bits.
         """
         super().__init__(spec.node, dictionary)
         self.name = f"the {name} drive (node {spec.node})"
@@ -79,12 +79,12 @@ class Axis(canopen.RemoteNode):
         if not max([most, *map(abs, ends)]) < 2**31:
             raise TooManyCounts(self.name, max([most, *map(abs, ends)]))
         self.positioned = mode in (PROFILE_POSITION, CYCLIC_POSITION)
-        """Whether it is told positions, not speeds."""
+        """True if its commands are positions, False if speeds."""
         self.left_out = left_out(spec)
         """Objects that it is used without."""
         self.layout = layout(mode, self.left_out)
         self.expected = ExpectedMotion(mode, limits)
-        """What it should do by now."""
+        """Motion expected from the commands."""
         self._target, self._top = 0.0, limits.speed
         self._sent: int | None = None
         self._asks = False
@@ -100,12 +100,12 @@ class Axis(canopen.RemoteNode):
         self._told_way = 0.0
         """How far it has moved since then by the velocities that it told, in [counts]."""
         self.odd = 0
-        """How many positions in a row couldn't be."""
+        """Number of impossible positions in a row."""
         self.ignored = 0
-        """How many set-points in a row it hasn't taken."""
+        """Number of set-points in a row that the drive hasn't accepted."""
         self._reported = dict.fromkeys((index for each in self.layout.answers for index in each.objects), 0)
         self.travel = 0.0
-        """How far it has moved since it was built, in [m] or [rad]."""
+        """Travel since it was built, in [m] or [rad]."""
         self.contradiction = 0.0
         """By how much that differs from what the velocities say that it told, in [m] or [rad]."""
         for pdo, planned in zip(self._commands, self.layout.commands, strict=False):
@@ -126,13 +126,13 @@ class Axis(canopen.RemoteNode):
     # Single objects, at rest
 
     def read(self, index: int, subindex: int = 0) -> int:
-        """What an object is.
+        """Read an object.
 
         Raises:
             SilentDrive: nothing answers.
-            WrongDrive: what it answers is no answer.
-            SdoAbortedError: it refuses.
-            KeyError: it has no such object, by its EDS file.
+            WrongDrive: the answer is invalid.
+            SdoAbortedError: the drive refuses.
+            KeyError: the drive's EDS file has no such object.
         """
         with self._asked_for(index):
             return int(self._object(index, subindex).raw)
@@ -164,11 +164,11 @@ class Axis(canopen.RemoteNode):
     # On the network
 
     def start(self) -> None:
-        """From now on it takes commands, and answers (NMT)."""
+        """Let the drive take commands and send answers (NMT start)."""
         self.network.send_message(0, bytes([_START, self.spec.node]))
 
     def leave(self) -> None:
-        """From now on it takes no commands (NMT)."""
+        """Let the drive take no more commands (NMT enter pre-operational)."""
         self.network.send_message(0, bytes([_PREPARE, self.spec.node]))
 
     def save_pdos(self) -> None:
@@ -189,7 +189,7 @@ class Axis(canopen.RemoteNode):
     # Commanding
 
     def command(self, target: float) -> None:
-        """What the next period is for: a speed in [m/s], or a position in [m] or [rad]."""
+        """Set the target of the next period: a speed in [m/s], or a position in [m] or [rad]."""
         self._target = target
 
     def stand(self, position: float) -> None:
@@ -273,7 +273,7 @@ class Axis(canopen.RemoteNode):
 
     @property
     def ever_answered(self) -> bool:
-        """Whether it has answered a SYNC."""
+        """True if it has answered a SYNC."""
         return self._answered > 0
 
     @property
@@ -283,7 +283,7 @@ class Axis(canopen.RemoteNode):
 
     @property
     def answered(self) -> bool:
-        """Whether all answers to the last SYNC are there."""
+        """True if all answers to the last SYNC have arrived."""
         return len(self._fresh) == len(self.layout.answers)
 
     def _on_answer(self, pdo: PdoMap) -> None:
@@ -334,7 +334,7 @@ class Axis(canopen.RemoteNode):
 
     @property
     def position(self) -> float:
-        """Where it stands, in [m] or [rad]."""
+        """Measured position, in [m] or [rad]."""
         return self.units.position(0 if self._counts is None else self._counts)
 
     def place(self, counts: int, velocity: int = 0, torque: int = 0) -> None:
@@ -345,22 +345,22 @@ class Axis(canopen.RemoteNode):
 
     @property
     def slack(self) -> float:
-        """By which it may stand beyond its limits when it is enabled, in [m] or [rad]."""
+        """Largest distance beyond its limits at which it may be enabled, in [m] or [rad]."""
         return self.limits.window if self.positioned else math.inf
 
     @property
     def velocity(self) -> float:
-        """In [m/s] or [rad/s]."""
+        """Measured velocity, in [m/s] or [rad/s]."""
         return self.units.speed(self._reported[0x606C])
 
     @property
     def torque(self) -> float:
-        """Share of its rated torque, positive where its position grows; 0 where it tells none."""
+        """Share of its rated torque, positive where its position grows; 0 if the drive reports none."""
         return math.copysign(1.0, self.units.scale) * self._reported.get(0x6077, 0) / 1000.0
 
     @property
     def tells_torque(self) -> bool:
-        """Whether it has a torque actual value."""
+        """True if the drive has a torque actual value (6077h)."""
         return 0x6077 not in self.left_out
 
     @property
@@ -369,28 +369,28 @@ class Axis(canopen.RemoteNode):
 
     @property
     def drive_state(self) -> str:
-        """By its last statusword, as in CiA 402."""
+        """CiA 402 state by the last statusword."""
         return state_of(self._status)
 
     @property
     def stands(self) -> bool:
-        """By its last velocity."""
+        """True if the last reported velocity is about zero."""
         return abs(self.velocity) <= _STANDS * self.limits.speed
 
     @property
     def mode_display(self) -> int:
-        """Its mode of operation (6061h), as it told it last."""
+        """Mode of operation (6061h) that the drive reported last."""
         return self._reported[0x6061]
 
     @property
     def fault(self) -> str:
-        """What it says about its fault, "" if nothing: its error code, else its last emergency message."""
+        """Description of the fault, "" if none: the error code, or else the last emergency message."""
         active = self.emcy.active[-1].code if self.emcy.active else 0
         return fault_words(self._reported.get(0x603F, 0) or active)
 
 
 def state_of(statusword: int) -> str:
-    """The state that a statusword tells, as in CiA 402."""
+    """Return the CiA 402 state that a statusword encodes."""
     matches = (name for name, (mask, bits) in State402.SW_MASK.items() if statusword & mask == bits)
     return next(matches, f"unknown (statusword {statusword:04X}h)")
 

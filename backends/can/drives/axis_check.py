@@ -1,4 +1,4 @@
-"""Whether a drive does what it is told."""
+"""Check that a drive follows its commands."""
 
 from __future__ import annotations
 
@@ -42,13 +42,13 @@ class AxisCheck:
         """Of its position and its velocity, in the last periods."""
 
     def check(self) -> None:
-        """A period has passed.
+        """Check the axis after a period.
 
         Raises:
             SilentDrive: it hasn't answered for too long.
-            LostAnswers: or too often.
+            LostAnswers: too many answers were lost.
             DriveNotReady: it is in another state or mode.
-            OffDemand: it doesn't do what it is told.
+            OffDemand: it doesn't follow its commands.
         """
         axis = self._axis
         axis.advance()

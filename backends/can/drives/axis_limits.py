@@ -1,4 +1,4 @@
-"""What an axis may ever be asked to do."""
+"""Limits of the commands to an axis."""
 
 from __future__ import annotations
 
@@ -13,23 +13,23 @@ _QUICKER = 2.0  # than usual slowing down: a quick stop
 _STIFFER = 10.0  # than the arm's own ramps: a drive that plans ways to points must not lag behind
 _OPENS = 20.0  # a second: the fingers are at speed within 50 ms
 FULL_TORQUE = 1000
-"""What a drive calls its rated torque (6077h)."""
+"""Value of the torque object (6077h) at rated torque."""
 
 
 class AxisLimits(NamedTuple):
-    """In [m] and [m/s] of a rim or of the fingers' opening, or in [rad] and [rad/s] of a joint."""
+    """Limits in [m] and [m/s] for a rim or the fingers' opening, or in [rad] and [rad/s] for a joint."""
 
     speed: float
-    """The most that it is told."""
+    """Highest commanded speed."""
     acceleration: float
-    """Of the drive's ramps."""
+    """Acceleration of the drive's ramps."""
     braking: float
-    """Of a quick stop."""
+    """Deceleration of a quick stop."""
     lower: float
-    """Of its positions; minus infinity: turns without end."""
+    """Lowest position; minus infinity: turns without end."""
     upper: float
     window: float
-    """By which its position may be off; infinity: it may be blocked."""
+    """Largest following error; infinity: the axis may be blocked."""
     torque: int
     """The most, in thousandths of the rated one."""
 
@@ -47,14 +47,14 @@ def rim_acceleration(robot: RobotFile) -> float:
 
 
 def wheel_limits(robot: RobotFile, spec: WheelDriveSpec) -> AxisLimits:
-    """Of a wheel's rim."""
+    """Return the limits of a wheel's rim."""
     speed, rate = rim_speed(robot), rim_acceleration(robot)
     window = spec.following_mm / 1e3
     return AxisLimits(speed, rate, _QUICKER * rate, -math.inf, math.inf, window, FULL_TORQUE)
 
 
 def joint_limits(robot: RobotFile, spec: JointDriveSpec, model: ArmModel, joint: int) -> AxisLimits:
-    """Of the arm's joint with that index."""
+    """Return the limits of the arm's joint with that index."""
     assert robot.arm is not None
     speed = min(float(model.velocity[joint]), float(robot.joint_speeds()[joint]))
     rate = float(robot.joint_accelerations()[joint])
@@ -67,7 +67,7 @@ def joint_limits(robot: RobotFile, spec: JointDriveSpec, model: ArmModel, joint:
 
 
 def gripper_limits(robot: RobotFile, spec: GripperDriveSpec) -> AxisLimits:
-    """Of the fingers' opening."""
+    """Return the limits of the fingers' opening."""
     assert robot.gripper is not None
     speed, opening = robot.gripper.speed_mm_s / 1e3, robot.gripper.opening_mm / 1e3
     torque = round(10.0 * spec.top_torque_percent)

@@ -1,4 +1,4 @@
-"""What a drive has to be set to."""
+"""Settings that a drive needs."""
 
 from __future__ import annotations
 
