@@ -1,1 +1,1 @@
-"""Capabilities that a backend may have."""
+"""Capabilities of a backend."""

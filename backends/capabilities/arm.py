@@ -20,16 +20,16 @@ class Arm(Capability):
 
     @abstractmethod
     def move(self, joints: NDArray[np.float64]) -> None:
-        """Command the joint values at the end of the next period, (n,) in [rad].
+        """Command the joint angles at the end of the next period, (n,) in [rad].
 
         Raises:
-            CommandError: a value isn't finite, beyond its limit, or further than the joint's top speed
-                takes it in one period.
+            CommandError: a value is not finite, is beyond its limit, or needs more than the joint's top
+                speed for one period.
         """
 
     @abstractmethod
     def command(self) -> NDArray[np.float64]:
-        """The last commanded joint angles, (n,) in [rad], which the arm holds."""
+        """Return the last commanded joint angles, (n,) in [rad], which the arm holds."""
 
     @abstractmethod
     def joints(self) -> NDArray[np.float64]:
@@ -37,7 +37,8 @@ class Arm(Capability):
 
     @abstractmethod
     def hand_force(self) -> NDArray[np.float64]:
-        """The force that the surroundings put on the hand or the held object, (3,) in [N], in the hand frame.
+        """Return the force of the surroundings on the hand or its object, (3,) in [N], in the hand frame.
 
-        Measured by a wrist sensor or by the joints' efforts; the weight of the held object is subtracted.
+        It comes from a wrist sensor or from the joints' efforts; the weight of the held object is
+        subtracted.
         """

@@ -19,11 +19,11 @@ class BeaconRanges(NamedTuple):
 
 
 class Beacons(Capability):
-    """Ranges to radio beacons, as ultra-wideband radio measures them."""
+    """Radio beacons that measure ranges, such as ultra-wideband."""
 
     READINGS: ClassVar = {"ranges": Reading("beacons", ("distances",))}
     FILE_KEY = "beacons"
 
     @abstractmethod
     def ranges(self) -> BeaconRanges | None:
-        """Return the ranges measured during this period; None if there are none."""
+        """Return the ranges measured during this period; None if the radio measured nothing."""

@@ -1,4 +1,4 @@
-"""Base class of everything that a backend may be able to do."""
+"""Base class of the capabilities of a backend."""
 
 from __future__ import annotations
 
@@ -9,24 +9,22 @@ from typing import ClassVar, NamedTuple
 
 
 class Reading(NamedTuple):
-    """Declaration of a method that senses."""
+    """Reading that a method of a capability returns."""
 
     sensor: str
-    """Name of the sensor in faults; two methods may share one sensor."""
+    """Name of the sensor in faults; two methods may belong to one sensor."""
     measured: tuple[str, ...] = ()
-    """Fields of a named tuple that are measured; empty: all of its numbers."""
+    """Measured fields of a named tuple; empty: all of its numbers."""
     noisy: bool = False
     """True if readings differ within a few periods even at rest."""
 
 
 class Capability(ABC):  # noqa: B024  what it can do is abstract in each kind
-    """One thing that a robot can do or sense. A backend has the capabilities of its robot.
+    """One kind of actuator or sensor of a robot; a backend has those of its robot.
 
-    A command lives one period: it takes effect with the next step of the backend. If it is not renewed,
-    the base stops, and arm and gripper hold. A reading is taken once a period: asking again returns the
-    same one.
-
-    Everything that wraps a backend (layers, faults, checks) uses the declarations of each kind.
+    A command lasts one period: it takes effect with the next step of the backend; without renewal the base
+    stops, and arm and gripper hold. A reading is taken once a period: further calls return the same one.
+    Wrappers of any backend (layers, faults, checks) are derived from these declarations.
     """
 
     READINGS: ClassVar[Mapping[str, Reading]] = {}
@@ -38,5 +36,5 @@ class Capability(ABC):  # noqa: B024  what it can do is abstract in each kind
 
     @classmethod
     def words(cls) -> str:
-        """Return the name used in messages: `RangeSensor` is "range sensor"."""
+        """Return its name in messages: `RangeSensor` is "range sensor"."""
         return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", " ", cls.__name__).lower()

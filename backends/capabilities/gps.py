@@ -17,7 +17,7 @@ class Fix(NamedTuple):
     position: NDArray[np.float64]
     """(2,) east and north of the task's origin, in [m]."""
     sigma: float
-    """Standard deviation along each axis, as reported by the receiver, in [m]."""
+    """Sigma that the receiver states, on each axis, in [m]."""
 
 
 class Gps(Capability):

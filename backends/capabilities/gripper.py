@@ -17,7 +17,7 @@ class Gripper(Capability):
 
     @abstractmethod
     def command(self) -> float:
-        """The width last commanded, in [m]."""
+        """Return the last commanded width, in [m]."""
 
     @abstractmethod
     def move(self, width: float) -> None:
@@ -33,4 +33,4 @@ class Gripper(Capability):
 
     @abstractmethod
     def closed_on_something(self) -> bool:
-        """True if the fingers press on something (motor current), possibly on each other."""
+        """Return whether the fingers press on an object or on each other (by motor current)."""

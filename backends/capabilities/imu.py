@@ -23,6 +23,4 @@ class Imu(Capability):
 
     @abstractmethod
     def accelerations(self) -> NDArray[np.float64]:
-        """The specific force measured by the accelerometers, (3,) in [m/s²]: at rest and level, +9.81 along
-        z.
-        """
+        """Return the accelerometers' reading (3,) in [m/s²]; at rest and level, gravity's +9.81 along z."""

@@ -11,7 +11,7 @@ from .capability import Capability, Reading
 
 
 class PoseReading(NamedTuple):
-    """Pose of the base, as measured from outside."""
+    """Pose of the base, measured from outside."""
 
     number: int
     """Readings so far, from 1: another number is another reading."""

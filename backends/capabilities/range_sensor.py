@@ -11,7 +11,7 @@ from .scan import Scan as Scan
 
 
 class RangeSensor(Capability):
-    """A lidar whose plane is parallel to the floor.
+    """Lidar: a scanning range sensor with its plane parallel to the floor.
 
     A backend returns readings as the driver delivers them (zeros, NaN, -inf, the robot's own body).
     `Robot` interprets them by the robot's file, and returns scans in which each beam has its `Validity`.
@@ -25,10 +25,9 @@ class RangeSensor(Capability):
         """This period's scan."""
 
     def scan_later(self) -> Callable[[], Scan]:
-        """Return a function that returns this period's scan, in whatever period it is called.
+        """Return a function that returns this period's scan whenever it is called.
 
-        Callers that may not need the scan use this; a simulation may compute the scan only when it is
-        called.
+        For callers that may not need it: a simulation can delay its computation.
         """
         scan = self.scan()
         return lambda: scan

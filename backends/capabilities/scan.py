@@ -15,7 +15,7 @@ UNREAD = np.empty(0, np.uint8)
 
 
 class Validity(IntEnum):
-    """Meaning of a beam of an interpreted scan."""
+    """Meaning of a beam in an interpreted scan."""
 
     RETURN = 0
     """Something is at its range."""
@@ -33,7 +33,7 @@ class _Beams(NamedTuple):
     angles: NDArray[np.float64]
     """(n,) in [rad], in the sensor frame, counter-clockwise from its x axis."""
     ranges: NDArray[np.float64]
-    """(n,) in [m]; infinity where nothing came back. In an interpreted scan, also for each beam without a
+    """(n,) in [m]; infinity without a return. In an interpreted scan, infinity for every beam without a
     return.
     """
     base_T_sensor: Pose2
@@ -46,12 +46,12 @@ class Scan(_Beams):
     """One turn of a range sensor, or the part of it that the sensor sees."""
 
     def points(self) -> NDArray[np.float64]:
-        """Points that were hit, (m, 2) in [m], in the base frame."""
+        """Return the hit points, (m, 2) in [m], in the base frame."""
         return self._points
 
     @cached_property
     def _points(self) -> NDArray[np.float64]:
-        """Compute them once: several look at each scan."""
+        """Hit points, computed once, because several callers need them."""
         hit = np.isfinite(self.ranges)
         reach, angle = self.ranges[hit], self.angles[hit]
         points = np.empty((len(reach), 2))

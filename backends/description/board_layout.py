@@ -1,4 +1,4 @@
-"""Pattern of a calibration board, as given in a file."""
+"""Pattern of a calibration board in a file."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ Stale = Annotated[float, Field(gt=0.0, le=10_000.0)]
 
 
 class CameraSource(FileModel):
-    """Source of a camera's pictures, opened by OpenCV's VideoCapture."""
+    """Source of pictures, read by OpenCV's VideoCapture."""
 
     source: Annotated[int, Field(ge=0, le=99)] | Annotated[str, Field(min_length=1, max_length=500)]
     """A device's number, a URL, or a file with a video or a picture."""
@@ -42,19 +42,17 @@ class GpsSource(FileModel):
     origin_lon_deg: Annotated[float, Field(ge=-180.0, le=180.0)]
     """East positive."""
     sigma_m: Annotated[float, Field(gt=0.0, le=100.0)] = 2.5
-    """Standard deviation of a fix along each axis at an HDOP of 1, used if the receiver sends no GST."""
+    """Sigma of a fix with an HDOP of 1, on each axis, if the receiver sends no GST."""
     quality: Literal[1, 2, 3, 4, 5] = 1
-    """Lowest accepted quality of a fix. From worst to best: 1 single, 3 PPS, 2 differential, 5 RTK float, 4
-    RTK fixed.
+    """Minimum quality of a fix. From worst to best: 1 single, 3 PPS, 2 differential, 5 RTK float, 4 RTK
+    fixed.
 
     Dead reckoning (6), manual input (7) and simulation (8) are never fixes.
     """
 
 
 class SensorsSpec(FileModel):
-    """Sources of a robot's sensors; the sections `camera`, `gps` ... of its file specify what each
-    measures.
-    """
+    """Connected sensors; the sections `camera`, `gps` and others of the file describe their measurements."""
 
     camera: CameraSource | None = None
     range_sensor: LineSource | None = None

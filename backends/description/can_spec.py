@@ -1,7 +1,7 @@
-"""Section `can` of a robot's file: how its drives are reached.
+"""Connection to a robot's drives: the section `can` of its file.
 
-Conditions between several of its values are checked by `handcart.backends.can.devices.can_findings`, which
-only the CAN backend and `handcart check` need.
+Conditions between several of its values are checked by `handcart.backends.can.devices.can_findings`, only
+for a robot that is driven by CAN, and in `handcart check`.
 """
 
 from __future__ import annotations
@@ -34,8 +34,8 @@ Without = Literal[
     "position_limits",
     "following_error",
 ]
-"""Features that a drive may lack; `backends/can/devices/lacks.py` lists their objects and the
-consequences.
+"""Optional features of a drive; `backends/can/devices/lacks.py` lists their objects, and the consequences
+without them.
 """
 
 
@@ -45,9 +45,9 @@ class AxisSpec(FileModel):
     node: NodeId
     """Its node ID."""
     eds: FilePath | None = None
-    """Manufacturer's EDS file, next to the robot's file (default: `backends/can/drives/drive.eds`)."""
+    """The maker's EDS file, next to the robot's file (default: `backends/can/drives/drive.eds`)."""
     counts_per_rev: Annotated[int, Field(gt=0, le=2**24)]
-    """Counts of the position actual value (6064h) for one turn of the motor."""
+    """Counts of the position actual value (6064h) for a turn of the motor."""
     gear_ratio: Annotated[float, Field(gt=0.0, le=10_000.0)]
     """Turns of the motor for one of what it drives."""
     sign: Literal[1, -1] = 1
@@ -55,15 +55,15 @@ class AxisSpec(FileModel):
     stop: Literal["hold", "brake_then_disable"]
     """`hold`: it slows down and keeps its torque (605Ah = 6); the other loses it at rest (605Ah = 2)."""
     gravity: bool
-    """True if the axis would move by weight alone without torque."""
+    """True if the axis would move by its weight without torque."""
     brake: bool = False
     """True if a brake holds the axis without torque."""
     following_ms: Annotated[int, Field(gt=0, lt=2**16)] = 100
-    """Longest time that a position may differ from its demand by more than the window (6066h)."""
+    """Time for which a position may differ from its demand by more than the window (6066h)."""
     vendor_id: Word | None = None
-    """Vendor ID of the drive's identity (1018h:1); not checked if absent."""
+    """Expected vendor ID (1018h:1) (default: not checked)."""
     product_code: Word | None = None
-    """Product code of the drive's identity (1018h:2); not checked if absent."""
+    """Expected product code (1018h:2) (default: not checked)."""
     without: tuple[Without, ...] = ()
     """Features that the drive lacks; docs/how_to/hardware.md describes the consequences."""
 
@@ -81,7 +81,7 @@ class WheelDriveSpec(AxisSpec):
     stop: Literal["hold", "brake_then_disable"] = "brake_then_disable"
     gravity: bool = False
     following_mm: Positive = 50.0
-    """Largest difference between expected and measured travel of the rim within half a second."""
+    """Maximum difference between the rim's travel and its demand within half a second."""
 
     def counts_per_m(self, radius: float) -> float:
         """Counts for a metre that a wheel of this radius, in [m], rolls forward."""
@@ -94,23 +94,23 @@ class JointDriveSpec(AxisSpec):
     mode: Literal["profile", "csp"] = "profile"
     """`profile`: the drive plans its ramps (mode 1); `csp`: it takes a position each period (mode 8)."""
     zero_counts: Annotated[int, Field(gt=-(2**31), lt=2**31)] = 0
-    """Encoder counts where the URDF's joint is at zero."""
+    """Encoder counts at the zero of the URDF's joint."""
     stop: Literal["hold", "brake_then_disable"] = "hold"
     gravity: bool = True
     following_deg: Positive = 3.0
     """Window of its following error (6065h)."""
     following_mm: Positive = 5.0
-    """Following error window of a prismatic joint."""
+    """Maximum following error of a sliding joint."""
     rated_torque_nm: Positive | None = None
-    """Torque at a revolute joint that corresponds to 1000 of the torque object (6077h)."""
+    """Torque at the joint for a torque value (6077h) of 1000."""
     rated_force_n: Positive | None = None
-    """Force at a prismatic joint that corresponds to 1000 of the torque object (6077h)."""
+    """Force at a sliding joint for a torque value (6077h) of 1000."""
     lead_mm: Positive | None = None
-    """Travel of a prismatic joint for one turn of the driven shaft."""
+    """Travel of a sliding joint for one turn of the driven shaft."""
 
     @property
     def slides(self) -> bool:
-        """True if the driven joint is prismatic."""
+        """True if it drives a sliding joint."""
         return self.lead_mm is not None
 
     @property
@@ -121,7 +121,7 @@ class JointDriveSpec(AxisSpec):
 
     @property
     def rated_effort(self) -> float:
-        """Effort at the joint for 1000 of the torque object (6077h), in [Nm], or [N] if prismatic."""
+        """Effort at the joint for a torque value (6077h) of 1000, in [Nm], or in [N] for a sliding joint."""
         return (self.rated_force_n if self.slides else self.rated_torque_nm) or 0.0
 
     @property
@@ -135,13 +135,13 @@ class GripperDriveSpec(AxisSpec):
 
     mode: Literal["profile"] = "profile"
     lead_mm: Positive
-    """Growth of the opening for one turn of the driven shaft."""
+    """Increase of the opening for one turn of the driven shaft."""
     zero_counts: Annotated[int, Field(gt=-(2**31), lt=2**31)] = 0
-    """Encoder counts where the fingers meet."""
+    """Encoder counts at which the fingers meet."""
     stop: Literal["hold", "brake_then_disable"] = "hold"
     gravity: bool = False
     top_torque_percent: Annotated[float, Field(gt=0.0, le=1000.0)] = 100.0
-    """Gripping torque (6072h), in percent of the rated torque."""
+    """Gripping torque, in percent of the rated torque (6072h)."""
 
     @property
     def counts_per_m(self) -> float:
@@ -153,7 +153,7 @@ class CanSpec(FileModel):
     """A CAN interface with a drive for each wheel, joint, and the gripper."""
 
     interface: str
-    """Interface by its python-can name: socketcan, pcan, ...; `virtual` means simulated drives."""
+    """Name of the python-can interface: socketcan, pcan, ...; `virtual` is for simulated drives."""
     channel: str
     """Channel of the interface, such as can0."""
     bitrate_kbit_s: Literal[10, 20, 50, 125, 250, 500, 800, 1000]
@@ -169,7 +169,7 @@ class CanSpec(FileModel):
     left: WheelDriveSpec
     right: WheelDriveSpec
     joints: tuple[JointDriveSpec, ...] = ()
-    """Drives of the joints, in the order of the arm's `joints`."""
+    """Joint drives, in the order of the arm's `joints`."""
     gripper: GripperDriveSpec | None = None
     sensors: SensorsSpec = SensorsSpec()
     """Sensors that are not on the bus."""

@@ -1,4 +1,4 @@
-"""Units in which people read and enter an arm's joints: [deg], or [mm] for prismatic joints."""
+"""Units in which people read and enter an arm's joints: [deg], or [mm] for sliding joints."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ class JointUnits(NamedTuple):
     slides: tuple[bool, ...]
     """True for each prismatic joint."""
     endless: tuple[bool, ...]
-    """True for each continuous joint; full turns make no difference to it."""
+    """True for each continuous joint, for which a full turn makes no difference."""
 
     def si(self, values: Sequence[float]) -> tuple[float, ...]:
         """[rad] and [m] of what people say; of a continuous joint within half a turn."""
@@ -29,7 +29,7 @@ class JointUnits(NamedTuple):
         return tuple(self.user_value(joint, value) for joint, value in enumerate(values))
 
     def user_value(self, joint: int, value: float) -> float:
-        """Convert the value of one joint from [rad] or [m] to [deg] or [mm]."""
+        """Return the value of one joint in its unit for people."""
         return 1e3 * value if self.slides[joint] else math.degrees(value)
 
     def unit(self, joint: int) -> str:
@@ -42,7 +42,7 @@ class JointUnits(NamedTuple):
 
     @property
     def all(self) -> str:
-        """Units of all joints for a message: `deg`, or `deg, deg, mm`."""
+        """Return the units of all joints for a message: `deg`, or `deg, deg, mm`."""
         return "deg" if not any(self.slides) else ", ".join(map(self.unit, range(len(self.names))))
 
 

@@ -1,4 +1,4 @@
-"""Specification of a lidar in a robot's file."""
+"""Lidar in a robot's file."""
 
 from __future__ import annotations
 
@@ -22,19 +22,21 @@ class RangeSpec(FileModel):
     """The range sensor at the URDF's frame `range_sensor`."""
 
     beams: Annotated[int, Field(gt=2)]
-    """Number of beams of a complete scan, evenly spread from `start_deg` to `end_deg`."""
+    """Number of beams of a scan, evenly spread from `start_deg` to `end_deg`."""
     reach_m: Positive = Field(validation_alias=AliasChoices("reach_m", "range_max_m"))
     """Maximum range, in files also called `range_max_m`. A larger reading means no return."""
     range_min_m: NotNegative = 0.0
     """The least range that it measures; a nearer reading says that something is too close."""
     start_deg: Angle = -180.0
-    """Angle of the first beam, counted counter-clockwise from the frame's x axis."""
+    """Angle of the first beam, counter-clockwise from the frame's x axis."""
     end_deg: Angle = 180.0
-    """Angle of the last beam. In a full turn it would repeat the first beam, and is omitted."""
+    """Angle of the last beam. In a full turn it equals the first beam and is omitted."""
     masked_deg: tuple[tuple[Angle, Angle], ...] = ()
     """Sectors in which the lidar sees the robot itself, each from, to, counter-clockwise; not looked at."""
     no_return: tuple[Literal["zero", "below_min", "nan"], ...] = ("zero",)
-    """Readings that mean "no return" for this driver, besides infinity and ranges beyond `reach_m`."""
+    """Values that this driver delivers without a return, in addition to infinity and ranges beyond
+    `reach_m`.
+    """
     sigma_mm: NotNegative
     """Noise of a range."""
 
@@ -51,7 +53,7 @@ class RangeSpec(FileModel):
 
     @property
     def is_full_turn(self) -> bool:
-        """True if the lidar sees all round."""
+        """True if the field of view is a full turn."""
         return self.end_deg - self.start_deg > FULL_TURN - ROUNDING
 
     def angles(self) -> NDArray[np.float64]:

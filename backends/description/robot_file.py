@@ -1,4 +1,4 @@
-"""Contents of a robot's file: `robot.yaml` next to its URDF."""
+"""A robot's file: the content of `robot.yaml`, next to its URDF."""
 
 from __future__ import annotations
 
@@ -70,10 +70,10 @@ class ArmSpec(FileModel):
     top_speed_deg_s: Positive
     acceleration_deg_s2: Positive
     slide_speed_mm_s: Positive | None = None
-    """Top speed of prismatic joints, such as a lift. Required if the arm has one."""
+    """Maximum speed of sliding joints, such as a lift; required if there is one."""
     slide_acceleration_mm_s2: Positive | None = None
     accuracy_mm: Positive = 0.5
-    """Standard deviation along each axis of the hand's position around the one computed from the joints."""
+    """Sigma of the hand's position against its joints, along each axis."""
     working_deg: dict[str, tuple[float, float]] = Field(default_factory=dict)
     """Narrower limits of turning joints for working poses of the hand; motions between them use the URDF's
     limits.
@@ -103,7 +103,7 @@ class ToolSpec(FileModel):
     free: Literal["nothing", "azimuth", "roll"] = "roll"
     """The turn that the work leaves free: about the vertical (arms without wrist yaw), or about the tool."""
     azimuth_tolerance_deg: Annotated[float, Field(gt=0.0, le=180.0)] = 60.0
-    """Largest turn of the tool, for `azimuth`."""
+    """Allowed turn of the tool with `azimuth`."""
     speed_m_s: Positive
     """At which it works."""
     force_n: Positive
@@ -111,16 +111,14 @@ class ToolSpec(FileModel):
 
 
 class SuspensionSpec(FileModel):
-    """Tilt and turn of the base when the arm moves: identified (`tasks/calibrate_suspension`), not
-    simulated.
-    """
+    """Motion of the base under the arm's load: identified (`tasks/calibrate_suspension`), not simulated."""
 
     yaw_mrad_per_swing: float = 0.0
     """Turn of the base with each swing of the loaded arm."""
     yaw_sigma_mrad: NotNegative = 0.0
     """Spread of that."""
     swing_from_mm: NotNegative = 0.0
-    """Horizontal travel of the load from which a motion counts as a swing."""
+    """Minimum distance of carrying the load that counts as a swing."""
     roll_mrad_per_m: float = 0.0
     """Roll of the base for each metre of the hand to the left; negative if that side sinks."""
     pitch_mrad_per_m: float = 0.0

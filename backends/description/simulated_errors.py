@@ -17,21 +17,23 @@ class Errors(FileModel):
     """Errors of a simulated backend: sigmas; a seed draws each systematic error once."""
 
     none: bool = False
-    """No errors at all: every other key here counts as 0, and so do the errors of lidar and IMU."""
+    """True for a simulation without errors: all other values count as 0, as do the errors of lidar and
+    IMU.
+    """
     wheel_radius_percent: NotNegative = 0.2
     tread_percent: NotNegative = 0.5
     slip_percent: NotNegative = 1.0
     joint_repeatability_mrad: NotNegative = 0.15
     encoder_mrad: NotNegative = 0.02
-    """Error of a joint's reading."""
+    """Sigma of a joint's reading."""
     opening_mm: NotNegative = 0.05
-    """Error of the reading of the fingers' opening."""
+    """Sigma of the reading of the fingers' opening."""
     image_noise_grey: NotNegative = 3.0
     image_blur_px: NotNegative = 0.7
     camera_mount_mm: NotNegative = 0.0
     """Offset of the camera from the URDF's frame `camera`, along each axis."""
     camera_mount_mrad: NotNegative = 0.0
-    """Rotation of the camera against the URDF's frame `camera`, about each axis."""
+    """Rotation of the camera against that frame, about each axis."""
     focal_percent: NotNegative = 0.0
     """Difference of the focal length from `focal_px`; `calibrated` does not change the simulated camera."""
     light_gradient: NotNegative = 0.25
@@ -75,6 +77,6 @@ class Errors(FileModel):
 
     @classmethod
     def nowhere(cls) -> Self:
-        """Return the errors of a perfect simulation: all zero."""
+        """Return the errors of a simulation without errors."""
         sizes = set(cls.model_fields) - {"none", "hand_systematic_wave_m"}
         return cls(none=True, **dict.fromkeys(sizes, 0.0))
