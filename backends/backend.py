@@ -33,7 +33,7 @@ class RobotFault(HandcartError):
 
 
 class NoBench(InputError):
-    """Simulated drives were asked for where there are no drives."""
+    """Error: simulated drives were requested for a backend without drives."""
 
 
 class NotMovable(InputError):
@@ -41,43 +41,44 @@ class NotMovable(InputError):
 
 
 class NoWindow(InputError):
-    """A window was asked for where there is none."""
+    """Error: a window was requested from a backend without one."""
 
 
 class Backend(ABC):
-    """Something that behaves like a robot: a stub, a simulator, or hardware.
+    """Interface of a robot: a stub, a simulator, or hardware.
 
-    It gives raw readings as hardware would, with the hardware's errors; what follows from them is computed
-    above it, by `Robot`, the same for all. A context manager: leaving it closes the backend.
+    A backend returns raw readings as hardware would, with the hardware's errors; `Robot` computes
+    everything derived from them, the same for all backends. A context manager: leaving it closes the
+    backend.
     """
 
     name: str
-    """How `--backend` calls it."""
+    """Name for `--backend`."""
     period: float
     """The control period, in [s]."""
     has_drives: ClassVar[bool] = False
-    """Whether simulated drives can be put before a simulated backend; see `build_on_bench`."""
+    """True if simulated drives can be put in front of a simulated backend; see `build_on_bench`."""
     simulated: bool = True
-    """Whether the world behind it is made anew by `build`; a real one stands as it was left."""
+    """True if `build` creates a new world; a real world is as it was left."""
     address: str = ""
-    """Which robot it is, where several of its kind are in reach of this machine, such as `socketcan can0`."""
+    """Address of the robot if several are reachable from this machine, such as `socketcan can0`."""
     remarks: Sequence[str] = ()
-    """What of the robot isn't as its files say, in words; told before a run."""
+    """Differences between the robot and its files, printed before a run."""
     recording: Recording | None = None
     """Keeps what passes between program and robot beside the journal; None where there is nothing to keep."""
 
     @classmethod
     @abstractmethod
     def build(cls, robot: RobotFile, world: Path | None, seed: int) -> Backend:
-        """From a robot's file.
+        """Build a backend from a robot's file.
 
         Args:
-            robot: what it is to behave like.
-            world: the file of what stands around it; simulated backends need one, others don't look at it.
-            seed: of simulated errors.
+            robot: robot file.
+            world: file of the surroundings; simulated backends need one, others ignore it.
+            seed: seed of simulated errors.
 
         Raises:
-            FileError: the world's file is missing or something in it is wrong.
+            FileError: the world's file is missing or invalid.
         """
 
     @classmethod
@@ -105,10 +106,10 @@ class Backend(ABC):
 
     @classmethod
     def build_in_window(cls, robot: RobotFile, world: Path | None, seed: int) -> Backend:
-        """As `build`, and robot and world are shown in a window.
+        """Build as `build` does, and show robot and world in a window.
 
         Raises:
-            NoWindow: this backend has none, or there is no display.
+            NoWindow: this backend has no window, or there is no display.
         """
         raise NoWindow(
             f"the backend {cls.name!r} has no window; allowed: a video of the run, --video FILE.mp4"
@@ -116,37 +117,37 @@ class Backend(ABC):
 
     @classmethod
     def kinds(cls, robot: RobotFile) -> tuple[type[Capability], ...] | None:
-        """What the robot could do, by its file alone: nothing is opened, and no robot is spoken to.
+        """Return the robot's capabilities by its file alone: nothing is opened, and no robot is contacted.
 
-        None where that is found out by building it; then `handcart check` builds one. A backend whose
-        building reaches a real robot must tell.
+        None if only building finds them out; then `handcart check` builds one. A backend whose building
+        contacts a real robot must return them.
 
         Raises:
-            InputError: such a robot can't be built.
+            InputError: such a robot cannot be built.
         """
         return None
 
     @classmethod
     def build_on_bench(cls, robot: RobotFile, world: Path | None, seed: int, bench: type[Backend]) -> Backend:
-        """As `build`, with simulated drives in front of a simulated backend.
+        """Build as `build` does, with simulated drives in front of a simulated backend.
 
         Raises:
-            NoBench: this backend has no drives, or there can be no such bench.
+            NoBench: this backend has no drives, or such a bench is impossible.
         """
         raise NoBench(f"the backend {cls.name!r} has no drives; allowed: --bench with --backend can")
 
     @property
     def inner(self) -> Backend | None:
-        """What this backend is put around, where it stands before another one."""
+        """Wrapped backend, for a backend in front of another one."""
         return None
 
     def ground_truth(self) -> GroundTruth | None:
-        """How robot and world truly stand now, for evaluation alone; None where nobody can know."""
+        """Return the true state of robot and world, only for evaluation; None if it is unknown."""
         return None if self.inner is None else self.inner.ground_truth()
 
     @abstractmethod
     def capabilities(self) -> tuple[Capability, ...]:
-        """What the robot behind it can do."""
+        """Return the capabilities of the robot."""
 
     @abstractmethod
     def step(self) -> None:
@@ -161,23 +162,23 @@ class Backend(ABC):
         """Let go of everything. A second call does nothing."""
 
     def state(self) -> object | None:
-        """Where a simulated world stands, for a checkpoint: plain data that `saved_state.pack` takes (see
-        `plain_values.attributes`).
+        """Return the state of a simulated world for a checkpoint: plain data that `saved_state.pack` accepts
+        (see `plain_values.attributes`).
 
-        None where the world is no simulation, or can't be kept.
+        None if the world is not simulated, or cannot be saved.
         """
         return None
 
     def set_state(self, state: object) -> None:
-        """Put a world, built anew from the same files and seed, where `state` was taken.
+        """Restore the state returned by `state`, in a world built from the same files and seed.
 
         Raises:
-            NotAState: it is of something else.
+            NotAState: the data belong to another kind of backend.
         """
         raise NotAState(f"the backend {self.name!r} keeps no state")
 
     def true_base(self) -> Pose2 | None:
-        """world_T_base of the ground truth alone; None where there is none."""
+        """Return world_T_base of the ground truth; None without one."""
         truth = self.ground_truth()
         return None if truth is None else truth.base
 
@@ -186,9 +187,9 @@ class Backend(ABC):
         return {}
 
     def view(self) -> NDArray[np.uint8] | None:
-        """Robot and surroundings as somebody beside them sees them, for videos: RGB (height, width, 3).
+        """Return a picture of robot and surroundings for videos: RGB (height, width, 3).
 
-        None where this backend renders nothing but its cameras.
+        None if this backend renders only its cameras.
         """
         return None
 

@@ -17,9 +17,9 @@ class Body:
     """Something that can be moved."""
 
     support: str
-    """What carries it: "hand", "tray", or its name; "floor" if it fell."""
+    """Supporting body: "hand", "tray", or its name; "floor" if the body fell."""
     pose: Transform
-    """(4, 4) in the frame of what carries it: hand, base, else the world."""
+    """(4, 4) in the frame of its support: hand, base, otherwise the world."""
 
 
 @dataclass(frozen=True)
@@ -36,4 +36,4 @@ class GroundTruth:
     """Between the finger pads, in [m]."""
     bodies: Mapping[str, Body]
     bumps: int
-    """How often the base has run into something so far."""
+    """Number of the base's collisions so far."""

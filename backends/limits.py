@@ -1,4 +1,4 @@
-"""What no robot may be commanded, whatever the backend."""
+"""Limits of commands that hold for every robot and backend."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def _fast(model: ArmModel, number: int, step: float, most: float) -> str:
 
 
 def _units(model: ArmModel, number: int) -> tuple[float, str]:
-    """What a joint's value is multiplied by for people, and the unit then."""
+    """Return the factor of a joint's value for people, and its unit."""
     return (1e3, "mm") if model.slides[number] else (math.degrees(1.0), "deg")
 
 

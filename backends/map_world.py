@@ -18,13 +18,13 @@ from handcart.robotics.navigation.maps.grid_map import UNKNOWN_GREY, GridMap
 
 @contextmanager
 def as_world_file(path: Path, start: Pose2) -> Iterator[Path]:
-    """A world's file as it is; for a map one that lasts as long as the context.
+    """Yield a world's file as it is, or for a map a temporary world file that lasts as long as the context.
 
-    In the map's world stands what is occupied on the map, and the robot at `start` (world_T_base). For
+    The map's world holds everything occupied on the map, and the robot at `start` (world_T_base). For
     backends that read files themselves; see `Backend.read_world`.
 
     Raises:
-        FileError: the file cannot be read; of a map, also if its picture cannot.
+        FileError: the file cannot be read, or the picture of a map cannot.
     """
     if not is_map_file(path):
         yield path

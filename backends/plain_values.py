@@ -1,6 +1,6 @@
-"""Values of declared types as plain data, and back: what comes back is of these types, or refused.
+"""Convert values of declared types to plain data and back; other types are rejected.
 
-What may be kept is told in the program, never by the data: numbers, words, arrays, enumerations, lists,
+The program declares what can be stored, never the data: numbers, texts, arrays, enumerations, lists,
 tuples, sets and mappings, named tuples, dataclasses, models of files, and objects with a `STATE`.
 """
 
@@ -32,11 +32,11 @@ Kinds = Mapping[str, Any]
 
 
 class _Codec(NamedTuple):
-    """How values of one type are written and read."""
+    """Writer and reader for values of one type."""
 
     write: Callable[[Any], Any]
     read: Callable[[Any], Any]
-    """Raises ValueError, TypeError or KeyError for what is no such value."""
+    """Raises ValueError, TypeError or KeyError for invalid data."""
 
 
 def attributes(thing: object, kinds: Kinds) -> dict[str, Any]:
@@ -62,10 +62,10 @@ def set_attributes(thing: object, kinds: Kinds, values: object) -> None:
 
 
 def from_plain(data: object, kind: Any, name: str) -> Any:
-    """A value of a type from plain data; `name` is what messages call it.
+    """Return a value of a type from plain data; `name` is its name in messages.
 
     Raises:
-        NotAState: the data tell no such value.
+        NotAState: the data are not such a value.
     """
     try:
         return _codec(kind).read(data)
@@ -80,7 +80,7 @@ def to_plain(value: object, kind: Any) -> Any:
 
 
 def _same_shape(now: np.ndarray, then: object) -> bool:
-    """Whether an array fits where another one is; what is empty now may grow."""
+    """Return whether an array fits in place of another; an empty one may grow."""
     if not isinstance(then, np.ndarray) or now.ndim != then.ndim:
         return False
     return all(a in (0, b) for a, b in zip(now.shape, then.shape, strict=True))
@@ -112,7 +112,7 @@ def _codec(kind: Any) -> _Codec:
 
 
 def _written_out(kind: Any) -> Any:
-    """What a type's alias (PEP 695) stands for: numpy's `NDArray` is one from 2.5 on."""
+    """Resolve a type's alias (PEP 695): numpy's `NDArray` is one from 2.5 on."""
     alias, args = typing.get_origin(kind) or kind, typing.get_args(kind)
     if type(alias).__name__ != "TypeAliasType":
         return kind
@@ -230,7 +230,7 @@ def _mapping(key: _Codec, value: _Codec) -> _Codec:
 
 
 def _union(kinds: tuple[Any, ...]) -> _Codec:
-    """One of several types: which one it is stands before the value; None stands for itself."""
+    """Return the codec of a union: the type is written before the value; None is written as it is."""
     others = [_written_out(each) for each in kinds if each is not types.NoneType]
     codecs = [_codec(each) for each in others]
 

@@ -1,4 +1,4 @@
-"""What passes between the program and a robot, kept beside the journal."""
+"""Recordings of the traffic between the program and a robot, kept next to the journal."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ class Recording(ABC):
     """
 
     suffix: str
-    """How the names of the files end that `keep` writes."""
+    """Suffix of the files that `keep` writes."""
     lost: str | None = None
     """Why nothing more is kept; None while all goes well."""
 
@@ -23,14 +23,14 @@ class Recording(ABC):
 
     @abstractmethod
     def look(self, time: float) -> None:
-        """A period has passed; it is `time` in [s] by the robot.
+        """Record a period that ended at `time`, in [s] of the robot.
 
-        What has passed is handed to the system: a process that is killed then loses none of it.
+        The data are handed to the operating system, so that a killed process loses none of them.
         """
 
     @abstractmethod
     def mark(self) -> None:
-        """Hold on to the last seconds up to now, for the next `keep`."""
+        """Hold the last seconds for the next `keep`."""
 
     @abstractmethod
     def keep(self, stem: Path) -> None:

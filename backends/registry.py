@@ -76,24 +76,24 @@ def make_backend(
     bench: str | None = None,
     put_at_start: bool = False,
 ) -> Backend:
-    """A backend by its name, for a robot, in the world of a file.
+    """Build a backend by its name, for a robot, in the world of a file.
 
     Args:
         name: one of `backend_names()`.
-        robot: what it is to behave like.
-        world: a world's file, or a map in ROS format: then all that is occupied on it stands there.
-        seed: of simulated errors.
-        start: world_T_base of the robot at first in a map's world; a world's file tells its own.
-        window: whether robot and world are shown.
-        bench: simulated drives are put before the simulated backend of that name.
-        put_at_start: whether the robot is put at `start` in the world of a file too.
+        robot: robot file.
+        world: a world's file, or a map in ROS format, whose occupied cells become the world.
+        seed: seed of simulated errors.
+        start: initial world_T_base in a map's world; a world's file has its own.
+        window: True to show robot and world.
+        bench: name of the simulated backend behind simulated drives.
+        put_at_start: True to put the robot at `start` in the world of a file, too.
 
     Raises:
-        UnknownBackend: none has that name; the message lists those that exist.
-        NotMovable: the backend cannot put the robot elsewhere than the world's file says.
-        FileError: the world's file is missing or something in it is wrong.
-        NoWindow: it can't be shown.
-        NoBench: it has no drives, or there can be no such bench.
+        UnknownBackend: no backend has that name; the message lists the known ones.
+        NotMovable: the backend cannot put the robot elsewhere than the world's file states.
+        FileError: the world's file is missing or invalid.
+        NoWindow: the backend has no window.
+        NoBench: the backend has no drives, or such a bench is impossible.
     """
     kind = backend_class(name)
     build: Callable[..., Backend] = kind.build_in_window if window else kind.build
@@ -113,10 +113,10 @@ def make_backend(
 
 
 def bench_class(name: str, drives: str) -> type[Backend]:
-    """The class of a simulated backend before which the drives of the backend `drives` are put.
+    """Return the class of a simulated backend that can run behind the drives of the backend `drives`.
 
     Raises:
-        NoBench: there is none of that name, it simulates no robot, or there are no drives.
+        NoBench: no backend has that name, it simulates no robot, or there are no drives.
     """
     if not backend_class(drives).has_drives:
         raise NoBench(f"the backend {drives!r} has no drives; allowed: --bench with --backend can")
@@ -134,16 +134,16 @@ def bench_class(name: str, drives: str) -> type[Backend]:
 def check_world(
     world: Path, robot: RobotFile, initial_pose: Pose2 | None = None, grid: GridMap | None = None
 ) -> None:
-    """Read a world's file and hold it against the robot that is put into it; build nothing.
+    """Read a world's file and check it against the robot; build nothing.
 
     Args:
-        world: the file; a map, from which a world is made, is only read.
-        robot: who is put into it.
-        initial_pose: map_T_base at first, as the robot is told it; None where it is told nothing.
-        grid: the map that the robot is given, if any.
+        world: file of the world; a map, from which a world is made, is only read.
+        robot: robot file.
+        initial_pose: map_T_base as the robot is given it; None if it is given none.
+        grid: map that the robot is given, if any.
 
     Raises:
-        FileError: with everything that is wrong.
+        FileError: lists all errors.
     """
     from handcart.files.maps.map_file import is_map_file, load_map
 

@@ -1,7 +1,7 @@
-"""Plain data as bytes and back: a line with a checksum, JSON, and the arrays as they are in memory.
+"""Convert plain data to bytes and back: a line with a checksum, JSON, and the arrays as they are in memory.
 
-Nothing in such bytes names a class or a function: what reads them makes numbers, words, lists, mappings and
-arrays, and nothing else.
+Such bytes name no class and no function: the reader creates only numbers, texts, lists, mappings and
+arrays.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from handcart.files.errors import InputError
 
 FORMAT = "handcart-state/1"
 MAX_BYTES = 256 * 2**20
-"""Of a saved state."""
+"""Maximum size of a saved state."""
 DEPTH = 48  # levels of lists and mappings
 _DTYPES = ("float64", "float32", "int64", "uint8", "bool")
 _HEAD = re.compile(rb"handcart-state/(\d{1,3}) ([0-9a-f]{64})\n(?=(\d{1,9})\n)")
@@ -28,7 +28,7 @@ _NOT_FINITE = {"inf": math.inf, "-inf": -math.inf, "nan": math.nan}
 
 
 class NotAState(InputError):
-    """Bytes that no saved state can be, or one of something else."""
+    """Error: the bytes are not a saved state, or one of another kind."""
 
 
 def pack(state: object) -> bytes:
@@ -44,10 +44,10 @@ def pack(state: object) -> bytes:
 
 
 def unpack(content: bytes) -> Any:
-    """The plain data in bytes that `pack` made.
+    """Return the plain data in bytes that `pack` made.
 
     Raises:
-        NotAState: they are something else, or damaged.
+        NotAState: the bytes are of another kind, or damaged.
     """
     head = _HEAD.match(content[:200])
     if head is None:
@@ -68,7 +68,7 @@ def unpack(content: bytes) -> Any:
 
 
 def digest(content: bytes | memoryview) -> str:
-    """What names these bytes: their SHA-256 in hexadecimal."""
+    """Return the SHA-256 of these bytes in hexadecimal, which serves as their name."""
     return hashlib.sha256(content).hexdigest()
 
 

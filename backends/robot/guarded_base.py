@@ -26,12 +26,12 @@ SLOWER = (1.0, 0.7, 0.45, 0.25, 0.1)  # shares of a speed that are tried, the la
 
 
 class GuardedBase(Base):
-    """Passes on as much of each command as can be driven, and braked from, without touching anything.
+    """Passes on the part of each command that can be driven, and braked from, without a contact.
 
-    What the footprint sweeps over until the base could stand is held against the map, from where the robot
-    believes to be, and against the scan, in which no belief is needed; and against points where the base ran
-    into something that neither shows. What the lidar does not see is not free, unless the base has just
-    driven there. The footprint is a circle: turning sweeps over nothing.
+    The area that the footprint sweeps until the base could stop is compared with the map at the estimated
+    pose, with the scan, which needs no pose, and with points where the base ran into an obstacle that
+    neither shows. Ground that the lidar does not see is not free, unless the base has just driven there.
+    The footprint is a circle, so turning sweeps no area.
     """
 
     def __init__(
@@ -43,16 +43,16 @@ class GuardedBase(Base):
         scan: Callable[[], NDArray[np.float64]],
         unseen: UnseenGround | None = None,
     ) -> None:
-        """Guard some wheels.
+        """Guard a base.
 
         Args:
-            base: what is driven.
-            robot: its file.
-            grid: the map, if there is one.
-            pose: gives map_T_base.
-            scan: gives what the range sensor sees now and isn't the robot itself, (n, 2) in [m], in the base
+            base: driven base.
+            robot: robot file.
+            grid: map, if there is one.
+            pose: returns map_T_base.
+            scan: returns the lidar's current points without the robot itself, (n, 2) in [m], in the base
                 frame.
-            unseen: which ground the lidar does not see; None without a lidar.
+            unseen: ground that the lidar does not see; None without a lidar.
         """
         self._base, self._pose, self._scan, self._unseen = base, pose, scan, unseen
         self._radius, self._grid = robot.footprint_radius_m + BESIDE, grid
@@ -80,7 +80,7 @@ class GuardedBase(Base):
         return self._base.wheel_travel()
 
     def starts_here(self) -> None:
-        """Where the base stands now it may come back to, however near to things that is."""
+        """Allow the base to come back to its current pose, however close to obstacles it is."""
         self._starts = True
 
     def may_stand_at(self, pose: Pose2) -> None:
@@ -89,7 +89,7 @@ class GuardedBase(Base):
         self._guard.may_stand_at(pose)
 
     def keep_off(self, points: NDArray[np.float64]) -> None:
-        """From now on keep off (n, 2) points on the map in [m]: the base ran into something there."""
+        """Keep off (n, 2) points on the map in [m] from now on, where the base ran into an obstacle."""
         self._felt = points
 
     @property
@@ -98,10 +98,9 @@ class GuardedBase(Base):
         return self._felt
 
     def taken(self) -> tuple[tuple[float, float], Held | None]:
-        """What the base was told since the last call, and what it was held back from.
+        """Return the base's command since the last call, and the obstacle that held it back.
 
-        Speed in [m/s] and turn rate in [rad/s], zero where nothing was commanded: a command is gone when its
-        period is over.
+        Speed in [m/s] and turn rate in [rad/s], zero without a command: a command ends with its period.
         """
         taken = self._command, self._held
         self._command, self._held = (0.0, 0.0), None
@@ -121,7 +120,9 @@ class GuardedBase(Base):
         return np.vstack([scan, pose.inverse().apply(self._felt)]) if len(self._felt) else scan
 
     def _caught_up(self, speed: float, turn_rate: float) -> tuple[float, float]:
-        """Who drives doesn't know that the base was held back: it gains speed no faster than it can."""
+        """Limit the speed to the base's acceleration, because the caller does not know that the base was held
+        back.
+        """
         most = self._slowed_to + self._braking * self._period
         if abs(speed) <= most:
             self._slowed_to = math.inf
@@ -151,15 +152,16 @@ class GuardedBase(Base):
         return held._replace(shown_by="contact") if felt else held
 
     def _way_to_stop(self, speed: float) -> float:
-        """What is driven in this period, and while braking, in [m]."""
+        """Return the distance driven in this period and while braking, in [m]."""
         return speed * self._period + speed**2 / (2.0 * self._braking)
 
 
 def steady_points(scan: Scan) -> NDArray[np.float64]:
-    """(n, 2) in [m] what a scan shows in the base frame, each beam the median of it and its two neighbours.
+    """Return (n, 2) points of a scan in the base frame, in [m]; each beam is the median of itself and its two
+    neighbours.
 
-    A lone reading may be noise; and the least of hundreds of readings always is too short. Beams that show
-    nothing are left out, so that their neighbours are compared with each other.
+    A single short reading may be noise, and the minimum of hundreds of readings is always too short. Beams
+    without a return are skipped, so that their neighbours are compared with each other.
     """
     ranges = np.where(np.isfinite(scan.ranges), scan.ranges, np.inf)
     if len(ranges) < 3:
@@ -176,6 +178,6 @@ def steady_points(scan: Scan) -> NDArray[np.float64]:
 
 
 def _goes_round(angles: NDArray[np.float64]) -> bool:
-    """Whether the last beam of a scan is the first one's neighbour."""
+    """Return whether the last beam of a scan is the neighbour of the first one."""
     spacing = (angles[-1] - angles[0]) / (len(angles) - 1)
     return bool(angles[-1] - angles[0] + 1.5 * spacing > 2.0 * np.pi)

@@ -71,7 +71,9 @@ class Lidar(RangeSensor):
 
     @property
     def silence(self) -> str:
-        """Why this period's scan tells no place: blocked, or next to no echoes; empty where it tells one."""
+        """Return why this period's scan determines no pose (blocked, or nearly no echoes); empty if it
+        does.
+        """
         scan = self.scan()
         echoes = int(np.isfinite(scan.ranges).sum())
         if self.blockage or echoes >= min(MIN_ECHOES, len(scan.ranges)):

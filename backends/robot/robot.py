@@ -273,7 +273,7 @@ class Robot:
         return np.concatenate([self.localization.travel, arm.command() if arm else np.empty(0)])
 
     def _left(self) -> bool:
-        """Whether it is elsewhere than where the last picture was taken."""
+        """Return whether the camera has moved since the last picture."""
         return bool(np.abs(self._carried_by() - self._pictured_at).max() > STALE)
 
     @property
@@ -282,7 +282,7 @@ class Robot:
         return self._picture if self._picture.size else None
 
     def state(self) -> dict[str, Any]:
-        """What was estimated so far, for a checkpoint, as plain data."""
+        """Return the estimates so far for a checkpoint, as plain data."""
         state = {
             "robot": attributes(self, self.STATE),
             "attitude": attributes(self.attitude, self.attitude.STATE),
@@ -293,10 +293,10 @@ class Robot:
         return state
 
     def set_state(self, state: object) -> None:
-        """Take over what `state` gave, on a backend that stands as it did then.
+        """Restore the estimates returned by `state`, on a backend in that state.
 
         Raises:
-            NotAState: it is of something else.
+            NotAState: the data belong to another kind of robot.
         """
         if not isinstance(state, dict) or state.keys() - {"driven"} != {"robot", "attitude", "localization"}:
             raise NotAState("no state of this robot; needed: robot, attitude, localization")
@@ -307,7 +307,7 @@ class Robot:
             set_attributes(self._unseen, self._unseen.STATE, state["driven"])
 
     def moved_by(self, who: object) -> bool:
-        """Note who moves the robot in this period; whether nobody else does, nor did in the last one."""
+        """Record the mover of this period; return whether it is the only one in this and the last period."""
         self._movers.add(id(who))
         return len(self._movers) == 1 and len(self._moved) <= 1
 
@@ -317,9 +317,9 @@ class Robot:
         self.backend.stop()
 
     def compute(self, work: Callable[..., T], *args: object, takes: float = 0.2) -> Generator[None, None, T]:
-        """Long computing: the robot holds meanwhile, and its time passes.
+        """Run a long computation while the robot holds and its time passes.
 
-        In simulation that takes `takes` in [s]; a real robot has it done beside the control loop.
+        In simulation it takes `takes`, in [s]; for a real robot it runs next to the control loop.
         """
         if not self.backend.simulated:
             return (yield from beside(work, *args))

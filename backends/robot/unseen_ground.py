@@ -21,11 +21,11 @@ DRIVEN_S = 60.0
 
 
 class UnseenGround:
-    """Remembers where the base has driven while it saw where it went.
+    """Remembers where the base has driven while it saw the ground ahead.
 
-    The base drives into what the lidar doesn't see (behind it with a field of view of 180 degrees, masked
-    sectors, beams that are too close or invalid) only where it drove in this action or in the last minute: so
-    it drives back the way it came, and nowhere else.
+    The base drives into ground that the lidar does not see (behind it with a field of view of 180 degrees,
+    masked sectors, beams that are too close or invalid) only where it drove in this action or in the last
+    minute: so it drives back the way it came, and nowhere else.
     """
 
     STATE: ClassVar[Kinds] = {"_driven": list[tuple[float, float, float]]}
@@ -37,21 +37,21 @@ class UnseenGround:
         """Watch the ground of a base.
 
         Args:
-            lidar: what it sees.
-            radius: of its footprint, in [m].
-            rolled: gives the pose of the base in a frame in which it doesn't jump.
-            clock: gives the robot's time, in [s].
+            lidar: lidar that sees the ground.
+            radius: radius of the footprint, in [m].
+            rolled: returns the pose of the base in a frame without jumps.
+            clock: returns the robot's time, in [s].
         """
         self._lidar, self._radius, self._rolled, self._clock = lidar, radius, rolled, clock
         self._driven: list[tuple[float, float, float]] = []
 
     @property
     def is_partial(self) -> bool:
-        """Whether there is always ground that the lidar does not see."""
+        """True if some ground is never seen by the lidar."""
         return bool(self._lidar.spec.masked_deg) or not self._lidar.spec.is_full_turn
 
     def starts_here(self) -> None:
-        """A new action begins: what was driven long ago may have changed since."""
+        """Begin a new action: ground driven long ago may have changed."""
         since = self._clock() - DRIVEN_S
         self._driven = [spot for spot in self._driven if spot[2] >= since]
 

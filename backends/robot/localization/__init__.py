@@ -1,1 +1,1 @@
-"""Where a robot's base is, by whichever of its sensors tell."""
+"""Localization of a robot's base, with whichever sensors it has."""

@@ -1,4 +1,4 @@
-"""Whether sensors determine a pose as exactly as something needs it, by its covariance in each direction."""
+"""Test whether a pose is determined within a need, by its covariance in each direction."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ VERTICAL = 1e-9  # x of a unit vector, below which it points along y
 
 
 class PoseNeed(NamedTuple):
-    """How exactly something needs a pose."""
+    """Required accuracy of a pose."""
 
     position: float
-    """In [m], along any direction; along `axis` alone where `across` is given."""
+    """Limit in [m] along any direction; only along `axis` if `across` is given."""
     heading: float
-    """In [rad]."""
+    """Limit of the heading, in [rad]."""
     across: float | None = None
-    """In [m], at right angles to `axis`; None: as `position`, and no direction is special."""
+    """Limit in [m] perpendicular to `axis`; None: `position` holds in all directions."""
     axis: float = 0.0
     """Direction on the map, in [rad]."""
 
@@ -56,15 +56,15 @@ class Undetermined(NamedTuple):
     """A direction in which a pose is not determined as exactly as needed."""
 
     direction: float | None
-    """Of the position on the map, in [rad] from its x axis, -pi/2 to pi/2; None: the heading is meant."""
+    """Direction of the position on the map, in [rad] from its x axis, -pi/2 to pi/2; None: the heading."""
     size: float
     """Distance from the wanted pose along that direction, and 3 sigma, together, in [m] or [rad]."""
     limit: float
-    """What was needed, in [m] or [rad]."""
+    """Required limit, in [m] or [rad]."""
 
     @property
     def unit(self) -> str:
-        """Of `shown`."""
+        """Unit of `shown`."""
         return "deg" if self.direction is None else "mm"
 
     @property
@@ -75,7 +75,7 @@ class Undetermined(NamedTuple):
 
     @property
     def words(self) -> str:
-        """For people."""
+        """Text for people."""
         size, limit = self.shown
         if self.direction is None:
             return f"the heading is not determined: 3 sigma {size:.2f} deg, at most {limit:.2f} deg allowed"
@@ -90,12 +90,12 @@ def undetermined(
     need: PoseNeed,
     off: tuple[float, float, float] = (0.0, 0.0, 0.0),
 ) -> Undetermined | None:
-    """Return the direction in which a pose is determined worst, if it is worse than needed; else None.
+    """Return the direction in which a pose is determined worst, if it exceeds the need; otherwise None.
 
     Args:
         covariance: (3, 3) of x, y in [m] and heading in [rad].
-        need: what 3 sigma, and what it is off already, may come to.
-        off: how far the pose is from the wanted one: x, y in [m] and heading in [rad].
+        need: limit of 3 sigma plus the distance from the wanted pose.
+        off: distance of the pose from the wanted one: x, y in [m] and heading in [rad].
     """
     if not np.isfinite(covariance).all():
         return Undetermined(0.0, math.inf, need.position)

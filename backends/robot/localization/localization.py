@@ -1,4 +1,4 @@
-"""Where the base is, by whichever of a robot's sensors tell: what `Robot` asks, and the usual one."""
+"""Interface of localizations, and the usual ones: scan matching and wheels."""
 
 from __future__ import annotations
 
@@ -41,18 +41,18 @@ class Lost(NamedTuple):
     """Why it isn't known where the base is."""
 
     why: str
-    """In words."""
+    """Reason, as text."""
     sensor: str
-    """What doesn't tell it any more, a capability."""
+    """Capability that no longer determines the pose."""
     what: str
-    """What of it was measured."""
+    """Name of the deciding quantity."""
     value: float
     limit: float
     unit: str = ""
 
 
 class Sensed(NamedTuple):
-    """What was sensed outdoors in the last period."""
+    """Outdoor readings of the last period."""
 
     rates: NDArray[np.float64]
     """(3,) of the gyros, in [rad/s]."""
@@ -66,7 +66,7 @@ class Sensed(NamedTuple):
 
 
 class Localization(ABC):
-    """Estimates map_T_base once a period; it also finds out that somebody moved a base that stood."""
+    """Estimates map_T_base once a period, and detects that a base at rest was moved."""
 
     STATE: ClassVar[Kinds] = {
         "displacements": int,
@@ -78,20 +78,20 @@ class Localization(ABC):
     }
     """Attributes that a checkpoint keeps, with their types."""
     POSE_JUMPS: ClassVar[bool] = False
-    """Whether `pose` leaps by more than the base does, as more is learned; `odometry_pose` doesn't."""
+    """True if `pose` jumps by more than the base moves as the estimate improves; `odometry_pose` does not."""
 
     def __init__(self, backend: Backend, wheels: Localizer, lidar: RangeSensor | None = None) -> None:
-        """Of a robot that stands; `wheels` carries the pose on, `lidar` gives scans that are read."""
+        """Begin with a robot at rest; `wheels` propagates the pose, `lidar` returns interpreted scans."""
         self._wheels, self._range_sensor = wheels, lidar
         base = backend.get(Base)  # type: ignore[type-abstract]
         assert base is not None, "a robot has wheels"
         self._base = base
         self.displacements = 0
-        """How often the base was found elsewhere than it stood."""
+        """Number of times that a base at rest was found elsewhere."""
         self.travel = base.wheel_travel()
-        """What the wheels have travelled."""
+        """Travel of the wheels."""
         self.still = 0
-        """Periods for which the wheels have stood, but for what a standing base gives way."""
+        """Number of periods in which the wheels were at rest, apart from deflection."""
         self._stood = self.travel  # what the wheels had travelled when they last turned
         self._ranges, self._seen_at = np.empty(0), self.travel
 
@@ -104,11 +104,11 @@ class Localization(ABC):
 
     @property
     def odometry_pose(self) -> Pose2:
-        """The base by what doesn't jump, where anything does: then in a frame of its own; else `pose`."""
+        """Pose of the base without jumps, in a frame of its own if `pose` jumps; otherwise `pose`."""
         return self.pose
 
     def set_origin(self) -> None:
-        """From here on `displacement` is measured."""
+        """Start measuring `displacement` here."""
         self._wheels.odometry.set_origin()
 
     @property
@@ -133,9 +133,9 @@ class Localization(ABC):
     def repeatability(self) -> NDArray[np.float64]:
         """(3, 3) covariance of a pose compared with another one measured at the same place.
 
-        Of x, y in [m] and heading in [rad], on the map. An error that both poses share, that of the map, is
-        left out. Never less than the noise of the sensors; along a direction that they do not determine it
-        is as large as `covariance`.
+        Of x, y in [m] and heading in [rad], on the map. The map's error, which both poses share, is
+        excluded. It is never less than the noise of the sensors; along a direction that they do not
+        determine it is as large as `covariance`.
         """
         return self.covariance
 
@@ -149,7 +149,7 @@ class Localization(ABC):
 
     @property
     def tilt(self) -> tuple[float, float]:
-        """Roll and pitch of the base in [rad]; zero where nothing tells."""
+        """Roll and pitch of the base in [rad]; zero if unmeasured."""
         return 0.0, 0.0
 
     @property
@@ -159,7 +159,7 @@ class Localization(ABC):
 
     @property
     def heading_known(self) -> bool:
-        """Whether it can be said which way the base heads."""
+        """True if the heading is known."""
         return True
 
     @property
@@ -169,7 +169,7 @@ class Localization(ABC):
 
     @property
     def slips(self) -> int:
-        """How often a scan at rest contradicted where the wheels say that the base is after a drive."""
+        """Number of scans at rest that contradicted the wheels' pose after a drive."""
         return 0
 
     @property
@@ -179,7 +179,7 @@ class Localization(ABC):
 
     @property
     def sensed(self) -> Sensed | None:
-        """What was sensed outdoors in the last period; None indoors."""
+        """Outdoor readings of the last period; None indoors."""
         return None
 
     @property
@@ -195,7 +195,7 @@ class Localization(ABC):
     @property
     @abstractmethod
     def dead_reckoned(self) -> bool:
-        """Whether nothing but the wheels, or gyros, tells how the base moves."""
+        """True if only wheels or gyros measure the base's motion."""
 
     # What happens
 
@@ -222,23 +222,24 @@ class Localization(ABC):
         self._correct()
 
     def look_again(self) -> None:
-        """At rest, see whether the base still stands where it stood; if not, find where."""
+        """At rest, check whether the base is still at its pose; if not, find the new one."""
         if self.still <= STILL_SCANS or self._range_sensor is None:
             return
         if self._wheels.find_again(self._fresh_points()):
             self._displaced()
 
     def found_at(self, pose: Pose2, sigma: tuple[float, float]) -> None:
-        """The base was measured to stand at map_T_base, with that sigma in [m] and in [rad]."""
+        """Correct the pose by a measured map_T_base, with its sigma in [m] and in [rad]."""
         variance = np.diag([sigma[0], sigma[0], sigma[1]]) ** 2
         self._wheels.odometry.correct(pose, variance)
 
     def mark(self) -> None:
-        """This moment is wanted when it is told, after the run, where the robot was."""
+        """Mark this moment for `smoothed`."""
 
     def smoothed(self) -> list[Belief]:
-        """Where the robot was at the marked moments, by all that was sensed before and after; empty if no
-        more is known now than it was then."""
+        """Return the poses at the marked moments by all readings before and after; empty if smoothing adds
+        nothing.
+        """
         return []
 
     def _predict(self, left: float, right: float) -> None:
@@ -246,7 +247,7 @@ class Localization(ABC):
         self._wheels.predict(left, right)
 
     def _correct(self) -> None:
-        """Take in what else tells: scans, as long as they tell something new."""
+        """Correct the pose by scans, as long as they add information."""
         if self._range_sensor is None:
             return
         if self.still <= STILL_SCANS:
@@ -269,14 +270,14 @@ class Localization(ABC):
     # For a checkpoint
 
     def state(self) -> dict[str, Any]:
-        """What was estimated so far, as plain data."""
+        """Return the estimates so far, as plain data."""
         return {name: attributes(part, kinds) for name, (part, kinds) in self._parts().items()}
 
     def set_state(self, state: object) -> None:
-        """Take over what `state` gave.
+        """Restore the estimates returned by `state`.
 
         Raises:
-            NotAState: it is of something else.
+            NotAState: the data belong to another kind of localization.
         """
         parts = self._parts()
         if not isinstance(state, dict) or state.keys() != parts.keys():
@@ -285,7 +286,7 @@ class Localization(ABC):
             set_attributes(part, kinds, state[name])
 
     def _parts(self) -> dict[str, tuple[object, Kinds]]:
-        """What changes in a run."""
+        """Return the parts that change in a run."""
         return {
             "localization": (self, self.STATE),
             "wheels": (self._wheels, self._wheels.STATE),
@@ -299,7 +300,7 @@ class ScanLocalization(Localization):
     STATE: ClassVar[Kinds] = {**Localization.STATE, "_map_error_then": NDArray[np.float64]}
 
     def __init__(self, backend: Backend, matching: ScanLocalizer, lidar: RangeSensor | None) -> None:
-        """Of a robot that stands, and looks round at once."""
+        """Begin with a robot at rest, and match a scan at once."""
         super().__init__(backend, matching, lidar)
         self._matching, self._map_error_then = matching, np.zeros((3, 3))
         assert self._range_sensor is not None, "scans come from a range sensor"
@@ -363,19 +364,19 @@ class ScanLocalization(Localization):
 
 
 class WheelLocalization(Localization):
-    """Wheels carry the pose on. With a map and a range sensor, scans at rest are evidence.
+    """Propagates the pose by the wheels. With a map and a lidar, scans at rest are evidence.
 
-    They report whether the base was moved while its wheels stood, and where it stands after each drive.
-    Where no pose near by explains the scan, it is lost.
+    Scans show whether the base was moved while its wheels were at rest, and its pose after each drive. If
+    no close pose explains the scan, the base is lost.
 
-    Where driven wheels read the same again and again, either they are stuck or their encoders are: nothing
-    tells which, so nothing tells where the base is.
+    If driven wheels repeat their readings, either the wheels or the encoders are stuck: the two cannot be
+    distinguished, so the pose is unknown.
     """
 
     STATE: ClassVar[Kinds] = {**Localization.STATE, "_unanswered": float}
 
     def __init__(self, backend: Backend, wheels: OdometryLocalizer, lidar: RangeSensor | None = None) -> None:
-        """Of a robot that stands."""
+        """Begin with a robot at rest."""
         super().__init__(backend, wheels, lidar)
         self._reckoning = wheels
         self._period, self._unanswered = backend.period, 0.0
@@ -450,7 +451,7 @@ def repeatability_of(covariance: NDArray[np.float64], map_error: NDArray[np.floa
 
 
 def _beams(lidar: Lidar) -> Beams:
-    """This period's scan by its beams; what is blind says nothing."""
+    """Return this period's scan by its beams, without blind ones."""
     scan = lidar.scan()
     sensor = scan.base_T_sensor
     ranges = np.where(scan.blind(), np.nan, scan.ranges) if len(scan.validity) else scan.ranges

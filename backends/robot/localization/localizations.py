@@ -1,4 +1,4 @@
-"""Which localization a robot has, by what its file names and what its backend can do."""
+"""Choice of a robot's localization, by its file and its backend's capabilities."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ START_SIGMA = np.diag([0.05**2, 0.05**2, 0.035**2])  # [m², rad²] of where a t
 def localization_of(
     backend: Backend, spec: RobotFile, start: Pose2, grid: GridMap | None, lidar: RangeSensor | None
 ) -> Localization:
-    """The one that the robot's file names; wheels alone where what that needs isn't there.
+    """Return the localization named in the robot's file; wheels alone if its sensors are missing.
 
     Args:
-        backend: of the robot, which stands.
-        spec: its file.
+        backend: of the robot, at rest.
+        spec: robot file.
         start: map_T_base as the task states it.
-        grid: what scans are compared with.
-        lidar: the range sensor whose scans are compared with it; None without one.
+        grid: map that scans are compared with.
+        lidar: lidar whose scans are compared with the map; None without one.
     """
     tread, positioning, errors = spec.drive.tread_m, spec.positioning, spec.odometry.errors
     if spec.localizer == "positioning" and positioning and backend.get(Positioning):  # type: ignore[type-abstract]

@@ -1,4 +1,4 @@
-"""What a robot takes its wheels, gyros and receiver to be good for outdoors, by its file."""
+"""Assumed errors of wheels, gyros and receiver outdoors, from the robot's file."""
 
 from __future__ import annotations
 
@@ -66,13 +66,13 @@ def field_noise(robot: RobotFile, antenna: tuple[float, float, float]) -> FieldN
 
 
 def _start_heading(gps: GpsSpec) -> float:
-    """Sigma in [rad]; infinite where nobody tells it."""
+    """Return sigma of the start heading in [rad]; infinite if it is unknown."""
     given = gps.start_heading_deg
     return math.inf if isinstance(given, str) else math.radians(given)
 
 
 def beacon_errors(beacons: BeaconsSpec) -> BeaconErrors:
-    """Where they are, and how wrong."""
+    """Return the beacons' places and errors."""
     return BeaconErrors(
         np.array(list(beacons.places_m.values())),
         beacons.tag_m,

@@ -1,4 +1,4 @@
-"""Where the base is on open ground, by its wheels, gyros and a satellite receiver."""
+"""Localization on open ground, by wheels, gyros and a satellite receiver."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ BLIND = 0.15  # [m] that the wheels may roll while the gyros tell nothing new
 
 
 class OutdoorLocalization(Localization):
-    """A filter of all of them; what a range sensor sees tells of no map."""
+    """Filter of all outdoor sensors; scans are not compared with a map."""
 
     STATE: ClassVar[Kinds] = {**Localization.STATE, "_felt": Array, "_felt_at": WheelTravel}
     POSE_JUMPS: ClassVar[bool] = True
@@ -41,7 +41,7 @@ class OutdoorLocalization(Localization):
         filtering: FieldLocalizer,
         lidar: RangeSensor | None = None,
     ) -> None:
-        """Of a robot that stands, and has gyros."""
+        """Begin with a robot at rest that has gyros."""
         super().__init__(backend, wheels, lidar)
         self._filter, self._period = filtering, backend.period
         imu = backend.get(Imu)  # type: ignore[type-abstract]

@@ -1,4 +1,4 @@
-"""Where the base is, by its wheels and an indoor positioning system."""
+"""Localization by wheels and an indoor positioning system."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class PositioningLocalization(Localization):
     def __init__(
         self, backend: Backend, filtering: PositioningLocalizer, lidar: RangeSensor | None = None
     ) -> None:
-        """Of a robot that stands."""
+        """Begin with a robot at rest."""
         super().__init__(backend, filtering, lidar)
         self._filter, self._period = filtering, backend.period
         positioning = backend.get(Positioning)  # type: ignore[type-abstract]
