@@ -1,1 +1,1 @@
-"""What simulated backends share: a world, a body in it, and its sensors."""
+"""Common parts of simulated backends: a world, a body in it, and its sensors."""

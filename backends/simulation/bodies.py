@@ -1,4 +1,4 @@
-"""What stands for props in a physics engine."""
+"""Classes that represent props in a physics engine."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from handcart.tasks import domain
 
 
 class Bodies:
-    """Classes of bodies in physics, by the class of the thing or the props they stand for."""
+    """Classes of bodies in physics, by the class of the represented thing or props."""
 
     def __init__(self) -> None:
-        """As all domains declare them."""
+        """Collect the classes that all domains declare."""
         self._by_class: dict[type, Any] = {}
         for each in domain.domains():
             if each.physics is not None:

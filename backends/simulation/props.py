@@ -1,4 +1,4 @@
-"""What of one domain stands in a simulated world."""
+"""Objects of one domain in a simulated world."""
 
 from __future__ import annotations
 
@@ -25,19 +25,19 @@ S = TypeVar("S", bound=FileModel)
 
 
 class Props(SceneProps, Generic[S]):
-    """Things of a domain in a scene: how they are set up, look, are gripped and let go, and what they do.
+    """Things of a domain in a scene: their set-up, appearance, grasp, release and behaviour.
 
-    One subclass a domain, named by `Domain.props`. All that isn't overridden is as for boxes that stand on
-    tables, on the robot and on each other, and do nothing of themselves.
+    One subclass for each domain, named by `Domain.props`. Methods that are not overridden treat things as
+    passive boxes on tables, on the robot and on each other.
     """
 
     section: ClassVar[type[FileModel]]
-    """The keys that it adds to the world's file, all of which may be left out."""
+    """Keys that it adds to the world's file, all optional."""
     PAINTS_SOLIDS: ClassVar[bool] = False
-    """Whether `painted` has its solids as well; else the camera sees them as plain boxes."""
+    """True if `painted` includes its solids; otherwise the camera sees them as plain boxes."""
 
     def __init__(self, scene: Scene, spec: S, seed: int) -> None:
-        """In a scene whose robot stands at its start; `spec` has what the world's file says."""
+        """Set up in a scene whose robot is at its start; `spec` is the section of the world's file."""
         self.scene, self.spec, self.seed = scene, spec, seed
 
     @classmethod
@@ -49,7 +49,7 @@ class Props(SceneProps, Generic[S]):
 
     @classmethod
     def solids(cls, spec: S) -> Sequence[Solid]:
-        """What nothing moves, and the robot may run into."""
+        """Return the immovable bodies that the robot may run into."""
         return ()
 
     @classmethod

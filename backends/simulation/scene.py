@@ -33,9 +33,9 @@ class Contact(NamedTuple):
     time: float
     """[s]"""
     body: str
-    """What of the robot: "base", a link, "load" (what is held), "fingers"."""
+    """Part of the robot: "base", a link, "load" (the held object), "fingers"."""
     other: str
-    """What it ran into."""
+    """Body that it touched."""
 
 
 def level(x: float, y: float) -> float:
@@ -75,9 +75,9 @@ class Scene:
     joints: NDArray[np.float64]
     width: float
     plain_solids: tuple[Solid, ...] = ()
-    """Those that the camera sees as plain boxes."""
+    """Solids that the camera sees as plain boxes."""
     props: dict[str, SceneProps] = field(default_factory=dict)
-    """What domains have in it, by the domain's name."""
+    """Domains' objects, by the domain's name."""
     time: float = 0.0
     lean: tuple[float, float] = (0.0, 0.0)
     """Roll and pitch of the base on its suspension, in [rad]."""
@@ -86,15 +86,15 @@ class Scene:
     hand_force: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
     contacts: list[Contact] = field(default_factory=list)
     touching: frozenset[tuple[str, str]] = frozenset()
-    """What touches in this period: pairs as in `Contact`."""
+    """Touching pairs of this period, as in `Contact`."""
     open_ground: bool = False
-    """Whether it stands outdoors: what is let go stands on the ground."""
+    """True outdoors: released things rest on the ground."""
     ground_height: Callable[[float, float], float] = level
-    """Of the ground at a place, all in [m]."""
+    """Height of the ground at a place, all in [m]."""
     tilted_base: Transform | None = None
-    """world_T_base (4, 4) where physics lets the base tilt; None: it stands level."""
+    """world_T_base (4, 4) if physics lets the base tilt; None: it is level."""
     changes: int = 0
-    """Counts the times that a thing was moved: what is derived from their poses asks it."""
+    """Number of times that a thing was moved, for caches of values derived from poses."""
     _leant: tuple[tuple[Pose2, tuple[float, float]], Transform] | None = field(default=None, repr=False)
     """The last base and lean asked for, and world_T_base (4, 4): it is asked many times in a period."""
     _owners: dict[int, tuple[Thing, SceneProps]] = field(default_factory=dict, repr=False)
@@ -102,17 +102,17 @@ class Scene:
 
     @cached_property
     def body_plan(self) -> FloorPlan:
-        """What the base may run into."""
+        """Return the floor plan of bodies that the base may run into."""
         return FloorPlan(self.solids, 0.02, self.robot.body_height)
 
     @cached_property
     def full_plan(self) -> FloorPlan:
-        """What anything on the robot may run into."""
+        """Return the floor plan of bodies that any part of the robot may run into."""
         return FloorPlan(self.solids, 0.02, 2.0)
 
     @property
     def held_name(self) -> str | None:
-        """What is held, by its name: a thing of the world, not a copy of it."""
+        """Name of the held object, or None."""
         return None if self.held is None else self.held.name
 
     @held_name.setter
@@ -120,7 +120,11 @@ class Scene:
         self.held = self.thing_named(name)
 
     def thing_named(self, name: str | None) -> Thing | None:
-        """A thing by its name; None has none. Raises `NotAState` where there is no such thing."""
+        """Return a thing by its name; None for None.
+
+        Raises:
+            NotAState: no thing has that name.
+        """
         found = next((thing for thing in self.things() if thing.name == name), None)
         if name is not None and found is None:
             raise NotAState(f"no saved state: there is no {name!r} in this world")
@@ -149,7 +153,7 @@ class Scene:
         return self.world_T_base @ self.arm.forward(self.joints, frame)
 
     def of(self, kind: type[P]) -> P:
-        """What a domain has in it, by the class of its props; nothing where the world's file has none."""
+        """Return a domain's objects, by the class of its props; empty if the world's file has none."""
         found = next((each for each in self.props.values() if isinstance(each, kind)), None)
         return kind.none_in(self) if found is None else found
 
@@ -158,7 +162,7 @@ class Scene:
         return [thing for props in self.props.values() for thing in props.things()]
 
     def props_of(self, thing: Thing) -> SceneProps:
-        """Of which domain a thing is."""
+        """Return the props of the domain of a thing."""
         known = self._owners.get(id(thing))
         if known is None or known[0] is not thing:
             owner = next(
@@ -168,11 +172,11 @@ class Scene:
         return known[1]
 
     def riding(self) -> list[Thing]:
-        """What stands on the robot."""
+        """Return the things on the robot."""
         return [thing for thing in self.things() if thing.rest is Rest.TRAY]
 
     def felt_force(self) -> NDArray[np.float64]:
-        """(3,) in [N] in the hand frame: `hand_force`, weights that are felt, what props add."""
+        """Return (3,) in [N] in the hand frame: `hand_force`, felt weights, and forces of props."""
         force = self.hand_force
         for props in self.props.values():
             force = force + props.hand_force()
@@ -182,7 +186,7 @@ class Scene:
         return force
 
     def truth(self) -> GroundTruth:
-        """Where all of it is now, as a copy: what happens later doesn't change it."""
+        """Return a copy of the true state of everything."""
         bodies = {each.name: self._body(each) for each in self.things()}
         slides = np.array(self.robot.joint_units.slides[: self.joints.size], dtype=np.bool_)
         bumps = sum(contact.body == "base" for contact in self.contacts)
@@ -198,7 +202,7 @@ class Scene:
     # What changes it
 
     def move_base(self, base: Pose2) -> None:
-        """Put the base elsewhere, with what stands on it; what is held is the hand's."""
+        """Put the base with its load elsewhere; the held object moves with the hand."""
         self.base = base
         self._carry_along()
 
@@ -217,7 +221,7 @@ class Scene:
             self.changes += 1
 
     def touch(self, pairs: frozenset[tuple[str, str]]) -> None:
-        """Note what touches in this period; what didn't before is a new contact."""
+        """Record the touching pairs of this period; new pairs are new contacts."""
         for body, other in sorted(pairs - self.touching):
             self.contacts.append(Contact(self.time, body, other))
         self.touching = pairs

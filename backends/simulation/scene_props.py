@@ -1,4 +1,4 @@
-"""What a scene asks of what a domain has in it."""
+"""Interface of a domain's objects for a scene."""
 
 from __future__ import annotations
 

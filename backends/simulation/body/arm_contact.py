@@ -1,4 +1,4 @@
-"""Whether the arm, what it holds, or what rides on the base stands in something solid."""
+"""Contacts of the arm, its load, or the base's load with solid bodies."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _POSTURES = 4  # whose links' poses are kept: those of a period, and of its begi
 
 
 class _Bodies(NamedTuple):
-    """What may touch something."""
+    """Bodies that may touch something."""
 
     names: list[str]
     geometry: list[RigidBody]
@@ -57,7 +57,7 @@ class _Links(NamedTuple):
     radii: NDArray[np.float64]
 
     def posed(self, poses: NDArray[np.float64]) -> _Bodies:
-        """Where they are if all links are posed like that, (g, 4, 4)."""
+        """Return the bodies with all links at these poses, (g, 4, 4)."""
         return _Bodies(self.names, self.geometry, poses[self.numbers], self.radii)
 
 
@@ -71,7 +71,7 @@ class Touch(NamedTuple):
     normal: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Along which the body leaves the other by the shortest way, in the world; zero if unknown."""
     point: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """Where they touch, in the world, in [m]."""
+    """Contact point in the world, in [m]."""
 
 
 FREE = Touch(0.0, "", "")
@@ -112,7 +112,9 @@ class ArmContact:
         self._last_poses: dict[bytes, NDArray[np.float64]] = {}
 
     def deepest_of_robot(self, base: Pose2, joints: NDArray[np.float64], skip: Skip | None = None) -> Touch:
-        """The same, with what is mounted on the base and what stands on it; all of it moves with the base."""
+        """Return the deepest overlap of the arm, the parts mounted on the base and its load, which move with
+        the base.
+        """
         scene = self._scene
         reach = max(self._extent(joints), self._extent_on_base())
         if scene.full_plan.clearance(base.x, base.y, scene.time)[0] > reach:
@@ -131,9 +133,9 @@ class ArmContact:
         return self._deepest(bodies, self._near(bodies), left_out)
 
     def deepest_of_arm(self, joints: NDArray[np.float64], skip: Skip | None = None) -> Touch:
-        """The deepest overlap of the arm with the joints there, where the base is.
+        """Return the deepest overlap of the arm at these joints, with the base at its current pose.
 
-        The robot's own tray and what stands on it included; `skip(body, other)` leaves pairs out.
+        The robot's own tray and its load count as obstacles; `skip(body, other)` excludes pairs.
         """
         scene = self._scene
         self._refresh()
@@ -145,21 +147,23 @@ class ArmContact:
         return max(worst, self._against_robot(bodies, poses))
 
     def rides_on_hand(self, body: str) -> bool:
-        """Whether a body of the arm moves as the hand does: a link fixed on it, a finger, what it holds."""
+        """Return whether a body of the arm moves with the hand: a link fixed to it, a finger, the held
+        object.
+        """
         return body in self._on_hand
 
     def _far(self, base: Pose2, joints: NDArray[np.float64]) -> bool:
-        """Whether all that is solid in the room is beyond the arm's reach."""
+        """Return whether all solid bodies of the room are beyond the arm's reach."""
         plan = self._scene.full_plan
         return plan.clearance(base.x, base.y, self._scene.time)[0] > self._extent(joints)
 
     def travel(self, start: NDArray[np.float64], end: NDArray[np.float64]) -> float:
-        """How far the middle of any link goes between two postures at most, about, in [m]."""
+        """Return the approximate largest travel of any link's middle between two postures, in [m]."""
         before, after = self._link_poses(start)[:, :3, 3], self._link_poses(end)[:, :3, 3]
         return math.sqrt(((after - before) ** 2).sum(axis=1).max(initial=0.0))
 
     def _riding(self, world_T_base: Transform) -> _Bodies:
-        """What stands on the robot, the base being there."""
+        """Return the load of the robot with the base at that pose."""
         back, things = world_T_base @ inverse(self._scene.world_T_base), self._scene.riding()
         return _Bodies(
             [thing.name for thing in things],
@@ -198,7 +202,7 @@ class ArmContact:
     def _moved(
         self, world_T_base: Transform, poses: NDArray[np.float64], joints: NDArray[np.float64]
     ) -> _Bodies:
-        """Moved links, fingers where they stand, and what is held."""
+        """Return the moved links, the fingers at their opening, and the held object."""
         links = self._moved_links.posed(poses)
         for g, i in self._fingers:
             side = 1.0 if self._names[i] == FINGERS[0] else -1.0
@@ -268,7 +272,7 @@ class ArmContact:
         self._leaves = np.append([solid.leaves for solid in self._scene.solids], always + np.inf)
 
     def _box(self, thing: Thing) -> Box:
-        """The solid of a thing, posed; made anew where it has been moved."""
+        """Return the posed solid of a thing, built again after the thing was moved."""
         pose, box = self._stood.get(thing.name, (None, None))
         if box is None or pose is not thing.pose:
             box = thing.box()
@@ -284,7 +288,7 @@ def _still(arm: ArmModel, shapes: Collection[Shape]) -> set[str]:
 
 
 def _fixed_on_tip(arm: ArmModel, names: list[str]) -> set[str]:
-    """Names of the links with bodies that stand still against the arm's tip."""
+    """Return the names of the links with bodies that are fixed to the arm's tip."""
     here, there = 0.5 * (arm.lower + arm.upper), 0.5 * (arm.lower + arm.upper) + 0.1
     tip_T_bodies = [inverse(arm.forward(q)) @ arm.link_poses(q) for q in (here, there)]
     return {name for name, a, b in zip(names, *tip_T_bodies, strict=True) if np.allclose(a, b, atol=1e-6)}

@@ -1,4 +1,4 @@
-"""How far the base gets: a disc among upright boxes."""
+"""Motion of the base, a disc, among upright boxes, up to a contact."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ _HALVINGS = 8
 
 
 def move_base(scene: Scene, motion: Pose2, hand: Hand | None) -> frozenset[tuple[str, str]]:
-    """Move the base by `motion` (pose of its end in its start), or up to where it meets something.
+    """Move the base by `motion` (pose of its end in its start), or up to a contact; return the touching
+    pairs.
 
-    The base is a disc of the footprint's radius as high as its body; `hand` tells whether the arm, and what
-    stands on the base, can be carried along. At a contact the base turns but comes no nearer: its wheels
-    slip. Gives what touches.
+    The base is a disc of the footprint's radius with the height of its body; `hand` reports whether arm
+    and load can be carried along. At a contact the base turns but comes no nearer: its wheels slip.
     """
     start, end = scene.base, scene.base.compose(motion)
     radius = scene.robot.footprint_radius_m

@@ -25,7 +25,7 @@ class Fingers:
         self._shape = hand.scene.robot.finger_shape
 
     def set_width(self, width: float) -> None:
-        """Bring the finger pads to that opening in [m]; what stands between them stops and holds it."""
+        """Move the finger pads to that opening in [m]; a thing between them stops them and is held."""
         scene = self._scene
         if scene.held is None and width < scene.width:
             thing = self._between()
@@ -50,7 +50,7 @@ class Fingers:
         return self._scene.props_of(thing).thickness(thing, self._pads())
 
     def _between(self) -> Thing | None:
-        """What closing fingers meet."""
+        """Return the thing that closing fingers meet."""
         pads = self._pads()
         return next(
             (
@@ -91,5 +91,5 @@ class Fingers:
         self._scene.props_of(thing).let_go(thing)
 
     def _room(self) -> float:
-        """How far the fingers can open."""
+        """Return the largest possible opening of the fingers."""
         return min((rule.room() for rule in self._hand.rules.values()), default=float("inf"))

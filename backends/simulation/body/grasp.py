@@ -1,4 +1,4 @@
-"""How two pads close about a box."""
+"""Grasp of a box by two closing pads."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _SQUARE = np.cos(np.radians(15.0))  # turned further than this against the pads,
 
 
 class Pads(NamedTuple):
-    """Two fingers about a place."""
+    """Two fingers around a place."""
 
     world_T_hand: Transform
     """(4, 4); they close along y, and point along x."""
@@ -26,17 +26,17 @@ class Pads(NamedTuple):
     finger: FingerShape
 
     def outer(self) -> float:
-        """From the middle to a finger's outer side, in [m]."""
+        """Return the distance from the middle to a finger's outer side, in [m]."""
         return self.width / 2 + self.finger.thickness
 
 
 def thickness(thing: Thing, pads: Pads) -> float:
-    """Of a box between the pads, in [m]."""
+    """Return the thickness of a box between the pads, in [m]."""
     return thing.size[_across(thing, pads)]
 
 
 def fits(thing: Thing, pads: Pads) -> bool:
-    """Whether closing pads meet a box squarely, on both sides."""
+    """Return whether closing pads meet a box squarely, on both sides."""
     finger = pads.finger
     reach = np.array([PAD / 2, pads.outer(), finger.height / 2])
     middle = inverse(pads.world_T_hand) @ thing.pose @ thing.thing_T_middle
@@ -48,7 +48,7 @@ def fits(thing: Thing, pads: Pads) -> bool:
 
 
 def aside_at_pads(thing: Thing, pads: Pads) -> float:
-    """How far to the left of the hand's middle a box's own is, where the pads are, in [m]."""
+    """Return the distance of a box's middle to the left of the hand's middle, at the pads, in [m]."""
     middle = inverse(pads.world_T_hand) @ thing.pose @ thing.thing_T_middle
     along = int(np.argmax(np.abs(middle[0, :3])))
     half = abs(middle[0, along]) * thing.size[along] / 2
@@ -70,6 +70,6 @@ def hand_T_gripped(thing: Thing, pads: Pads) -> Transform:
 
 
 def _across(thing: Thing, pads: Pads) -> int:
-    """Which axis of a thing lies most along the closing direction."""
+    """Return the axis of a thing that is most parallel to the closing direction."""
     closing = pads.world_T_hand[:3, 1]
     return int(np.argmax(np.abs(thing.pose[:3, :3].T @ closing)))

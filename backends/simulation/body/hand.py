@@ -37,7 +37,7 @@ class Hand:
         self.contact = ArmContact(scene, arm)
         found = {name: props.hand_rule(arm) for name, props in scene.props.items()}
         self.rules: dict[str, HandRule] = {name: rule for name, rule in found.items() if rule is not None}
-        """By the domain's name."""
+        """Rules by the domain's name."""
 
     def forget_derived(self) -> None:
         """The scene was put elsewhere: forget what was derived from it."""
@@ -70,9 +70,9 @@ class Hand:
         return pairs
 
     def met_at(self, base: Pose2) -> Touch:
-        """What of the robot the base there would drive into something, or deeper into it; `FREE` if nothing.
+        """Return the deepest new contact of the robot with the base at that pose; `FREE` without one.
 
-        The base itself is left out: it is a disc (`move_base`).
+        The base itself is excluded: it is a disc (`move_base`).
         """
         there = self.contact.deepest_of_robot(base, self.scene.joints, self._skip)
         if there.depth == 0.0:
@@ -86,9 +86,9 @@ class Hand:
             self.carry(self.scene.joints)
 
     def _stop_at_solids(self, start: Vector, target: Vector) -> tuple[Vector, frozenset[tuple[str, str]]]:
-        """How far the straight joint line is free, and the hand then slides along what it meets.
+        """Return how far the straight joint line is free; the hand then slides along the obstacle.
 
-        A motion that lessens an overlap is always free.
+        A motion that reduces an overlap is always free.
         """
         free, blocked, there = self._first_hit(start, target)
         if there.depth == 0.0:
@@ -106,7 +106,7 @@ class Hand:
         return self._slide(stands, target, there), frozenset({(there.body, there.other)})
 
     def _slide(self, stands: Vector, target: Vector, met: Touch) -> Vector:
-        """Where the arm comes to that touches something and is commanded on; `stands` where it sticks."""
+        """Return where a touching arm that is commanded further comes to rest; `stands` if it sticks."""
         if not self.contact.rides_on_hand(met.body) or not any(met.normal):
             return stands
         base_T_world = inverse(self.scene.world_T_base)
@@ -142,7 +142,7 @@ class Hand:
         return any(rule.decides(body, other) for rule in self.rules.values())
 
     def _reaction(self, target: Vector, posture: Vector, pushed: float) -> Vector:
-        """Force in the hand frame from how far the arm is commanded beyond where it stands."""
+        """Return the force in the hand frame, from the distance between the arm's command and its posture."""
         if posture is target:
             return np.zeros(3)
         base_T_hand = self.arm.forward(posture)

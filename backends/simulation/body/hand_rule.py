@@ -1,4 +1,4 @@
-"""What decides where a hand without physics meets things that give way."""
+"""Rules for a hand without physics that meets movable things."""
 
 from __future__ import annotations
 
@@ -18,38 +18,40 @@ Vector = NDArray[np.float64]
 
 
 class Met(NamedTuple):
-    """How far the arm comes."""
+    """End of an arm's motion."""
 
     joints: Vector
-    """Where it stops, (n,) in [rad]: the very array that was given, if nothing holds it up."""
+    """Joints at which it stops, (n,) in [rad]: the given array itself, if nothing stops it."""
     force: float = 0.0
     """With which it is pushed back along the hand's x, in [N]."""
     pairs: frozenset[tuple[str, str]] = frozenset()
-    """What touches."""
+    """Touching pairs."""
 
 
 class HandRule:
-    """Stands in for rigid geometry between the hand and a domain's things; by default it decides nothing.
+    """Replaces rigid geometry between the hand and a domain's things; by default it decides nothing.
 
-    In each motion of the arm `aim`, `decides`, `meet` and `carry` are asked, in this order.
+    In each motion of the arm `aim`, `decides`, `meet` and `carry` are called, in this order.
     """
 
     STATE: ClassVar[Kinds] = {}
     """Attributes that a checkpoint keeps, with their types."""
     strain: float = 0.0
-    """How far the hand wrenches what it holds, as a share of what stops the arm."""
+    """Torsion of the held object by the hand, as a share of the value that stops the arm."""
     strained_by = ""
-    """What stops it then."""
+    """Name of the body that then stops it."""
 
     def aim(self, joints: Vector) -> None:
         """The arm strives for these joints (n,)."""
 
     def decides(self, body: str, other: str) -> bool:
-        """Whether it, and not rigid geometry, says what comes of a body of the robot and another one."""
+        """Return whether this rule, instead of rigid geometry, handles a pair of bodies."""
         return False
 
     def meet(self, start: Vector, joints: Vector) -> Met:
-        """How far the arm gets from `start` towards `joints`, (n,) each; moves what gives way."""
+        """Return how far the arm gets from `start` towards `joints`, (n,) each; move the things that
+        yield.
+        """
         return Met(joints)
 
     def carry(self, thing: Thing, world_T_hand: Transform, start: Vector) -> Vector:
@@ -60,8 +62,8 @@ class HandRule:
         return np.zeros(3)
 
     def room(self) -> float:
-        """How far the fingers can open where they are, in [m]."""
+        """Return the largest possible opening of the fingers at their place, in [m]."""
         return float("inf")
 
     def gripped(self, thing: Thing) -> None:
-        """The fingers have closed about a thing; its pose is still where it stood."""
+        """Handle a grasp: the fingers have closed on a thing, whose pose is still the one before."""

@@ -1,4 +1,4 @@
-"""Which bodies are so near each other that it is worth asking whether they touch."""
+"""Pairs of bodies that are close enough for an exact contact test."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Pairs = NDArray[np.int64]
 
 
 class Boxes:
-    """Boxes that stand still, as arrays."""
+    """Fixed boxes, as arrays."""
 
     def __init__(self, sizes: Floats, poses: Floats) -> None:
         """Take them in: sizes (n, 3) in [m], poses (n, 4, 4)."""

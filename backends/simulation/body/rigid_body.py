@@ -33,27 +33,27 @@ class RigidBody(NamedTuple):
 
     @classmethod
     def box(cls, size: NDArray[np.float64]) -> Self:
-        """A box of that size (3,) in [m] about its middle."""
+        """Return a box of that size (3,) in [m] around its middle."""
         x, y, z = size.tolist()
         return cls(*_box(x, y, z))
 
 
 class Meeting(NamedTuple):
-    """How two bodies overlap."""
+    """Overlap of two bodies."""
 
     depth: float
     """[m]; 0 where they don't touch."""
     normal: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Along which the first one leaves the other by the shortest way, of length 1; zero if unknown."""
     point: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """Where they touch, in [m]."""
+    """Contact point, in [m]."""
 
 
 APART = Meeting(0.0)
 
 
 def meet(one: RigidBody, pose: Transform, other: RigidBody, other_pose: Transform) -> Meeting:
-    """How two bodies overlap at these poses (4, 4)."""
+    """Return the overlap of two bodies at these poses (4, 4)."""
     if not touch(one.judging, pose, other.judging, other_pose):
         return APART
     request, result = pin.coal.CollisionRequest(), pin.coal.CollisionResult()
@@ -67,7 +67,7 @@ def meet(one: RigidBody, pose: Transform, other: RigidBody, other_pose: Transfor
 
 
 def overlap(one: RigidBody, pose: Transform, other: RigidBody, other_pose: Transform) -> float:
-    """How deep two bodies stand in each other at these poses (4, 4), in [m]; 0 where they don't touch."""
+    """Return the depth of the overlap of two bodies at these poses (4, 4), in [m]; 0 without contact."""
     return meet(one, pose, other, other_pose).depth
 
 
@@ -89,7 +89,7 @@ def fcl_body(shape: Shape) -> object:
 
 
 def touch(one: object, pose: Transform, other: object, other_pose: Transform) -> bool:
-    """Whether two geometries of FCL overlap, or touch, at these poses (4, 4)."""
+    """Return whether two geometries of FCL touch or overlap at these poses (4, 4)."""
     return bool(fcl.collide(_for_fcl(one, pose), _for_fcl(other, other_pose)))
 
 

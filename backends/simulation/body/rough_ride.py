@@ -1,4 +1,4 @@
-"""How a car rides over rough ground when its wheels turn."""
+"""Motion of a car over rough ground."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ SETS_OUT = 1.0  # [s] of standing after which the ground under a curve is anothe
 
 
 class RoughRide:
-    """Roll and pitch, slip along and beside the heading: Ornstein-Uhlenbeck processes over the distance.
+    """Roll and pitch, slip along and across the heading: Ornstein-Uhlenbeck processes over the distance.
 
-    The same model as `benchmarks.field.field_drive`. `tilt` is roll and pitch in [rad].
+    The model of `benchmarks.field.field_drive`. `tilt` is roll and pitch in [rad].
     """
 
     STATE: ClassVar = {
@@ -48,12 +48,12 @@ class RoughRide:
         self._turn_slip, self._stood, self._legs = 0.0, math.inf, 0
 
     def motion(self, rolled: float, bend: float, period: int) -> Pose2:
-        """Pose of the base after a period in that before it, if nothing is in its way.
+        """Return the pose of the base after a period, relative to its pose before, without obstacles.
 
         Args:
-            rolled: what the wheels say, in [m].
-            bend: curvature that is steered, in [1/m].
-            period: its number.
+            rolled: the wheels' travel, in [m].
+            bend: steered curvature, in [1/m].
+            period: number of the period.
         """
         if rolled == 0.0:
             self._stood += self._period
@@ -89,6 +89,8 @@ class RoughRide:
 
 
 def _drift(share: float, sigma: float) -> tuple[float, float]:
-    """Of an Ornstein-Uhlenbeck value: what it keeps after `share` of its length, sigma of what is new."""
+    """Return the kept share of an Ornstein-Uhlenbeck value after `share` of its length, and sigma of the new
+    part.
+    """
     keep = math.exp(-share)
     return keep, sigma * math.sqrt(1.0 - keep * keep)

@@ -1,4 +1,4 @@
-"""What wheels, arms and grippers of all simulated backends share: commands, and readings with errors."""
+"""Common parts of simulated wheels, arms and grippers: commands, and readings with errors."""
 
 from __future__ import annotations
 
@@ -78,16 +78,16 @@ class SimulatedArm(Arm):
     """Attributes that a checkpoint keeps, with their types."""
 
     def __init__(self, robot: RobotFile, model: ArmModel, stands: Vector, seed: int) -> None:
-        """`stands` (n,) in [rad] is what its encoders should read at first."""
+        """Begin with encoders that read `stands` (n,) in [rad]."""
         self._model, self._errors, self._seed = model, robot.errors, seed
         top = np.inf if robot.arm is None else robot.joint_speeds()
         self._most = np.minimum(model.velocity, top) * robot.period_s
         self._command, self._from = stands.copy(), stands.copy()
         self._motions, self._moving = 0, False
         self._set_out = self._hand_on_floor()
-        """Where the hand was when the arm last set out."""
+        """Position of the hand when the arm last set out."""
         self.swung = False
-        """Whether a swing of the arm ended in this period: `is_swing`."""
+        """True if a swing of the arm ended in this period: `is_swing`."""
         self._error = ArmError(robot.errors, model, seed)
         self._offset = self._error.offset(self._command, 0)
         self._readings = dict[str, tuple[int, Vector]]()
@@ -95,11 +95,11 @@ class SimulatedArm(Arm):
 
     @abstractmethod
     def true_joints(self) -> Vector:
-        """Where the joints are, (n,) in [rad]."""
+        """Return the true joint angles, (n,) in [rad]."""
 
     @abstractmethod
     def _true_force(self) -> Vector:
-        """What acts on the hand, (3,) in [N] in its frame."""
+        """Return the true force on the hand, (3,) in [N] in its frame."""
 
     @override
     def move(self, joints: Vector) -> None:
@@ -124,7 +124,7 @@ class SimulatedArm(Arm):
         self._command = self._from.copy()
 
     def swing_yaw(self) -> float:
-        """By how much the swing that has ended turned the base, in [rad]."""
+        """Return the turn of the base by the swing that has ended, in [rad]."""
         return swing_yaw(self._errors, self._seed, self._motions)
 
     def _begin(self, period: int, loaded: bool) -> bool:
@@ -189,7 +189,7 @@ class SimulatedGripper(Gripper):
         return self._pressing
 
     def halt(self) -> None:
-        """Hold: fingers that press go on pressing, those that move stop."""
+        """Hold: pressing fingers continue to press, moving ones stop."""
         if not self._pressing:
             self._command = min(max(0.0, self.true_width()), self._spec.opening_mm / 1e3)
 
@@ -230,7 +230,7 @@ class ArmError:
         return np.asarray(offset + gives)
 
     def _draw(self, motion: int, dof: int) -> tuple[int, Vector, Vector]:
-        """What belongs to one motion: of the joints in [rad], of the hand in [mm]."""
+        """Return the errors of one motion: of the joints in [rad], of the hand in [mm]."""
         if self._drawn[0] != motion:
             errors, rng = self._errors, keyed(self._seed, "joint repeatability", motion)
             offset = errors.joint_repeatability_mrad / 1e3 * rng.standard_normal(dof)

@@ -1,4 +1,4 @@
-"""How a base leans on its suspension when the arm reaches out."""
+"""Tilt of a base on its suspension when the arm reaches out."""
 
 from __future__ import annotations
 

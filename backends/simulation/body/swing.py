@@ -10,19 +10,19 @@ from handcart.backends.simulation.keyed_noise import keyed
 
 
 def is_swing(errors: Errors, loaded: bool, start: NDArray[np.float64], end: NDArray[np.float64]) -> bool:
-    """Whether a motion of the arm that has ended was a swing, by which casters and tyres give.
+    """Return whether a finished motion of the arm was a swing, under which casters and tyres yield.
 
     Args:
         errors: of the robot's file.
-        loaded: whether the hand holds something.
-        start: where the hand was when it set out, x and y (2,) in the base frame, in [m].
-        end: where it is now.
+        loaded: True if the hand holds an object.
+        start: position of the hand at the start, x and y (2,) in the base frame, in [m].
+        end: position of the hand now.
     """
     least = errors.swing_from_mm / 1e3
     return least == 0.0 or (loaded and float(np.linalg.norm(end - start)) >= least)
 
 
 def swing_yaw(errors: Errors, seed: int, motion: int) -> float:
-    """By how much the swing in the arm's motion of that number turned the base, in [rad]."""
+    """Return the turn of the base by the swing in the arm's motion of that number, in [rad]."""
     spread = keyed(seed, "swing yaw", motion).standard_normal()
     return float(errors.swing_yaw_mrad + errors.swing_yaw_sigma_mrad * spread) / 1e3

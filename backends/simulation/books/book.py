@@ -39,7 +39,7 @@ class Book(Thing):
 
     spec: BookSpec
     shelf: str | None = None
-    """Name of the shelf that it stands on."""
+    """Name of the supporting shelf."""
 
     def __post_init__(self) -> None:
         self.thickness = self.spec.thickness_mm / 1e3
@@ -68,7 +68,7 @@ class Book(Thing):
 
     @property
     def carrier(self) -> str:
-        """See `Thing`: the name of its shelf, if it stands on one."""
+        """Return the name of its shelf, or of another support."""
         return self.shelf or super().carrier
 
     @property

@@ -1,4 +1,4 @@
-"""How a book that the hand lets go comes to lean in its row."""
+"""Tilt of a book in its row after its release."""
 
 from __future__ import annotations
 
@@ -49,5 +49,7 @@ def _until_met(book: Book, middle: float, row: Sequence[Member], side: float) ->
 
 
 def _gap(member: Member, middle: float, side: float) -> float:
-    """From the middle of the book to a member on that side; below zero on the other."""
+    """Return the distance from the middle of the book to a member on that side; negative on the other
+    side.
+    """
     return member.right - middle if side > 0.0 else middle - member.left

@@ -50,7 +50,7 @@ class BookProps(BooksThere):
         self._rule: RowRule | None = None
         self._person: Person | None = None
         self._places = np.array([each.pose[:3, 3] for each in self.shelves.values()]).reshape(-1, 3)
-        """Where shelves stand, (n, 3) in [m]."""
+        """Positions of the shelves, (n, 3) in [m]."""
 
     @override
     def set_up(self) -> None:
@@ -85,7 +85,7 @@ class BookProps(BooksThere):
         return thing.size[1]
 
     def fits(self, thing: Thing, pads: Pads) -> bool:
-        """See `Props`: it is gripped about its covers, from before its spine."""
+        """Return whether closing pads grip the book at its covers, from in front of its spine."""
         finger = pads.finger
         pose = inverse(pads.world_T_hand) @ thing.pose
         depth, thick, height = thing.size
@@ -107,7 +107,7 @@ class BookProps(BooksThere):
         put_down(self, thing, slot, self._left_aside(thing))
 
     def _left_aside(self, book: Book) -> float:
-        """How far to the left a book leans as the second finger leaves it, in [rad]."""
+        """Return the left tilt of a book as the second finger leaves it, in [rad]."""
         spread = math.radians(self.scene.robot.errors.book_lean_deg)
         instant = round(self.scene.time / self.scene.robot.period_s)
         return spread * float(keyed(self.seed, f"{book.name} let go", instant).standard_normal())

@@ -1,4 +1,4 @@
-"""What carries a book that physics has put somewhere."""
+"""Support of a book in physics."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ FALLEN = 0.5  # [m] above the floor
 
 
 def book_rest(books: BooksThere, book: Book) -> tuple[Rest, str | None]:
-    """What carries a book that isn't held, and the name of the shelf if it is one."""
+    """Return the support of a book that is not held, and the name of the shelf if it is one."""
     for name, shelf in books.shelves.items():
         x, y, z = (shelf.inverse_pose @ book.pose)[:3, 3]
         on_board = -book.depth / 2 < x < DEPTH and abs(y) < shelf.half_width and abs(z) < ON

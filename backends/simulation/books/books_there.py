@@ -1,4 +1,4 @@
-"""Which books and shelves are there."""
+"""Books and shelves of a scene."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ PROTRUSION = 0.003  # spines stand this much before or behind the board's front 
 
 
 class Waiting(NamedTuple):
-    """How far a person who hands books over has come."""
+    """Progress of a person who hands books over."""
 
     given: int = 0
     """Books so far."""
     stood: Pose2 = Pose2(0.0, 0.0, 0.0)
-    """Where the robot stands, or was last seen moving."""
+    """Pose at which the robot rests, or was last seen moving."""
     since: float = 0.0
     """[s]"""
 
@@ -89,7 +89,7 @@ class BooksThere(Props[BooksSection]):
         return self.books[accession].pose
 
     def shelf_books(self, shelf: str) -> list[StandingBook]:
-        """What stands on a shelf, from left to right."""
+        """Return the books on a shelf, from left to right."""
         frame = self.shelves[shelf].inverse_pose
         standing = []
         for book in self.books.values():
@@ -102,5 +102,5 @@ class BooksThere(Props[BooksSection]):
         return sorted(standing, key=lambda each: -each.lateral)
 
     def tray_book(self) -> Book | None:
-        """What stands on the tray."""
+        """Return the book on the tray, or None."""
         return next((book for book in self.books.values() if book.rest is Rest.TRAY), None)

@@ -1,4 +1,4 @@
-"""Whether a book goes into its slot."""
+"""Rule that decides whether a book enters its slot."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Entry:
     shelf: Shelf
     slot: FreeInterval
     admitted: bool
-    """Else it jams."""
+    """True if the book enters; otherwise it jams."""
 
 
 def entry_chance(error: float, clearance: float) -> float:

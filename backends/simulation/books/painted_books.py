@@ -1,4 +1,4 @@
-"""How books and shelves look to a camera without physics."""
+"""Appearance of books and shelves without physics."""
 
 from __future__ import annotations
 
@@ -34,9 +34,9 @@ _SEES = 3.0  # shelves further away are painted without their books [m]
 
 
 def painted(books: BooksThere, rests: frozenset[Rest]) -> Iterator[Painted]:
-    """Shelves with their rows, each at once; else single books. Fallen ones are not shown.
+    """Yield shelves with their rows, each as a whole, or single books. Fallen ones are not shown.
 
-    Spines are printed; what stands deep in a shelf is dark.
+    Spines are printed; objects deep in a shelf are dark.
     """
     if Rest.TABLE in rests:
         for shelf in books.shelves.values():
@@ -126,7 +126,7 @@ def _in_world(shelf: Shelf, corners: tuple[tuple[float, float, float], ...]) -> 
 
 
 def _book(canvas: Canvas, book: Book, shelf: Shelf | None) -> None:
-    """Covers and head, the darker the deeper they stand inside a shelf, then the spine."""
+    """Paint covers and head, darker with their depth inside a shelf, then the spine."""
     box = book.box()
     if canvas.shows_none((CORNERS.reshape(-1, 3) * box.size) @ box.pose[:3, :3].T + box.pose[:3, 3]):
         return
@@ -148,7 +148,7 @@ def _book(canvas: Canvas, book: Book, shelf: Shelf | None) -> None:
 
 
 def _mirrored(book: Book, shelf: Shelf | None, eye: NDArray[np.float64]) -> float | None:
-    """Where across a glossy spine, 0 to 1 from its left, a window is mirrored to the eye; None: nowhere."""
+    """Return where a glossy spine mirrors a window to the eye, 0 to 1 from its left; None: nowhere."""
     if shelf is None or book.spec.gloss == 0.0:
         return None
     spine, eye_S = (shelf.inverse_pose @ book.pose)[:2, 3], shelf.inverse_pose[:2] @ np.append(eye, 1.0)

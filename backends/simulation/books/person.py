@@ -10,10 +10,12 @@ AFTER = 1.0  # [s] that the robot stands there with an empty tray and hand befor
 
 
 class Person:
-    """Puts the next book onto the robot's tray when it stands at its start again, tray and hand empty."""
+    """Puts the next book onto the robot's tray when the robot is at its start again, with tray and hand
+    empty.
+    """
 
     def __init__(self, books: BooksThere) -> None:
-        """Hand over the books in `books.to_come`; how far that is stands in `books.waits`."""
+        """Hand over the books in `books.to_come`; the progress is in `books.waits`."""
         self._books, self._start = books, books.scene.base
 
     def step(self) -> None:

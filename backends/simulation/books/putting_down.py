@@ -1,4 +1,4 @@
-"""What becomes of a book that the hand lets go."""
+"""Motion of a book after the hand has released it."""
 
 from __future__ import annotations
 

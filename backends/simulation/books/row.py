@@ -1,4 +1,4 @@
-"""A row of books as a hand that comes from the front meets it: what stands where, and how it gives way."""
+"""Row of books as a hand from the front meets it: places, and how the books yield."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ class Pusher(NamedTuple):
 
 
 class Push(NamedTuple):
-    """What comes of pushing: where the pusher's front stands, the force on it, and who was met."""
+    """Result of a push: place of the pusher's front, force on it, and the members that it met."""
 
     lead: float
     force: float
@@ -82,7 +82,7 @@ def members(books: BooksThere, shelf: Shelf, without: Thing | None) -> list[Memb
 
 
 def slots(row: Sequence[Member]) -> list[FreeInterval]:
-    """The free intervals between the members; what stands deeper stops a book that is in already."""
+    """Return the free intervals between the members; deeper objects stop a book that is already inside."""
     before = [member for member in row if member.front < _DEEP]
     return [
         FreeInterval(a.left, b.right, min(a.front, b.front))

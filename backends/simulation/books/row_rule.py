@@ -53,7 +53,7 @@ class RowRule(HandRule):
         self.entry: Entry | None = None
         self._front: Front | None = None
         self._row: tuple[object, list[Member]] | None = None
-        """What it was made from, and the row that the hand reaches into."""
+        """Inputs of the cached row, and the row that the hand reaches into."""
         self._entrance = Entrance(books.seed)
 
     @property
@@ -70,7 +70,7 @@ class RowRule(HandRule):
 
     @property
     def entries(self) -> int:
-        """How often a book entered a slot so far: each has its own luck."""
+        """Number of entries into slots so far: each has its own random draw."""
         return self._entrance.count
 
     @entries.setter
@@ -149,7 +149,7 @@ class RowRule(HandRule):
         return None
 
     def _members(self, shelf: Shelf) -> list[Member]:
-        """The row on a shelf: made anew where something was moved."""
+        """Return the row on a shelf, built again after something was moved."""
         key = self._scene.changes, self._scene.held, shelf
         if self._row is None or self._row[0] != key:
             self._row = key, members(self._books, shelf, self._scene.held)

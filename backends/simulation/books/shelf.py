@@ -74,13 +74,13 @@ class Shelf:
         return {part: self._box(part, *ends) for part, ends in bounds.items()}
 
     def solids(self) -> list[Solid]:
-        """The same as a world has them: darker inside."""
+        """Return the solids of the shelf for a world, darker inside."""
         greys = {part: each.grey for part, each in zip(self.objects(), self.spec.objects, strict=True)}
         greys |= dict.fromkeys(INSIDE, round(WOOD * self.spec.light))
         return [Solid(box, grey=greys.get(part, WOOD)) for part, box in self.parts().items()]
 
     def objects(self) -> list[str]:
-        """The parts that are no furniture, by name, as in the file."""
+        """Return the names of the parts that are not furniture, as in the file."""
         return [f"object {i + 1}" for i in range(len(self.spec.objects))]
 
     def _object_ends(self, each: ObjectSpec) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
@@ -96,7 +96,7 @@ class Shelf:
         return Box(self.pose @ transform(tuple(middle)), (x, y, z), f"{part} of {self.name}")
 
     def fixed_intervals(self) -> list[tuple[float, float, float]]:
-        """What bounds the row and can't be moved: (right, left, front) in S, in [m]."""
+        """Return the immovable bounds of the row: (right, left, front) in S, in [m]."""
         half = self.half_width
         walls = [(half, half + PANEL, 0.0), (-half - PANEL, -half, 0.0)]
         if self.book_end_left > -half + 1e-3:

@@ -14,7 +14,7 @@ TAG_ROOM_MM = 14.0  # a tag of 10 mm and its white margins
 
 
 class BookSpec(FileModel):
-    """A book: what is printed on its spine, and its measures."""
+    """Book: text on its spine, and its dimensions."""
 
     accession: Annotated[int, Field(ge=0)]
     """The number in its tag."""
@@ -28,11 +28,11 @@ class BookSpec(FileModel):
     font: str = "DejaVuSans"
     """A TTF of matplotlib's, without its ending."""
     label_mm: Annotated[float, Field(ge=6.0, le=25.0)] = 10.0
-    """Of the label, across the spine."""
+    """Width of the label, across the spine."""
     label_lines: Literal[1, 2] = 1
-    """With two, the letters stand below the number."""
+    """Number of lines; with two, the letters are below the number."""
     gloss: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
-    """How much of a lamp the spine mirrors: 1 outshines paper."""
+    """Share of a lamp's light that the spine mirrors: 1 outshines paper."""
     lean_deg: Annotated[float, Field(ge=-40.0, le=40.0)] = 0.0
     """On a shelf, to the left, about the lower edge of that side; the list must leave it room."""
     tag: Literal["readable", "smeared", "none"] = "readable"
@@ -60,7 +60,7 @@ class BookSpec(FileModel):
 
 
 class ObjectSpec(FileModel):
-    """Something on the board that is no book and that nobody moves: a box before, in or behind the row."""
+    """Immovable object on the board other than a book: a box in front of, in or behind the row."""
 
     at_mm: Annotated[float, Field(ge=0.0, le=3000.0)]
     """Its left side, from the left panel."""
@@ -85,12 +85,12 @@ class ShelfSpec(FloorPose):
     width_m: Annotated[float, Field(ge=0.1, le=3.0)] = 1.0
     """Between the side panels."""
     books: tuple[BookSpec | GapSpec, ...] = ()
-    """From left (+y) to right; a book end fills what is left on the right."""
+    """Books and gaps from left (+y) to right; a book end fills the rest on the right."""
     objects: tuple[ObjectSpec, ...] = ()
     light: Annotated[float, Field(ge=0.0, le=1.0)] = 0.1
     """Share of the room's light that is left deep inside: 1 with lamps of its own."""
     board_m: Annotated[float, Field(ge=0.1, le=2.0)] = 0.70
-    """Of the board above the floor."""
+    """Height of the board above the floor."""
     closed_from_m: Annotated[float, Field(ge=0.0, le=2.0)] = 0.0
     """Height from which the front is closed below the board: higher for a shelf above another one."""
 

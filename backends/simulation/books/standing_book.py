@@ -13,7 +13,7 @@ from .book import Book
 
 
 class StandingBook(NamedTuple):
-    """How a book stands on a shelf, in S."""
+    """Pose of a book on a shelf, in S."""
 
     book: Book
     lateral: float
@@ -21,9 +21,9 @@ class StandingBook(NamedTuple):
     front: float
     """x of its spine, in [m]: below zero, it is proud."""
     tilt: float
-    """Of its height against the vertical, in [rad]."""
+    """Tilt of its height against the vertical, in [rad]."""
     yaw: float
-    """Of its depth against the shelf's, in [rad]."""
+    """Angle between its depth and the shelf's, in [rad]."""
     lean: float
     """Sideways, to the left, in [rad]."""
 

@@ -1,4 +1,4 @@
-"""What is printed on a spine: cover, title, ArUco tag near the head, call-number label near the foot."""
+"""Print of a spine: cover, title, ArUco tag near the head, call-number label near the foot."""
 
 from __future__ import annotations
 

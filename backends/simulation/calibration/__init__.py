@@ -1,1 +1,1 @@
-"""What is painted on tables, in simulated worlds, for cameras to find."""
+"""Marks on tables of simulated worlds, for cameras."""

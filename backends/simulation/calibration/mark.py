@@ -1,4 +1,4 @@
-"""What is painted on a level surface: a landmark, what might be taken for one, a calibration board."""
+"""Mark on a level surface: a landmark, a decoy, a calibration board."""
 
 from __future__ import annotations
 

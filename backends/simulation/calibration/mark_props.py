@@ -1,4 +1,4 @@
-"""What is painted on level surfaces of a simulated world."""
+"""Marks on level surfaces of a simulated world."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is painted, in a world's file."""
+"""Marks in a world's file."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ class MarkSpec(FloorPose):
     """Something painted on a level surface; its pose is that of its middle."""
 
     kind: Literal["landmark", "square", "disc", "frame", "board"] = "landmark"
-    """A landmark, what might be taken for one, or a board to calibrate cameras with."""
+    """Landmark, decoy, or board to calibrate cameras with."""
     height_m: Annotated[float, Field(ge=0.0, le=3.0)]
-    """Of the surface."""
+    """Height of the surface."""
     size_mm: Annotated[float, Field(gt=0.0, le=500.0)] = 60.0
     """Its side; of a board, the side of one of its squares."""
     board: BoardLayout = BoardLayout()
@@ -25,6 +25,6 @@ class MarkSpec(FloorPose):
 
 
 class MarksSection(FileModel):
-    """Keys of a world's file that are about what is painted there."""
+    """Keys of a world's file about marks."""
 
     marks: tuple[MarkSpec, ...] = ()

@@ -1,1 +1,1 @@
-"""What a field of sensors has in it, in simulated worlds."""
+"""Objects of a field of sensors in simulated worlds."""

@@ -1,4 +1,4 @@
-"""What a field has in it: sensors to be laid out, and what measures where they lie."""
+"""Objects of a field: sensors to lay, and the total station that measures their places."""
 
 from __future__ import annotations
 
@@ -36,11 +36,11 @@ class FieldProps(Props[FieldSection]):
         super().__init__(scene, spec, seed)
         self.sensors: dict[str, Sensor] = {}
         self.loaded = 0
-        """How many sensors the magazine has given so far."""
+        """Number of sensors that the magazine has given so far."""
         self.in_hand = ""
-        """What the hand held a period ago, by its name."""
+        """Name of the held object a period ago."""
         self.total_station = spec.total_station
-        """What measures, for evaluation, where the hand is."""
+        """Instrument that measures the hand, for evaluation."""
         self._magazine: SensorSpec | None = None
         if spec.sensors is not None and scene.robot.gripper is not None:
             self._magazine = spec.sensors
@@ -78,7 +78,7 @@ class FieldProps(Props[FieldSection]):
         return sensor if sensor is not None and sensor.rest is Rest.TRAY else None
 
     def rested(self, thing: Thing) -> None:
-        """See `SceneProps`; what is on the robot the magazine has."""
+        """Update the support of a thing; the magazine carries things on the robot."""
         if thing.rest is not Rest.TRAY:
             super().rested(thing)
 
@@ -93,6 +93,8 @@ class FieldProps(Props[FieldSection]):
         scene.changes += 1
 
     def _hand_T_foot(self, sensor: Sensor) -> Transform:
-        """Of a sensor that hangs upright between the fingers: its z against the hand's x."""
+        """Return the pose of a sensor that hangs upright between the fingers: its z is opposite to the hand's
+        x.
+        """
         ahead = self.scene.robot.finger_shape.tip - BITE + sensor.size[2]
         return transform((ahead, 0.0, 0.0), (0.0, -np.pi / 2, 0.0))

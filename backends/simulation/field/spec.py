@@ -1,4 +1,4 @@
-"""What a world's file says of a field of sensors."""
+"""Field of sensors in a world's file."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class SensorSpec(FileModel):
 
 
 class StationSpec(FileModel):
-    """A total station, for evaluation only: it follows a reflector on the robot's hand."""
+    """Total station, only for evaluation: it follows a reflector on the robot's hand."""
 
     x_m: Coordinate
     y_m: Coordinate
@@ -30,8 +30,8 @@ class StationSpec(FileModel):
 
 
 class FieldSection(FileModel):
-    """Keys of a world's file that are about a field of sensors."""
+    """Keys of a world's file about a field of sensors."""
 
     sensors: SensorSpec | None = None
-    """In the robot's magazine."""
+    """Sensors in the robot's magazine."""
     total_station: StationSpec | None = None

@@ -31,11 +31,13 @@ class Canvas:
         self._projection = K @ self._turn.T
 
     def seen_from_front(self, corner: Floats, normal: Floats) -> bool:
-        """Whether the camera is on the side of a face that its normal points to."""
+        """Return whether the camera is on the side of a face that its normal points to."""
         return bool((self.eye - corner) @ normal > 0.0)
 
     def shows_none(self, corners: Floats) -> bool:
-        """Whether a convex body with these corners (n, 3) in the world is surely outside the picture."""
+        """Return whether a convex body with these corners (n, 3) in the world is surely outside the
+        picture.
+        """
         rays = (corners - self.eye) @ self._projection.T
         return not (rays[:, 2] < _NEAREST).any() and self._outside(rays[:, :2] / rays[:, 2:])
 
@@ -106,7 +108,9 @@ class Canvas:
 
 
 def _cover(pixels: Floats, window: tuple[int, int]) -> NDArray[np.float32]:
-    """How much of each pixel a convex quadrangle covers, (h, w) 0 to 1: distance to its edges + 1/2."""
+    """Return how much of each pixel a convex quadrangle covers, (h, w) 0 to 1: distance to its edges +
+    1/2.
+    """
     columns = np.arange(window[0], dtype=np.float32)
     rows = np.arange(window[1], dtype=np.float32)[:, None]
     cover = np.ones((window[1], window[0]), dtype=np.float32)

@@ -1,4 +1,4 @@
-"""What lens, light and sensor make of an ideal picture."""
+"""Effects of lens, light and sensor on an ideal picture."""
 
 from __future__ import annotations
 

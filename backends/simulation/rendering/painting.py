@@ -1,4 +1,4 @@
-"""How boxes look to a camera without physics."""
+"""Appearance of boxes without physics."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _CORNERS = (
     ((-1, -1, 1), (1, -1, 1), (1, 1, 1), (-1, 1, 1)),
 )
 CORNERS = np.array(_CORNERS, dtype=float) / 2
-"""(6, 4, 3) of the unit box about its middle."""
+"""(6, 4, 3) corners of the unit box around its middle."""
 _SHADE = (1.0, 0.6, 0.8, 0.85, 0.4, 1.1)  # light comes from above and from before the robot's docking places
 _PICTURES: dict[Side, tuple[int, int, float, float, float]] = {
     # the size's axes along rows and columns; roll, pitch, yaw of the picture's frame, its y down
@@ -46,7 +46,7 @@ class Painted(NamedTuple):
     """Something that can be painted at once, before what is nearer."""
 
     middle: NDArray[np.float64]
-    """(3,) in [m]: what is further away is painted first."""
+    """(3,) in [m]: more distant objects are painted first."""
     paint: Callable[[Canvas], None]
 
 

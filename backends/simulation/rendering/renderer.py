@@ -1,4 +1,4 @@
-"""What the camera on the hand sees."""
+"""Renderer of the hand's camera."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Renderer:
         return self._lens.take(self.ideal(scene, world_T_camera), period)
 
     def ideal(self, scene: Scene, world_T_camera: Transform) -> GreyImage:
-        """The same without lens, light and noise; larger."""
+        """Return the larger ideal picture, without lens, light and noise."""
         canvas = Canvas(self._lens.K, self._lens.size, world_T_camera, _BACKGROUND)
         _room(canvas, scene)
         for sheet in (sheet for props in scene.props.values() for sheet in props.sheets()):
@@ -66,12 +66,12 @@ def _room(canvas: Canvas, scene: Scene) -> None:
 
 
 def _away(canvas: Canvas, box: Box) -> float:
-    """From the camera, over the floor, in [m]."""
+    """Return the distance from the camera over the floor, in [m]."""
     return float(np.linalg.norm(box.pose[:2, 3] - canvas.eye[:2]))
 
 
 def _things(canvas: Canvas, scene: Scene, resting: frozenset[Rest]) -> None:
-    """What rests so, the nearest one last."""
+    """Paint the things with these supports, the nearest one last."""
     there = [each for props in scene.props.values() for each in props.painted(resting)]
     there.sort(key=lambda each: -float(np.linalg.norm(each.middle - canvas.eye)))
     for each in there:
@@ -79,7 +79,7 @@ def _things(canvas: Canvas, scene: Scene, resting: frozenset[Rest]) -> None:
 
 
 def _robot(canvas: Canvas, scene: Scene) -> None:
-    """Tray and what stands on it, then the hand's load and fingers: nothing comes before them."""
+    """Paint the tray and its load, then the hand's load and fingers, which nothing hides."""
     if scene.arm is None:
         return
     if scene.robot.has_tray:
