@@ -69,7 +69,7 @@ def test_what_is_kept_is_what_is_counted(
         (("--level", "fitted"), "--level fitted and --learned-from; needed: both of them, or none"),
         (("--learned-from", "recorded"), "--level fitted and --learned-from; needed: both"),
         (("--level", "fitted", "--learned-from", "nowhere"), "nowhere"),
-        (("--level", "fitted", "--learned-from", "recorded", "--vary", "v.yaml"), "doesn't vary with it"),
+        (("--level", "fitted", "--learned-from", "recorded", "--vary", "v.yaml"), "don't vary with it"),
         (("--level", "fitted", "--learned-from", "recorded", "--generate", "library"), "has no world"),
         (("--level", "guessed"), "--level guessed; allowed: run, fitted, network"),
     ],

@@ -137,4 +137,4 @@ def test_findings_that_cannot_be_are_told_with_their_place(
 def test_a_run_without_findings(handcart: Callable[..., Said], tmp_path: Path) -> None:
     said = handcart("adopt", tmp_path)
     assert said.status == 2
-    assert "there is no calibration.yaml; allowed: the folder of a run" in said.err
+    assert "has no calibration.yaml; allowed: the folder of a run" in said.err
