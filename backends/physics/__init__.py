@@ -1,1 +1,1 @@
-"""What backends with physics share: all that isn't one engine's."""
+"""Common parts of backends with physics, independent of the engine."""

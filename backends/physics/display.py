@@ -1,4 +1,4 @@
-"""Whether windows can be shown."""
+"""Test whether windows can be shown."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from handcart.backends.backend import NoWindow
 
 
 def needs_display() -> None:
-    """Raise `NoWindow` where there is no display."""
+    """Raise `NoWindow` without a display."""
     if sys.platform == "linux" and not os.environ.get("DISPLAY"):
         raise NoWindow(
             "there is no display to show a window on: $DISPLAY is not set; allowed: --video FILE.mp4"

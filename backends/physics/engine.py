@@ -1,4 +1,4 @@
-"""What is asked of a physics engine."""
+"""Interface of a physics engine."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Pinned:
 
     body: int
     link: int
-    """Of `body`."""
+    """Link of `body`."""
     other: int
     points: tuple[Point, ...]
     other_points: tuple[Point, ...]
@@ -51,11 +51,11 @@ class ContactPoint(NamedTuple):
     """A point where a body presses against another one."""
 
     link: int
-    """Of the body."""
+    """Link of the body."""
     other: int
     other_link: int
     normal: Point
-    """From the other body towards it, in the world."""
+    """Normal from the other body towards this one, in the world."""
     force: Point
     """On the body, in the world, in [N]."""
 
@@ -74,9 +74,9 @@ class Engine(ABC):
     although they carry it, the rest is that of `Grip`'s points."""
 
     def __init__(self, period: float) -> None:
-        """Of a world in which a control period is that long, in [s]."""
+        """Create a world with a control period of that length, in [s]."""
         self.chunks = max(1, round(period / self.CHUNK))
-        """How often the drives act in a control period."""
+        """Number of times that the drives act in a control period."""
         self.chunk = period / self.chunks
         """[s]"""
         self.substeps = max(1, int(np.ceil(self.chunk / STEP - 1e-9)))
@@ -85,10 +85,10 @@ class Engine(ABC):
     @property
     @abstractmethod
     def pinned(self) -> Pinned | None:
-        """What is held together now."""
+        """Return the current rigid connection, or None."""
 
     def parts(self) -> Sequence[int]:
-        """Steps of the solver in a chunk, after each of which somebody looks at what touches."""
+        """Return the solver's steps of a chunk, after each of which contacts are read."""
         return (self.substeps,)
 
     @abstractmethod
@@ -156,7 +156,7 @@ class Engine(ABC):
 
     @abstractmethod
     def pin(self, wanted: Pinned | None) -> None:
-        """Hold this together, and nothing else; None lets go."""
+        """Keep this rigid connection and no other; None releases it."""
 
     # What is there
 
@@ -166,7 +166,7 @@ class Engine(ABC):
 
     @abstractmethod
     def contacts(self, body: int) -> Sequence[ContactPoint]:
-        """Where a body presses against others, and the robot against itself."""
+        """Return the contact points of a body with others, and of the robot with itself."""
 
     @abstractmethod
     def free_shares(self, start: Array, ends: Array) -> Array:
@@ -183,8 +183,9 @@ class Engine(ABC):
 
     @abstractmethod
     def set_state(self, state: object) -> None:
-        """Bring back what `state` gave, of this engine or of one whose bodies were made in the same order.
+        """Restore the state returned by `state`, of this engine or of one whose bodies were created in the
+        same order.
 
         Raises:
-            NotAState: it is no such state.
+            NotAState: the data are not such a state.
         """

@@ -1,4 +1,4 @@
-"""Somebody who watches the robot."""
+"""Chase camera that follows the robot."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Onlooker:
 
     @property
     def at(self) -> Array:
-        """What they look at, (3,) in [m]."""
+        """Return the point that it looks at, (3,) in [m]."""
         return self._at
 
 

@@ -112,7 +112,7 @@ class PhysicsBackend(SimulatedBackend):
         return Onlooker(self._engine)
 
     def _seen_from(self) -> Transform:
-        """world_T_camera (4, 4) of somebody who watches, now."""
+        """Return world_T_camera (4, 4) of the chase camera, now."""
         return self._onlooker.look(self._body.standing_pose(), self.scene.time)
 
     def _build(self, robot: RobotFile, world: WorldFile, seed: int) -> None:
@@ -176,7 +176,7 @@ class PhysicsBackend(SimulatedBackend):
             self._camera = self._make_camera(robot.camera, model)
 
     def _build_sensors(self, robot: RobotFile, seed: int, outdoors: bool) -> None:
-        """What is mounted on the base."""
+        """Build the sensors that are mounted on the base."""
         if robot.range_sensor is not None:
             mount = base_T_frame(robot.urdf_text(), "range_sensor")
             faults = RangeFaults.of(robot.errors)
@@ -279,7 +279,7 @@ class PhysicsBackend(SimulatedBackend):
             raise RobotFault(f"the base has tipped, by {tilt:.0f} degrees: {why}; see `handcart check`")
 
     def _find_held(self) -> Thing | None:
-        """What is between fingers that press."""
+        """Return the thing between fingers that press, or None."""
         if self._gripper is None or self._grip is None:
             return None
         body = self._touch.gripped()
@@ -299,7 +299,7 @@ class PhysicsBackend(SimulatedBackend):
         return self._held.mass, (inverse(self._body.base_pose()) @ middle)[:3, 3]
 
     def _riding(self) -> list[int]:
-        """Bodies of what stands on the robot."""
+        """Return the bodies on the robot."""
         return [self._world.bodies[each.name] for each in self.scene.riding()]
 
     @override
@@ -318,7 +318,7 @@ class PhysicsBackend(SimulatedBackend):
 
     @property
     def held_name(self) -> str | None:
-        """What is between the fingers, by its name."""
+        """Return the name of the thing between the fingers, or None."""
         return None if self._held is None else self._held.name
 
     @held_name.setter

@@ -1,4 +1,4 @@
-"""What acts for a domain's props in physics."""
+"""Actions of a domain's props in physics."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .engine import Engine
 
 
 class Pieces(NamedTuple):
-    """What it may act upon."""
+    """Parts of the simulation that it may act upon."""
 
     engine: Engine
     body: RobotBody
@@ -40,9 +40,9 @@ class PropsBody:
         """A chunk of the period begins."""
 
     def end(self) -> None:
-        """The period has ended, and nobody has looked yet where things are."""
+        """Act at the end of a period, before things are located."""
 
     @property
     def keeps_grip(self) -> bool:
-        """Whether the hand keeps what it holds although its fingers don't press on it."""
+        """Return whether the hand keeps its object although the fingers don't press on it."""
         return False

@@ -19,10 +19,10 @@ def refusal(engine: str, error: Exception, whole: RobotUrdf, prefix: str = "") -
     """Return the error of an engine as one about the robot's files.
 
     Args:
-        engine: its name.
-        error: what it raised.
+        engine: name of the engine.
+        error: exception of the engine.
         whole: the robot's URDF, with the places of links and joints.
-        prefix: put before the names of links and joints in the engine.
+        prefix: prefix of the names of links and joints in the engine.
 
     Returns:
         A `FileError` at the line of the link or joint that the engine names; `RobotRefused` otherwise.

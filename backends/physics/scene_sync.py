@@ -1,4 +1,4 @@
-"""From the engine to the scene: the ground truth that evaluation reads."""
+"""Copy the engine's state into the scene: the ground truth that evaluation reads."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class SceneSync:
         """Bodies of things that have moved since their pose was last written."""
 
     def base(self) -> None:
-        """Where the base stands, and how it leans."""
+        """Update pose and tilt of the base."""
         scene = self._scene
         standing = self._body.standing_pose()
         scene.tilted_base = self._body.link_pose("base") if self._body.sprung else standing
@@ -30,7 +30,7 @@ class SceneSync:
         scene.base = Pose2(float(standing[0, 3]), float(standing[1, 3]), heading)
 
     def things(self, held: Thing | None) -> None:
-        """Where those things are that may have moved, and what carries them."""
+        """Update the things that may have moved, and their supports."""
         scene = self._scene
         world_T_hand = self._body.link_pose("hand") if "hand" in self._body.link_index else np.eye(4)
         bodies, moved = self._world.bodies, self._world.moved()
@@ -46,7 +46,7 @@ class SceneSync:
             scene.hand_T_held = inverse(world_T_hand) @ held.pose
 
     def _place(self, props: SceneProps, thing: Thing, held: Thing | None) -> None:
-        """Put a thing where it is; what stays, stays on what carries it."""
+        """Put a thing at its pose; a thing at rest keeps its support."""
         pose = self._world.pose(thing)
         stays = bool((pose == thing.pose).all())
         if not stays:

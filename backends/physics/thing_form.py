@@ -1,4 +1,4 @@
-"""What an engine is told of a thing to make a body of it."""
+"""Description of a thing from which an engine makes a body."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from handcart.backends.simulation.world.thing import GreyImage
 from handcart.robotics.geometry.transform import Transform
 
 Uvs = Sequence[tuple[float, float]]
-"""Where a face's corners lie in the picture: u to the right, v up, both from 0 to 1."""
+"""Corners of a face in the picture: u to the right, v up, both from 0 to 1."""
 BOX_FACES = np.array(
     (
         ((-1, 1, -1), (-1, -1, -1), (-1, -1, 1), (-1, 1, 1)),
@@ -41,7 +41,7 @@ class Cuboid(NamedTuple):
     size: tuple[float, float, float]
     """[m]"""
     ahead: float = 0.0
-    """Of its middle along x, in [m]."""
+    """Offset of its middle along x, in [m]."""
 
 
 class Wedge(NamedTuple):
@@ -55,7 +55,7 @@ class Wedge(NamedTuple):
 
 
 class Sticks(NamedTuple):
-    """Of a body that stays where it stands, however little pushes it: each point at which it touches."""
+    """Contact points of a body that stays at its place under small forces."""
 
     stiffness: float
     """[N/m]"""
@@ -69,7 +69,7 @@ class ThingForm(NamedTuple):
     middle: Transform
     """World pose (4, 4) of its middle, which is that of its mass."""
     size: tuple[float, float, float]
-    """Of the box about it, in [m]."""
+    """Size of its bounding box, in [m]."""
     mass: float
     """[kg]"""
     pieces: tuple[Cuboid | Wedge, ...]
@@ -82,10 +82,10 @@ class ThingForm(NamedTuple):
     """That the faces show parts of, at first."""
     sticks: Sticks | None = None
     asleep: bool = False
-    """Whether it sleeps until something touches it, from the beginning."""
+    """True if it sleeps from the beginning until something touches it."""
     material: Material = PALE_WOOD
-    """Of what isn't printed, for people."""
+    """Material of the unprinted faces, for people."""
     printed: Callable[[], GreyImage] | None = None
     """All that its faces show to a camera that is near, laid out as `uvs` says; None: as `picture`."""
     portrait: Callable[[], Portrait | None] | None = None
-    """The same in colour, for people; None where nothing is printed."""
+    """Coloured picture, for people; None if nothing is printed."""

@@ -7,9 +7,9 @@ from handcart.backends.physics.world.thing_body import ThingBody
 
 
 class BlockBody(ThingBody):
-    """A box that stays where it stands in a wall.
+    """Box that stays at its place in a wall.
 
-    Else a block that is pressed between two others would creep away, however little pushes it.
+    Otherwise a block pressed between two others would creep away under any small force.
     """
 
     STICKS = Sticks(stiffness=1e6, damping=1e4)

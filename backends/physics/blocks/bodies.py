@@ -1,4 +1,4 @@
-"""Which classes stand for what in physics; see `handcart.tasks.domain`."""
+"""Classes of bodies in physics, for `handcart.tasks.domain`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What holds a thing between the pads."""
+"""Grip of a thing between the pads."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ class Grip:
 
 
 def pads_in(engine: Engine) -> Surface:
-    """What fingers are covered with, where `Grip` has the rest of its friction."""
+    """Return the surface of the fingers; `Grip` carries the rest of its friction."""
     return PADS._replace(friction=engine.CONTACTS_CARRY * PAD_FRICTION)
 
 

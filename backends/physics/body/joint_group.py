@@ -15,7 +15,7 @@ BREAKAWAY = 0.03  # share of its torque that such a drive always has to give
 
 
 class JointGroup(ABC):
-    """Some joints of the robot in an engine. What they are told counts until they are told otherwise.
+    """Some joints of the robot in an engine. A command holds until the next one.
 
     Positions are in [rad] or [m], speeds the same a second, torques in [Nm] or [N]; all are arrays (n,).
     """
@@ -40,16 +40,17 @@ class JointGroup(ABC):
         self.turn(rates + off / catches_up, most)
 
     def give(self, off: Vector, rates: Vector, effort: Vector, fastest: Vector, catches_up: float) -> None:
-        """As `follow`, but give like springs where something is in the way.
+        """Follow as `follow` does, but yield like springs at an obstacle.
 
-        The torque is limited by how far a joint is off, and that is `GIVES` where it is all of `effort`.
+        The torque is limited by a joint's distance from its set-point, which is `GIVES` at the full
+        `effort`.
 
         Args:
-            off: of the set-points, ahead of where the joints are now.
-            rates: at which they move.
-            effort: the most that the drives have.
-            fastest: speeds at which they catch up, at most.
-            catches_up: time constant in which what is off gets less, in [s].
+            off: distance of the set-points from the current joints.
+            rates: rates of the set-points.
+            effort: maximum effort of the drives.
+            fastest: maximum speeds of catching up.
+            catches_up: time constant of catching up, in [s].
         """
         wanted = np.clip(rates + off / catches_up, -fastest, fastest)
         strain = np.abs(off + DAMPING * (rates - self.states()[1]))

@@ -39,14 +39,14 @@ class PhysicsArm(SimulatedArm):
         ahead: float,
         seed: int,
     ) -> None:
-        """Take the arm's joints over, where they stand.
+        """Take over the arm's joints at their current positions.
 
         Args:
-            robot, model: whose it is.
-            body: it in an engine.
-            felt: what truly acts on the hand, (3,) in [N] in its frame.
-            ahead: how long after they are put on torques fit best, in [s].
-            seed: of its errors.
+            robot, model: robot file and arm model.
+            body: the robot in an engine.
+            felt: returns the true force on the hand, (3,) in [N] in its frame.
+            ahead: delay after which torques fit best, in [s].
+            seed: seed of its errors.
         """
         self._drives = body.joints(model.joint_names)
         super().__init__(robot, model, self._drives.states()[0], seed)
@@ -86,9 +86,9 @@ class PhysicsArm(SimulatedArm):
         self._drives.push(torques + self._load_torque(soon))
 
     def _lead(self, soon: Vector, angles: Vector, rates: Vector) -> Vector:
-        """Have the joints that mimic one of the arm's stand where it has them, by drives of their own.
+        """Command the followers of the arm's joints by their own drives.
 
-        Return the torques (n,) in [Nm] that carry what they don't.
+        Return the torques (n,) in [Nm] that carry the remaining weight.
         """
         torques, of_followers = self._model.own_gravity_torques(soon)
         for follower, torque in zip(self._following, of_followers, strict=True):

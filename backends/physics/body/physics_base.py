@@ -15,11 +15,11 @@ from .wheel_drives import WheelDrives
 
 
 class PhysicsBase(CommandedBase):
-    """Driven wheels on a floor that they roll on, and slip on; those of a side turn together.
+    """Driven wheels that roll and slip on a floor; those of one side turn together.
 
-    The file's errors of radius and tread are put onto the speeds, as if the wheels and where they stand were
-    not quite as the file has them; slip is the engine's. That tyres give is imposed (`give`): the engine's
-    are rigid.
+    The file's errors of radius and tread are applied to the speeds, as if the wheels and their places
+    differed from the file; slip is physics. The yielding of tyres is imposed (`give`), because the
+    engine's are rigid.
     """
 
     def __init__(self, robot: RobotFile, body: RobotBody, chunk: float, seed: int) -> None:

@@ -20,7 +20,7 @@ from .wheel_drives import WheelDrives
 
 REAR, FRONT = ("left_wheel", "right_wheel"), ("front_left_wheel", "front_right_wheel")
 STEERING = ("left_steering", "right_steering")
-"""Joints of the URDF: the rear wheels' stand for the base's frame."""
+"""Steering joints of the URDF; the rear wheels define the base's frame."""
 STEERS = 0.05  # time constant of the steering [s]
 
 

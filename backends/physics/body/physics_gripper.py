@@ -47,7 +47,7 @@ class PhysicsGripper(SimulatedGripper):
 
     @property
     def opening(self) -> bool:
-        """Whether it is told to open."""
+        """True if it is commanded to open."""
         return self._command > self._target + PRESSES
 
     def begin(self, period: int) -> None:

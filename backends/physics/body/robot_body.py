@@ -18,24 +18,24 @@ from .surface import Surface
 
 
 class RobotBody(ABC):
-    """The URDF of a robot's file, standing on the floor.
+    """The URDF of a robot's file, on the floor.
 
-    Where the file has the base lean, it stands on a chassis with a suspension; see `sprung`.
+    If the file lets the base tilt, the body is on a chassis with a suspension; see `sprung`.
     """
 
     COUPLES_MIMICS: ClassVar[bool] = False
-    """Whether the engine has joints follow those that they mimic; otherwise drives of their own do."""
+    """True if the engine couples joints with those that they mimic; otherwise their own drives do."""
     id: int
     """The engine's number of it."""
     sprung: bool
-    """Whether it has a suspension."""
+    """True if it has a suspension."""
     wheels: DrivenWheels
     effort: dict[str, float]
-    """What joints can give, in [Nm] or [N], by name."""
+    """Maximum effort of joints, in [Nm] or [N], by name."""
     link_index: dict[str, int]
     link_names: dict[int, str]
     repairs: Sequence[Repair]
-    """What isn't as the URDF has it."""
+    """Differences from the URDF."""
 
     @abstractmethod
     def put(self, base: Pose2, height: float = 0.0) -> None:
@@ -46,7 +46,7 @@ class RobotBody(ABC):
         """world_T_base (4, 4) as it would be if it didn't lean on a suspension."""
 
     def base_pose(self) -> Transform:
-        """world_T_base (4, 4), as it truly stands."""
+        """Return the true world_T_base (4, 4)."""
         return self.link_pose("base") if self.sprung else self.standing_pose()
 
     @abstractmethod
@@ -59,7 +59,7 @@ class RobotBody(ABC):
 
     @abstractmethod
     def mass(self, link: str) -> float:
-        """Of a link, in [kg]."""
+        """Return the mass of a link, in [kg]."""
 
     @abstractmethod
     def joints(self, names: Sequence[str]) -> JointGroup:
@@ -75,7 +75,7 @@ class RobotBody(ABC):
 
     @abstractmethod
     def mirror(self, joints: tuple[str, str]) -> None:
-        """Join two joints by a linkage: they stand at the same position."""
+        """Join two joints by a linkage that keeps their positions equal."""
 
     @abstractmethod
     def links_behind(self, joint: str) -> set[int]:

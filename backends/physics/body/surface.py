@@ -1,4 +1,4 @@
-"""What links of the robot are covered with."""
+"""Surfaces of the robot's links."""
 
 from __future__ import annotations
 
@@ -6,26 +6,28 @@ from typing import NamedTuple
 
 
 class Surface(NamedTuple):
-    """How a link touches others. What is None stays as it is."""
+    """Contact properties of a link; None leaves a property unchanged."""
 
     friction: float | None = None
     """Coulomb's."""
     stiffness: float | None = None
-    """Of each point at which it touches, in [N/m]; it gives, as rubber does."""
+    """Stiffness of each contact point, in [N/m], as of rubber."""
     damping: float | None = None
     """[Ns/m]"""
     sticks: bool = False
-    """Whether what it touches stays where it is on it while friction holds it."""
+    """True if a touched body keeps its place on it while friction holds."""
     along_axle: float | None = None
     """Share of the friction that it has along its y."""
     against: float = 1.0
     """Friction of what it mostly touches: an engine may have one figure for a pair."""
     sinks: float = 0.0
-    """By which what it stands on gives under it, in [m/N]; beside what itself gives."""
+    """Compliance of the ground under it, in [m/N], in addition to its own."""
 
     @property
     def point_stiffness(self) -> float | None:
-        """Of each point at which it touches, with what it stands on, in [N/m]: one spring on another."""
+        """Return the stiffness of each contact point together with the ground, in [N/m]: two springs in
+        series.
+        """
         if self.sinks == 0.0 or self.stiffness is None:
             return self.stiffness
         return 1.0 / (1.0 / self.stiffness + self.sinks)
@@ -40,7 +42,7 @@ SCRUBBING = Surface(stiffness=CASTER.stiffness, damping=CASTER.damping, sticks=T
 """A wheel that must slide sideways for its base to turn: one of several a side. They share the base's weight
 as they give a little, and at rest they stick."""
 SOFT_TYRES = Surface(stiffness=3e5, damping=6e3, sticks=True)
-"""Of a car on rough ground; at rest they stick."""
+"""Tyres of a car on rough ground; they stick at rest."""
 PAD_FRICTION = 1.5
 PADS = Surface(friction=PAD_FRICTION, stiffness=1e5, damping=1000.0, sticks=True, against=0.65)
 """Rubber, at each corner: rigid pads would press with one corner each."""

@@ -1,4 +1,4 @@
-"""The springs that a robot's body stands on."""
+"""Springs of a robot's suspension."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class SuspensionSprings:
     """
 
     def __init__(self, robot: RobotFile, arm: ArmModel, body: RobotBody) -> None:
-        """Find stiffness and damping; the body comes to stand as it leans with the arm where it is."""
+        """Find stiffness and damping; the body settles at its tilt for the arm's current posture."""
         self._joints = body.joints((ROLL, PITCH))
         here = body.joints(arm.joint_names).states()[0]
         rate, self._trim = _weight_by_reach(arm, body)

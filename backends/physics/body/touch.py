@@ -1,4 +1,4 @@
-"""What the robot touches, and with what force."""
+"""Contacts of the robot, and their forces."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ class Touch:
         self._fingers = [body.link_index[name] for name in FINGERS if name in body.link_index]
         self._read: dict[int, Collection[Touching]] = {}
         self._asked: Asked | None = None
-        """Of what the pairs below are: as a rule, the next step of the engine changes nothing of it."""
+        """Inputs of the cached pairs; the next step of the engine usually leaves them unchanged."""
         self._pairs: Pairs = frozenset()
 
     def stepped(self) -> None:
-        """The engine has moved on: what was read of it is old."""
+        """Discard readings after a step of the engine."""
         self._read.clear()
 
     def gripped(self) -> int | None:
@@ -52,7 +52,7 @@ class Touch:
         return min(both & set(self._world.bodies.values()), default=None)
 
     def force(self, held: int | None) -> NDArray[np.float64]:
-        """What the surroundings put on the hand and what it holds, (3,) in [N], in the world."""
+        """Return the force of the surroundings on the hand and its object, (3,) in [N], in the world."""
         total, mine, hand = np.zeros(3), self._body.id, self._hand
         if any(each.link in hand and each.other not in (held, mine) for each in self._touching(mine)):
             for point in self._engine.contacts(mine):
@@ -67,11 +67,11 @@ class Touch:
         return total
 
     def pairs(self, held: int | None, riding: Collection[int]) -> Pairs:
-        """Names of what touches now: a link, "base" or what is held, and what it ran into.
+        """Return the names of the touching pairs: a link, "base" or the held object, and the other body.
 
         Args:
-            held: the body in the hand.
-            riding: bodies that stand on the robot.
+            held: body in the hand.
+            riding: bodies on the robot.
         """
         its = self._touching(held) if held is not None else ()
         asked = self._touching(self._body.id), its, held, riding

@@ -57,7 +57,7 @@ class BookBody(ThingBody):
         return _picture(self.thing)
 
     def portrait(self) -> Portrait:
-        """See `ThingBody`: what is printed, on cloth in the book's colour; and the pages."""
+        """Return the print on cloth in the book's colour, and the pages."""
         spine = spine_levels(self.thing.spec)[_PORTRAIT][0].astype(np.float64)[..., None]
         grey, cloth = max(1, self.thing.spec.grey), np.array(self.thing.material[:3])
         # As dark as the cloth or darker is ink on it; what is lighter is paper.
@@ -71,7 +71,7 @@ class BookBody(ThingBody):
         return self.thing.shelf is not None
 
     def look(self, eye: NDArray[np.float64]) -> None:
-        """See `ThingBody`: printed or plain as near or far as it is now, whoever looked before."""
+        """Show the print if the eye is near now, otherwise a plain box."""
         printed = self._is_near(eye)
         if printed != self._printed:
             self._printed = printed
@@ -82,7 +82,7 @@ class BookBody(ThingBody):
 
 
 def _uvs(face: int, width: int) -> list[tuple[float, float]]:
-    """Where a side's corners lie in the picture, which is `width` [px] wide."""
+    """Return a side's corners in the picture, which is `width` [px] wide."""
     spine = (width - 2 * _STRIP) / width
     if face == 0:
         # Seen from before the spine, +y is left, and up is up; the picture's first row is the head.

@@ -1,1 +1,1 @@
-"""What lays sensors in physics."""
+"""Sensors and their gripper in physics."""

@@ -1,1 +1,1 @@
-"""What the robot's sensors read in physics."""
+"""Readings of the robot's sensors in physics."""

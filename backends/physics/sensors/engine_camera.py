@@ -44,7 +44,7 @@ class EngineCamera(SimulatedCamera):
     def _draw(
         self, world_T_camera: Transform, K: NDArray[np.float64], size: tuple[int, int]
     ) -> NDArray[np.uint8]:
-        """What a pinhole camera sees, (height, width) grey.
+        """Return the picture of a pinhole camera, (height, width) grey.
 
         Args:
             world_T_camera: (4, 4) of the optical frame (z forward, x right, y down).
@@ -56,7 +56,7 @@ class EngineCamera(SimulatedCamera):
         return self._lens.take(self.ideal(self._body.link_pose("hand") @ self._true.hand_T_camera), self._now)
 
     def ideal(self, world_T_camera: Transform) -> NDArray[np.uint8]:
-        """What a pinhole camera sees from a pose (4, 4), grey; larger, so that the lens has all of it."""
+        """Return the grey picture of a pinhole camera at a pose (4, 4), large enough for the lens."""
         for each in self._world.things.values():
             each.look(world_T_camera[:3, 3])
         width, height = self._lens.size

@@ -11,7 +11,7 @@ STANDS = 2e-3  # [m/s]: slower, a base stands
 
 
 class PhysicsFieldImu(FieldImu):
-    """As `FieldImu`, for a base that never stands quite still."""
+    """`FieldImu` for a base that is never completely at rest."""
 
     def advance(self, period: int) -> None:
         """A period has passed."""

@@ -1,4 +1,4 @@
-"""Which links of a robot can't collide with each other, and which must not with the floor."""
+"""Links of a robot that cannot collide with each other, and links that must not collide with the floor."""
 
 from __future__ import annotations
 

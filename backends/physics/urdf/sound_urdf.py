@@ -20,7 +20,7 @@ from .wheel_effort import with_wheel_efforts
 MOVED = ("left_finger", "right_finger", "left_steering", "right_steering")
 """Joints that are moved, besides the arm's and the wheels'."""
 ROCKERS = ("left_rocker", "right_rocker")
-"""Joints of a suspension that nobody moves, with opposite axes: a differential keeps them equal."""
+"""Passive joints of a suspension, with opposite axes: a differential keeps them equal."""
 HOLDS = 1000.0  # what a joint that stands is held with, where the URDF doesn't say [Nm] or [N]
 
 
@@ -31,7 +31,7 @@ class SoundUrdf(NamedTuple):
     """Its collision meshes named as in `hulls`."""
     hulls: Mapping[str, HullMesh]
     repairs: Sequence[Repair]
-    """What isn't as the robot's files say."""
+    """Differences from the robot's files."""
 
 
 def sound_urdf(robot: RobotFile) -> SoundUrdf:
@@ -57,7 +57,7 @@ def sound_urdf(robot: RobotFile) -> SoundUrdf:
 
 
 def casters(links: Iterable[str]) -> list[str]:
-    """Those of these links that slide on the floor."""
+    """Return the links that slide on the floor."""
     return [name for name in links if "caster" in name]
 
 

@@ -17,12 +17,12 @@ _MASSES = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz", "value")
 
 
 def sprung(urdf: str, pivot: float, rolling: Collection[str]) -> str:
-    """The same robot whose base stands on a chassis and leans on it; mass and measures stay as they are.
+    """Return the robot with its base tilting on a chassis; mass and dimensions stay as they are.
 
     Args:
         urdf: a robot whose root is the link `base`.
-        pivot: height of the point about which it leans, in [m].
-        rolling: links right at the base that belong to the chassis.
+        pivot: height of the tilt axis, in [m].
+        rolling: links directly at the base that belong to the chassis.
     """
     robot = ElementTree.fromstring(urdf)
     base = next(link for link in robot.findall("link") if link.get("name") == "base")

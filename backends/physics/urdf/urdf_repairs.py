@@ -1,4 +1,4 @@
-"""What of a robot's URDF no physics engine can take, and what is made of it."""
+"""Corrections of a robot's URDF that physics engines need."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ class Repair(NamedTuple):
 
 
 def repaired(urdf: str) -> tuple[str, list[Repair]]:
-    """The same robot, with masses and inertia that bodies can have; with what was done that matters.
+    """Return the robot with physically possible masses and inertia, and the corrections that matter.
 
-    A frame without mass that is fixed to its parent becomes nearly weightless without a word.
+    A massless frame fixed to its parent silently becomes nearly weightless.
     """
     robot = ElementTree.fromstring(urdf)
     links = {each.get("name", ""): each for each in robot.findall("link")}

@@ -1,1 +1,1 @@
-"""What stands around the robot in physics."""
+"""Surroundings of the robot in physics."""
