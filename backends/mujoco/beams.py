@@ -1,4 +1,4 @@
-"""How far beams are free in MuJoCo's world."""
+"""Free lengths of lidar beams in MuJoCo's world."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 
 
 class _Field(NamedTuple):
-    """What `ground_ahead` is told of rough ground that lies level."""
+    """Rough but level ground for `ground_ahead`."""
 
     corner: Array
     cell: float
@@ -50,7 +50,7 @@ class Beams:
     """
 
     def __init__(self, model: Any) -> None:
-        """Of a compiled model."""
+        """Prepare the beams of a compiled model."""
         self._model, kinds = model, mujoco().mjtGeom
         seen = model.geom_group != ROBOT_GROUP
         self._planes = np.flatnonzero(seen & (model.geom_type == kinds.mjGEOM_PLANE))
@@ -82,7 +82,7 @@ class Beams:
         return shares
 
     def _asked(self, data: Any, start: Array, ends: Array) -> Array:
-        """The same, of MuJoCo."""
+        """Return the free lengths computed by MuJoCo itself."""
         ways = np.ascontiguousarray(ends - start)
         met, share = np.full(len(ways), -1, np.int32), np.zeros(len(ways))
         groups = np.ones(6, np.uint8)

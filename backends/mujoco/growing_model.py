@@ -9,17 +9,19 @@ from .mujoco_module import mujoco
 from .world_spec import WorldSpec
 
 _KEPT = ("actuator_gainprm", "actuator_biasprm", "actuator_forcerange")
-"""What of a model drives are told by."""
+"""Arrays of a model that control its drives."""
 
 
 class GrowingModel:
-    """Compiled when it is first asked for.
+    """Model that is compiled on first use.
 
-    What is added later has it compiled anew, and all that was there goes on as it was.
+    Later additions compile it again, and the existing state is kept.
     """
 
     def __init__(self, step: float, compiled: Callable[[Any], None]) -> None:
-        """Of a world with steps of the solver as long, in [s]; `compiled` hears of each model that is new."""
+        """Create a world whose solver has steps of that length, in [s]; `compiled` receives each new
+        model.
+        """
         self.world = WorldSpec(step)
         self._compiled: tuple[Any, Any] | None = None
         self._tell, self._grown, self._stale = compiled, True, True
@@ -31,7 +33,7 @@ class GrowingModel:
         return self._compiled
 
     def changed(self) -> None:
-        """What is in `world` was changed."""
+        """Note that `world` was changed."""
         self._grown = True
 
     def links(self) -> Any:

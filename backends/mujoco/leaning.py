@@ -1,4 +1,4 @@
-"""What leans on the robot, and so may not sleep."""
+"""Things that lean on the robot, which must not sleep."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Leaning:
         self._robot: int | None = None
         """Its tree of bodies."""
         self.trees = np.zeros(0, np.bool_)
-        """(trees,): what touches the robot, by what is between them."""
+        """(trees,) True for things that touch the robot, directly or through others."""
         self._seen = b""
         """Islands when it was last looked."""
 
@@ -35,7 +35,7 @@ class Leaning:
             self.set(model, np.pad(leaned, (0, len(self.trees) - len(leaned))))
 
     def look(self, model: Any, data: Any) -> None:
-        """Time has passed: find anew what leans."""
+        """Find the leaning things again after time has passed."""
         if self._robot is None:
             return
         island = data.tree_island

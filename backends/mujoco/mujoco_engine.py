@@ -54,9 +54,9 @@ class MujocoEngine(Engine):
         self.world = self._grown.world
         self._forms: list[ThingForm | None] = []
         self.looks = Looks()
-        """How all of it looks."""
+        """Appearance of all bodies."""
         self.pins = Pins()
-        """What holds together where contacts alone don't."""
+        """Rigid connections where contacts alone don't hold."""
         self._slipping = Slipping(self.pins, self.CONTACTS_CARRY, self.chunk)
         self._links: dict[int, tuple[int, int]] = {}
         self._bodies: dict[tuple[int, int], int] = {}
@@ -83,7 +83,7 @@ class MujocoEngine(Engine):
         return len(self._forms) - 1
 
     def changed(self) -> None:
-        """What is in `world` was changed."""
+        """Note that `world` was changed."""
         self._grown.changed()
 
     def link_body(self, number: int, link: int) -> int:
@@ -201,7 +201,7 @@ class MujocoEngine(Engine):
         return None if seen is None else self._numbering.moved(coordinates != seen)
 
     def thing_at(self, body: int) -> ThingNumbers:
-        """Where a thing stands in MuJoCo's arrays."""
+        """Return the indices of a thing in MuJoCo's arrays."""
         self._grown.both()
         return self._numbering.things[body]
 

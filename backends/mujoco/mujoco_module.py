@@ -1,4 +1,4 @@
-"""MuJoCo's Python module: found, or told how to get it."""
+"""Import MuJoCo's Python module, or report how to install it."""
 
 from __future__ import annotations
 

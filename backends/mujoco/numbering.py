@@ -1,4 +1,4 @@
-"""Where bodies of the engine's stand in MuJoCo's arrays."""
+"""Indices of the engine's bodies in MuJoCo's arrays."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ _NOBODY = (-1, -1)
 
 
 class ThingNumbers(NamedTuple):
-    """Where a thing's numbers stand."""
+    """Indices of a thing."""
 
     body: int
     position: int
-    """Of its seven coordinates."""
+    """Index of its seven coordinates."""
     velocity: int
     geometries: tuple[int, ...]
 
@@ -36,7 +36,7 @@ class Numbering:
             things: the engine's numbers of those that move as they will.
         """
         self.owners: list[tuple[int, int]] = [_NOBODY] * int(model.ngeom)
-        """Body and link of each geometry; what is no link's has -1."""
+        """Body and link of each geometry; -1 without a link."""
         mine: dict[int, list[int]] = {}
         for geometry in range(model.ngeom):
             body, name = int(model.geom_bodyid[geometry]), model.geom(geometry).name.partition(".")[0]

@@ -23,7 +23,7 @@ class Pins:
     """
 
     def __init__(self) -> None:
-        """There are none yet."""
+        """Begin without pins."""
         self._there, self._first = False, 0
 
     def prepare(self, spec: Any, hand: str, other: str) -> None:
@@ -37,11 +37,11 @@ class Pins:
         self._there = True
 
     def closed(self, data: Any) -> bool:
-        """Whether they hold something."""
+        """Return whether they hold something."""
         return bool(data.eq_active[self._first])
 
     def pull(self, data: Any) -> float:
-        """What a point bears, on the mean over all, in [N]."""
+        """Return the mean load of a point, in [N]."""
         forces = data.efc_force[self._first : self._first + 3 * MOST].tolist()
         return sum(math.hypot(*forces[row : row + 3]) for row in range(0, 3 * MOST, 3)) / MOST
 

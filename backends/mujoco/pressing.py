@@ -1,4 +1,4 @@
-"""Who presses against whom, as MuJoCo's contacts have it."""
+"""Pairs of bodies that press on each other, from MuJoCo's contacts."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Pressing:
         return self._found.get(body, _NOTHING)
 
     def _of(self, pairs: Sequence[tuple[int, int]]) -> dict[int, frozenset[Touching]]:
-        """What touches each body, of the pairs of geometries that press on each other."""
+        """Return the bodies that touch each body, from pairs of pressing geometries."""
         found: dict[int, set[Touching]] = {}
         for first, second in pairs:
             one, other = self._owners[first], self._owners[second]

@@ -1,4 +1,4 @@
-"""What is held slips where more pulls at it than holds it."""
+"""Slip of a held thing under more force than the grip bears."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ STAYS = 0.005  # [m/s]: slower, what slid in the hand is held again
 
 
 class Slipping:
-    """What is held together, by pins that open while it slips."""
+    """Held thing, by pins that open while it slips."""
 
     def __init__(self, pins: Pins, contacts_carry: float, period: float) -> None:
         """See `Engine.CONTACTS_CARRY`; what is held is held again once it slid too little in `period` [s]."""
         self._pins, self._carry, self._stays = pins, contacts_carry, STAYS * period
         self.pinned: Pinned | None = None
-        """What is held together, slipping or not."""
+        """Rigid connection, slipping or not."""
 
     def hold(self, model: Any, data: Any, pinned: Pinned, hand: int, other: int) -> None:
         """Hold two of MuJoCo's bodies together."""
@@ -55,7 +55,7 @@ class Slipping:
 
 
 def _points(data: Any, pinned: Pinned, hand: int, other: int) -> NDArray[np.float64]:
-    """Where the hand's points are in the frame of what is held, (n, 3) in [m]."""
+    """Return the hand's points in the frame of the held thing, (n, 3) in [m]."""
     world_T_hand = _pose(data.xipos[hand], data.ximat[hand])
     other_T_hand = inverse(_pose(data.xpos[other], data.xmat[other])) @ world_T_hand
     return np.asarray(np.array(pinned.points) @ other_T_hand[:3, :3].T + other_T_hand[:3, 3])

@@ -1,4 +1,4 @@
-"""What MuJoCo compiles a model from: a world that grows."""
+"""Growing description from which MuJoCo compiles a model."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class WorldSpec:
     """The `MjSpec` of a world; bodies are named by their numbers."""
 
     def __init__(self, step: float) -> None:
-        """Of a world in which a step of the solver is that long, in [s]."""
+        """Create a world whose solver has steps of that length, in [s]."""
         mj = mujoco()
         self.spec: Any = mj.MjSpec()
         option = self.spec.option
@@ -92,7 +92,7 @@ class WorldSpec:
         )
 
     def thing(self, number: int, form: ThingForm) -> None:
-        """A rigid body that moves as it will, about its middle."""
+        """Add a free rigid body, around its middle."""
         body = self.spec.worldbody.add_body(name=f"{number}", **where(form.middle))
         body.add_freejoint(name=f"{number}")
         body.explicitinertial, body.ipos = True, (0.0, 0.0, 0.0)
@@ -153,7 +153,7 @@ def quaternion(pose: Transform) -> Array:
 
 
 def box_inertia(mass: float, size: Sequence[float]) -> tuple[float, float, float]:
-    """Of a box of a size (3,) in [m] about its middle, in [kg m²]."""
+    """Return the inertia of a box of a size (3,) in [m] around its middle, in [kg m²]."""
     x, y, z = (length**2 for length in size)
     return mass / 12 * (y + z), mass / 12 * (x + z), mass / 12 * (x + y)
 

@@ -135,7 +135,7 @@ class MujocoBody(RobotBody):
             body = body.parent
 
     def looks(self) -> list[PartLook]:
-        """How its links look."""
+        """Return the appearance of its links."""
         return robot_looks(partial(read_robot, self._urdf))
 
     # Where it is
@@ -198,7 +198,7 @@ class MujocoBody(RobotBody):
             self._soften(links, surface)
 
     def _soften(self, links: Iterable[str], surface: Surface) -> None:
-        """Have what links stand on give, as `SINKS` says."""
+        """Make the ground under links compliant, as `SINKS` defines."""
         world, model = self._engine.world, self._engine.model
         world.spec.option.impratio = HOLDS_ON_SOFT
         for link in links:

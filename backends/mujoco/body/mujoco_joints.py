@@ -25,7 +25,7 @@ class MujocoJoints(JointGroup):
     """
 
     def __init__(self, engine: MujocoEngine, names: Sequence[str]) -> None:
-        """Those of the model by their names."""
+        """Select joints of the model by their names."""
         self._engine, model = engine, engine.model
         joints = [model.joint(name) for name in names]
         self._at = _where([int(joint.qposadr[0]) for joint in joints])
@@ -120,7 +120,7 @@ class _Drives:
 
 
 def _where(numbers: list[int]) -> slice | NDArray[np.int64]:
-    """What picks these of an array: a slice, which is quicker, where one follows the other."""
+    """Return an index of these numbers: a slice, which is faster, if they are consecutive."""
     first = numbers[0] if numbers else 0
     run = slice(first, first + len(numbers))
     return run if numbers == list(range(run.start, run.stop)) else np.array(numbers)

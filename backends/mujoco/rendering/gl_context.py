@@ -1,4 +1,4 @@
-"""Where MuJoCo's renderer gets OpenGL from, without a display."""
+"""OpenGL contexts for MuJoCo's renderer, without a display."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _WAYS = {"egl": "EGL", "osmesa": "OSMesa"}
 
 
 class NoPictures(InputError):
-    """There is no OpenGL that draws without a display."""
+    """Error: no OpenGL can draw without a display."""
 
     def __init__(self, why: str) -> None:
         super().__init__(
@@ -24,12 +24,12 @@ class NoPictures(InputError):
 
 
 def make_context(width: int, height: int) -> Any:
-    """A context that draws up to that size in [px]; current on this thread, `free` ends it.
+    """Return a context that draws up to that size in [px]; it is current on this thread, and `free` ends it.
 
-    EGL, on a graphics card or in software, else OSMesa; $MUJOCO_GL says otherwise.
+    It uses EGL, on a graphics card or in software, otherwise OSMesa; $MUJOCO_GL overrides that.
 
     Raises:
-        NoPictures: there is none.
+        NoPictures: no context can be created.
     """
     asked = os.environ.get("MUJOCO_GL", "").lower()
     ways = [asked] if asked in _WAYS else [way for way, library in _WAYS.items() if find_library(library)]

@@ -1,4 +1,4 @@
-"""How floors and fields look to people."""
+"""Appearance of floors and fields for people."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def grass_picture() -> Colours:
 
 
 def _clouds(rng: np.random.Generator, size: float) -> NDArray[np.float64]:
-    """Smooth noise (n, n), its sigma 0.25, that goes on from one edge to the other."""
+    """Return smooth periodic noise (n, n) with sigma 0.25."""
     noise = np.fft.rfft2(rng.standard_normal((_PIXELS, _PIXELS)))
     down, across = np.fft.fftfreq(_PIXELS)[:, None], np.fft.rfftfreq(_PIXELS)[None]
     smooth = np.fft.irfft2(noise * np.exp(-2.0 * (np.pi * size) ** 2 * (down**2 + across**2)))

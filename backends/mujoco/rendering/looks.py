@@ -1,4 +1,4 @@
-"""How a world looks that an engine was told of."""
+"""Appearance of the world that an engine received."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from handcart.robotics.kinematics.shapes import Box
 
 
 class BoxLook(NamedTuple):
-    """Of a box that nothing moves, but for one that comes and goes."""
+    """Appearance of an immovable box, or one that comes and goes."""
 
     box: Box
     grey: int
@@ -25,7 +25,7 @@ class BoxLook(NamedTuple):
 
 
 class TileLook(NamedTuple):
-    """Of rough ground; see `Engine.add_tile`."""
+    """Appearance of rough ground; see `Engine.add_tile`."""
 
     corner: NDArray[np.float64]
     cell: float
@@ -34,10 +34,10 @@ class TileLook(NamedTuple):
 
 @dataclass
 class Looks:
-    """By the numbers of the bodies. Only grows; what is on show changes nothing in the engine."""
+    """Appearance by the numbers of the bodies. It only grows, and does not affect the engine."""
 
     level: bool = False
-    """Whether there is a level floor."""
+    """True if there is a level floor."""
     boxes: dict[int, BoxLook] = field(default_factory=dict)
     tiles: dict[int, TileLook] = field(default_factory=dict)
     sheets: list[Sheet] = field(default_factory=list)
@@ -47,5 +47,5 @@ class Looks:
 
     @property
     def count(self) -> int:
-        """Of all that there is: another one, and it has to be looked at anew."""
+        """Return the number of entries; a new number means that the stage has to be built again."""
         return len(self.boxes) + len(self.tiles) + len(self.sheets) + len(self.things)

@@ -38,7 +38,7 @@ class MujocoCamera(EngineCamera):
 
     @cached_property
     def studio(self) -> Studio:
-        """Where its pictures are taken."""
+        """Return the studio that takes its pictures."""
         width, height = self._lens.size
         size = SAMPLES * width, SAMPLES * height
         return Studio(self._engine, self._robot_body.looks(), CAMERA, size)

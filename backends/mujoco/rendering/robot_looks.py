@@ -1,4 +1,4 @@
-"""How a robot's links look."""
+"""Appearance of a robot's links."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from handcart.backends.mujoco.mujoco_module import mujoco
 
 Read = Callable[[bool], Any]
-"""Gives the `MjSpec` of a robot; true: what can be seen of it is in it as well."""
+"""Function that returns the `MjSpec` of a robot, with its visuals if True."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +32,7 @@ class PartLook:
 
 
 def robot_looks(read: Read) -> list[PartLook]:
-    """What its URDF has as visuals; of links without any, and where MuJoCo can't read them, what collides."""
+    """Return the URDF's visuals, or the collision shapes of links without readable ones."""
     try:
         model = read(True).compile()
     except ValueError as error:  # a mesh in a format that MuJoCo doesn't read, such as COLLADA

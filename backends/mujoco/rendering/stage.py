@@ -1,4 +1,4 @@
-"""What is shown: a second model of MuJoCo's, in which nothing has mass and all is where the first has it."""
+"""Displayed copy of MuJoCo's model: without mass, and posed as the first one."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class Stage:
         return True
 
     def repaint(self) -> list[int]:
-        """Textures of things that show another picture since the last time, painted anew."""
+        """Paint changed textures of things again; return their numbers."""
         if self._style.coloured:
             return []
         changed = []

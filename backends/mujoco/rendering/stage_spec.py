@@ -1,4 +1,4 @@
-"""What MuJoCo compiles a stage from."""
+"""Description from which MuJoCo compiles a stage."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ class StageSpec:
         return material
 
     def _paint(self, geometry: Any, grey: int, material: Material) -> None:
-        """Of a shape that nothing is printed on."""
+        """Paint a shape without print."""
         geometry.rgba = (*material[:3], 1.0) if self._style.coloured else (*(grey / 255,) * 3, 1.0)
         if not self._style.coloured:
             geometry.material = self._dull()

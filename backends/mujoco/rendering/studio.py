@@ -1,4 +1,4 @@
-"""Pictures of an engine's world, its stage built anew when something is added to it."""
+"""Pictures of an engine's world; the stage is built again when something is added."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How a stage is lit and coloured."""
+"""Light and colours of a stage."""
 
 from __future__ import annotations
 
@@ -6,22 +6,22 @@ from typing import NamedTuple
 
 
 class Style(NamedTuple):
-    """For whom pictures are made."""
+    """Style of pictures for people or cameras."""
 
     coloured: bool
-    """In colours, or in the greys that a camera sees."""
+    """True for colours, False for the greys of a camera."""
     even: float
     """Light from everywhere: 1 shows all as bright as it is painted."""
     lamp: float
-    """Of one lamp, its shadows included."""
+    """Brightness of one lamp, including its shadows."""
     shadow_px: int
     """Size of the map of its shadows; 0: none."""
     lit_m: float
-    """How far about what is looked at there are shadows, in [m]."""
+    """Radius of the region with shadows, in [m]."""
     samples: int
-    """Of a pixel, so that edges have no steps; 0: one."""
+    """Samples of a pixel, for smooth edges; 0: one."""
     beam: tuple[float, float, float] = (0.25, -0.2, -0.947)
-    """Where the lamp shines to: of length 1, in the world."""
+    """Direction of the lamp: of length 1, in the world."""
 
 
 FILM = Style(coloured=True, even=0.46, lamp=0.42, shadow_px=1024, lit_m=3.0, samples=0)

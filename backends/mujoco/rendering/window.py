@@ -23,7 +23,7 @@ _PATIENCE = 10.0  # [s] that the viewer gets to end
 
 
 class Window:
-    """Shows a stage in real time; whoever pulls at things in it moves nothing. Closed, the run goes on."""
+    """Shows a stage in real time; dragging things in it moves nothing. Closing it does not end the run."""
 
     def __init__(self, engine: MujocoEngine, body: MujocoBody, world_T_base: Transform) -> None:
         """Open it; see `check_display`."""
@@ -66,10 +66,10 @@ class Window:
 
 
 def check_display() -> None:
-    """Whether MuJoCo's viewer finds OpenGL on the display; without, it would wait for it for ever.
+    """Check that MuJoCo's viewer finds OpenGL on the display; without it the viewer would wait forever.
 
     Raises:
-        NoWindow: it doesn't.
+        NoWindow: there is no OpenGL on the display.
     """
     glfw: Any = import_module("glfw")
     said, window = ["GLFW doesn't say why"], None

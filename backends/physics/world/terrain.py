@@ -41,7 +41,7 @@ class Terrain:
         slope = math.sqrt(float((across**2).sum()) / 2.0) * 2.0 / STANDS_ON
         self._size = math.tan(math.radians(ground.roughness_deg)) / max(slope, 1e-9)
         self.tiles: list[tuple[int, int]] = []
-        """What is there, in the order in which it was made."""
+        """Existing tiles, in the order of their creation."""
         self.bodies: list[int] = []
 
     def height(self, x: Array, y: Array) -> Array:
@@ -54,7 +54,7 @@ class Terrain:
         return float(self.height(np.array(x), np.array(y)))
 
     def reach(self, x: float, y: float) -> list[tuple[int, int]]:
-        """The tiles that are missing about a place, in [m]."""
+        """Return the missing tiles around a place, in [m]."""
         side = CELLS * CELL
         low, high = ([math.floor((value + off) / side) for value in (x, y)] for off in (-AHEAD, AHEAD))
         near = [(i, j) for i in range(low[0], high[0] + 1) for j in range(low[1], high[1] + 1)]

@@ -27,7 +27,7 @@ class ThingBody:
     """
 
     STICKS: ClassVar[Sticks | None] = None
-    """How it touches others, if not as hard as the engine has it."""
+    """Contact properties, if softer than the engine's."""
 
     def __init__(self, engine: Engine, thing: Thing) -> None:
         """Make it where the thing is; asleep until something touches it."""
@@ -51,24 +51,24 @@ class ThingBody:
         )
 
     def pieces(self) -> tuple[Cuboid | Wedge, ...]:
-        """What it is made of, about the thing's middle."""
+        """Return its shapes, around the thing's middle."""
         return (Cuboid(self.thing.size),)
 
     def uvs(self) -> tuple[Uvs, ...]:
-        """Where its faces lie in its picture; see `ThingForm`."""
+        """Return the places of its faces in its picture; see `ThingForm`."""
         faces = self.thing.faces()
         return tuple(_part_of(number, side in faces) for number, side in enumerate(SIDES))
 
     def first_picture(self) -> GreyImage:
-        """What its faces show when it is made."""
+        """Return the picture of its faces at its creation."""
         return _picture(self.thing.faces(), self.thing.grey)
 
     def printed(self) -> GreyImage:
-        """What its faces show to a camera that is near."""
+        """Return the picture of its faces for a close camera."""
         return self.first_picture()
 
     def portrait(self) -> Portrait | None:
-        """The same in colour, for people; None where all of it is plain."""
+        """Return the coloured picture for people; None if all faces are plain."""
         faces, material = self.thing.faces(), self.thing.material
         if not faces:
             return None
@@ -80,7 +80,7 @@ class ThingBody:
         return white
 
     def asleep(self) -> bool:
-        """Whether it sleeps until something touches it, from the beginning."""
+        """Return whether it sleeps from the beginning until something touches it."""
         return False
 
     def look(self, eye: NDArray[np.float64]) -> None:

@@ -1,4 +1,4 @@
-"""What stands around the robot, as bodies."""
+"""Surroundings of the robot, as bodies."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _WALL, _FURNITURE, _WOOD = 165, 110, 130
 class WorldBodies:
     """Floor, solids, printed sheets and things.
 
-    Surprises come and go; things are rigid bodies that stand, lean and fall.
+    Surprises come and go; things are rigid bodies that rest, lean and fall.
     """
 
     STATE: ClassVar = {"made": list[tuple[int, int] | str]}
@@ -87,13 +87,13 @@ class WorldBodies:
             each.keep()
 
     def reach(self, x: float, y: float) -> None:
-        """See that there is ground about a place, in [m]."""
+        """Make sure that there is ground around a place, in [m]."""
         for tile in self._terrain.reach(x, y) if self._terrain is not None else ():
             self._add_tile(tile)
 
     @property
     def made(self) -> list[tuple[int, int] | str]:
-        """What came after the beginning, in this order: tiles of the terrain, and things by name."""
+        """Return the later additions in their order: tiles of the terrain, and things by name."""
         return list(self._made)
 
     @made.setter
