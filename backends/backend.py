@@ -109,7 +109,7 @@ class Backend(ABC):
         """Build as `build` does, and show robot and world in a window.
 
         Raises:
-            NoWindow: this backend has no window, or there is no display.
+            NoWindow: the backend has no window, or no display is available.
         """
         raise NoWindow(
             f"the backend {cls.name!r} has no window; allowed: a video of the run, --video FILE.mp4"

@@ -37,7 +37,7 @@ def stated_camera(spec: CameraSpec, arm: ArmModel) -> MountedCamera:
 
 
 def known_camera(spec: CameraSpec, arm: ArmModel) -> MountedCamera:
-    """The camera as the robot knows it: as it was calibrated, else as stated."""
+    """Return the camera as the robot knows it: calibrated if a calibration was made, otherwise as stated."""
     stated, found = stated_camera(spec, arm), spec.calibrated
     if found is None:
         return stated

@@ -75,13 +75,14 @@ class Robot:
     STATE: ClassVar[Kinds] = {"time": float, "failed_from": Pose2 | None}
 
     def __init__(self, backend: Backend, spec: RobotFile, start: Pose2, grid: GridMap | None = None) -> None:
-        """Take a backend over.
+        """Connect a robot to its backend.
 
         Args:
-            backend: behind it.
+            backend: backend that drives the robot.
             spec: the robot's file.
             start: map_T_base as the task states it, known to about 50 mm and 2 degrees.
-            grid: what scans are compared with; without it, or a range sensor, wheels alone tell the pose.
+            grid: map that scans are compared with; without it, or without a lidar, the pose comes from the
+                wheels alone.
         """
         self.backend = backend
         self.spec = spec
@@ -96,7 +97,7 @@ class Robot:
         self.driven = (0.0, 0.0)
         """Speed in [m/s] and turn rate in [rad/s] that the base was commanded in the last period."""
         self.held: Held | None = None
-        """What the base was held back from in the last period: it would have touched that."""
+        """Obstacle that the base was held back from in the last period, because it would have touched it."""
         self.blocked: Blocked | None = None
         """That the base was driven and did not get on, found in the last period."""
         self._motion = BlockedMotion(self.period)
@@ -105,7 +106,7 @@ class Robot:
         if spec.localizer in OUTDOORS:
             self.get(Imu)  # type: ignore[type-abstract]
         self.localization = localization_of(backend, spec, start, grid, self.lidar)
-        """Where the base is, by whichever sensors tell."""
+        """Estimate of the base's pose, from the sensors that the robot has."""
         self._imu = backend.get(Imu)  # type: ignore[type-abstract]
         self._arm_command = np.empty(0)
         self._picture, self._pictured_at = np.empty((0, 0), np.uint8), np.empty(0)
@@ -163,7 +164,7 @@ class Robot:
 
     @cached_property
     def drive_limits(self) -> DriveLimits:
-        """Of the base."""
+        """Limits of the base's speed, turn rate and accelerations."""
         drive = self.spec.drive
         return DriveLimits(
             drive.top_speed_m_s,
@@ -196,19 +197,26 @@ class Robot:
 
     @cached_property
     def range_sensor_height(self) -> float:
-        """Above the ground that the base stands on, in [m]."""
+        """Height of the lidar above the ground that the base is on, in [m]."""
         return float(base_T_frame(self.spec.urdf_text(), "range_sensor")[2, 3])
 
     def surroundings(self) -> NDArray[np.float64]:
-        """(n, 2) in [m], in the base frame: what this period's scan shows without lone readings and a lowered
-        hand's own; nothing without a range sensor."""
+        """Return the obstacles in this period's scan, without lone readings and without a lowered hand.
+
+        Returns:
+            (n, 2) points in [m], in the base frame; empty without a lidar.
+        """
         if self.lidar is None:
             return NO_STANDS
         points = steady_points(self.lidar.scan())
         return self.without_hand(points) if self.spec.localizer in OUTDOORS else points
 
     def without_hand(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Those of the points (n, 2), in [m], in the base frame, that aren't a lowered hand's own."""
+        """Return the points that are not on a lowered hand.
+
+        Args:
+            points: (n, 2) points in [m], in the base frame.
+        """
         if self.spec.arm is None or self.backend.get(Arm) is None:  # type: ignore[type-abstract]
             return points
         hand = self.base_T("hand")[:3, 3]
@@ -223,7 +231,7 @@ class Robot:
     # Time
 
     def step(self, paused: bool = False) -> None:
-        """Let one period pass and bring the estimates up to date; in a pause `time` stands still."""
+        """Let one period pass and update the estimates; `time` does not advance in a pause."""
         self._moved, self._movers = self._movers, set()
         self.driven, self.held = self._guarded.taken()
         self.backend.step()
@@ -268,7 +276,9 @@ class Robot:
         return image
 
     def _carried_by(self) -> NDArray[np.float64]:
-        """What moves the camera: what the wheels travelled in [m], and the arm's command."""
+        """Return the state that moves the camera: distances driven by the wheels in [m], then the arm's
+        command.
+        """
         arm = self.backend.get(Arm)  # type: ignore[type-abstract]
         return np.concatenate([self.localization.travel, arm.command() if arm else np.empty(0)])
 
@@ -317,9 +327,14 @@ class Robot:
         self.backend.stop()
 
     def compute(self, work: Callable[..., T], *args: object, takes: float = 0.2) -> Generator[None, None, T]:
-        """Run a long computation while the robot holds and its time passes.
+        """Run a long computation while the robot holds still and its time passes.
 
-        In simulation it takes `takes`, in [s]; for a real robot it runs next to the control loop.
+        Args:
+            work: function to run.
+            args: its positional arguments.
+            takes: simulated duration of the computation, in [s]; on a real robot it runs next to the
+                control
+                loop instead and takes as long as it needs.
         """
         if not self.backend.simulated:
             return (yield from beside(work, *args))

@@ -17,13 +17,13 @@ WITHIN_FOOTPRINT_M = 0.05
 def read_scan(raw: Scan, spec: RangeSpec, footprint_radius: float) -> Scan:
     """Return a scan in which each beam has its validity, and a finite range if it is a return.
 
-    Never raises, whatever a driver delivers. REP 117 is understood: infinity is no return, -infinity too
-    close, NaN invalid; zeros and readings below the minimum range are treated by `RangeSpec.no_return`.
+    Never raises, whatever a driver delivers. By REP 117 infinity means no return, -infinity too close and
+    NaN invalid; `RangeSpec.no_return` decides about zeros and readings below the minimum range.
 
     Args:
         raw: scan of the backend.
         spec: limits, masks and the driver's conventions, from the robot's file.
-        footprint_radius: radius of the robot, in [m]: a return well inside it is too close.
+        footprint_radius: radius of the robot, in [m]; a return well inside it is too close.
     """
     ranges = raw.ranges
     if not spec.masked_deg and (ranges > _least_sound(raw, spec, footprint_radius)).all():

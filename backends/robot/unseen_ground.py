@@ -17,15 +17,15 @@ from .lidar import Lidar
 
 DRIVEN_STEP_M = 0.02
 DRIVEN_S = 60.0
-"""For which ground that was driven over counts as free, beside all of the current action's."""
+"""Time for which ground stays free after the base drove over it; the current action's ground always is."""
 
 
 class UnseenGround:
-    """Remembers where the base has driven while it saw the ground ahead.
+    """Record of where the base has driven while its lidar saw the ground ahead.
 
-    The base drives into ground that the lidar does not see (behind it with a field of view of 180 degrees,
-    masked sectors, beams that are too close or invalid) only where it drove in this action or in the last
-    minute: so it drives back the way it came, and nowhere else.
+    Ground that the lidar does not see is behind it with a field of view of 180 degrees, in masked sectors,
+    and along beams that are too close or invalid. The base drives into such ground only where it drove in
+    the current action or in the last minute, so it can drive back along its route.
     """
 
     STATE: ClassVar[Kinds] = {"_driven": list[tuple[float, float, float]]}
