@@ -29,30 +29,32 @@ from .kinematic_parts import (
 )
 
 LEVEL = GroundSpec(roughness_deg=0.0)
-"""What a car rides over where the world's file tells of no ground."""
+"""Ground that a car drives on if the world's file has no ground."""
 
 
 class KinematicBackend(SimulatedBackend):
-    """A differential drive with arm, gripper, camera and range sensor among solid things.
+    """A differential drive with arm, gripper, camera and lidar among solid things.
 
-    How it errs, seeded: radius of each wheel, tread, slip in each period, joint repeatability, the base that
-    gives when the arm has swung, ranges, image noise, blur, light and lens, the force reading, where a person
-    puts the robot and things.
+    Simulated errors, seeded: radius of each wheel, tread, slip in each period, joint repeatability, the
+    tilt of the base after the arm has swung, ranges, image noise, blur, light and lens, the force reading,
+    where a person puts the robot and things.
 
-    How it differs from metal:
+    How it differs from hardware:
     - No mass: wheels, joints and fingers follow their commands within the period; limits of speed are
       checked, those of acceleration are not. Nothing swings, tips or heats up.
     - Contacts are quasi-static. The base is a disc and stops where it meets something, its wheels slipping.
       The arm stops where a contact begins; the force grows by 2 N a mm of further command, up to 60 N. The
       hand, and what it holds, slides along what it presses on, with a coefficient of friction of 0.4.
-      The arm is not checked against itself and its base; it, what is mounted on the base above its body
-      and what stands there stop the base as well where it drives them into something.
-    - What is gripped sits in the hand as if glued and centred: it neither slips nor sags.
-    - What gives way to the hand, and what becomes of a thing that is let go, is decided by rules of the
-      domain that it is of (`handcart.backends.simulation.props`); by default it stands on what is right
-      below it. Else it lies on the floor, lost, and nothing runs into it there.
+      The arm is not checked against itself and its base. The base also stops where it drives the arm, a
+          part
+      mounted above its body or a thing on it into something.
+    - A gripped thing sits in the hand as if glued and centred: it neither slips nor sags.
+    - Rules of a thing's domain (`handcart.backends.simulation.props`) decide whether it gives way to the hand
+      and where it ends up when released; by default it stays on what is right below it. Otherwise it lies
+          on
+      the floor, lost, and nothing collides with it there.
     - Encoders have no bias. The camera is as stated, unless `errors` has its mount or focal length off.
-    - Light has no shadows; glass, mirrors and black lacquer are unknown to the range sensor.
+    - Light has no shadows; the lidar ignores glass, mirrors and black lacquer.
 
     `scene` is ground truth: only evaluation may read it.
     """
@@ -148,7 +150,7 @@ class KinematicBackend(SimulatedBackend):
 
 
 def _not_simulated(world: WorldFile) -> Iterator[str]:
-    """What a world's file asks for that takes an engine."""
+    """Yield a remark for each key of a world's file that needs a physics engine."""
     if world.camera == "engine":
         yield "camera: engine: without physics there is none; the scene's renderer draws what the camera sees"
     if world.ground is not None and world.ground.softness_mm_per_100n > 0.0:

@@ -164,7 +164,7 @@ class KinematicRangeSensor(SimulatedRangeSensor):
         return self._cast_from(self._scene.base, self._scene.time)
 
     def _cast_from(self, base: Pose2, time: float) -> NDArray[np.float64]:
-        """Anew where the base has moved, or something has come or gone."""
+        """Return the true ranges, cast again only if the base moved or an obstacle appeared or left."""
         here = base, self._plan.there(time).tobytes()
         if here != self._seen_from:
             sensor = base.compose(self._mount)

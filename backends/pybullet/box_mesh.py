@@ -15,9 +15,12 @@ from .bullet import bullet, quiet
 
 
 def box_mesh(client: int, size: Sequence[float], uvs: Sequence[Uvs]) -> int:
-    """Bullet's visual shape of a box of a size (3,) in [m], about its middle.
+    """Return Bullet's visual shape of a box, centred at its middle.
 
-    `uvs` has the four corners of each face, as `ThingForm` says.
+    Args:
+        client: Bullet's client.
+        size: (3,) lengths in [m].
+        uvs: four corners of each face in the texture, in the order of `ThingForm.uvs`.
     """
     p = bullet()
     with tempfile.TemporaryDirectory() as folder, quiet():

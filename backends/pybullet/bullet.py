@@ -1,4 +1,4 @@
-"""Bullet's Python module: found, or told how to get it, and kept from writing to our stdout."""
+"""Import of Bullet's Python module: reports how to install it, and keeps it from writing to stdout."""
 
 from __future__ import annotations
 

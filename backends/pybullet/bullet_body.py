@@ -171,7 +171,7 @@ class BulletBody(RobotBody):
         return moved
 
     def _pass_through_itself(self) -> None:
-        """Let wheels and casters stand within the base, which is no longer their parent."""
+        """Let wheels and casters overlap the base, which Bullet no longer treats as their parent."""
         for name in (*self.wheels.all, *self.casters):
             for other in self.link_index:
                 self._pass_through(name, other)
@@ -181,7 +181,7 @@ class BulletBody(RobotBody):
         self._p.setCollisionFilterPair(self.id, self.id, *links, 0, physicsClientId=self._engine.client)
 
     def _hold_the_rest(self, robot: RobotFile) -> None:
-        """Have the limited joints that nobody moves stand where kinematics has them."""
+        """Hold the limited joints that nothing drives at the positions that kinematics assumes."""
         for name, (position, force) in held_still(robot).items():
             self.reset(name, position)
             self._p.setJointMotorControl2(

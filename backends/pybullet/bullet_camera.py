@@ -22,7 +22,9 @@ _TO_OPENGL = np.diag([1.0, -1.0, -1.0, 1.0])
 
 
 class BulletCamera(EngineCamera):
-    """See `EngineCamera`: by Bullet's EGL plug-in, if it has one, else by TinyRenderer."""
+    """Camera that Bullet renders, by its EGL plug-in if available, otherwise by TinyRenderer; see
+    `EngineCamera`.
+    """
 
     def __init__(
         self,
@@ -40,7 +42,9 @@ class BulletCamera(EngineCamera):
     def _draw(
         self, world_T_camera: Transform, K: NDArray[np.float64], size: tuple[int, int]
     ) -> NDArray[np.uint8]:
-        """In tiles: the EGL renderer has a window of 1024 x 768, and stretches that to what is larger."""
+        """Render the picture in tiles, because the EGL renderer stretches its window of 1024 x 768 to larger
+        sizes.
+        """
         width, height = size[0] // SAMPLES, size[1] // SAMPLES
         picture = np.empty((size[1], size[0]), dtype=np.uint8)
         for row, column in product(range(0, size[1], height), range(0, size[0], width)):
@@ -58,10 +62,10 @@ def render(
     size: tuple[int, int],
     lit: bool = False,
 ) -> NDArray[np.uint8]:
-    """A pinhole camera's picture (height, width, 3) in RGB.
+    """Return the picture of a pinhole camera, (height, width, 3) in RGB.
 
     Args:
-        engine: what is there.
+        engine: engine with the bodies to render.
         world_T_camera: (4, 4) of the optical frame (z forward, x right, y down).
         K: (3, 3) in [px]; an integer pixel is a pixel's centre.
         size: width and height in [px].

@@ -44,10 +44,11 @@ Array = NDArray[np.float64]
 
 
 class BulletEngine(Engine):
-    """A Bullet client of its own. Numbers of bodies are Bullet's.
+    """Engine with a Bullet client of its own; body numbers are Bullet's.
 
-    Bullet takes impulses of motors and contacts for those of a chunk while they are those of a step: what it
-    is told of forces is divided by `substeps`, what it tells multiplied.
+    Bullet takes the impulses of motors and contacts to be those of a whole chunk, although they are those
+    of one step. Therefore forces given to Bullet are divided by `substeps`, and forces that it returns are
+    multiplied.
     """
 
     CHUNK = 0.005
@@ -70,7 +71,7 @@ class BulletEngine(Engine):
         self._shown: dict[int, int] = {}
         self._pinned: Pinned | None = None
         self.renderer = self._start_renderer(window)
-        """Bullet's number of the renderer: its EGL plug-in where there is one, else TinyRenderer."""
+        """Bullet's number of the renderer: its EGL plug-in if available, otherwise TinyRenderer."""
         self._cold = _WARM_UP if self.renderer == self.p.ER_BULLET_HARDWARE_OPENGL else 0
         self.p.setGravity(0.0, 0.0, -GRAVITY, physicsClientId=self.client)
         self.p.setPhysicsEngineParameter(
@@ -112,7 +113,7 @@ class BulletEngine(Engine):
     # Bodies
 
     def add_floor(self, friction: float) -> int:
-        """See `Engine`; what is shown of it ends 40 m away."""
+        """Add the floor, of which pictures show the part within 40 m; see `Engine`."""
         shape = self.p.createCollisionShape(self.p.GEOM_PLANE, physicsClientId=self.client)
         body = self.p.createMultiBody(0.0, shape, floor_look(self.client), physicsClientId=self.client)
         return self._rub(body, friction)
@@ -249,13 +250,15 @@ class BulletEngine(Engine):
     def picture(
         self, view: Transform, projection: Transform, size: tuple[int, int], lit: bool = False
     ) -> NDArray[np.uint8]:
-        """What is seen, (height, width, 3) in RGB.
+        """Return the rendered picture, (height, width, 3) in RGB.
 
         Args:
             view: (4, 4) from the world to OpenGL's camera frame.
             projection: (4, 4), OpenGL's.
             size: width and height in [px].
-            lit: for people, with light from above and shadows; else all is as bright as it is painted.
+            lit: True for a picture for people, with light from above and shadows; otherwise each surface
+                is as
+                bright as its paint.
         """
         width, height = size
         # The EGL renderer always has one light and shadows: from behind what is seen it falls on nothing.
@@ -326,10 +329,10 @@ class BulletEngine(Engine):
             return path.read_bytes()
 
     def set_state(self, state: object) -> None:
-        """See `Engine`.
+        """Restore a saved state; see `Engine`.
 
-        Where a body stands on one of several shapes, what follows may differ in the last digits: Bullet keeps
-        such contacts, but not as they were.
+        For a body that rests on one of several shapes the run may then differ in the last digits: Bullet
+        saves such contacts, but does not restore them exactly.
         """
         if not isinstance(state, dict) or state.keys() != {"bullet", "pinned"}:
             raise NotAState("no state of this engine; needed: bullet, pinned")
@@ -348,7 +351,11 @@ class BulletEngine(Engine):
                 raise NotAState(f"no saved state: the engine refuses it: {error}") from None
 
     def _check_pinned(self, pinned: Pinned | None) -> None:
-        """Whether there are such bodies, and a link; raises `NotAState`."""
+        """Check that the pinned bodies and the link exist.
+
+        Raises:
+            NotAState: a body or the link does not exist, or the numbers of points differ.
+        """
         if pinned is None:
             return
         there = {self.p.getBodyUniqueId(n, physicsClientId=self.client) for n in range(self._bodies())}

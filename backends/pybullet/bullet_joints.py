@@ -16,7 +16,7 @@ class BulletJoints(JointGroup):
     """See `JointGroup`; Bullet's motors are constraints whose impulses are limited."""
 
     def __init__(self, engine: BulletEngine, body: int, joints: Sequence[int]) -> None:
-        """Those of a body by Bullet's numbers."""
+        """Select joints of a body by Bullet's numbers."""
         self._p, self._client, self._substeps = engine.p, engine.client, engine.substeps
         self._body, self._joints = body, list(joints)
 

@@ -63,7 +63,7 @@ def tile_shape(client: int, cell: float, heights: NDArray[np.float64]) -> tuple[
 
 
 def thing_shape(client: int, pieces: Sequence[Cuboid | Wedge]) -> int:
-    """Bullet's collision shape of all pieces of a thing, about its middle."""
+    """Return Bullet's collision shape of all pieces of a thing, centred at its middle."""
     p = bullet()
     if len(pieces) == 1 and isinstance(pieces[0], Cuboid) and pieces[0].ahead == 0.0:
         half = [length / 2 for length in pieces[0].size]

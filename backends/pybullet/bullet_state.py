@@ -1,10 +1,9 @@
-"""Bullet's own file of a world's state, looked through before Bullet reads it.
+"""Check of a file with Bullet's saved state, before Bullet reads it.
 
-Bullet's reader follows what stands in a file, sizes and pointers included. A kept state is therefore held
-against the one that the engine itself writes now, its bodies made in the same order: the same chunks, of the
-same types and lengths, that point at each other in the same way; only numbers may differ, and contacts come
-and go.
-The layout is the file's last chunk, and must be the engine's own.
+Bullet's reader trusts a file, sizes and pointers included. A saved state is therefore compared with the
+one that the engine itself writes now, its bodies made in the same order: the same chunks, of the same
+types and lengths, with pointers to each other in the same pattern. Only numbers may differ, and contacts
+may be added or missing. The layout is the file's last chunk, and must equal the engine's own.
 """
 
 from __future__ import annotations
@@ -38,9 +37,10 @@ _CHANGES = frozenset(
         "m_collisionFilterMask",
     }
 )
-"""Whole numbers of bodies that change while a world goes on; the last three as a body meets others or not.
+"""Integers of bodies that change during a run; the last three change as a body meets others.
 
-What meets which isn't taken from a kept state: Bullet leaves it as it is, and each step says it anew.
+The collision filters of a saved state are ignored: Bullet does not restore them, and each step sets them
+again.
 """
 NEVER = 1.1e30
 """Thresholds that are never reached are 1e30, single or double; no number is larger."""
@@ -54,33 +54,33 @@ class Chunk(NamedTuple):
 
     code: bytes
     address: int
-    """Where it was in the memory of who wrote it: what pointers name it by."""
+    """Address in the memory of the process that wrote the file; pointers refer to the chunk by it."""
     kind: int
     """Number of its struct in the layout."""
     structs: int
-    """How many of them are in it."""
+    """Number of structs in it."""
     data: bytes
 
     @property
     def form(self) -> tuple[bytes, int, int, int]:
-        """What must be as the engine writes it."""
+        """Code, kind, number of structs and length, which must equal those that the engine writes."""
         return self.code, self.kind, self.structs, len(self.data)
 
 
 @dataclass(frozen=True)
 class _Fields:
-    """Where in a struct what stands, byte by byte (n,)."""
+    """Offsets and kinds of the values in a struct, in bytes."""
 
     pointers: tuple[int, ...]
-    """Offsets."""
+    """Offsets of pointers."""
     doubles: tuple[int, ...]
     floats: tuple[int, ...]
     loose: tuple[int, ...]
-    """Offsets of whole numbers, of 4 bytes, that may differ."""
+    """Offsets of integers of 4 bytes that may differ."""
     fixed: Mask
-    """Bytes that must be the same."""
+    """(n,) mask of the bytes that must be the same."""
     count: int | None
-    """Offset of how many contact points there are, in a contact."""
+    """Offset of the number of contact points, in a contact."""
 
 
 def check_state(kept: bytes, now: bytes) -> None:
@@ -202,7 +202,7 @@ def _read(rows: NDArray[np.uint8], offset: int, dtype: type) -> NDArray[Any]:
 
 @cache
 def _layout(content: bytes) -> tuple[_Fields, ...]:
-    """What is where in the structs that the file's layout names."""
+    """Return the fields of each struct, as named by the file's layout."""
     names, types, lengths, structs = _tables(content)
     members = {types[kind]: rows for kind, rows in structs}
 

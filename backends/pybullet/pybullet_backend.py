@@ -24,10 +24,10 @@ _VIEW_K = np.array([[750.0, 0.0, 479.5], [0.0, 750.0, 269.5], [0.0, 0.0, 1.0]])
 
 
 class PyBulletBackend(PhysicsBackend):
-    """See `PhysicsBackend`.
+    """Backend with the physics of PyBullet; see `PhysicsBackend`.
 
-    How it differs from metal: links are rigid, a floor is flat, friction is Coulomb's, one coefficient for
-    a pair, light has no shadows.
+    How it differs from hardware: links are rigid, a floor is flat, friction is Coulomb's, one coefficient
+    for a pair, light has no shadows.
     """
 
     name = "pybullet"
