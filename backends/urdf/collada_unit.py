@@ -16,13 +16,14 @@ class _Found(Exception):
 
 
 def collada_unit_m(path: Path) -> float:
-    """Return the length of a mesh file's unit in [m]; 1 where it declares none, or is no COLLADA file.
+    """Return the length of a mesh file's unit in [m]; 1 if it declares none, or is not a COLLADA file.
 
-    As in RViz, MoveIt and Gazebo the unit is applied and the up axis is not: URDFs are written for these
-    tools. MeshLab, for example, writes `Y_UP` into each file, whatever the axes of its coordinates are.
+    As in RViz, MoveIt and Gazebo the unit is applied and the up axis is not, because URDFs are written for
+    these tools. MeshLab, for example, writes `Y_UP` into each file, whatever the axes of its coordinates
+    are.
 
     Raises:
-        ValueError: the unit is no length.
+        ValueError: the unit is not a positive length.
     """
     if path.suffix.lower() != SUFFIX:
         return 1.0

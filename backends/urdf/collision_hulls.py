@@ -41,7 +41,7 @@ class HullUrdf(NamedTuple):
     text: str
     """Each collision mesh has a hull's name as its `filename`, and no scale."""
     hulls: Mapping[str, HullMesh]
-    """By that name."""
+    """Convex hulls, by the mesh name that the URDF uses."""
     cut: Sequence[str]
     """Links whose mesh reached down to the floor."""
 
@@ -49,15 +49,15 @@ class HullUrdf(NamedTuple):
 def with_hulls(urdf_text: str, floor_T_links: Mapping[str, Transform] | None = None) -> HullUrdf:
     """Replace the collision meshes of a URDF by their convex hulls; meshes are named by absolute paths.
 
-    The hulls are those that kinematics and motion planning check, so that all backends collide alike.
+    Kinematics and motion planning check the same hulls, so that all backends collide alike.
 
     Args:
-        urdf_text: of the robot.
-        floor_T_links: (4, 4) of links that must not touch the floor, z = 0; what of their meshes reaches
-            down to it is cut off. Hulls of a base with its wheels and casters do.
+        urdf_text: URDF of the robot.
+        floor_T_links: (4, 4) of each link that must not touch the floor (z = 0), by name; parts of their
+            hulls that reach down to it are cut off. Hulls of a base with its wheels and casters reach it.
 
     Raises:
-        ValueError: a mesh can't be read, or encloses nothing.
+        ValueError: a mesh cannot be read, or encloses no volume.
     """
     robot, maker = read_urdf(urdf_text), _Hulls()
     for link in robot.findall("link"):

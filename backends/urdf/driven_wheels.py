@@ -1,4 +1,4 @@
-"""Which of a robot's wheels drive it, by their names."""
+"""Selection of the wheels that drive a robot, by their names."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where the meshes lie that a URDF names."""
+"""Paths of the meshes that a URDF names."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ LARGEST = 100_000_000  # [bytes] of a mesh
 
 
 def mesh_path(name: str, urdf: Path, root: Path) -> Path:
-    """Where a mesh lies: from the URDF's folder, or in a package.
+    """Return the path of a mesh, relative to the URDF's folder or in a package.
 
-    `package://NAME/PATH` (or `model://`) is looked for as a folder NAME beside the URDF or beside one of the
-    folders that hold it, then where `package_folders` finds NAME. An absolute path, or `file://` and one, is
-    taken as it stands: tools of ROS write those. A name that isn't there is tried again with `%20` and its
-    like decoded. The file need not exist.
+    `package://NAME/PATH` (or `model://`) is searched as a folder NAME next to the URDF or next to one of
+    the folders that contain it, then where `package_folders` finds NAME. An absolute path, with or without
+    `file://`, is used unchanged: ROS tools write those. If no such file exists, the name is tried again
+    with `%20` and similar escapes decoded. The file need not exist.
 
     Args:
         name: as in the URDF.
         urdf: the URDF's file.
-        root: what a relative path may not leave, beside the ROS package that holds the URDF.
+        root: folder that a relative path must not leave, except into the ROS package that holds the URDF.
 
     Raises:
         UnsafePath: the path leads out of its package, or out of `root`, by `..` or by a link.
@@ -52,7 +52,7 @@ def _place(name: str, urdf: Path, root: Path) -> Path:
 
 
 def is_mesh(path: Path) -> bool:
-    """Whether it is a regular file, and no larger than a mesh may be."""
+    """Return whether a path is a regular file, and no larger than a mesh may be."""
     try:
         status = path.stat()
     except (OSError, ValueError):

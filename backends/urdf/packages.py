@@ -1,4 +1,6 @@
-"""Where packages lie that `package://NAME/PATH` names: of Python, of ROS, and those that bring data alone."""
+"""Folders of the packages that `package://NAME/PATH` names: Python packages, ROS packages, and data
+packages.
+"""
 
 from __future__ import annotations
 

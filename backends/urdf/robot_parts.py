@@ -32,7 +32,7 @@ class UrdfError(ValueError):
 
     def __init__(self, wrong: str, key: KeyPath | None = None) -> None:
         self.key = key
-        """What says so in the robot's file; None: the URDF that it is about."""
+        """Key of the robot's file that causes the error; None: the entry of the URDF itself."""
         super().__init__(wrong)
 
 
@@ -51,7 +51,7 @@ UrdfPlace = Annotated[str, AfterValidator(_place)]
 
 
 class PartSpec(FileModel):
-    """A URDF that is fixed, as it is, onto what stands before it in the file."""
+    """A URDF that is mounted unchanged on a part that precedes it in the file."""
 
     urdf: UrdfPlace
     """A path from the robot's file, or `package://NAME/PATH` in a package of Python or ROS."""
@@ -60,14 +60,14 @@ class PartSpec(FileModel):
     onto: str
     """The link that carries its root link."""
     xyz_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """Where the root link stands in that link."""
+    """Position of the root link in that link."""
     rpy_deg: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Its roll, pitch and yaw there."""
     prefix: str = ""
     """Put before the names of its links and joints, where two parts share some."""
 
     def part(self, text: str) -> Part:
-        """What it says, with the URDF's text."""
+        """Return the part that these keys describe, with the URDF's text."""
         roll, pitch, yaw = (math.radians(angle) for angle in self.rpy_deg)
         return Part(text, self.onto, self.xyz_m, (roll, pitch, yaw), self.prefix)
 
@@ -79,9 +79,9 @@ class ReadPart(NamedTuple):
     text: str
     """Its meshes named by absolute paths."""
     places: Mapping[tuple[str, str], tuple[int, int]]
-    """By ("link" or "joint", name): line and column."""
+    """Line and column, by ("link" or "joint", name)."""
     doubts: Sequence[Finding]
-    """What is wrong in it, but keeps nobody from using it."""
+    """Faults that do not prevent its use."""
 
 
 def read_part(urdf: str, folder: Path) -> ReadPart:
@@ -132,11 +132,12 @@ class _MeshFile(NamedTuple):
 
 
 def _mesh_files(robot: UrdfElement, path: Path, root: Path, shown: str) -> dict[str, _MeshFile]:
-    """Where the meshes of all links are, by name.
+    """Return the mesh files of all links, by name.
 
     Raises:
-        FileError: one lies where it must not; or one that collides isn't there, can't be read or encloses
-            nothing.
+        FileError: a mesh is at a forbidden path; or a collision mesh is missing, cannot be read or
+            encloses no
+            volume.
     """
     found: dict[str, _MeshFile] = {}
     faults = []
@@ -213,18 +214,20 @@ class UrdfText(NamedTuple):
 
     text: str
     doubts: Sequence[Finding]
-    """What is wrong in it, but keeps nobody from using it."""
+    """Faults that do not prevent its use."""
 
 
 def read_urdf_file(path: Path, shown: str | None = None) -> UrdfText:
-    """The text of a robot's URDF.
+    """Read the text of a robot's URDF.
 
     Args:
-        path: of the file.
-        shown: as what it is told of; left out: `path`.
+        path: path of the file.
+        shown: file name in the findings (default: `path`).
 
     Raises:
-        FileError: it can't be read, or is no XML within the limits of `read_xml_text`, or no sound URDF.
+        FileError: the file cannot be read, is not XML within the limits of `read_xml_text`, or is not a
+            sound
+            URDF.
     """
     text = read_xml_text(path)
     faults = [(_finding(shown or str(path), *each), each.mild) for each in urdf_faults(text)]

@@ -1,4 +1,4 @@
-"""What a robot's tray and fingers are like, by its URDF."""
+"""Shapes of a robot's tray and fingers, from its URDF."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _LEVEL = 1e-6
 
 
 class MissingShape(InputError):
-    """The URDF doesn't tell what tray or fingers are like."""
+    """The URDF has no usable shape for tray or fingers."""
 
 
 class TrayShape(NamedTuple):
@@ -30,7 +30,7 @@ class TrayShape(NamedTuple):
     size: tuple[float, float, float]
     """Along x, y, z."""
     top: float
-    """Height of what things on it stand on."""
+    """Height of the upper side, which carries things."""
 
     @property
     def rear(self) -> float:
@@ -52,10 +52,10 @@ class FingerShape(NamedTuple):
 
 
 def tray_shape(arm: ArmModel) -> TrayShape:
-    """The largest box of the link `tray`; things stand on its upper side.
+    """Return the largest box of the link `tray`; its upper side carries things.
 
     Raises:
-        MissingShape: there is none, or it isn't level.
+        MissingShape: the link has no box, or the box is not level and straight.
     """
     box = _box(arm.link_shapes(0.5 * (arm.lower + arm.upper)), TRAY)
     if not _along(box.pose):
@@ -67,15 +67,17 @@ def tray_shape(arm: ArmModel) -> TrayShape:
 
 
 def body_height(urdf_text: str) -> float:
-    """Of the link `base`, without what stands on it; [m] above the floor."""
+    """Return the height of the top of the link `base` above the floor, in [m], without things mounted on
+    it.
+    """
     return max((top(each) for each in bodies_of(urdf_text) if each.name == "base"), default=0.0)
 
 
 def finger_shape(arm: ArmModel) -> FingerShape:
-    """The largest box of the link `left_finger`.
+    """Return the largest box of the link `left_finger`.
 
     Raises:
-        MissingShape: there is none, or it doesn't lie along the frame `hand`.
+        MissingShape: the link has no box, or the box is not along the frame `hand`.
     """
     joints = 0.5 * (arm.lower + arm.upper)
     box = _box(arm.link_shapes(joints), FINGER)

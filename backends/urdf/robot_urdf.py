@@ -1,4 +1,4 @@
-"""The URDF of a whole robot, put together from its parts, and where everything in it stands."""
+"""The URDF of a complete robot, assembled from its parts, with the source place of each element."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ Pair = tuple[str, str]
 
 
 class SourcePlace(NamedTuple):
-    """Where something stands in a maker's file; line and column count from 1."""
+    """Position in a maker's file; line and column count from 1."""
 
     file: str
     line: int
     column: int
 
     def finding(self, message: str) -> Finding:
-        """Something to be told about it."""
+        """Return a finding at this place."""
         return Finding(self.file, self.line, self.column, message)
 
 
@@ -37,21 +37,21 @@ class RobotUrdf:
     text: str
     """The URDF; meshes named by absolute paths, links and joints as the robot's file maps them."""
     places: Mapping[tuple[str, str], SourcePlace]
-    """By ("link" or "joint", name): where it stands."""
+    """Source place, by ("link" or "joint", name)."""
     allowed: frozenset[Pair] = frozenset()
     """Pairs of links that may touch each other, by SRDF files and by the robot's file."""
     disabled: int = 0
-    """How many of these are of SRDF files."""
+    """Number of these pairs that come from SRDF files."""
     doubts: Sequence[Finding] = field(default_factory=tuple)
-    """What is wrong in the URDFs, but keeps nobody from using them."""
+    """Faults in the URDFs that do not prevent their use."""
 
     def finding(self, kind: str, name: str, message: str) -> Finding | None:
-        """Something to be told about a "link" or "joint", at its place; None for one that we have added."""
+        """Return a finding about a "link" or "joint" at its place; None for one that no URDF contains."""
         place = self.places.get((kind, name))
         return None if place is None else place.finding(f"{kind} {name!r}: {message}")
 
     def remark(self, kind: str, name: str, message: str) -> str:
-        """The same in words; without a place for one that we have added."""
+        """Return a remark about a "link" or "joint"; without a place for an element that handcart added."""
         return str(self.finding(kind, name, message) or f"{kind} {name!r}: {message}")
 
 
@@ -109,7 +109,7 @@ def robot_urdf(
 
 
 def _key(number: int, key: KeyPath | None) -> KeyPath:
-    """Where the robot's file names its own URDF, or a part's."""
+    """Return the key of the robot's file that names its own URDF (number 0) or that of a part."""
     last = key or ("urdf",)
     return last if number == 0 else ("parts", number - 1, *(key or ()))
 
