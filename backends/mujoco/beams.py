@@ -41,12 +41,12 @@ class _Field(NamedTuple):
 
 
 class Beams:
-    """Beams of a range sensor, which no part of the robot stops.
+    """Beams of a lidar, which no part of the robot obstructs.
 
-    `mj_multiRay` looks at each body for each beam, which with a library takes as long as eight steps of the
-    solver, and at all cells of rough ground that lie in a beam's bounding box, as long as fifty. Next to all
-    that stands about are boxes, and few are at the height of a level sensor: those are tried alone, as is the
-    ground. Where something else is among them, a wedge say, MuJoCo is asked.
+    `mj_multiRay` tests each body for each beam, which with a library takes as long as eight steps of the
+    solver; it also tests all cells of rough ground in a beam's bounding box, which takes as long as fifty.
+    Almost all bodies are boxes, and few are at the height of a level sensor: only those boxes and the
+    ground are tested here. If other shapes are among them, for example a wedge, MuJoCo is used.
     """
 
     def __init__(self, model: Any) -> None:

@@ -32,12 +32,12 @@ _FOCAL = 1000.0  # [px]
 
 
 class MujocoBackend(PhysicsBackend):
-    """See `PhysicsBackend`.
+    """Backend with the physics of MuJoCo; see `PhysicsBackend`.
 
-    A resumed run goes on as one that wasn't stopped, to the last bit.
+    A resumed run continues exactly like one that was not stopped, to the last bit.
 
-    How it differs from metal: links are rigid, contacts give by hundredths of a millimetre, a floor is flat,
-    friction is Coulomb's, one coefficient for a pair, light has no shadows.
+    How it differs from hardware: links are rigid, contacts give by hundredths of a millimetre, a floor is
+    flat, friction is Coulomb's, one coefficient for a pair, light has no shadows.
     """
 
     name = "mujoco"

@@ -113,7 +113,11 @@ class MujocoEngine(Engine):
         self._grown.displaced()
 
     def parts(self) -> Sequence[int]:
-        """See `Engine`: a force is felt as a mean, for that of an impact alone misleads."""
+        """Return the solver's steps of each part of a chunk.
+
+        Contacts are read after each part and forces averaged, because the force of one impact alone
+        misleads.
+        """
         often = max(0, min(FELT, self.substeps // LOOKS - 1))
         return (self.substeps - often * LOOKS, *(LOOKS,) * often)
 

@@ -22,18 +22,18 @@ class ThingNumbers(NamedTuple):
 
 
 class Numbering:
-    """Whose a compiled model's geometries are, and where coordinates of things stand.
+    """Owners of a compiled model's geometries, and indices of the coordinates of things.
 
     Geometries of bodies other than the robot's are named by the engine's numbers: `7`, `7.1`.
     """
 
     def __init__(self, model: Any, links: Mapping[int, tuple[int, int]], things: Collection[int]) -> None:
-        """Of a model.
+        """Number the geometries and things of a model.
 
         Args:
-            model: MuJoCo's.
-            links: bodies of the robot's and their links, by MuJoCo's numbers.
-            things: the engine's numbers of those that move as they will.
+            model: MuJoCo's model.
+            links: engine's body and link of each body of the robot, by MuJoCo's number.
+            things: the engine's numbers of bodies that move freely.
         """
         self.owners: list[tuple[int, int]] = [_NOBODY] * int(model.ngeom)
         """Body and link of each geometry; -1 without a link."""

@@ -17,9 +17,9 @@ _NAME = "pin {}"
 
 
 class Pins:
-    """Equalities between the hand and what it holds; which thing that is changes while the world goes on.
+    """Equalities between the hand and the held thing; which thing that is changes during the run.
 
-    Before them in the model are those of joints that mimic others, with one row each of what constrains.
+    In the model, the equalities of joints that mimic others precede them, with one constraint row each.
     """
 
     def __init__(self) -> None:

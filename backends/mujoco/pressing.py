@@ -13,9 +13,9 @@ _NOTHING = frozenset[Touching]()
 
 
 class Pressing:
-    """Contacts with forces, by whose they are.
+    """Contacts with forces, by the bodies that they belong to.
 
-    After most steps the same geometries touch as before: what was found of them is kept.
+    After most steps the same geometries touch as before, so the last result is cached.
     """
 
     def __init__(self, owners: Sequence[Owner]) -> None:
@@ -57,7 +57,9 @@ class Pressing:
         return found
 
     def _points(self, data: Any, body: int) -> Iterator[tuple[Touching, int, int, float]]:
-        """Of contacts of a body: who, its number, its first row of forces, and the sign of its frame."""
+        """Yield the contacts of a body: touching pair, number, first row of forces, and sign of the contact
+        frame.
+        """
         contact, forces, owners = data.contact, data.efc_force, self._owners
         rows = contact.efc_address.tolist()
         for index, (row, (first, second)) in enumerate(zip(rows, contact.geom.tolist(), strict=True)):

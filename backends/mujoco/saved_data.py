@@ -46,11 +46,12 @@ def restore(model: Any, data: Any, state: dict[str, Any]) -> None:
 
 
 def _send_to_sleep(model: Any, data: Any, values: NDArray[np.float64], asleep: NDArray[np.int64]) -> None:
-    """Have what sleeps sleep where it is.
+    """Restore a state with its sleeping bodies asleep.
 
-    MuJoCo wakes what is put elsewhere while it sleeps. It works out where sleepers are when it starts anew:
-    where they are at first, as the model has it. The robot's joints are at their zero then, and its arm
-    would wake what it goes through.
+    MuJoCo wakes a body that is moved while it sleeps. At a reset it places sleeping bodies at the model's
+    initial positions, so those are set to the restored ones for the reset. Contacts are switched off
+    meanwhile, because the robot's joints are at their zero then, and its arm would wake the bodies that it
+    overlaps.
     """
     mj, flags = mujoco(), model.opt.disableflags
     first, policy = model.qpos0.copy(), model.tree_sleep_policy.copy()

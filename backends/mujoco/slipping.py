@@ -21,7 +21,13 @@ class Slipping:
     """Held thing, by pins that open while it slips."""
 
     def __init__(self, pins: Pins, contacts_carry: float, period: float) -> None:
-        """See `Engine.CONTACTS_CARRY`; what is held is held again once it slid too little in `period` [s]."""
+        """Prepare slipping with the share `Engine.CONTACTS_CARRY`.
+
+        Args:
+            pins: equalities that hold the thing.
+            contacts_carry: share of the pads' friction that contacts have.
+            period: control period, in [s]; a thing that slid less than `STAYS` allows in it is held again.
+        """
         self._pins, self._carry, self._stays = pins, contacts_carry, STAYS * period
         self.pinned: Pinned | None = None
         """Rigid connection, slipping or not."""

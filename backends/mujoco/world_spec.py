@@ -17,22 +17,31 @@ from handcart.robotics.kinematics.shapes import Box
 from .mujoco_module import mujoco
 
 STIFF = (0.005, 1.0)
-"""How contacts give: time constant in [s], of two steps, and damping ratio; what lies sinks in by 0.01 mm."""
+"""Compliance of contacts: time constant in [s], of two steps, and damping ratio; resting things sink in 0.01
+mm.
+"""
 HARD = (0.95, 0.99, 0.0005, 0.5, 2.0)
-"""Impedance of pads: with MuJoCo's own, 60 N press a thing of 40 g 0.6 mm into each, so 0.25 mm.
+"""Impedance of pads: with MuJoCo's default, 60 N press a thing of 40 g 0.6 mm into each pad, with this 0.25
+mm.
 
-Held by a hand that turns, a thing drifts, for MuJoCo's steps are along the tangent of its way. The points of
-`Grip` bring it back, against friction that gives a little: as hard as can be (0.999), or with MuJoCo's own
-remedies for slipping (`impratio` 10, `noslip_iterations` 5), friction would hold that up as well.
+A thing held by a turning hand drifts, because MuJoCo's steps follow the tangent of its path. The points of
+`Grip` bring it back, against friction that gives a little. With the hardest impedance (0.999), or with
+MuJoCo's own remedies for slipping (`impratio` 10, `noslip_iterations` 5), friction would oppose this
+return.
 """
 STANDS = (0.995, 0.999, 0.0005, 0.5, 2.0)
-"""The same of tyres that stick: with MuJoCo's own, a car on rough ground turns by 0.6 degrees in a minute."""
+"""Impedance of sticking tyres: with MuJoCo's default, a car on rough ground turns by 0.6 degrees in a
+minute.
+"""
 LINKAGE = (0.999, 0.9999, 0.0005, 0.5, 2.0)
-"""The same of a linkage between two joints: what hangs on the one that follows moves it by less than 1e-5."""
+"""Impedance of a linkage between two joints: a load on the following joint moves it by less than 1e-5."""
 SINKS = (0.9, 0.9, 0.001, 0.5, 2.0)
-"""The same of wheels on ground that gives: the same at each depth, so that a point carries in proportion to
-it. MuJoCo's force at rest is its stiffness times the depth, over (1 - impedance) and how easily the body is
-moved; when it moves, it is as if 9 times as much went along with it: the ground gives slowly."""
+"""Impedance of wheels on soft ground: equal at each depth, so that a point's force is proportional to it.
+
+MuJoCo's force at rest is its stiffness times the depth, divided by (1 - impedance) and by the body's
+inverse mass at the contact. In motion it acts as if 9 times that mass moved along, so the ground gives
+slowly.
+"""
 HOLDS_ON_SOFT = 100.0
 """Times as hard as it gives, ground that gives holds wheels along it (`impratio`): with 1, a car creeps."""
 SCRUBS = 2.0
@@ -111,9 +120,10 @@ class WorldSpec:
         )
 
     def bulge(self, wheel: Any) -> None:
-        """Have a cylinder stand on one point, as a tyre that bulges does, and not on its edges.
+        """Let a cylinder touch the ground at one point, like a bulging tyre, instead of along its edges.
 
-        Those of a base that turns go at different speeds, and it would hop from one to the other.
+        The edges of a turning base's wheel move at different speeds, and the wheel would hop from one to
+        the other.
         """
         kinds = mujoco().mjtGeom
         if wheel.type == kinds.mjGEOM_CYLINDER:
@@ -121,10 +131,11 @@ class WorldSpec:
             wheel.type, wheel.size = kinds.mjGEOM_ELLIPSOID, (radius, radius, half_width)
 
     def scrub(self, wheel: Any, along_axle: float) -> None:
-        """Let a wheel slide along its axle with a share of the friction that it has across it, on the floor.
+        """Let a wheel slide along its axle on the floor, with a share of its friction across the axle.
 
-        Of a capsule MuJoCo has contacts' first tangent along its axis, and a pair can have two frictions. The
-        capsule is as thick as the wheel, and stands on two points as far apart.
+        MuJoCo aligns the first tangent of a capsule's contacts with its axis, and a pair can have two
+        frictions. The capsule is as thick as the wheel, and touches the floor at two points as far apart
+        as the wheel is wide.
         """
         radius, _, half_width = wheel.size  # of one that bulges
         wheel.type, wheel.size = mujoco().mjtGeom.mjGEOM_CAPSULE, (radius, half_width, 0.0)

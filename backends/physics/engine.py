@@ -70,8 +70,10 @@ class Engine(ABC):
     """[s] between two looks of the drives at their encoders, where that is less than a control period. An
     engine whose own drives follow set-points in each of its steps has none: infinity."""
     CONTACTS_CARRY: ClassVar[float]
-    """Of the friction of the fingers' pads, the share that its contacts have. Where what is held would creep
-    although they carry it, the rest is that of `Grip`'s points."""
+    """Share of the friction of the fingers' pads that contacts have.
+
+    If a held thing would creep although contacts carry it, the points of `Grip` have the remaining share.
+    """
 
     def __init__(self, period: float) -> None:
         """Create a world with a control period of that length, in [s]."""

@@ -57,17 +57,18 @@ _FELT = 4  # of a period's looks at what touches, the last ones in which the for
 
 
 class PhysicsBackend(SimulatedBackend):
-    """A differential drive with arm, gripper, camera and range sensor in a physics engine.
+    """A differential drive with arm, gripper, camera and lidar in a physics engine.
 
-    The same robot and world files as on the kinematic backend; what is solid there is solid here. Two driven
-    wheels and frictionless casters roll on a floor, or several wheels a side, which slide sideways where the
-    base turns; joints have drives with limited torque; fingers hold by friction, one the mirror of the other;
-    things are rigid bodies that stand, lean on each other and fall. A base that leans stands on springs.
-    A car steers its front wheels on rough ground, a height field.
+    It reads the same robot and world files as the kinematic backend, with the same solids. Two driven
+    wheels and frictionless casters roll on a floor, or several wheels on each side, which slide sideways
+    when the base turns. Joints have drives with limited torque; fingers hold by friction, one the mirror
+    of the other; things are rigid bodies that rest, lean on each other and fall. A base that tilts is
+    mounted on springs. A car steers its front wheels on rough ground, a height field.
 
-    How it errs, seeded: radius of each wheel, tread, the arm's errors, ranges, image noise, blur, light,
-    lens, the force reading, where a person puts robot and things. Slip, and what gives, are physics;
-    that the base turns on its tyres when the loaded arm has swung is imposed, for rigid wheels don't.
+    Simulated errors, seeded: radius of each wheel, tread, the arm's errors, ranges, image noise, blur,
+    light, lens, the force reading, where a person puts robot and things. Slip and compliance are physics.
+    The turn of the base on its tyres after a swing of the loaded arm is imposed, because rigid wheels do
+    not turn like that.
 
     A subclass brings the engine, the robot's body in it, and the camera. `scene` is ground truth: only
     evaluation may read it.

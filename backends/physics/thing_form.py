@@ -75,17 +75,19 @@ class ThingForm(NamedTuple):
     pieces: tuple[Cuboid | Wedge, ...]
     friction: float
     uvs: tuple[Uvs, ...]
-    """Of the faces -x, +x, -y, +y, +z, -z of the box about it: four corners each, counter-clockwise from
-    outside; of the sides from the foot on their left, of the upper one from (-x, -y), of the lower one
-    from (-x, +y)."""
+    """Texture corners of the faces -x, +x, -y, +y, +z, -z of the bounding box.
+
+    Four corners for each face, counter-clockwise as seen from outside. Those of the sides begin at the
+    lower left, those of the upper face at (-x, -y), those of the lower face at (-x, +y).
+    """
     picture: GreyImage
     """That the faces show parts of, at first."""
     sticks: Sticks | None = None
     asleep: bool = False
     """True if it sleeps from the beginning until something touches it."""
     material: Material = PALE_WOOD
-    """Material of the unprinted faces, for people."""
+    """Material of the unprinted faces, in pictures for people."""
     printed: Callable[[], GreyImage] | None = None
     """All that its faces show to a camera that is near, laid out as `uvs` says; None: as `picture`."""
     portrait: Callable[[], Portrait | None] | None = None
-    """Coloured picture, for people; None if nothing is printed."""
+    """Coloured picture for people; None if nothing is printed."""

@@ -18,10 +18,10 @@ _OFF = 1e-9  # [Nm] of a drive that does nothing: MuJoCo takes 0 for no limit
 
 
 class MujocoJoints(JointGroup):
-    """See `JointGroup`. Drives are MuJoCo's: they follow set-points that move, in each step of the solver.
+    """Joints with MuJoCo's drives, whose set-points move in each step of the solver; see `JointGroup`.
 
-    A drive is as stiff as it can be: alone, it is at the speed that it is told after a step. Joints that give
-    have two: a stiff one that has no more than `BREAKAWAY`, and a spring.
+    A drive is as stiff as possible: without load it reaches the commanded speed after one step. Compliant
+    joints have two drives: a stiff one limited to `BREAKAWAY`, and a spring.
     """
 
     def __init__(self, engine: MujocoEngine, names: Sequence[str]) -> None:
@@ -52,7 +52,7 @@ class MujocoJoints(JointGroup):
         self._stiff.set_out(self._engine.data.qpos[self._at] + off + catches_up * rates, rates)
 
     def give(self, off: Vector, rates: Vector, effort: Vector, fastest: Vector, catches_up: float) -> None:
-        """See `JointGroup`; what is so far off that it would come back too fast counts as less."""
+        """Move compliantly; see `JointGroup`. An offset that would be corrected too fast is reduced."""
         if self._giving is None:
             raise ValueError("these joints have no drives that give")
         damping = np.maximum(DAMPING, GIVES / fastest)

@@ -1,1 +1,1 @@
-"""Pictures of MuJoCo's renderer, for people and for the robot's camera."""
+"""MuJoCo's renderer: pictures for people and for the robot's camera."""

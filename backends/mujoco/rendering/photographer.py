@@ -21,10 +21,10 @@ class Photographer:
     """A camera of any place and lens in front of one stage."""
 
     def __init__(self, stage: Stage, size: tuple[int, int]) -> None:
-        """Of pictures of a size: width and height in [px].
+        """Prepare pictures of a width and height `size` in [px].
 
         Raises:
-            NoPictures: there is no OpenGL.
+            NoPictures: OpenGL is not available.
         """
         mj, self._stage, self._size = mujoco(), stage, size
         stage.model.vis.global_.offwidth, stage.model.vis.global_.offheight = size

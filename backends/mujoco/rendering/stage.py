@@ -20,9 +20,9 @@ LAMP_HEIGHT = 6.0  # [m] above what it shines on, along its beam
 
 
 class Stage:
-    """Follows the engine's model; bodies have the same names in both.
+    """Model for pictures, which follows the engine's model; bodies have the same names in both.
 
-    What is looked at can't change a run: the engine's own model has neither pictures nor lamps.
+    Rendering cannot change a run, because the engine's own model has neither pictures nor lamps.
     """
 
     def __init__(self, looks: Looks, robot: Sequence[PartLook], style: Style, engine_model: Any) -> None:

@@ -33,7 +33,7 @@ _SHEET_LEVEL = 1
 
 
 class StageSpec:
-    """Its `MjSpec`, of shapes that touch nothing; what moves is a body that is put where it belongs."""
+    """`MjSpec` of a `Stage`: shapes without contacts, and movable bodies that are placed for each picture."""
 
     def __init__(self, looks: Looks, robot: Sequence[PartLook], style: Style) -> None:
         self.spec: Any = mujoco().MjSpec()

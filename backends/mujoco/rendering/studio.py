@@ -22,7 +22,7 @@ class Studio:
     def __init__(
         self, engine: MujocoEngine, robot: Sequence[PartLook], style: Style, size: tuple[int, int]
     ) -> None:
-        """Of width and height `size` in [px]; nothing is built before the first picture."""
+        """Prepare pictures of width and height `size` in [px]; the stage is built at the first picture."""
         self._engine, self._robot, self._style, self._size = engine, robot, style, size
         self._stage: Stage | None = None
         self._photographer: Photographer | None = None
@@ -31,10 +31,15 @@ class Studio:
     def take(
         self, world_T_camera: Transform, K: NDArray[np.float64], middle: NDArray[np.float64]
     ) -> NDArray[np.uint8]:
-        """See `Photographer`; light falls about `middle` (3,) in [m]. The same picture where nothing moved.
+        """Return a picture; see `Photographer`. The last picture is returned again if nothing moved.
+
+        Args:
+            world_T_camera: (4, 4) of the camera.
+            K: (3, 3) in [px].
+            middle: (3,) point in [m] around which the light falls.
 
         Raises:
-            NoPictures: there is no OpenGL.
+            NoPictures: OpenGL is not available.
         """
         stage, photographer = self._set_up()
         moved = stage.follow(self._engine.links(), middle)

@@ -69,7 +69,7 @@ def check_display() -> None:
     """Check that MuJoCo's viewer finds OpenGL on the display; without it the viewer would wait forever.
 
     Raises:
-        NoWindow: there is no OpenGL on the display.
+        NoWindow: OpenGL is not available on the display.
     """
     glfw: Any = import_module("glfw")
     said, window = ["GLFW doesn't say why"], None

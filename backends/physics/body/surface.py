@@ -36,8 +36,11 @@ class Surface(NamedTuple):
 TYRES = Surface(friction=1.0)
 """Rubber."""
 CASTER = Surface(friction=0.0, stiffness=1e6, damping=2e4)
-"""Slides without friction, on springs: it stands for a wheel that turns any way. It gives by 0.2 mm under
-200 N. One as hard as the wheels might take all the weight off them, and the base would slide on."""
+"""Frictionless surface on springs, as a model of a wheel that turns in any direction.
+
+It gives by 0.2 mm under 200 N. A caster as hard as the wheels might take all the weight off them, and the
+base would slide on.
+"""
 SCRUBBING = Surface(stiffness=CASTER.stiffness, damping=CASTER.damping, sticks=True, along_axle=0.1)
 """A wheel that must slide sideways for its base to turn: one of several a side. They share the base's weight
 as they give a little, and at rest they stick."""

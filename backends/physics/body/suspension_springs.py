@@ -23,11 +23,11 @@ Vector = NDArray[np.float64]
 class SuspensionSprings:
     """Springs and dampers in roll and pitch, at the height that the robot's file states.
 
-    They are physics: the body leans where its weight, the load's and what the hand presses against are.
-    Their stiffness is what is made to fit the file: on the mean over the arm's postures, the weight of the
-    arm alone leans the body by `lean_mrad_per_m` for each metre that the hand is off the base's centre. In a
-    single posture the lean differs from that, for the arm's middle of mass isn't where the hand is. They are
-    set so that with the hand over the centre the body stands upright.
+    They are physical: the body tilts under its own weight, the load's, and the force that the hand presses
+    with. Their stiffness is fitted to the file: averaged over the arm's postures, the weight of the arm
+    alone tilts the body by `lean_mrad_per_m` for each metre between the hand and the base's centre. In a
+    single posture the tilt differs from that, because the arm's centre of mass is not at the hand. They
+    are set so that the body is upright with the hand over the centre.
     """
 
     def __init__(self, robot: RobotFile, arm: ArmModel, body: RobotBody) -> None:
@@ -56,10 +56,14 @@ class SuspensionSprings:
 
 
 def _weight_by_reach(arm: ArmModel, body: RobotBody) -> tuple[float, Vector]:
-    """How the arm's weight turns the upright body, a straight line fitted over postures all about.
+    """Fit a straight line to the torque of the arm's weight on the upright body, over random postures.
 
-    Gives the torque in [N] for each metre that the hand is off the centre, and that about roll and pitch
-    (2,) in [Nm] with the hand over the centre. The arm is left elsewhere.
+    The arm is left in another posture.
+
+    Returns:
+        Torque in [N] for each metre between the hand and the centre, and torque about roll and pitch (2,)
+            in
+        [Nm] with the hand over the centre.
     """
     rng = keyed(0, "suspension's postures")
     reaches, moments = [], []
@@ -78,8 +82,12 @@ def _weight_by_reach(arm: ArmModel, body: RobotBody) -> tuple[float, Vector]:
 
 
 def _load(body: RobotBody, pivot: float) -> tuple[Vector, float, Vector]:
-    """Of all that is sprung, in its posture: torque about roll and pitch (2,) in [Nm], how much that grows
-    with the lean in [Nm/rad], and moments of inertia (2,) in [kg m²].
+    """Return the load of the sprung masses in their current posture.
+
+    Returns:
+        Torque about roll and pitch (2,) in [Nm], its growth with the tilt in [Nm/rad], and moments of
+            inertia
+        (2,) in [kg m²].
     """
     base_T_world: Transform = inverse(body.base_pose())
     moment, topples, inertia = np.zeros(2), 0.0, np.zeros(2)

@@ -24,7 +24,7 @@ _PRINTS = 1.5  # spines nearer than this to the camera are printed [m]
 class BookBody(ThingBody):
     """A box with a printed spine; one to be returned has rounded edges.
 
-    Plain from afar, its picture is made when a camera first comes near. What stands in a row sleeps until
+    It is plain from afar; its picture is made when a camera first comes near. A book in a row sleeps until
     something touches it.
     """
 

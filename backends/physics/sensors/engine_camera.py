@@ -23,8 +23,8 @@ SAMPLES = 2  # along each side of a pixel, which takes in light from all of its 
 class EngineCamera(SimulatedCamera):
     """An ideal pinhole camera, then the lens, light and noise of the robot's file.
 
-    Another program than the scene's renderer draws what it sees: what perception makes of both can't be due
-    to what one of them does wrong. Light comes from everywhere and there are no shadows.
+    Its pictures come from the engine's renderer instead of the scene's: a result that perception reaches
+    with both is not caused by a fault of one of them. Light comes from everywhere and shadows are missing.
     """
 
     def __init__(

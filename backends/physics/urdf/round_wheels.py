@@ -17,7 +17,7 @@ from handcart.robotics.kinematics.urdf_frames import link_poses, triple
 from handcart.robotics.kinematics.urdf_reading import read_urdf
 
 WIDTH = 0.4
-"""Width of a disc as a share of its radius: how wide its mesh is tells little, motors hang on some."""
+"""Width of a disc as a share of its radius; a mesh's own width is unreliable, because some include motors."""
 UPRIGHT = 0.9
 """Least part of an axle along the base's y."""
 Vector = NDArray[np.float64]
@@ -63,7 +63,7 @@ def _disc(
 ) -> tuple[Vector, Vector, float] | None:
     """Return middle (3,) in [m] and axis (3,) of a disc in the wheel's frame, and its radius in [m].
 
-    None for a wheel that doesn't stand upright.
+    None for a wheel that is not upright.
     """
     across = float(base_T_wheel[1, :3] @ axis)
     if abs(across) < UPRIGHT:

@@ -35,12 +35,12 @@ class SoundUrdf(NamedTuple):
 
 
 def sound_urdf(robot: RobotFile) -> SoundUrdf:
-    """Return the URDF that engines get: possible masses, wheels that drive and roll, convex collision meshes.
+    """Return the URDF for engines: possible masses, wheels that drive and roll, convex collision meshes.
 
-    Where the base leans, it stands on a chassis with a suspension.
+    If the base tilts, it is mounted on a chassis with a suspension.
 
     Raises:
-        ValueError: a mesh can't be read, or encloses nothing.
+        ValueError: a mesh cannot be read, or encloses no volume.
     """
     text, repairs = repaired(robot.urdf_text())
     wheels = driven_wheels(each.name for each in joints_of(text)).all
@@ -62,8 +62,10 @@ def casters(links: Iterable[str]) -> list[str]:
 
 
 def held_still(robot: RobotFile) -> dict[str, tuple[float, float]]:
-    """Limited joints that nobody moves (a head, another arm), by name: where kinematics has them stand, and
-    what they are held with, in [Nm] or [N].
+    """Return the limited joints that nothing drives (a head, another arm), by name.
+
+    Returns:
+        Position that kinematics assumes, and holding effort in [Nm] or [N].
     """
     leaders = joint_leaders(robot.urdf_text())
     moved: Collection[str] = {*(robot.arm.joints if robot.arm else ()), *MOVED, *ROCKERS}

@@ -26,13 +26,13 @@ def slipping_torque(mass: float, radius: float, wheels: int) -> float:
 def with_wheel_efforts(urdf: str, wheels: Collection[str], radius: float) -> str:
     """Give driven wheels without an effort limit the torque at which their tyres slip.
 
-    That torque is what arrives at the tyre: the joint's own friction and damping, which such a drive
-    overcomes as well, are left out.
+    That torque is the one at the tyre: the joint's own friction and damping are removed, because such a
+    drive overcomes them as well.
 
     Args:
-        urdf: of the robot.
-        wheels: the joints that drive it.
-        radius: of the wheels, in [m].
+        urdf: URDF of the robot.
+        wheels: names of the joints that drive it.
+        radius: radius of the wheels, in [m].
     """
     limp = {each.name for each in joints_of(urdf) if each.name in wheels and each.effort <= 0.0}
     if not limp:

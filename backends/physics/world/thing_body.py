@@ -95,7 +95,9 @@ class ThingBody:
 
 
 def _part_of(number: int, printed: bool) -> Uvs:
-    """Where the corners of a side lie in the picture of all: in the middle of its part if it is plain."""
+    """Return the texture corners of a side in the picture of all sides; the middle of its part if it is
+    plain.
+    """
     if not printed:
         return (((number + 0.5) / len(SIDES), 0.5),) * 4
     left, right = (number + _INSET) / len(SIDES), (number + 1 - _INSET) / len(SIDES)
