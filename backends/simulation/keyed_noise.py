@@ -13,12 +13,12 @@ from .split_seed import SplitSeed
 
 
 def keyed(seed: int, purpose: str, period: int = 0) -> np.random.Generator:
-    """The generator of one purpose (a sensor, an error) in one period of the run with `seed`.
+    """Return the generator of one purpose (a sensor, an error) in one period of the run with `seed`.
 
-    Philox is counter based (Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", 2011): the period
-    is the high word of its counter, so streams of different periods don't overlap. A further reading
-    thereby changes nothing that is drawn elsewhere. Branches of a `SplitSeed` are told apart by the word
-    below.
+    Philox is counter based (Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", 2011): the
+    period is the high word of its counter, so streams of different periods do not overlap. An additional
+    reading therefore changes no other draw. The next lower word of the counter separates the branches of a
+    `SplitSeed`.
     """
     key = np.array([seed % 2**64, zlib.crc32(purpose.encode())], dtype=np.uint64)
     counter = np.array([0, 0, _branch(seed, purpose, period), period], dtype=np.uint64)

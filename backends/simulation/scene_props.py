@@ -28,18 +28,18 @@ class SceneProps(ABC):
     @classmethod
     @abstractmethod
     def none_in(cls, scene: Any) -> Self:
-        """Of a `Scene` whose world's file has nothing of the domain."""
+        """Return the empty props of a `Scene` whose world's file has no keys of the domain."""
 
     def things(self) -> Iterable[Thing]:
-        """What hands can carry, in an order that stays."""
+        """Return the things that hands can carry, in a fixed order."""
         return ()
 
     def sheets(self) -> Sequence[Sheet]:
-        """What lies printed on level surfaces."""
+        """Return the printed sheets on level surfaces."""
         return ()
 
     def painted(self, rests: frozenset[Rest]) -> Iterable[Painted]:
-        """What the camera sees of things that rest so."""
+        """Yield the surfaces that the camera sees of things with one of these rests."""
         for thing in self.things():
             if thing.rest in rests:
                 yield paint_thing(thing)
@@ -54,25 +54,25 @@ class SceneProps(ABC):
         """A period begins: let happen what happens of itself."""
 
     def hand_force(self) -> NDArray[np.float64]:
-        """What it adds to the force (3,) in [N] that the hand feels, in the hand's frame."""
+        """Return the force (3,) in [N] that the props add to the hand's reading, in the hand's frame."""
         return np.zeros(3)
 
     # In a hand without physics
 
     def hand_rule(self, arm: ArmModel) -> HandRule | None:
-        """What decides in place of rigid geometry where the hand meets its things; asked once."""
+        """Return the rule that replaces rigid geometry between the hand and these things; called once."""
         return None
 
     def thickness(self, thing: Thing, pads: Pads) -> float:
-        """Of a thing between the pads, in [m]."""
+        """Return the thickness of a thing between the pads, in [m]."""
         return thickness(thing, pads)
 
     def fits(self, thing: Thing, pads: Pads) -> bool:
-        """Whether closing pads meet a thing so that they can hold it."""
+        """Return whether closing pads meet a thing so that they can hold it."""
         return fits(thing, pads)
 
     def gripped(self, thing: Thing, pads: Pads) -> Transform:
-        """hand_T_thing (4, 4) once the pads have closed about it."""
+        """Return hand_T_thing (4, 4) after the pads have closed on the thing."""
         return hand_T_gripped(thing, pads)
 
     @abstractmethod

@@ -39,14 +39,14 @@ class Part(Protocol):
 
     @property
     def STATE(self) -> Kinds:
-        """Attributes that a checkpoint keeps, with their types; what follows from them isn't kept."""
+        """Attributes that a checkpoint keeps, with their types; attributes derived from them are not kept."""
 
 
 class SimulatedBackend(Backend):
-    """A robot among simulated things: what stands there, the robot's parts, and where all of it stands.
+    """A robot among simulated things, with its parts, and the true poses of all of them.
 
-    A subclass gives the robot its parts when it is built, and lets periods pass in `step`. `scene` is ground
-    truth: only evaluation may read it.
+    A subclass gives the robot its parts when it is built, and lets periods pass in `step`. `scene` is
+    ground truth: only evaluation may read it.
     """
 
     STATE: ClassVar[Kinds] = {"_periods": int}
@@ -85,13 +85,18 @@ class SimulatedBackend(Backend):
 
     @classmethod
     def needed(cls, world: Path | WorldFile | None) -> WorldFile:
-        """The world, read if it is a file; raises `MissingWorld` where there is none, or `FileError`."""
+        """Return the world, read first if it is a path.
+
+        Raises:
+            MissingWorld: no world is given.
+            FileError: the world's file is missing or invalid.
+        """
         if world is None:
             raise MissingWorld(f"the backend {cls.name!r} simulates; needed: a world file")
         return world if isinstance(world, WorldFile) else load_world(world)
 
     def _receive(self) -> None:
-        """Build what tells where the base is from outside: satellites, beacons."""
+        """Build the sensors that locate the base by external signals: satellites, beacons."""
         if self._robot.gps is not None:
             sky = self._world_file.sky
             self._gps = SimulatedGps(self._robot.gps, sky, self.scene, self.period, self._seed)
@@ -127,11 +132,13 @@ class SimulatedBackend(Backend):
                 part.halt()
 
     def _own_parts(self) -> Mapping[str, Part | None]:
-        """What else changes in a run, by name; None for what this robot hasn't."""
+        """Return further parts that change in a run, by name; None for those that this robot does not
+        have.
+        """
         return {}
 
     def _parts(self) -> dict[str, Part]:
-        """What changes in a run, by name, in the order in which it is put back."""
+        """Return the parts that change in a run, by name, in the order in which they are restored."""
         named = {
             **{f"props {name}": props for name, props in self.scene.props.items()},
             "scene": self.scene,

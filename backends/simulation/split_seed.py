@@ -1,4 +1,4 @@
-"""The seed of a run that goes on from an instant in several ways."""
+"""The seed of a run that continues from one instant in several branches."""
 
 from __future__ import annotations
 
@@ -7,37 +7,41 @@ from typing import NamedTuple
 
 
 class Branch(NamedTuple):
-    """One of the ways in which a run goes on."""
+    """One continuation of a split run."""
 
     number: int
-    """Tells its draws from those of the others, from 1 on."""
+    """Number of the branch, from 1, which separates its draws from those of other branches."""
     drawn: Mapping[str, int]
-    """For each purpose the last period of which something was drawn before."""
+    """Last period with a draw before the split, by purpose."""
 
 
 class SplitSeed(int):
-    """A seed whose draws are, up to an instant, those of the run that was split there, and from there on
-    this branch's own: the robot and the world stay the same, what is still to come doesn't.
+    """A seed whose draws equal those of the original run up to the split, and are its own afterwards.
 
-    It notes what has been drawn, so that a branch can be split again. Its value is that of the plain seed, so
-    that what a backend draws without `keyed` is the same in all branches.
+    The robot and the world stay the same; later draws differ. It records the draws, so that a branch can
+    be split again. Its integer value is that of the plain seed, so values that a backend draws without
+    `keyed` are equal in all branches.
     """
 
     _branches: tuple[Branch, ...]
     _drawn: dict[str, int]
 
     def __new__(cls, seed: int, branches: tuple[Branch, ...] = ()) -> SplitSeed:
-        """Of a plain seed; `branches` are those that were taken by now, the last one last."""
+        """Make a seed from a plain one; `branches` are the splits so far, the latest one last."""
         made = super().__new__(cls, seed)
         made._branches, made._drawn = branches, {}
         return made
 
     def split(self, number: int) -> SplitSeed:
-        """The seed of a branch that begins here; the number is another one than all branches have."""
+        """Return the seed of a branch that begins here; `number` must differ from those of all other
+        branches.
+        """
         return SplitSeed(int(self), (*self._branches, Branch(number, dict(self._drawn))))
 
     def branch(self, purpose: str, period: int) -> int:
-        """Whose draw it is; 0: that of the plain seed. It is noted."""
+        """Return the number of the branch that a draw belongs to, 0 for the plain seed, and record the
+        draw.
+        """
         self._drawn[purpose] = max(period, self._drawn.get(purpose, period))
         for branch in reversed(self._branches):
             if period > branch.drawn.get(purpose, -1):

@@ -78,12 +78,12 @@ FREE = Touch(0.0, "", "")
 
 
 class ArmContact:
-    """Overlaps of the moved links, fingers and held thing with the world's solids and the things in it.
+    """Overlaps of the moved links, fingers and held thing with the world's solids and things.
 
-    Where the base is moved, those of what is mounted above its body (tray, column) and of what stands on it
-    as well. The arm against itself and its own base is not checked (a planner's task), the hand and what
-    it holds against all that the arm doesn't move (base, tray, column) are. Spheres about the bodies sort out
-    what is far.
+    When the base moves, parts mounted above its body (tray, column) and things on it are checked as well.
+    The arm is not checked against itself and its own base (a planner's task). The hand and the held thing
+    are checked against all parts that the arm does not move (base, tray, column). Bounding spheres exclude
+    distant bodies.
     """
 
     def __init__(self, scene: Scene, arm: ArmModel) -> None:

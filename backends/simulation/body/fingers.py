@@ -14,10 +14,11 @@ _LETS_GO = 0.001  # opening beyond a thing's thickness at which it is free
 
 
 class Fingers:
-    """Open and close about things.
+    """Fingers that close on things and open again.
 
-    What stands between closing pads slides before the one that meets it first, stops both and aligns with
-    them, as its props say; opened 1 mm wider, they let it go. Where a rule says so they have no room to open.
+    A thing between closing pads slides ahead of the pad that meets it first, stops both pads and aligns
+    with them, as its props define. Opening the pads by 1 mm more releases it. A rule can leave the pads no
+    room to open.
     """
 
     def __init__(self, hand: Hand) -> None:

@@ -24,12 +24,12 @@ Vector = NDArray[np.float64]
 
 
 class Hand:
-    """Moves the arm of a scene as far as what is solid lets it.
+    """Motion of a scene's arm, as far as solids allow it.
 
-    Quasi-static: the arm stops at the posture where a contact begins, and `scene.hand_force` grows with how
-    far it is commanded beyond, 2 N a mm, up to 60 N where its drives give way. Commanded along a surface that
-    it presses on, the hand slides, against friction; an arm that meets something elsewhere stops. What gives
-    way instead is decided by the `HandRule`s of the scene's props.
+    Quasi-static: the arm stops at the posture where a contact begins, and `scene.hand_force` grows with
+    the further command, 2 N a mm, up to 60 N, where its drives yield. Commanded along a surface that it
+    presses on, the hand slides, against friction; an arm that touches something with another part stops.
+    The `HandRule`s of the scene's props decide which bodies give way instead.
     """
 
     def __init__(self, scene: Scene, arm: ArmModel) -> None:
@@ -106,7 +106,9 @@ class Hand:
         return self._slide(stands, target, there), frozenset({(there.body, there.other)})
 
     def _slide(self, stands: Vector, target: Vector, met: Touch) -> Vector:
-        """Return where a touching arm that is commanded further comes to rest; `stands` if it sticks."""
+        """Return the joints at which a touching arm that is commanded further comes to rest; `stands` if it
+        sticks.
+        """
         if not self.contact.rides_on_hand(met.body) or not any(met.normal):
             return stands
         base_T_world = inverse(self.scene.world_T_base)
@@ -124,10 +126,14 @@ class Hand:
         return end if there.depth == 0.0 else stands + free * (end - stands)
 
     def _first_hit(self, start: Vector, target: Vector) -> tuple[float, float, Touch]:
-        """The first overlap on the line, looked for in steps that no thin board is missed by.
+        """Return the first overlap on the line from `start` to `target`, in steps too short to miss a thin
+        board.
 
-        What the arm only grazes on its way doesn't stop it. Gives two
-        shares of the line, the last one that was free and the one that isn't, and what is met.
+        Contacts that the arm only grazes on its way do not stop it.
+
+        Returns:
+            Share of the line at the last free posture, share at the first posture with an overlap, and the
+            overlap.
         """
         steps = max(1, int(np.ceil(self.contact.travel(start, target) / _STEP)))
         for number in range(1, steps + 1):

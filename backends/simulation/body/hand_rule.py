@@ -31,7 +31,7 @@ class Met(NamedTuple):
 class HandRule:
     """Replaces rigid geometry between the hand and a domain's things; by default it decides nothing.
 
-    In each motion of the arm `aim`, `decides`, `meet` and `carry` are called, in this order.
+    In each motion of the arm, `aim`, `decides`, `meet` and `carry` are called in this order.
     """
 
     STATE: ClassVar[Kinds] = {}

@@ -58,10 +58,10 @@ class CommandedBase(Base):
 
 
 class SimulatedArm(Arm):
-    """Takes commands, tells motions apart, and reads encoders and force with noise.
+    """Arm that accepts commands, separates motions, and reads encoders and force with noise.
 
-    The joints stand off what their encoders read by `ArmError`, an offset that is drawn anew whenever the arm
-    sets out from rest: gears and links give, which no encoder sees.
+    The joints differ from their encoder readings by `ArmError`, an offset that is drawn again whenever the
+    arm starts from rest: gears and links give, which no encoder measures.
     """
 
     STATE: ClassVar[Kinds] = {
@@ -195,11 +195,11 @@ class SimulatedGripper(Gripper):
 
 
 class ArmError:
-    """The joints' offset from what their encoders read: gears and links give, which no encoder sees.
+    """Offset of the joints from their encoder readings: gears and links give, which no encoder measures.
 
-    Drawn anew whenever the arm sets out from rest: Gaussian in the joints, Gaussian and uniform in the
-    hand's position. Systematic, drawn once for a seed: a field over the positions of the hand, smooth, along
-    each axis a sine.
+    The random part is drawn again whenever the arm starts from rest: Gaussian in the joints, Gaussian and
+    uniform in the hand's position. The systematic part is drawn once for a seed: a smooth field over the
+    positions of the hand, a sine along each axis.
     """
 
     def __init__(self, errors: Errors, arm: ArmModel, seed: int) -> None:

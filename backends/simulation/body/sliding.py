@@ -16,11 +16,11 @@ Vector = NDArray[np.float64]
 
 
 def slide(arm: ArmModel, stands: Vector, target: Vector, point: Vector, normal: Vector) -> Vector | None:
-    """Return where the arm comes to rest that strives for `target` with its hand on a surface.
+    """Return the joints at which an arm with its hand on a surface comes to rest on its way to `target`.
 
-    The arm is a spring that is the same in all directions. Pressed in by a depth, the hand sticks while its
-    command is less than `FRICTION` times that depth away along the surface; otherwise it follows until it
-    lags by so much. It turns as commanded.
+    The arm is a spring of equal stiffness in all directions. Pressed in by a depth, the hand sticks while
+    its command is less than `FRICTION` times that depth away along the surface; otherwise it follows until
+    it lags by this distance. It turns as commanded.
 
     Args:
         arm: its model.
@@ -30,7 +30,7 @@ def slide(arm: ArmModel, stands: Vector, target: Vector, point: Vector, normal: 
         normal: (3,) of length 1, away from the surface, in the base frame.
 
     Returns:
-        (n,) joints within the limits; None where the hand sticks, or is commanded away from the surface.
+        (n,) joints within the limits; None if the hand sticks, or is commanded away from the surface.
     """
     tip_point = np.linalg.inv(arm.forward(stands)) @ np.append(point, 1.0)
     way = (arm.forward(target) @ tip_point)[:3] - point

@@ -23,19 +23,19 @@ CLOTHS = (
     Material(0.83, 0.78, 0.68),
     Material(0.72, 0.42, 0.22),
 )
-"""Of covers."""
+"""Materials of covers."""
 
 
 @dataclass(eq=False, repr=False)
 class Book(Thing):
-    """A book and where it truly is.
+    """A book and its true pose.
 
     Its frame: origin at the foot of the spine, in its middle; x from the spine to the fore-edge, y to the
-    left for who faces the spine, z up.
+    left as seen facing the spine, z up.
     """
 
     DENSITY = 700.0
-    """Of paper, in [kg/m³]."""
+    """Density of paper, in [kg/m³]."""
 
     spec: BookSpec
     shelf: str | None = None

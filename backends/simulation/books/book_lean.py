@@ -15,18 +15,18 @@ LIES = math.radians(45.0)  # a book that leans further slides down and lies
 
 
 def lean_in_row(book: Book, S_T_foot: Transform, row: Sequence[Member], wish: float) -> Transform | None:
-    """The pose (4, 4) in S of a book that is let go upright at `S_T_foot`; None where it falls down flat.
+    """Return the pose (4, 4) in S of a book released upright at `S_T_foot`; None if it falls flat.
 
-    Its foot is bowed, so it stays at the angle `wish` [rad, to the left] at which the fingers leave it; but
-    beyond the angle at which its middle stands over its edge it goes on. Either way what stands beside stops
-    it: with its upper edge it meets what is higher, else it rests on that one's edge. Neighbours stand firm,
-    and friction keeps its foot where it is.
+    Its foot is bowed, so it keeps the angle `wish` at which the fingers leave it; beyond the angle at
+    which its middle is above its edge it tips further. Either way its neighbours stop it: its upper edge
+    meets a higher neighbour, or it rests on the edge of a lower one. Neighbours do not move, and friction
+    keeps its foot in place.
 
     Args:
-        book: that is let go.
+        book: released book.
         S_T_foot: (4, 4), upright in its slot.
-        row: what else stands there.
-        wish: where the fingers leave it.
+        row: other members of the row.
+        wish: angle at which the fingers leave it, in [rad], positive to the left.
     """
     side = 1.0 if wish > 0.0 else -1.0
     stopped = _until_met(book, float(S_T_foot[1, 3]), row, side)

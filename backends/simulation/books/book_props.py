@@ -33,14 +33,16 @@ class BookProps(BooksThere):
 
     How they differ from real ones without physics:
     - Whether a book enters its slot is decided by a rule fitted to a physics engine
-      (`insertion.entry_chance`), once an entry; in the slot it aligns. Books that are pushed slide straight
+      (`insertion.entry_chance`), once an entry; in the slot it aligns. Books that are pushed slide
+          straight
       back against 3 N (10 N where an edge jams), and nothing stops them before the shelf's back.
-    - A book let go at most 20 mm above a tray stands there upright. Above a board it is left leaning aside a
-      little (`errors.book_lean_deg`, and the hand's own tilt), beyond its edge it tips over; what stands
-      beside, and doesn't give, stops it (`book_lean`). Else it lies on the floor, or the board, lost.
+    - A book released at most 20 mm above a tray rests there upright. Above a board it is left leaning aside a
+      little (`errors.book_lean_deg`, and the hand's own tilt), beyond its edge it tips over; its
+          neighbours
+      stop it and do not give (`book_lean`). Otherwise it lies on the floor, or the board, lost.
 
-    In physics those in a row have square edges, those to be returned rounded leading ones (3 mm). What stands
-    inside a shelf is painted dark.
+    In physics those in a row have square edges, those to be returned rounded leading ones (3 mm). Things
+    inside a shelf are painted dark.
     """
 
     PAINTS_SOLIDS = True

@@ -20,11 +20,11 @@ _BELOW = 0.003
 
 
 def put_down(books: BooksThere, book: Book, slot: FreeInterval | None, aside: float = 0.0) -> None:
-    """Let a book drop from where it is.
+    """Drop a book from its current pose.
 
-    On a shelf's board or the tray, if one carries its middle and is at most 20 mm below its foot, it stands
-    there: on the board in line with its slot, leaning `aside` [rad, to the left] as far as its row lets it,
-    on the tray upright. Else it falls to the floor, or flat onto the board, and is lost to the robot.
+    If a shelf's board or the tray carries its middle and is at most 20 mm below its foot, the book rests
+    there: on the board in line with its slot, leaning `aside` [rad, to the left] as far as its row allows,
+    on the tray upright. Otherwise it falls to the floor, or flat onto the board, and is lost to the robot.
     """
     scene = books.scene
     scene.changes += 1

@@ -36,8 +36,12 @@ class StandingBook(NamedTuple):
 
 
 def leaned(S_T_foot: Transform, thickness: float, angle: float) -> Transform:
-    """The pose (4, 4) of a book of that thickness [m] that stood at `S_T_foot` and leans by `angle` [rad] to
-    the left, about the lower edge of that side.
+    """Return the pose (4, 4) of a book that leans about the lower edge of one side.
+
+    Args:
+        S_T_foot: (4, 4) of the book when it was upright.
+        thickness: thickness of the book, in [m].
+        angle: angle in [rad], positive to the left.
     """
     edge = math.copysign(thickness / 2, angle)
     turn = transform((0.0, edge, 0.0), (-angle, 0.0, 0.0))

@@ -1,1 +1,1 @@
-"""Marks on tables of simulated worlds, for cameras."""
+"""Marks on tables of simulated worlds, with which cameras are calibrated."""

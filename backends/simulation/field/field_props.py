@@ -40,7 +40,7 @@ class FieldProps(Props[FieldSection]):
         self.in_hand = ""
         """Name of the held object a period ago."""
         self.total_station = spec.total_station
-        """Instrument that measures the hand, for evaluation."""
+        """Instrument that measures the hand's position, used by evaluation."""
         self._magazine: SensorSpec | None = None
         if spec.sensors is not None and scene.robot.gripper is not None:
             self._magazine = spec.sensors

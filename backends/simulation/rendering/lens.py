@@ -18,13 +18,13 @@ _SPARE = 256  # how much larger the tile of noise is than a picture [px]
 
 
 class Lens:
-    """From the picture of an ideal pinhole camera to the one that the camera takes.
+    """Conversion of an ideal pinhole camera's picture to the picture that the camera takes.
 
-    Distortion is exactly that of `CameraModel`: each pixel looks along the ray that its `undistort` gives.
-    `K` (3, 3) and `size` (width, height) in [px] are those of the ideal picture, which is larger so that it
-    holds all rays. Light falls off across the picture in a direction that the seed draws. Noise is cut
-    from one tile of Gaussian noise at a place keyed by the period: independent from pixel to pixel, and
-    from period to period but for a shift.
+    Distortion is exactly that of `CameraModel`: each pixel looks along the ray that its `undistort`
+    returns. `K` (3, 3) and `size` (width, height) in [px] are those of the ideal picture, which is larger
+    so that it holds all rays. Light falls off across the picture in a direction that the seed draws. Noise
+    is cut from one tile of Gaussian noise at an offset keyed by the period: independent from pixel to
+    pixel, and from period to period except for a shift.
     """
 
     def __init__(self, camera: CameraModel, errors: Errors, seed: int) -> None:

@@ -1,1 +1,1 @@
-"""What a simulated robot's sensors read."""
+"""Sensors of a simulated robot."""

@@ -14,7 +14,9 @@ OWN_BODY_M = 0.12
 
 
 class RangeFaults(NamedTuple):
-    """Shares of a scan's beams, 0 to 1, that deliver something else, each beam and period for itself."""
+    """Shares of a scan's beams, 0 to 1, with a faulty reading; drawn for each beam and period
+    independently.
+    """
 
     zero: float = 0.0
     nan: float = 0.0
@@ -24,7 +26,7 @@ class RangeFaults(NamedTuple):
 
     @classmethod
     def of(cls, errors: Errors) -> Self:
-        """As a robot's file has them, in percent."""
+        """Return the shares from the percentages of a robot's file."""
         percents = (
             errors.range_zero_percent,
             errors.range_nan_percent,
@@ -35,7 +37,7 @@ class RangeFaults(NamedTuple):
 
     @property
     def any(self) -> bool:
-        """Whether there are any."""
+        """Whether any share is above 0."""
         return max(self) > 0.0
 
     def spoil(self, ranges: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.float64]:

@@ -1,4 +1,4 @@
-"""What a perfect range sensor reads."""
+"""Ranges of a perfect lidar."""
 
 from __future__ import annotations
 
@@ -15,11 +15,17 @@ _GRAZING = 1e-9  # [rad]
 def cast_rays(
     plan: FloorPlan, sensor: Pose2, angles: NDArray[np.float64], time: float, reach: float
 ) -> NDArray[np.float64]:
-    """Range (n,) in [m] of each beam to the first outline of the plan; infinity beyond `reach` [m].
+    """Return the range (n,) in [m] of each beam to the first outline of the plan; infinity beyond `reach`.
 
-    `sensor` is world_T_sensor, `angles` (n,) in [rad] in its frame, `time` in [s] decides which surprises
-    are there. The slab method of Kay and Kajiya, "Ray tracing complex scenes" (1986), all outlines at once,
-    each against the beams that go its way. An outline that the sensor stands in is not seen.
+    The slab method of Kay and Kajiya, "Ray tracing complex scenes" (1986), for all outlines at once, each
+    against the beams in its direction. An outline that contains the sensor is not seen.
+
+    Args:
+        plan: outlines at the sensor's height.
+        sensor: world_T_sensor.
+        angles: (n,) in [rad], in the sensor frame.
+        time: simulated time in [s], which decides which surprises are present.
+        reach: maximum range, in [m].
     """
     ranges = np.full(len(angles), np.inf)
     if not plan.names:
@@ -75,7 +81,7 @@ def _wrapped(angle: NDArray[np.float64]) -> NDArray[np.float64]:
 def _slab(
     here: NDArray[np.float64], half: NDArray[np.float64], direction: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Where beams (k,) enter and leave the strips between -half and half (k,)."""
+    """Return the distances (k,) at which beams enter and leave the strips between -half and half (k,)."""
     slope = 1.0 / np.where(np.abs(direction) < 1e-12, 1e-12, direction)
     middle, width = -here * slope, half * np.abs(slope)
     return middle - width, middle + width

@@ -17,15 +17,18 @@ from handcart.backends.simulation.world.world_file import BeaconsThere
 
 
 class SimulatedBeacons(Beacons):
-    """White noise, a bias of each beacon and a scale of all ranges by the robot's file; where they really
-    stand, and whether their bias wanders, by the world's. Nothing stands in their way."""
+    """Ranges to radio beacons, with errors from the robot's and the world's file.
+
+    The robot's file has white noise, a bias of each beacon and a scale of all ranges; the world's file has
+    the beacons' true positions and the random walk of their biases. Nothing obstructs the signals.
+    """
 
     STATE: ClassVar = {"_ranges": BeaconRanges | None, "_bias": NDArray[np.float64]}
 
     def __init__(
         self, spec: BeaconsSpec, there: BeaconsThere, scene: Scene, period: float, seed: int
     ) -> None:
-        """Told every `period`, in [s], that time passes."""
+        """Prepare the beacons; `period` is the control period, in [s]."""
         self._spec, self._there, self._scene, self._seed = spec, there, scene, seed
         self._every = max(1, round(spec.period_s / period))
         self._walk = there.bias_walk_m_rt_s * math.sqrt(self._every * period)

@@ -1,4 +1,4 @@
-"""The cameras of simulated backends: what they share, and one that sees what the scene holds."""
+"""Cameras of simulated backends: their common base, and one that renders the scene."""
 
 from __future__ import annotations
 

@@ -17,9 +17,9 @@ _ROUNDING = 1e-9
 
 
 class SimulatedPositioning(Positioning):
-    """The true pose with white noise, at the system's own rate, told after its latency.
+    """The true pose with white noise, at the system's own rate, reported after its latency.
 
-    It is never out of sight and never slips; the map's frame is its own.
+    The robot is always in sight and the system never slips; the map's frame is its own.
     """
 
     STATE: ClassVar = {
@@ -31,7 +31,7 @@ class SimulatedPositioning(Positioning):
     """Attributes that change, with their types."""
 
     def __init__(self, spec: PositioningSpec, scene: Scene, period: float, seed: int) -> None:
-        """Told every `period`, in [s], that time passes."""
+        """Take the first measurement; `period` is the control period, in [s]."""
         self._spec, self._scene, self._period, self._seed = spec, scene, period, seed
         self._now, self._taken = 0, 0
         self._under_way: tuple[tuple[int, Pose2, float], ...] = ()

@@ -1,4 +1,4 @@
-"""What the range sensors of all simulated backends share."""
+"""Common base of the lidars of all simulated backends."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class SimulatedRangeSensor(RangeSensor):
         self._now = period
 
     def _noisy(self, true: NDArray[np.float64], period: int) -> Scan:
-        """What is read of true ranges (n,) in a period, in [m]."""
+        """Return the scan of a period, with noise and faults, for true ranges (n,) in [m]."""
         noise = keyed_normal(self._seed, "range sensor", period, len(self._angles))
         ranges = np.maximum(true + self._spec.sigma_mm / 1e3 * noise, 0.0)
         ranges[ranges > self._spec.reach_m] = np.inf

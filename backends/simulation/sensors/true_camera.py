@@ -13,9 +13,9 @@ from handcart.robotics.kinematics.arm_model import ArmModel
 
 
 def true_camera(spec: CameraSpec, arm: ArmModel, errors: Errors, seed: int) -> MountedCamera:
-    """The camera that takes the pictures; its errors are drawn once for a seed.
+    """Return the camera that takes the pictures; its errors are drawn once for a seed.
 
-    What a calibration found doesn't move it. Only simulation and evaluation may ask.
+    A calibration does not change it. Only simulation and evaluation may call this.
     """
     stated = stated_camera(spec, arm)
     shift, turn = keyed(seed, "camera mount").standard_normal((2, 3))

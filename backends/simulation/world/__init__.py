@@ -1,1 +1,1 @@
-"""What stands around the robot, by a world's file."""
+"""The robot's surroundings, built from a world's file."""

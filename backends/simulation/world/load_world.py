@@ -22,19 +22,19 @@ HEIGHT = 2.0  # of what stands on a map [m]
 
 
 def load_world(path: Path) -> WorldFile:
-    """What stands in a world: the file, with what its map shows among the furniture.
+    """Return a world's file, with the occupied cells of its map added to the furniture.
 
     Raises:
-        FileError: the file, its map or the map's picture is missing, or something in them is wrong.
+        FileError: the file, its map or the map's picture is missing or invalid.
     """
     return read_world(path)[1]
 
 
 def load_world_or_map(path: Path, start: Pose2) -> WorldFile:
-    """The same; of a map, a world with nothing else in it, the robot at `start` (world_T_base).
+    """Return the world of a world's file, or a world of a map alone with the robot at `start` (world_T_base).
 
     Raises:
-        FileError: the file, or a map's picture, is missing, or something in them is wrong.
+        FileError: the file, or a map's picture, is missing or invalid.
     """
     if not is_map_file(path):
         return load_world(path)
@@ -68,7 +68,9 @@ def _map_path(loaded: Loaded[WorldFile], name: str) -> Path:
 
 
 def _standing(grid: GridMap) -> list[Furniture]:
-    """What is occupied; made without the checks of a file: a wall may be longer than a hall."""
+    """Return the occupied cells as furniture, without a file's checks, because a wall may be longer than a
+    hall.
+    """
     walls = map_walls(grid)
     walls[:, 2] = np.degrees(walls[:, 2])
     return [

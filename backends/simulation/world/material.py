@@ -1,4 +1,4 @@
-"""What surfaces are made of, as people see them."""
+"""Materials of surfaces, in pictures for people."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ class Material(NamedTuple):
     """How a surface looks in pictures for people; the robot's camera sees greys (see `Thing.grey`)."""
 
     red: float
-    """In white light, as the others: 0 to 1."""
+    """Share of red light that it reflects, 0 to 1; green and blue alike."""
     green: float
     blue: float
     shine: float = 0.1
-    """How much of a lamp it mirrors: 0 to 1."""
+    """Share of a lamp's light that it mirrors, 0 to 1."""
 
 
 PLASTER = Material(0.86, 0.84, 0.80, 0.0)

@@ -24,7 +24,7 @@ class PlacedSpec(FloorPose):
     on: Literal["world", "robot"] = "world"
     """Whose frame its place is in: the world's, or that of the robot's base, on its own table."""
     height_m: Annotated[float, Field(ge=0.0, le=3.0)]
-    """Of its foot."""
+    """Height of its foot."""
     size_mm: tuple[Millimetres, Millimetres, Millimetres] = (25.0, 80.0, 40.0)
     """Length, width, height: along its x, y and z."""
     grey: Annotated[int, Field(ge=0, le=255)] = 190
@@ -57,12 +57,12 @@ class PlacedThing(Thing):
 
     @classmethod
     def set_down(cls, scene: Scene, spec: PlacedSpec, seed: int, **others: Any) -> Self:
-        """A person sets it down, on a table or on the robot's own, not quite in its place.
+        """Return a thing that a person sets down on a table or the robot's tray, slightly off its place.
 
         Args:
-            scene: where the robot stands already; within the errors of its file.
-            spec: what and where.
-            seed: of how far off.
+            scene: scene with the robot in place; its file has the sizes of the errors.
+            spec: what is set down, and where.
+            seed: seed of the errors.
             others: further fields of the class.
         """
         errors = scene.robot.errors

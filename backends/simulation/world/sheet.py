@@ -27,7 +27,9 @@ class Sheet:
         self.levels = levels
 
     def face(self) -> Transform:
-        """Of the picture (4, 4): origin in its upper left corner, x along its rows, y down its columns."""
+        """Frame of the picture (4, 4): origin in its upper left corner, x along its rows, y down its
+        columns.
+        """
         picture, metres = self.levels[0]
         height, width = (size * metres for size in picture.shape)
         return np.asarray(self.pose @ transform((-width / 2, height / 2, 0.0), (math.pi, 0.0, 0.0)))

@@ -1,4 +1,4 @@
-"""Solid boxes that stand upright: walls, furniture, surprises, tables."""
+"""Upright solid boxes: walls, furniture, surprises, tables."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Solid:
     appears: float = 0.0
     leaves: float = _FOREVER
     grey: int | None = None
-    """Of its sides, 0 to 255; None: as of furniture."""
+    """Grey of its sides, 0 to 255; None: that of furniture."""
 
 
 THE_GROUND = Solid(Box(Pose2(0.0, 0.0, 0.0).lift(-0.5), (_WIDE, _WIDE, 1.0), "the ground"))
@@ -35,7 +35,7 @@ THE_GROUND = Solid(Box(Pose2(0.0, 0.0, 0.0).lift(-0.5), (_WIDE, _WIDE, 1.0), "th
 
 
 def room_of(world: WorldFile) -> list[Solid]:
-    """What stands in a world whatever it is for, those who come and go included; outdoors not the ground."""
+    """Return the walls, furniture, surprises and tables of a world, without ground and domains' solids."""
     solids = [of_wall(wall, number) for number, wall in enumerate(world.walls)]
     solids += [of_furniture(piece) for piece in (*world.furniture, *world.surprises)]
     return solids + [part for table in world.tables for part in of_table(table)]
@@ -74,7 +74,7 @@ class FloorPlan:
     """The outlines of those solids that reach into a range of heights, as arrays."""
 
     def __init__(self, solids: Sequence[Solid], low: float, high: float) -> None:
-        """Take what stands anywhere between the heights `low` and `high`, in [m]."""
+        """Keep the solids that reach into the range between the heights `low` and `high`, in [m]."""
         chosen = [
             each
             for each in solids
@@ -91,7 +91,7 @@ class FloorPlan:
         self.steady = bool(np.all((self._appears == 0.0) & np.isinf(self._leaves)))
 
     def there(self, time: float) -> NDArray[np.bool_]:
-        """Which of them stand there at that time, in [s]."""
+        """Return which solids are present at a time in [s], (n,)."""
         present: NDArray[np.bool_] = (self._appears <= time) & (time < self._leaves)
         return present
 

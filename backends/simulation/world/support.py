@@ -1,4 +1,4 @@
-"""What carries a box that is let go."""
+"""Supports of a box that is released."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ Points = NDArray[np.float64]
 
 
 def put_down(scene: Scene, thing: Thing) -> None:
-    """Let a box drop from where it is.
+    """Drop a box from its current pose.
 
-    It stands where it is let go, flat on tables, the robot's own table or other things, if these are at most
-    10 mm below its foot and its middle lies within the hull of where it rests on them: so a box may bridge
-    a gap. Else it falls to the floor and is lost to the robot.
+    It rests flat on tables, the robot's own table or other things if these are at most 10 mm below its
+    foot and its middle is within the hull of the areas that carry it; so a box may bridge a gap. Otherwise
+    it falls to the floor and is lost to the robot.
     """
     scene.changes += 1
     thing.rest = Rest.FLOOR
@@ -48,11 +48,10 @@ def put_down(scene: Scene, thing: Thing) -> None:
 
 
 def rest_of(scene: Scene, thing: Thing) -> Rest:
-    """What carries a box that stands where physics has put it: the robot's own table, one of the world, open
-    ground, or nothing of use.
+    """Return the support of a box that physics has moved: tray, table of the world, open ground, or floor.
 
-    What stands on another box is carried by what carries that one. One that toppled is lost to the robot,
-    wherever it lies; on ground that slopes it stands as the ground does.
+    A box on another box has the support of that one. A toppled box is lost to the robot, wherever it lies;
+    on sloping ground it is upright if it is aligned with the ground.
     """
     toppled = thing.tilt() > TOPPLED
     if not toppled and scene.robot.has_tray:

@@ -20,12 +20,12 @@ GreyImage = NDArray[np.uint8]
 
 
 class Rest(Enum):
-    """What carries a thing."""
+    """Support of a thing."""
 
     TRAY = "tray"
     HAND = "hand"
     TABLE = "table"
-    """Furniture of the world, or what stands on it."""
+    """Furniture of the world, or a thing on it."""
     FLOOR = "floor"
     """Fallen: lost to the robot."""
 
@@ -38,19 +38,19 @@ class Thing:
     """
 
     DENSITY: ClassVar[float] = 600.0
-    """Of wood, in [kg/m³]."""
+    """Density of wood, in [kg/m³]."""
     WEIGHS: ClassVar[bool] = False
-    """Whether the hand's force reading has the weight of a held one in it; else that is taken for granted."""
+    """True if the hand's force reading includes the weight of a held thing."""
 
     pose: Transform
     """world_T_thing (4, 4)."""
     rest: Rest
     base_T_thing: Transform = field(default_factory=lambda: np.eye(4), kw_only=True)
-    """Where it stands on the robot, as long as it does."""
+    """Pose on the robot (4, 4), valid while the robot carries it."""
 
     @property
     def name(self) -> str:
-        """How contacts call it: no other thing of the world has that name."""
+        """Name in contacts, unique in the world."""
         raise NotImplementedError
 
     @property
@@ -60,37 +60,38 @@ class Thing:
 
     @property
     def carrier(self) -> str:
-        """What carries it: "hand", "tray", "table", "floor", or the name of what does."""
+        """Support of the thing: "hand", "tray", "table", "floor", or the name of a more specific support."""
         return self.rest.value
 
     @property
     def thing_T_middle(self) -> Transform:
-        """Of its middle (4, 4): right above the origin, where nothing else is said."""
+        """Pose of its middle (4, 4), by default right above the origin."""
         result = np.eye(4)
         result[2, 3] = self.size[2] / 2
         return result
 
     @property
     def mass(self) -> float:
-        """In [kg]."""
+        """Mass in [kg]."""
         length, width, height = self.size
         return self.DENSITY * (length * width * height)
 
     @property
     def grey(self) -> int:
-        """Of its sides, 0 to 255, under full light."""
+        """Grey of its sides, 0 to 255, under full light."""
         return 150
 
     @property
     def material(self) -> Material:
-        """Of its sides, where nothing is printed on them; for people."""
+        """Material of its unprinted sides, in pictures for people."""
         return PALE_WOOD
 
     def faces(self) -> Mapping[Side, GreyImage]:
-        """What is printed on its sides, each picture filling one; sides left out are plain.
+        """Return the pictures printed on its sides, each filling one side; missing sides are plain.
 
-        As who looks at it from outside sees it, z up; "+z" from above and "-z" from below, x to the right.
-        Asked for each image that is taken: the pictures may change, but not which sides have one.
+        Pictures are as seen from outside, z up; "+z" from above and "-z" from below, x to the right. This
+        is called for each image that is taken: the pictures may change, but the set of printed sides must
+        not.
         """
         return {}
 

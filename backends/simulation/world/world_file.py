@@ -1,4 +1,4 @@
-"""A world's file: what stands around the robot, seen and unseen by its map."""
+"""A world's file: the robot's surroundings, on its map or not."""
 
 from __future__ import annotations
 
@@ -63,14 +63,14 @@ class Furniture(FloorPose):
     size_m: tuple[Length, Length, Length]
     """Along its own x, along its own y, height."""
     above_m: Annotated[float, Field(ge=0.0, le=10.0)] = 0.0
-    """Of its underside above the floor, for what is hung up or lies on something else."""
+    """Height of its underside above the floor, for a piece that hangs or lies on another one."""
 
 
 class Surprise(Furniture):
-    """A box that no map shows; with times, somebody who comes and goes."""
+    """A box that no map shows; with times, a person who comes and leaves."""
 
     appears_s: Seconds | None = None
-    """When it comes, in simulated time; it is there from the start where this is missing."""
+    """Simulated time at which it appears (default: present from the start)."""
     leaves_s: Seconds | None = None
 
     @model_validator(mode="after")
@@ -85,11 +85,11 @@ class TableSpec(FloorPose):
 
     name: Name
     size_m: tuple[Length, Length, Length]
-    """Of the slab along its own x and y, and the height of its top."""
+    """Size of the slab along its own x and y, and the height of its top."""
     slab_m: Length = 0.04
     """Its thickness."""
     foot_m: tuple[Length, Length]
-    """Of the pedestal along x and y."""
+    """Size of the pedestal along x and y."""
 
     @model_validator(mode="after")
     def _stands(self) -> Self:
@@ -106,60 +106,63 @@ class OutageSpec(FileModel):
 
 
 class SkySpec(FileModel):
-    """What befalls a satellite receiver, beside its own noise."""
+    """Disturbances of a satellite receiver, in addition to its own noise."""
 
     reflection_every_s: Annotated[float, Field(gt=0.0)] | None = None
-    """Mean time from the end of one reflection (multipath) to the next; none where this is missing."""
+    """Mean time from the end of one reflection (multipath) to the next (default: no reflections)."""
     reflection_s: Annotated[float, Field(gt=0.0)] = 20.0
-    """Its mean duration."""
+    """Mean duration of a reflection."""
     reflection_m: Annotated[float, Field(ge=0.0)] = 8.0
-    """By which it moves the fixes, an axis: sigma."""
+    """Standard deviation, on each axis, of the offset that a reflection adds to fixes."""
     outlier_percent: Annotated[float, Field(ge=0.0, le=100.0)] = 0.0
-    """Of single fixes that are `outlier_m` off."""
+    """Share of single fixes that are outliers."""
     outlier_m: Annotated[float, Field(ge=0.0)] = 5.0
-    """An axis: sigma."""
+    """Standard deviation, on each axis, of an outlier's offset."""
     outages: tuple[OutageSpec, ...] = ()
 
 
 class BeaconsThere(FileModel):
-    """How radio beacons are otherwise than the robot's file says."""
+    """Differences of the radio beacons from the robot's file."""
 
     places_m: dict[str, BeaconPlace] = Field(default_factory=dict)
-    """Where some of them really stand, by their names: somebody moved them."""
+    """True positions of beacons that were moved, by name."""
     moved_at_s: Seconds = 0.0
-    """From when on they do."""
+    """Simulated time at which they are moved."""
     bias_walk_m_rt_s: Annotated[float, Field(ge=0.0)] = 0.0
-    """By which each one's bias wanders off, after a second; it grows with the square root of time."""
+    """Random walk of each bias: standard deviation after one second; it grows with the square root of
+    time.
+    """
 
 
 class WorldFile(FileModel):
-    """The surroundings of the robot: what every world may have.
+    """The surroundings of the robot: the keys that every world may have.
 
-    `handcart.backends.simulation.world.world_model` has the domains' keys as well.
+    `handcart.backends.simulation.world.world_model` adds the domains' keys.
     """
 
     format: Literal["handcart-world/1"]
     start: FloorPose
-    """Where a person puts the robot at first, within `errors.start_mm` and `start_deg` of its file."""
+    """Initial pose of the robot, reached by a person within `errors.start_mm` and `start_deg` of its file."""
     misplaced: bool = False
-    """The robot is put far from where the task says that it starts, on purpose: it has to find out."""
+    """True to put the robot far from the start that the task states, so that it has to localize itself."""
     map: MapPlace | None = None
-    """A map in ROS format: what is occupied on it stands here as well, 2 m high."""
+    """A map in ROS format; its occupied cells become solids 2 m high."""
     walls: tuple[Wall, ...] = ()
     furniture: tuple[Furniture, ...] = ()
     surprises: tuple[Surprise, ...] = ()
     tables: tuple[TableSpec, ...] = ()
     ground: GroundSpec | None = None
-    """Open ground, rough; left out: a level floor."""
+    """Open, rough ground (default: a level floor)."""
     sky: SkySpec = SkySpec()
     beacons: BeaconsThere = BeaconsThere()
     camera: Literal["scene", "engine"] = "scene"
-    """Who draws what the robot's camera sees: the same painter for all simulated backends, or the renderer of
-    the physics engine, where there is one."""
+    """Renderer of the robot's camera: the scene's, common to all simulated backends, or the physics
+    engine's.
+    """
 
 
 def each_once(what: str, names: Iterable[str]) -> None:
-    """Raise ValueError, for a model's validator, if a name of these is there twice."""
+    """Raise ValueError, for a model's validator, if a name occurs twice."""
     twice = sorted(name for name, times in Counter(names).items() if times > 1)
     if twice:
         raise ValueError(f"{what} {', '.join(twice)} is there twice; allowed: each once")

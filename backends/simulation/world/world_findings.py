@@ -36,13 +36,13 @@ def world_findings(
     initial_pose: Pose2 | None,
     grid: GridMap | None,
 ) -> Iterator[Finding]:
-    """What keeps a run from beginning well.
+    """Yield faults of a world that prevent a run from beginning well.
 
     Args:
         loaded: the world's file.
-        world: the same, with what its map shows.
-        robot: who is put into it.
-        initial_pose: map_T_base at first, as the robot is told it; None where it is told nothing.
+        world: the same world, with the solids of its map.
+        robot: robot that is placed in it.
+        initial_pose: initial map_T_base as given to the robot; None if it is given none.
         grid: the map that the robot is given, if any.
     """
     solids = solids_of(world)
@@ -57,7 +57,7 @@ def world_findings(
 
 
 def solids_of(world: WorldFile) -> list[Solid]:
-    """All that stands in a world, domains' solids and those who come and go included."""
+    """Return all solids in a world, including domains' solids and surprises."""
     kinds = kinds_of_props().values()
     solids = room_of(world)
     return solids + [each for kind in kinds if isinstance(world, kind.section) for each in kind.solids(world)]
