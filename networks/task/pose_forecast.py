@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from handcart.backends.description.range_spec import RangeSpec
 from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.robot.lidar import MIN_ECHOES
 from handcart.backends.robot.localization.determination import PoseNeed, Undetermined, undetermined
 from handcart.backends.robot.localization.localization import repeatability_of
 from handcart.backends.robot.localization.localizations import START_SIGMA
@@ -43,12 +44,16 @@ class PoseForecast(NamedTuple):
     blind_m: float
     """Length of the route on which the pose is not determined as exactly as places usually need it."""
     route_m: float
+    silent_m: float
+    """Length of the route on which the lidar gets nearly no echoes; the robot would give up there."""
+    silent_at: Pose2 | None
+    """map_T_base of the first such pose."""
 
 
 def pose_findings(
     task: Task, robot: RobotFile, model: WorldModel, rooms: Iterable[PlaceRoom]
 ) -> Iterator[Finding]:
-    """Yield a warning for each place whose tolerance the robot's lidar will not meet on the map.
+    """Yield a warning for each place that the robot's lidar does not determine, or whose route is silent.
 
     Args:
         task: the task, which names places and map.
@@ -69,6 +74,16 @@ def pose_findings(
             where = f"{forecast.blind_m:.1f} of {forecast.route_m:.1f} m of the way there are as uncertain"
             words = f"place {room.name!r}: {forecast.found.words}, by a lidar of {lidar.reach_m:g} m reach"
             yield loaded.finding((PLACES_KEY, room.name), f"{words}; {where}", at_key=True)
+        if forecast.silent_at is not None:
+            words = _silence_words(room.name, forecast, forecast.silent_at, lidar)
+            yield loaded.finding((PLACES_KEY, room.name), words, at_key=True)
+
+
+def _silence_words(name: str, forecast: PoseForecast, first: Pose2, lidar: RangeSpec) -> str:
+    silent = f"on {forecast.silent_m:.1f} of {forecast.route_m:.1f} m of the route"
+    few = f"nearly no echoes, first at ({first.x:.2f}, {first.y:.2f}) m"
+    least = f"needed: at least {min(MIN_ECHOES, lidar.beams)} beams of a scan that return"
+    return f"place {name!r}: {silent} a lidar of {lidar.reach_m:g} m reach gets {few}; {least}"
 
 
 def forecast_pose(
@@ -96,17 +111,21 @@ def forecast_pose(
     length = float(np.hypot(*np.diff(route, axis=0).T).sum())
     step = max(MIN_STEP_M, length / MAX_SCANS)
     before, blind = start, 0.0
+    silent, silent_at = 0.0, None
     for pose in _poses(route, start, step):
         turn, way = pose.theta - before.theta, math.hypot(pose.x - before.x, pose.y - before.y)
         rim = 0.5 * robot.drive.tread_m * math.remainder(turn, 2.0 * math.pi)
         localizer.predict(-rim, rim)
         localizer.predict(way, way)
-        localizer.correct(_expected(field, robot, lidar, pose).points)
+        points = _expected(field, robot, lidar, pose).points
+        if len(points) < min(MIN_ECHOES, lidar.beams):
+            silent, silent_at = silent + way, silent_at or pose
+        localizer.correct(points)
         spread = repeatability_of(localizer.covariance, localizer.map_error)
         blind += way if undetermined(spread, USUAL_NEED) is not None else 0.0
         before = pose
     spread = repeatability_of(localizer.covariance, localizer.map_error)
-    return PoseForecast(undetermined(spread, need), blind, length)
+    return PoseForecast(undetermined(spread, need), blind, length, silent, silent_at)
 
 
 def _poses(route: Array, start: Pose2, step: float) -> Iterator[Pose2]:

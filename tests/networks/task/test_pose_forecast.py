@@ -51,3 +51,33 @@ def test_a_place_that_needs_less_is_nothing_to_tell() -> None:
 def test_a_forecast_counts_in_the_direction_of_the_need(along: float, across: float, told: bool) -> None:
     found = forecast(False, 10.0, PoseNeed(along, math.radians(5.0), across)).found
     assert (found is not None) is told
+
+
+def hall_forecast(reach: float) -> PoseForecast:
+    """Across an empty hall of 14 m, from crates in one corner to crates in the opposite one."""
+    walls = [Box(7.0, y, 0.0, 14.0, 0.1) for y in (0.0, 14.0)] + [
+        Box(x, 7.0, 0.0, 0.1, 14.0) for x in (0, 14)
+    ]
+    crates = [Box(x, y, 0.0, 0.6, 0.6) for x, y in ((1.0, 3.5), (3.2, 1.0), (13.0, 11.0), (10.5, 13.0))]
+    robot = load_robot("cart")
+    assert robot.range_sensor is not None
+    lidar = robot.range_sensor.model_copy(update={"reach_m": reach})
+    field = LikelihoodField(from_boxes(walls + crates, 0.05, (-0.5, -0.5), (15.0, 15.0)))
+    route = np.array([[2.2, 2.2], [11.8, 11.8]])
+    return forecast_pose(field, robot, lidar, Pose2(2.2, 2.2, math.pi / 4), route, NEED)
+
+
+@pytest.mark.parametrize("reach", [4.0, 5.0])
+def test_silent_route_to_a_well_seen_place_is_found(reach: float) -> None:
+    found = hall_forecast(reach)
+    assert found.found is None  # both corners are seen well: the pose at the place is determined
+    assert found.silent_at is not None
+    middle = math.hypot(found.silent_at.x - 7.0, found.silent_at.y - 7.0)
+    assert middle < math.hypot(7.0 - 2.2, 7.0 - 2.2) - 0.5
+    assert found.silent_at.x < 6.0  # where the silence begins
+    assert 1.0 < found.silent_m < found.route_m
+
+
+def test_route_with_echoes_everywhere_is_no_finding() -> None:
+    found = hall_forecast(12.0)
+    assert (found.silent_m, found.silent_at) == (0.0, None)
