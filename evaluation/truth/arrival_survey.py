@@ -28,8 +28,6 @@ LOOKS_ROUND = (
     "particle",
     "positioning",
 )  # localizers that detect a slide of the base
-CAR_ARRIVED = PoseTolerance(position=0.25, heading=0.15)
-"""Arrival tolerance of a car's MOVE_TO: a car cannot move sideways, so its final pose is not regulated."""
 ORIENTED_DEG = 10.0  # fixed limit of the heading that ORIENT claims to know
 DRIVE_PRIMITIVE = "MOVE_TO"
 
@@ -130,6 +128,11 @@ def arrival(run: SurveyedRun, place: str) -> tuple[float, float]:
 
 
 def _claimed(robot: Robot, place: str, model: WorldModel) -> PoseTolerance:
+    """Return the distance and turn from the place that the robot claims.
+
+    A car cannot move sideways, so its final pose is not regulated: it claims its own estimate.
+    """
+    goal = model.places[place].pose
     if robot.spec.drive.kind == "ackermann":
-        return CAR_ARRIVED
+        return PoseTolerance(robot.pose.distance(goal), abs(robot.pose.turn(goal)))
     return DOCK_TOLERANCE if model.places[place].docks else ARRIVAL_TOLERANCE

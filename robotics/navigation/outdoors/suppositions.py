@@ -77,8 +77,8 @@ def _leaping(given: FieldNoise, sigma: float, time: float) -> FieldNoise:
 def _slipping(given: FieldNoise) -> FieldNoise:
     return given._replace(
         scale=5.0 * given.scale,
-        slip=3.0 * given.slip,
-        turn_slip=2.5 * given.turn_slip,
+        slip=5.0 * given.slip,
+        turn_slip=5.0 * given.turn_slip,
         side_slip=3.0 * given.side_slip,
     )
 

@@ -116,6 +116,7 @@ def test_arrival_is_held_against_what_is_claimed(
 ) -> None:
     scene = SimpleNamespace(base=Pose2(1.0 + off, 2.0, 0.0))
     robot: Any = SimpleNamespace(
+        pose=Pose2(1.25, 2.0, 0.0),  # a car claims its estimate, here 0.25 m off
         localization=SimpleNamespace(sigma=(sigma, 0.001)),
         spec=SimpleNamespace(drive=SimpleNamespace(kind=kind)),
     )
@@ -162,6 +163,17 @@ def test_a_cars_heading_is_judged_as_move_to_claims_it(off_deg: float, right: bo
     assert (untrue == []) is right
     with nullcontext() if right else pytest.raises(Discrepancy):
         assert list(MoveTo(place="there").effect(robot, model)) == []
+
+
+@pytest.mark.parametrize(("off_m", "right"), [(0.54, True), (0.56, False)])
+def test_a_car_is_judged_by_its_own_estimate_and_five_sigma(off_m: float, right: bool) -> None:
+    """It believes to be 50 mm off with a sigma of 0.1 m; its place needs no more than 1.5 m."""
+    localization = SimpleNamespace(sigma=(0.1, 0.001), covariance=np.diag([1e-2, 1e-2, 1e-6]))
+    drive = SimpleNamespace(drive=SimpleNamespace(kind="ackermann"))
+    robot: Any = SimpleNamespace(pose=Pose2(0.05, 0.0, 0.0), localization=localization, spec=drive)
+    model: Any = SimpleNamespace(places={"there": Place(x_m=0.0, y_m=0.0, heading_deg=0.0)})
+    world, claim = SimpleNamespace(base=Pose2(off_m, 0.0, 0.0)), claimed(SimpleNamespace(place="there"))
+    assert (false(ArrivalSurvey, "MOVE_TO", claim, robot=robot, model=model, world=world) == []) is right
 
 
 @pytest.mark.parametrize(

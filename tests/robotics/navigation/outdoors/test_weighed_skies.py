@@ -32,8 +32,8 @@ def test_worlds_are_supposed_with_these_figures() -> None:
     for as_told, slipping, turned in zip(found[::3], found[1::3], found[2::3], strict=True):
         assert as_told.noise.scale == turned.noise.scale == GIVEN.scale
         assert slipping.noise.scale == pytest.approx(5.0 * GIVEN.scale)
-        assert slipping.noise.slip == pytest.approx(3.0 * GIVEN.slip)
-        assert slipping.noise.turn_slip == pytest.approx(2.5 * GIVEN.turn_slip)
+        assert slipping.noise.slip == pytest.approx(5.0 * GIVEN.slip)
+        assert slipping.noise.turn_slip == pytest.approx(5.0 * GIVEN.turn_slip)
         assert slipping.noise.side_slip == pytest.approx(3.0 * GIVEN.side_slip)
         assert as_told.noise.start_heading == slipping.noise.start_heading == math.radians(1.0)
         assert turned.noise.start_heading == pytest.approx(math.radians(6.0))
