@@ -24,6 +24,7 @@ DOMAIN = Domain(
     survey="handcart.evaluation.books.book_survey:BookSurvey",
     files={"catalogue": "handcart.primitives.books.catalogue:Catalogue"},
     checks="handcart.evaluation.books.tag_check:CHECKS",
+    mutants="handcart.evaluation.books.book_mutants:MUTANTS",
     worlds={"library": "handcart.evaluation.books.library_files:Libraries"},
     commands={
         "make-library": Command(

@@ -75,6 +75,10 @@ class Domain:
     """A sequence of `handcart.evaluation.conformance.checks.check:Check`: requirements for every backend that
     shows the domain's objects. The conformance kit runs them with its own.
     """
+    mutants: str | None = None
+    """A sequence of `handcart.evaluation.conformance.planted.mutant:Mutant`: faulty primitives of the domain,
+    which the conformance kit has to find.
+    """
     worlds: Mapping[str, str] = field(default_factory=dict)
     """Functions by name that make a `handcart.evaluation.campaigns.campaign_setting:WorldGenerator` of their
     keyword arguments, the options of `handcart campaign --generate NAME.KEY=VALUE`.

@@ -118,7 +118,7 @@ GENERAL = (
     *(f"primitives/{room}" for room in _ROOMS.split()),
     "backends",
     *(f"evaluation/{room}" for room in _EVALUATION.split()),
-    *(f"evaluation/conformance/{room}" for room in ("rig", "checks", "faults")),
+    *(f"evaluation/conformance/{room}" for room in ("rig", "checks", "faults", "planted")),
     "files",
     "tools",
 )

@@ -16,7 +16,7 @@ from handcart.evaluation.conformance.faults.fail_is_true import Batch
 from handcart.evaluation.conformance.faults.forked import Died, Hung, forked
 from handcart.evaluation.conformance.faults.rehearsal import Rehearsal, Solo
 from handcart.evaluation.conformance.faults.repertoire import declared, repertoire
-from handcart.evaluation.conformance.planted.mutants import MUTANTS, Caught, try_mutant
+from handcart.evaluation.conformance.planted.mutants import Caught, mutants, try_mutant
 from handcart.evaluation.conformance.rig.bench import Bench
 from handcart.evaluation.conformance.rig.reach import Reach
 from handcart.evaluation.trials.rig import RigFiles
@@ -167,7 +167,7 @@ def jobs_of(setting: KitSetting) -> list[Job]:
     jobs: list[Job] = list(setting.task_runs()) if "tasks" in parts else []
     jobs += setting.batches() if "faults" in parts else []
     if "mutants" in parts:
-        jobs += [OneMutant(name, setting.bench) for name in MUTANTS]
+        jobs += [OneMutant(name, setting.bench) for name in mutants()]
     if "checks" in parts:
         jobs += [OneCheck(name, setting.bench) for name in checks()]
     return jobs

@@ -2,46 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 
 from handcart.backends.capabilities.arm import Arm
-from handcart.backends.capabilities.camera import Camera
 from handcart.backends.capabilities.capability import Capability
-from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.evaluation.conformance.checks import snapshot_checks
 from handcart.evaluation.conformance.checks.all_checks import checks
 from handcart.evaluation.conformance.checks.check import CheckResult
 from handcart.evaluation.conformance.faults.fail_is_true import Batch
 from handcart.evaluation.conformance.faults.fault import FaultKind
-from handcart.evaluation.conformance.faults.rehearsal import RETURN_BOOK, Rehearsal, Solo
+from handcart.evaluation.conformance.faults.rehearsal import Solo
 from handcart.evaluation.conformance.rig.bench import Bench
 from handcart.evaluation.conformance.rig.parts import needed
 from handcart.evaluation.conformance.rig.reach import Reach
 from handcart.evaluation.conformance.rig.skipped import Skipped
 from handcart.primitives.contract.action_primitive import ActionPrimitive
+from handcart.tasks.domain import domains, imported
 
 from . import primitive_liars
+from .mutant import FAULT_INSTANTS, TRIAL_LIMIT_S, Mutant, first_violations
 
-INSTANTS = 10  # of a liar's run in which something goes wrong; the first that gives it away is enough
-SECONDS, HANG_SECONDS = 60.0, 15.0  # of CPU time that a liar gets
-PICK_UP = 2  # its number among the actions of return_book
-
-
-@dataclass(frozen=True)
-class Mutant:
-    """A liar of the kit's own, and the part of the kit that is to find it."""
-
-    name: str
-    lie: str
-    look: Callable[[Bench], list[str]]
-    """Function that returns the violations found on a bench."""
-    needs: tuple[type[Capability], ...] = ()
-    """Capabilities that the robot must have."""
-    by_truth: bool = False
-    """True if only the ground truth reveals the mutant."""
+HANG_LIMIT_S = 15.0
+"""CPU time of a trial of a mutant that hangs."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +42,7 @@ class Caught:
 
 def try_mutant(name: str, bench: Bench) -> Caught:
     """Plant a liar and look."""
-    mutant = MUTANTS[name]
+    mutant = mutants()[name]
     try:
         _plantable(mutant, bench)
         wrong = mutant.look(bench)
@@ -84,20 +68,8 @@ def _backend(name: str, check: str, bench: Bench) -> list[str]:
 
 
 def _primitive(kind: type[ActionPrimitive], fault: FaultKind, bench: Bench) -> list[str]:
-    seconds = HANG_SECONDS if kind is primitive_liars.Hangs else SECONDS
-    return _first(Batch(Solo(bench, kind()), 0, INSTANTS, kinds=(fault,), seconds=seconds))
-
-
-def _holding(kind: type[ActionPrimitive], fault: FaultKind, bench: Bench) -> list[str]:
-    """The liar takes the place of PICK_UP in the task return_book."""
-    rehearsal = Rehearsal(RETURN_BOOK, bench.backend, instead={"PICK_UP": kind})
-    return _first(Batch(rehearsal, PICK_UP, INSTANTS, kinds=(fault,), seconds=SECONDS))
-
-
-def _first(batch: Batch) -> list[str]:
-    """Return the violations of the first trial that has any."""
-    found = ([f"{each.fault}: {wrong}" for wrong in each.ending.wrong] for each in batch.trials())
-    return next((wrong for wrong in found if wrong), [])
+    seconds = HANG_LIMIT_S if kind is primitive_liars.Hangs else TRIAL_LIMIT_S
+    return first_violations(Batch(Solo(bench, kind()), 0, FAULT_INSTANTS, kinds=(fault,), seconds=seconds))
 
 
 def _drift(kind: type[Reach], bench: Bench) -> list[str]:
@@ -123,19 +95,6 @@ def _in_primitive(
 _ALL = (
     _in_primitive(primitive_liars.NotRestored, "leaves everything as it is", needs=(Arm,)),
     _in_primitive(primitive_liars.BaseAlone, "brings back the base, not arm and fingers", needs=(Arm,)),
-    Mutant(
-        "DropsObject",
-        "opens the hand before it goes back",
-        partial(_holding, primitive_liars.DropsObject, FaultKind.CANCEL),
-        needs=(Arm, Gripper, Camera, RangeSensor),
-    ),
-    Mutant(
-        "DeniesHold",
-        "declares an empty hand after it took the book",
-        partial(_holding, primitive_liars.DeniesHold, FaultKind.CANCEL),
-        needs=(Arm, Gripper, Camera, RangeSensor),
-        by_truth=True,
-    ),
     _in_primitive(primitive_liars.MovesLater, "comes back, and drives off later"),
     Mutant(
         "RelativeUndo",
@@ -169,4 +128,9 @@ _ALL = (
     _in_backend("TurnsOtherWay", "its gyros' axes point down", "imu"),
     _in_backend("FixInMillimetres", "tells fixes in mm", "gps"),
 )
-MUTANTS: Mapping[str, Mutant] = {mutant.name: mutant for mutant in _ALL}
+
+
+def mutants() -> dict[str, Mutant]:
+    """Return the kit's own mutants and those of all domains, by name."""
+    listed = [mutant for domain in domains() if domain.mutants for mutant in imported(domain.mutants)]
+    return {mutant.name: mutant for mutant in (*_ALL, *listed)}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Generator
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -13,11 +13,8 @@ from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.robot.robot import Robot
 from handcart.evaluation.conformance.rig.parts import part_of
 from handcart.evaluation.conformance.rig.reach import Reach
-from handcart.primitives.books.pick_up import PickUp
 from handcart.primitives.contract.action_primitive import Periods
 from handcart.primitives.knowledge.world_model import ModelView
-from handcart.primitives.motions.grip import open_to
-from handcart.primitives.preconditions.hand_use import NEEDS_EMPTY
 from handcart.primitives.restoring.retrace import reach_pose, retrace
 from handcart.primitives.restoring.snapshot import Snapshot
 from handcart.primitives.restoring.trace import Trace
@@ -39,21 +36,6 @@ class BaseAlone(Reach):
 
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
         yield from reach_pose(robot, start.pose)
-
-
-class DropsObject(PickUp):
-    """Opens the hand before it goes back."""
-
-    def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
-        self._held = False
-        yield from open_to(robot, None)
-        yield from retrace(robot, start, trace)
-
-
-class DeniesHold(PickUp):
-    """Declares that the hand is empty after it took the book."""
-
-    hand: ClassVar = NEEDS_EMPTY
 
 
 class MovesLater(Reach):

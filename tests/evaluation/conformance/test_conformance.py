@@ -25,10 +25,10 @@ from handcart.evaluation.conformance.faults.fault import (
 )
 from handcart.evaluation.conformance.faults.faulty_backend import FaultyBackend
 from handcart.evaluation.conformance.faults.forked import Died, Hung, forked
-from handcart.evaluation.conformance.faults.rehearsal import DRIVE_MAP, RETURN_BOOK, Rehearsal, Solo
+from handcart.evaluation.conformance.faults.rehearsal import DRIVE_MAP, TASKS, Rehearsal, Solo
 from handcart.evaluation.conformance.faults.underway import Ending
 from handcart.evaluation.conformance.kit import KitSetting, jobs_of, run_kit
-from handcart.evaluation.conformance.planted.mutants import MUTANTS, try_mutant
+from handcart.evaluation.conformance.planted.mutants import mutants, try_mutant
 from handcart.evaluation.conformance.report import KitReport
 from handcart.evaluation.conformance.rig.bench import Bench
 from handcart.evaluation.conformance.rig.reach import Reach
@@ -125,8 +125,8 @@ def test_a_car_passes_too(name: str) -> None:
 
 
 def test_there_are_23_liars_and_each_tells_its_lie() -> None:
-    assert len(MUTANTS) == 24
-    assert len({mutant.lie for mutant in MUTANTS.values()}) == 24
+    assert len(mutants()) == 24
+    assert len({mutant.lie for mutant in mutants().values()}) == 24
 
 
 @pytest.mark.slow
@@ -150,9 +150,9 @@ def test_an_honest_primitive_is_true_whatever_goes_wrong() -> None:
 
 
 def test_a_rehearsal_has_every_primitive_of_the_task() -> None:
-    rehearsal = Rehearsal(RETURN_BOOK, "kinematic")
+    rehearsal = Rehearsal(TASKS / "return_book" / "task.yaml", "kinematic")
     assert {each.do for each in rehearsal.actions()} == {
-        each.do for each in load_task(RETURN_BOOK).network.actions
+        each.do for each in load_task(TASKS / "return_book" / "task.yaml").network.actions
     }
 
 

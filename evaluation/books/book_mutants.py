@@ -1,0 +1,71 @@
+"""Faulty primitives of books, which the conformance kit has to find."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+from typing import ClassVar
+
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.camera import Camera
+from handcart.backends.capabilities.gripper import Gripper
+from handcart.backends.capabilities.range_sensor import RangeSensor
+from handcart.backends.robot.robot import Robot
+from handcart.evaluation.conformance.faults.fail_is_true import Batch
+from handcart.evaluation.conformance.faults.fault import FaultKind
+from handcart.evaluation.conformance.faults.rehearsal import Rehearsal
+from handcart.evaluation.conformance.planted.mutant import (
+    FAULT_INSTANTS,
+    TRIAL_LIMIT_S,
+    Mutant,
+    first_violations,
+)
+from handcart.evaluation.conformance.rig.bench import Bench
+from handcart.primitives.books.pick_up import PickUp
+from handcart.primitives.contract.action_primitive import Periods
+from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.motions.grip import open_to
+from handcart.primitives.preconditions.hand_use import NEEDS_EMPTY
+from handcart.primitives.restoring.retrace import retrace
+from handcart.primitives.restoring.snapshot import Snapshot
+from handcart.primitives.restoring.trace import Trace
+
+RETURN_BOOK_TASK = Path(__file__).parents[2] / "tasks" / "return_book" / "task.yaml"
+PICK_UP_NUMBER = 2
+"""Number of PICK_UP among the actions of return_book."""
+
+
+class DropsObject(PickUp):
+    """Opens the hand before it goes back."""
+
+    def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
+        self._held = False
+        yield from open_to(robot, None)
+        yield from retrace(robot, start, trace)
+
+
+class DeniesHold(PickUp):
+    """Declares that the hand is empty after it took the book."""
+
+    hand: ClassVar = NEEDS_EMPTY
+
+
+def _violations(kind: type[PickUp], bench: Bench) -> list[str]:
+    """Return the violations of a faulty PICK_UP in the task return_book."""
+    rehearsal = Rehearsal(RETURN_BOOK_TASK, bench.backend, instead={"PICK_UP": kind})
+    batch = Batch(rehearsal, PICK_UP_NUMBER, FAULT_INSTANTS, kinds=(FaultKind.CANCEL,), seconds=TRIAL_LIMIT_S)
+    return first_violations(batch)
+
+
+NEEDS = (Arm, Gripper, Camera, RangeSensor)
+MUTANTS: Sequence[Mutant] = (
+    Mutant("DropsObject", "opens the hand before it goes back", partial(_violations, DropsObject), NEEDS),
+    Mutant(
+        "DeniesHold",
+        "declares an empty hand after it took the book",
+        partial(_violations, DeniesHold),
+        NEEDS,
+        by_truth=True,
+    ),
+)

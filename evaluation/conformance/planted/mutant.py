@@ -1,0 +1,36 @@
+"""Mutant of the conformance kit: a faulty primitive or backend, and how the kit has to find it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from handcart.backends.capabilities.capability import Capability
+from handcart.evaluation.conformance.faults.fail_is_true import Batch
+from handcart.evaluation.conformance.rig.bench import Bench
+
+FAULT_INSTANTS = 10
+"""Number of fault instants in a mutant's run; the first violation ends it."""
+TRIAL_LIMIT_S = 60.0
+"""CPU time of a trial."""
+
+
+@dataclass(frozen=True)
+class Mutant:
+    """Faulty primitive or backend, and the part of the kit that has to find it."""
+
+    name: str
+    lie: str
+    """What it does wrong, for people."""
+    look: Callable[[Bench], list[str]]
+    """Function that returns the violations found on a bench."""
+    needs: tuple[type[Capability], ...] = ()
+    """Capabilities that the robot must have."""
+    by_truth: bool = False
+    """True if only the ground truth reveals the mutant."""
+
+
+def first_violations(batch: Batch) -> list[str]:
+    """Return the violations of the first trial that has any."""
+    found = ([f"{trial.fault}: {wrong}" for wrong in trial.ending.wrong] for trial in batch.trials())
+    return next((wrong for wrong in found if wrong), [])
