@@ -62,6 +62,24 @@ def test_a_room_that_looks_alike_both_ways_leaves_it_open() -> None:
     assert not fit.is_sure
 
 
+@pytest.mark.parametrize(
+    ("truth", "stated"),
+    [
+        (Pose2(8.67, -0.351, 1.971), Pose2(9.068, -1.325, 1.534)),
+        (Pose2(7.986, 0.426, 1.866), Pose2(8.599, -0.135, 2.402)),
+    ],
+)
+def test_near_equal_poses_of_a_corridor_hide_no_better_one(truth: Pose2, stated: Pose2) -> None:
+    """24 candidates were all along the corridor, and the true pose was none of them."""
+    walls = [(30.0, y, 0.0, 60.0, 0.1) for y in (1.6, -1.6)] + [(x, 0.0, 0.0, 0.1, 3.2) for x in (0.0, 60.0)]
+    boxes = [*walls, (4.0, 1.3, 0.0, 0.6, 0.6)]
+    field = LikelihoodField(from_boxes(boxes, 0.05, (-1.0, -2.5), (62.0, 5.0)))
+    fit = check_start(field, seen(boxes, truth, reach=8.0), stated, NOISE)
+    assert fit.other is not None
+    assert fit.other.distance(truth) < 0.05
+    assert fit.other.turn(truth) < 0.01
+
+
 def test_a_wall_that_does_not_return_contradicts_a_start() -> None:
     """Along a corridor only the end wall tells; where it should be seen and is not, the start is wrong."""
     walls = [(20.0, 1.5, 0.0, 40.0, 0.1), (20.0, -1.5, 0.0, 40.0, 0.1), (0.0, 0.0, 0.0, 0.1, 3.0)]
