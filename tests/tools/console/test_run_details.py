@@ -43,6 +43,8 @@ def test_a_run_that_was_broken_off_is_where_its_last_action_began(ran: Path, tmp
     shown = RunDetails(cut(ran, tmp_path / "second", b"START", 2), alive=False).summary(None)
     first, second = shown["actions"]
     assert first["to"] == second["from"] == shown["situation"] != first["from"]
+    alone = RunDetails(cut(ran, tmp_path / "first", b"START", 1), alive=False).summary(None)
+    assert alone["situation"] == first["from"]
     before = RunDetails(cut(ran, tmp_path / "none", b"RUN", 1), alive=False).summary(None)
     assert (before["situation"], before["actions"], before["reason"]) == ("", [], "")
 

@@ -1,0 +1,68 @@
+"""Parts of the way back: a tolerance that widens with time, and the moment nearest to a pose."""
+
+from __future__ import annotations
+
+import math
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from handcart.primitives.restoring.retrace import EXACT_REACH_S, WIDENING_S, _travelled, _widened
+from handcart.primitives.restoring.trace import NEAR_PERIODS, Moment, Trace
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.following.pose_regulator import PoseTolerance
+
+TOLERANCE = SimpleNamespace(base_mm=40.0, base_deg=2.0)
+ROBOT: Any = SimpleNamespace(spec=SimpleNamespace(tolerance=TOLERANCE))
+HERE = Pose2(0.0, 0.0, 0.0)
+
+
+def moment(pose: Pose2, rolled: Pose2 | None = None) -> Moment:
+    return Moment(pose, np.empty(0), 0.0, rolled)
+
+
+@pytest.mark.parametrize(
+    ("share", "position", "heading_deg"),
+    [(0.0, 0.004, 0.2), (0.5, 0.012, 0.6), (1.0, 0.02, 1.0), (3.0, 0.02, 1.0)],
+)
+def test_tolerance_widens_evenly_to_half_of_the_files(
+    share: float, position: float, heading_deg: float
+) -> None:
+    exact = PoseTolerance(0.004, math.radians(0.2))
+    found = _widened(ROBOT, exact, EXACT_REACH_S + share * WIDENING_S)
+    assert found.position == pytest.approx(position)
+    assert found.heading == pytest.approx(math.radians(heading_deg))
+
+
+def test_tolerance_wider_than_half_of_the_files_stays() -> None:
+    wide = PoseTolerance(0.03, math.radians(1.5))
+    assert _widened(ROBOT, wide, EXACT_REACH_S + WIDENING_S) == pytest.approx(wide)
+
+
+@pytest.mark.parametrize(
+    ("end", "travelled"),
+    [
+        (Pose2(0.009, 0.0, 0.0), False),
+        (Pose2(0.011, 0.0, 0.0), True),
+        (Pose2(0.0, 0.0, 0.019), False),
+        (Pose2(0.0, 0.0, 0.021), True),
+    ],
+)
+def test_stretch_of_a_centimetre_or_a_degree_is_travelled(end: Pose2, travelled: bool) -> None:
+    assert _travelled([moment(HERE), moment(end)]) is travelled
+
+
+def test_nearest_moment_goes_by_the_pose_without_jumps() -> None:
+    trace = Trace(ROBOT)
+    trace.moments = [moment(HERE, Pose2(0.1 * number, 0.0, 0.0)) for number in range(5)]
+    assert trace.nearest(Pose2(0.21, 0.0, 0.0)) == 2
+    trace.moments = [moment(Pose2(0.1 * number, 0.0, 0.0)) for number in range(5)]
+    assert trace.nearest(Pose2(0.29, 0.0, 0.0)) == 3
+
+
+def test_nearest_moment_is_among_the_last_ones() -> None:
+    trace = Trace(ROBOT)
+    trace.moments = [moment(Pose2(float(number), 0.0, 0.0)) for number in range(NEAR_PERIODS + 3)]
+    assert trace.nearest(HERE) == 3
