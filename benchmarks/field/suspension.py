@@ -54,7 +54,7 @@ def rigid(folder: Path) -> str:
 
 def drive(robot: str, backend: str, seed: int, metres: float) -> Drive:
     """Straight ahead."""
-    told = Drive([], [], [])
+    driven = Drive([], [], [])
     with prepare(TASK, backend, {"robot": robot}, seed) as prepared:
         physics = prepared.backend
         assert isinstance(physics, PhysicsBackend)
@@ -62,14 +62,14 @@ def drive(robot: str, backend: str, seed: int, metres: float) -> Drive:
         for _ in range(round(metres / SPEED / physics.period)):
             prepared.robot.base.drive(SPEED, 0.0)
             prepared.robot.step()
-            told.tilts.append(math.acos(min(1.0, float(body.base_pose()[2, 2]))))
+            driven.tilts.append(math.acos(min(1.0, float(body.base_pose()[2, 2]))))
             for rear, front in zip(REAR, FRONT, strict=True):
                 along = body.link_pose(front)[:3, 3] - body.link_pose(rear)[:3, 3]
-                told.sides.append(math.atan2(float(along[2]), math.hypot(*along[:2].tolist())))
+                driven.sides.append(math.atan2(float(along[2]), math.hypot(*along[:2].tolist())))
             feet = np.array([body.link_pose(name)[:3, 3] for name in (*REAR, *FRONT)]) - (0.0, 0.0, RADIUS)
             ground = [physics.scene.ground_height(x, y) for x, y in feet[:, :2].tolist()]
-            told.hanging.append(int((feet[:, 2] > np.array(ground) + HANGS).sum()))
-    return told
+            driven.hanging.append(int((feet[:, 2] > np.array(ground) + HANGS).sum()))
+    return driven
 
 
 def _rms(values: NDArray[np.float64]) -> float:

@@ -97,7 +97,7 @@ class Axis(canopen.RemoteNode):
         self._taken = 0
         """The SYNC whose position was the last that could be."""
         self._jump, self._jump_way = 0, 0.0
-        self._told_way = 0.0
+        self._reported_travel = 0.0
         """How far it has moved since then by the velocities that it told, in [counts]."""
         self.odd = 0
         """Number of impossible positions in a row."""
@@ -298,9 +298,9 @@ class Axis(canopen.RemoteNode):
 
     def _take_position(self, counts: int) -> None:
         """Take a position over, unless it can't be."""
-        told = self._reported[0x606C]
-        self._jumps.note(told, self._intended())
-        self._told_way += told * self.period
+        speed = self._reported[0x606C]
+        self._jumps.note(speed, self._intended())
+        self._reported_travel += speed * self.period
         if self._counts is None:
             self._counts, self._taken = counts, self._asked
             return
@@ -309,11 +309,11 @@ class Axis(canopen.RemoteNode):
         is_too_far = abs(moved) > abs(most * self.units.scale) + 2
         if is_too_far or self._jumps.excess(moved, max(1, self._asked - self._taken)):
             if self.odd == 0:
-                self._jump, self._jump_way = moved, self._told_way
+                self._jump, self._jump_way = moved, self._reported_travel
             self.odd += 1
             return
-        self.contradiction += (moved - self._told_way) / self.units.scale
-        self.odd, self._taken, self._told_way = 0, self._asked, 0.0
+        self.contradiction += (moved - self._reported_travel) / self.units.scale
+        self.odd, self._taken, self._reported_travel = 0, self._asked, 0.0
         self.travel += moved / self.units.scale
         self._counts = counts
 
@@ -339,7 +339,7 @@ class Axis(canopen.RemoteNode):
 
     def place(self, counts: int, velocity: int = 0, torque: int = 0) -> None:
         """It stands at these counts: asked for before the first SYNC."""
-        self._counts, self._taken, self._told_way, self.odd = counts, self._asked, 0.0, 0
+        self._counts, self._taken, self._reported_travel, self.odd = counts, self._asked, 0.0, 0
         self._jumps.forget()
         self._reported |= {0x606C: velocity, 0x6077: torque}
 

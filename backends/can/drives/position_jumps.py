@@ -35,9 +35,9 @@ class PositionJumps:
         self._period = period
         self._speeds: deque[float] = deque(maxlen=2 * _LOOKS_BACK)
 
-    def note(self, told: float, commanded: float) -> None:
+    def note(self, reported: float, commanded: float) -> None:
         """Take in the speeds of a period, in [counts/s]: the drive's own, and the command."""
-        self._speeds += (told, commanded)
+        self._speeds += (reported, commanded)
 
     def excess(self, moved: int, periods: int) -> float:
         """Return by how many counts a way is longer than it can be, with its sign; 0 if it can be."""

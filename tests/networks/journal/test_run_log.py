@@ -219,10 +219,10 @@ def test_a_journal_leads_to_where_its_run_stands(stand: Stand) -> None:
     given_up = followed(network, plan, start, result, end)
     assert given_up.gave_up is given_up.over
     assert given_up.over["outcome"] == "GiveUp"
-    told = followed(
+    state = followed(
         network, plan, start, result, end, {"kind": "ACK", "record": 4, "of": "END", "reason": ""}
     )
-    assert (told.gave_up, told.over, told.fails) == (None, None, 0)
+    assert (state.gave_up, state.over, state.fails) == (None, None, 0)
     epoch = followed(network, plan, start, {"kind": "EPOCH"})
     assert (epoch.in_doubt, epoch.over, epoch.fails) == (None, None, 0)
 

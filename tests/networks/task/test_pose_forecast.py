@@ -31,11 +31,11 @@ def forecast(pillars: bool, reach: float, need: PoseNeed = NEED) -> PoseForecast
 
 @pytest.mark.parametrize("reach", [5.0, 10.0])
 def test_a_corridor_beyond_the_lidars_reach_is_told(reach: float) -> None:
-    told = forecast(False, reach)
-    assert told.found is not None
-    assert told.found.direction == pytest.approx(0.0, abs=0.02)
-    assert told.found.size > 0.1
-    assert told.blind_m == pytest.approx(20.0 - reach, abs=3.0)
+    found = forecast(False, reach)
+    assert found.found is not None
+    assert found.found.direction == pytest.approx(0.0, abs=0.02)
+    assert found.found.size > 0.1
+    assert found.blind_m == pytest.approx(20.0 - reach, abs=3.0)
 
 
 def test_what_the_lidar_sees_is_nothing_to_tell() -> None:

@@ -26,10 +26,10 @@ def way_of(axis: Any, periods: float) -> int:
     return round(counts)
 
 
-def report(axis: Any, moved: int, told: int) -> None:
+def report(axis: Any, moved: int, reported: int) -> None:
     """One answer: so many counts further, at so many counts a second."""
     axis.ask()
-    axis._reported[0x606C] = told
+    axis._reported[0x606C] = reported
     axis._take_position(axis._counts + moved)
 
 
@@ -52,19 +52,19 @@ def test_each_refused_position_lets_the_next_be_one_period_further(axis: Any) ->
     for odd, periods in enumerate((4.1, 6.1, 8.1), 1):
         report(axis, way_of(axis, periods), fast)
         assert axis.odd == odd
-    assert axis.jump.startswith(f"by {way_of(axis, 4.1)} counts (")  # the first is told
+    assert axis.jump.startswith(f"by {way_of(axis, 4.1)} counts (")  # the first is reported
     report(axis, way_of(axis, 9.9), fast)
     assert axis.odd == 0
 
 
 def test_travel_is_what_was_taken_over_and_differs_from_what_was_told(axis: Any) -> None:
     travel, contradiction = axis.travel, axis.contradiction
-    told = way_of(axis, 1.0 / axis.period)
+    reported = way_of(axis, 1.0 / axis.period)
     for _ in range(3):
-        report(axis, way_of(axis, 0.5), told)
+        report(axis, way_of(axis, 0.5), reported)
     step = way_of(axis, 0.5) / axis.units.scale
     assert axis.travel - travel == pytest.approx(3 * step)
-    expected = 3 * (step - told * axis.period / axis.units.scale)
+    expected = 3 * (step - reported * axis.period / axis.units.scale)
     assert axis.contradiction - contradiction == pytest.approx(expected)
 
 
