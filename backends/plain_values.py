@@ -194,7 +194,7 @@ def _array(dtype: np.dtype[Any], marks: tuple[Any, ...]) -> _Codec:
         if dtype.kind == "f":
             bad = np.isnan(data) if FAR in marks else ~(np.abs(data) <= LARGEST)
             if bad.any():
-                raise ValueError("an array with something in it that is no number, or beyond all sense")
+                raise ValueError("an array with an element that isn't a number, or is out of range")
         return data
 
     return _Codec(lambda value: np.ascontiguousarray(value, dtype=dtype), read)

@@ -127,14 +127,14 @@ class _Reader:
                 return bytes(self._take(size))
             case {"$array": str(dtype), "shape": list(shape)} if dtype in _DTYPES:
                 return self._array(np.dtype(dtype), shape)
-        raise ValueError("something in it stands for no number and no array")
+        raise ValueError("an element is neither a number nor an array")
 
     def _array(self, dtype: np.dtype[Any], shape: list[Any]) -> Any:
         if len(shape) > 4 or not all(type(each) is int and 0 <= each < 2**31 for each in shape):
             raise ValueError("an array of a shape that none has")
         content = self._take(dtype.itemsize * math.prod(shape))
         if dtype == np.bool_ and not set(bytes(content)) <= {0, 1}:
-            raise ValueError("an array of truths holds something else")
+            raise ValueError("an array of booleans holds other values")
         return np.frombuffer(content, dtype).reshape(shape).copy()
 
     def _take(self, size: int) -> memoryview:

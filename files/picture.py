@@ -55,7 +55,7 @@ def read_grey(path: Path, max_pixels: int = MAX_PIXELS) -> Grey:
     except (Image.DecompressionBombWarning, Image.DecompressionBombError):
         raise _refused(path, _large("far too many", max_pixels)) from None
     except UnidentifiedImageError:
-        raise _refused(path, f"is no picture; allowed: {', '.join(PICTURE_FORMATS.values())}") from None
+        raise _refused(path, f"is not a picture; allowed: {', '.join(PICTURE_FORMATS.values())}") from None
     except Exception:  # the readers of the formats let out whatever a broken file makes them raise
         raise _refused(path, "is broken or cut short; allowed: a whole picture") from None
 

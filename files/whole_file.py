@@ -52,5 +52,5 @@ def _mode(path: Path) -> int | None:
     if stat.S_ISLNK(there):
         return None
     if not stat.S_ISREG(there):
-        raise OSError(errno.EINVAL, "it is no regular file")
+        raise OSError(errno.EINVAL, "it is not a regular file")
     return stat.S_IMODE(there)

@@ -183,7 +183,7 @@ class Stranger(CanFault):
 
     def __init__(self, what: str) -> None:
         super().__init__(
-            f"somebody else on the bus sends {what}; allowed: one master, and a channel for each robot"
+            f"another node on the bus sends {what}; allowed: one master, and a channel for each robot"
         )
 
 

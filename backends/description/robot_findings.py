@@ -121,7 +121,7 @@ def _arm_findings(
     try:
         model = robot.arm_model()
     except ValueError as error:
-        return [*found, document.finding(key, f"{error}; allowed: an arm that stands on the link `base`")]
+        return [*found, document.finding(key, f"{error}; allowed: an arm mounted on the link `base`")]
     found += [
         robot.whole.finding("joint", name, "its limits leave it no room; allowed: lower below upper")
         or document.finding(key, f"{name!r} has no room between its limits")

@@ -295,6 +295,6 @@ class MujocoEngine(Engine):
         if pinned is None:
             return
         if pinned.other not in self._numbering.things or (pinned.body, pinned.link) not in self._bodies:
-            raise NotAState("no saved state: what is held together isn't there")
+            raise NotAState("no saved state: the held body is missing")
         if len(pinned.points) != len(pinned.other_points):
-            raise NotAState("no saved state: what is held together has other points")
+            raise NotAState("no saved state: the held body has other points")

@@ -11,6 +11,4 @@ from handcart.backends.backend import NoWindow
 def needs_display() -> None:
     """Raise `NoWindow` without a display."""
     if sys.platform == "linux" and not os.environ.get("DISPLAY"):
-        raise NoWindow(
-            "there is no display to show a window on: $DISPLAY is not set; allowed: --video FILE.mp4"
-        )
+        raise NoWindow("a window needs a display: $DISPLAY is not set; allowed: --video FILE.mp4")

@@ -360,9 +360,9 @@ class BulletEngine(Engine):
             return
         there = {self.p.getBodyUniqueId(n, physicsClientId=self.client) for n in range(self._bodies())}
         if not {pinned.body, pinned.other} <= there or len(pinned.points) != len(pinned.other_points):
-            raise NotAState("no saved state: what is held together isn't there")
+            raise NotAState("no saved state: the held body is missing")
         if not -1 <= pinned.link < self.p.getNumJoints(pinned.body, physicsClientId=self.client):
-            raise NotAState("no saved state: what is held together has no such link")
+            raise NotAState("no saved state: the held body has no such link")
 
     def _bodies(self) -> int:
         return int(self.p.getNumBodies(physicsClientId=self.client))

@@ -186,7 +186,7 @@ def _check_numbers(rows: NDArray[np.uint8], fields: _Fields) -> None:
         if offsets:
             values = np.stack([_read(rows, offset, dtype) for offset in offsets])
             if not (np.abs(values) <= NEVER).all():
-                raise NotAState("no saved state: a number of the engine's world is none")
+                raise NotAState("no saved state: a number of the engine's world is invalid")
     for offset in fields.loose:
         if (np.abs(_read(rows, offset, np.int32).astype(np.int64)) > _SMALL).any():
             raise NotAState("no saved state: a number of the engine's world is beyond all sense")

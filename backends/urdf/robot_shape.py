@@ -91,7 +91,7 @@ def finger_shape(arm: ArmModel) -> FingerShape:
 def _box(shapes: Sequence[Shape], link: str) -> Box:
     boxes = [each for each in shapes if isinstance(each, Box) and each.name == link]
     if not boxes:
-        raise MissingShape(f"the link {link!r} has no collision box; needed: one that tells its size")
+        raise MissingShape(f"the link {link!r} has no collision box; needed: one that defines its size")
     return max(boxes, key=lambda each: float(np.prod(each.size)))
 
 

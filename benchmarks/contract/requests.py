@@ -60,7 +60,7 @@ class Asked:
         self.meant = self.run.acting
         before = 0 if self.meant is None else self.meant - 1
         if self.what is not Request.STOP and before and not self.run.ask(self.what, before):
-            self.tell("misapplied: taken for an action that is over")
+            self.tell("misapplied: taken for an ended action")
         over = self.run.life.state is RunState.ENDED
         self.refused = self.run.ask(self.what)
         if over:
@@ -152,7 +152,7 @@ class Asked:
             self.at_s = robot.time if not self.paused else self.at_s
             self.paused += 1
             if robot.time != self.at_s:
-                self.tell("eaten: its time goes on while it is paused")
+                self.tell("eaten: its time continues while it is paused")
             if self.paused == HELD:
                 self.resumed = self.periods + 1
                 if wrong := self.run.ask(Request.RESUME):

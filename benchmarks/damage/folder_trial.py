@@ -259,7 +259,7 @@ class _Tried:
             header, prepared = self._trials.prepared(self._folder)
             past = put_back(self._folder, header, prepared)
         if sound and past.checkpoint is not None and not self._true(header, prepared):
-            self._wrong.append("resume: put back elsewhere than it stood")
+            self._wrong.append("resume: restored at another pose")
         if not sound and self._original.recipe == "physics":
             self._trials.forget()  # an engine's world that was put somewhere odd
         return "put back"

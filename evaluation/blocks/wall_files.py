@@ -103,7 +103,7 @@ def _building(plan: WallPlan) -> str:
 def _places(plan: WallPlan) -> str:
     start = f"  start: {{{_pose(plan.drawing.start.pose)}}}"
     stops = [f"  {each.name}: {{{_pose(each.pose)}}}" for each in (*plan.fetching, *plan.laying)]
-    head = "# Where the robot's base stands; made by `handcart wall`.\nformat: handcart-places/1\nplaces:"
+    head = "# Places of the robot's base; made by `handcart wall`.\nformat: handcart-places/1\nplaces:"
     return "\n".join([head, start, *stops]) + "\n"
 
 

@@ -83,7 +83,7 @@ def _inserted(survey: Survey, claim: Claim) -> list[str]:
     half = held.thickness / 2
     inside = right - 1e-3 <= pose[1, 3] - half and pose[1, 3] + half <= left + 1e-3
     wrong = [] if inside else ["the book isn't between the sides of a slot"]
-    return wrong + at_most("the spine stands {:.1f} mm before the shelf", -1e3 * float(pose[0, 3]), PROUD_MM)
+    return wrong + at_most("the spine protrudes {:.1f} mm from the shelf", -1e3 * float(pose[0, 3]), PROUD_MM)
 
 
 def _released(survey: Survey, _: Claim) -> list[str]:

@@ -59,7 +59,7 @@ def _made(library: Library, what: str) -> str:
 
 def _world(library: Library) -> str:
     lines = [
-        _made(library, "What stands in the library; the robot doesn't see this file")
+        _made(library, "Content of the library; the robot doesn't see this file")
         + "format: handcart-world/1",
         f"start: {_pose(HOME)}",
         "walls:",
@@ -72,7 +72,7 @@ def _world(library: Library) -> str:
         for each in FURNITURE
     ]
     if library.surprises:
-        lines.append("surprises: # on nobody's map")
+        lines.append("surprises: # missing on the map")
         lines += [
             f"  - {{name: box_{i + 1}, {_pose(each.pose)[1:-1]}, size_m: {list(each.size)}}}"
             for i, each in enumerate(library.surprises)
@@ -135,7 +135,7 @@ def _book(book: GeneratedBook, accession: int | None = None) -> str:
 
 
 def _places(library: Library) -> str:
-    lines = [_made(library, "Where the robot's base stands") + "format: handcart-places/1", "places:"]
+    lines = [_made(library, "Places of the robot's base") + "format: handcart-places/1", "places:"]
     lines.append(f"  home: {_pose(HOME)}")
     for row, shelf in zip(library.rows, SHELVES, strict=True):
         front = f"{{distance_m: {STAND_OFF}, width_m: {CLEAR}, board_m: {BOARD}, front_m: {OUTER}}}"

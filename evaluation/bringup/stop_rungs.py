@@ -42,7 +42,7 @@ class EmergencyStopRung(Rung):
             backend.enable()
             site.operator.act(
                 "press",
-                "Press the emergency stop now; the drives have torque and stand.",
+                "Press the emergency stop now; the drives have torque and are at rest.",
                 lambda: press(True),
             )
             states, took = _until_off(backend)
@@ -97,7 +97,7 @@ class StopTestRung(Rung):
                 raise RungFailed(f"{name}: ran on {spread['max_m']:.3f} m; allowed: {allowed:.3f} m")
         measured = site.number(
             "tape_m",
-            "How far did the base run on in the last stop, by tape [m]?",
+            "Stopping distance of the base in the last stop, by tape [m]?",
             facts["heartbeat"]["last_m"],
         )
         facts["tape_m"] = measured

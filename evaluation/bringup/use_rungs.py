@@ -70,7 +70,7 @@ class CalibrationRung(Rung):
         rolled = _drive(site, backend, HAND_SPEED, 0.0, lambda left, right: (left + right) / 2 >= WAY)
         way = (rolled[0] + rolled[1]) / 2
         truth = float(np.hypot(*(_true_pose(backend)[:2] - before[:2])))
-        measured = site.number("way_m", "How far did the base drive, by tape [m]?", truth)
+        measured = site.number("way_m", "Distance that the base drove, by tape [m]?", truth)
         radius = site.robot.drive.wheel_radius_m * measured / way
         found["drive.wheel_radius_m"] = Calibrated(radius, radius * TAPE / way)
         facts |= {"way_by_encoder_m": round(way, 4), "way_m": round(measured, 4)}
@@ -85,7 +85,7 @@ class CalibrationRung(Rung):
         true = before + by_encoder + _wrapped(_true_pose(backend)[2] - before - by_encoder)
         measured = math.radians(
             site.number(
-                "turn_deg", "How far did it turn, marks on the floor [deg]?", math.degrees(true - before)
+                "turn_deg", "Angle that it turned, by marks on the floor [deg]?", math.degrees(true - before)
             )
         )
         tread = (right - left) / measured
@@ -192,7 +192,7 @@ class PrimitiveRung(Rung):
 
     @override
     def climb(self, site: Site) -> Facts:
-        if not site.confirm("free", "Is the way free, and nobody in the robot's reach?"):
+        if not site.confirm("free", "Is the route free, and is the robot's reach clear of people?"):
             raise RungFailed("it wasn't free")
         settings = {"robot": site.name}
         with prepare(site.task, "can", settings, bench=site.bench or None) as prepared:
@@ -218,7 +218,7 @@ class TaskRung(Rung):
 
     @override
     def climb(self, site: Site) -> Facts:
-        if not site.confirm("ready", f"Is all ready for {site.task}, and is nobody in the robot's reach?"):
+        if not site.confirm("ready", f"Is {site.task} ready, and the robot's reach clear of people?"):
             raise RungFailed("it isn't ready")
         return _run(site, site.task)
 

@@ -71,7 +71,7 @@ class CampaignFolder:
                     raise OtherCampaign(folder, different)
                 return cls(folder, there)
             if any(not each.name.startswith(".") for each in folder.iterdir()):
-                raise NoCampaign(folder, "the folder holds something else")
+                raise NoCampaign(folder, "the folder holds other files")
             write_whole(folder / ARGUMENTS, orjson.dumps(asked, option=orjson.OPT_INDENT_2))
         except OSError as error:
             raise NoCampaign(folder, f"can't be written: {error.strerror}") from None

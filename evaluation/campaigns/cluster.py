@@ -51,7 +51,7 @@ class ClusterLost(HandcartError):
     """Error: the scheduler is gone; ended trials are on disk."""
 
     def __init__(self, address: str) -> None:
-        super().__init__(f"the scheduler {address} is gone; the same command goes on with what is left")
+        super().__init__(f"the scheduler {address} is gone; the same command runs the remaining trials")
 
 
 class OtherFiles(InputError):
@@ -238,7 +238,7 @@ class Cluster:
         if status == "finished":
             trial = trial_of(result)
             if trial is None or trial.seed != seed:
-                raise TrialFault(f"the trial of seed {seed} came back as something else")
+                raise TrialFault(f"the trial of seed {seed} came back with invalid content")
             return trial
         if status != "error":
             raise ClusterLost(self._address)

@@ -110,7 +110,7 @@ class TrialLog:
                 _sync_folder(path.parent)
         except OSError as error:
             os.close(self._file)
-            raise TrialLogError(path, f"can't be gone on with: {error.strerror}") from None
+            raise TrialLogError(path, f"can't be continued: {error.strerror}") from None
         except HandcartError:
             os.close(self._file)
             raise

@@ -126,9 +126,7 @@ class TreeBuilder:
         first = mapping.keys.get(text)
         if first is not None:
             where = f"first on line {first.line + 1}"
-            self.problem(
-                event.start_mark, f"the key {clipped(text)!r} stands here again, {where}; allowed: once"
-            )
+            self.problem(event.start_mark, f"the key {clipped(text)!r} is here again, {where}; allowed: once")
         else:
             mapping.keys[text] = event.start_mark
         mapping.key, mapping.key_mark, mapping.wants_key = text, event.start_mark, False
@@ -143,7 +141,7 @@ class TreeBuilder:
         mark = event.start_mark
         parent = self._open[-1] if self._open else None
         if parent is not None and parent.wants_key:
-            self.problem(mark, "a key that is no word; allowed: keys that are words")
+            self.problem(mark, "a key that isn't a word; allowed: keys that are words")
             parent.key, parent.key_mark, parent.wants_key = "", mark, False
             return
         key_mark = parent.key_mark if parent is not None and parent.key_mark is not None else mark

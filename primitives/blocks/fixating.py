@@ -162,7 +162,7 @@ def fixate(
             return Fixation(_mean(found), base_T_hand, views.frames, moves, tuple(found))
         yield from move_straight(robot, _level(view.next_hand(base_T_hand, seen), view), held, around)
     off = Measured("Camera", "landmark off its place in the picture", 1e3 * away, 1e3 * stop.position, "mm")
-    raise Discrepancy("the hand doesn't come to stand over the landmark", measured=off)
+    raise Discrepancy("the hand doesn't come to rest over the landmark", measured=off)
 
 
 def fixed_by(robot: Robot, name: str, place: str, planned: Pose2, found: Fixation) -> Fixed:
@@ -269,7 +269,7 @@ def _make_sure(
         yield from views.look()
     if (left := len(views.explanations)) > 1:
         several = Measured("Camera", "places of the base from which it looks like that", left, 1)
-        raise Discrepancy("which landmark is which can't be told", measured=several)
+        raise Discrepancy("the landmarks can't be distinguished", measured=several)
 
 
 def _search(

@@ -36,7 +36,7 @@ from .supports import TRAY_NAME, held_on
 WAIT_HEIGHT_M = 0.06  # over the grip, where the hand waits before it goes straight down and after it came up
 OPENING_CLEARANCE_M = 0.020  # wider than the block
 BLOCK_APPROACH_SPEED_M_S = 0.10
-BLOCK_TOUCH_FORCE_N = 6.0  # more means that a finger stands on the block
+BLOCK_TOUCH_FORCE_N = 6.0  # more means that a finger is on the block
 THICKNESS_ERROR = 0.002  # [m]
 
 
@@ -87,7 +87,7 @@ class PickUpBlock(ActionPrimitive):
         pushed = yield from push(robot, base_T_grip, BLOCK_APPROACH_SPEED_M_S, BLOCK_TOUCH_FORCE_N)
         if pushed.met:
             felt = Measured("Arm", "force that resists the hand", pushed.force, BLOCK_TOUCH_FORCE_N, "N")
-            raise Discrepancy("a finger stands on the block", measured=felt)
+            raise Discrepancy("a finger is on the block", measured=felt)
         yield from self.intend("the fingers close on the block")
         self._touched = True
         yield from close(robot)
@@ -135,12 +135,12 @@ class PickUpBlock(ActionPrimitive):
         stands = self._stands(robot, model, plan)
         seen = yield from see_block(robot, plan, stands, self.evidence, surroundings(robot, model))
         if seen is None:
-            raise NeedsPerson(f"block {self.number} isn't seen where it stood")
+            raise NeedsPerson(f"block {self.number} isn't seen at its place")
         off = 1e3 * seen.distance(on_level(stands))
         most = robot.spec.tolerance.object_mm
         if off > most:
             moved = Measured("Camera", "block off its place", off, most, "mm")
-            raise NeedsPerson(f"block {self.number} doesn't stand where it stood", moved)
+            raise NeedsPerson(f"block {self.number} isn't at its place", moved)
         yield from move_to_joints(robot, back, around=surroundings(robot, model))
 
     def _seen(
@@ -149,7 +149,7 @@ class PickUpBlock(ActionPrimitive):
         """base_T_block (4, 4) as a picture shows it."""
         seen = yield from see_block(robot, plan, stands, self.evidence, surroundings(robot, model))
         if seen is None:
-            raise Discrepancy(f"block {self.number} isn't seen where it should stand")
+            raise Discrepancy(f"block {self.number} isn't seen at its planned place")
         off = seen.relative_to(on_level(stands))
         self.found(seen_x_mm=round(1e3 * off.x, 2), seen_y_mm=round(1e3 * off.y, 2))
         return seen.lift(float(stands[2, 3]))

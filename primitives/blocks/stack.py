@@ -256,7 +256,7 @@ class Stack(ActionPrimitive):
         pushed = yield from push(robot, _raised(grip, GUARDED_DESCENT_M), FAST, DESCENT_MAX_FORCE_N)
         if pushed.met:
             felt = Measured("Arm", "force that resists the hand", pushed.force, DESCENT_MAX_FORCE_N, "N")
-            raise Discrepancy("something stands where the block goes", measured=felt)
+            raise Discrepancy("an obstacle is at the block's goal", measured=felt)
         pushed = yield from push(robot, _raised(grip, -CONTACT_OVERTRAVEL_M), SLOW, TOUCHDOWN_FORCE_N)
         if not pushed.met:
             felt = Measured("Arm", "force that resists the hand", pushed.force, TOUCHDOWN_FORCE_N, "N")

@@ -216,7 +216,7 @@ def _before_spines(robot: Robot, base_T_shelf: Transform, base_T_hand: Transform
             1e3 * away,
             "mm",
         )
-        raise Discrepancy("the hand stands too close to the shelf to push a book in", measured=ahead)
+        raise Discrepancy("the hand is too close to the shelf to push a book in", measured=ahead)
     shelf_T_hand[0, 3] = -away
     return base_T_shelf @ shelf_T_hand
 

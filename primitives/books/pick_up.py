@@ -132,7 +132,7 @@ class PickUp(TreePrimitive):
         pushed = yield from push(robot, self._base_T_grip, GRIP_SPEED_M_S, GRIP_TOUCH_FORCE_N)
         if pushed.met:
             felt = Measured("Arm", "force that resists the hand", pushed.force, GRIP_TOUCH_FORCE_N, "N")
-            raise Discrepancy("a finger runs into the book: it stands crooked on the tray", measured=felt)
+            raise Discrepancy("a finger runs into the book: it is askew on the tray", measured=felt)
 
     def _go_as_taught(self, robot: Robot, model: ModelView) -> Periods:
         before, grip, *_ = taught_postures(robot, "pick_up", 3)

@@ -110,7 +110,7 @@ class Release(TreePrimitive):
         pushed = yield from push(robot, goal, LOWER_SPEED, BOARD_CONTACT_FORCE_N)
         if not pushed.met:
             felt = Measured("Arm", "force from below", pushed.force, BOARD_CONTACT_FORCE_N, "N")
-            raise Discrepancy("there is no board below the book", measured=felt)
+            raise Discrepancy("no board is below the book", measured=felt)
         self.found(lowered_mm=round(1e3 * (foot + GRIP_HEIGHT - float(self._hand(robot)[2, 3])), 1))
         yield from relax(robot)
 
@@ -132,14 +132,14 @@ class Release(TreePrimitive):
         self.found(proud_mm=round(1e3 * proud, 1), push_n=round(pushed.force, 1))
         if proud > MAX_OVERHANG_M:
             raise Discrepancy(
-                f"the book doesn't go home: it stands {1e3 * proud:.0f} mm proud",
+                f"the book can't be pushed home: it protrudes {1e3 * proud:.0f} mm proud",
                 measured=Measured(
                     "Arm", "the finger tips before flush", 1e3 * proud, 1e3 * MAX_OVERHANG_M, "mm"
                 ),
             )
         if pushed.force < PUSH_MIN_FORCE_N:
             felt = Measured("Arm", "force of the push", pushed.force, PUSH_MIN_FORCE_N, "N")
-            raise Discrepancy("the fingers don't meet the book: it may stand proud", measured=felt)
+            raise Discrepancy("the fingers don't meet the book: it may protrude", measured=felt)
 
     def _withdraw(self, robot: Robot) -> Periods:
         yield from self._move_in_shelf(robot, -WITHDRAWN_DISTANCE_M - self._tips(robot))

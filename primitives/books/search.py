@@ -277,7 +277,7 @@ def _wanted(model: ModelView) -> tuple[Book, CallNumber]:
         raise Discrepancy("no book has been recognized", permanent=True)
     number = parse(book.call)
     if number is None:
-        raise Discrepancy(f"{book.call!r} in the catalogue is no call number", permanent=True)
+        raise Discrepancy(f"{book.call!r} in the catalogue is not a call number", permanent=True)
     return book, number
 
 

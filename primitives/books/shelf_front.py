@@ -25,7 +25,7 @@ def measure_shelf(robot: Robot, place: Place) -> Generator[None, None, Transform
         Discrepancy: no front is seen where it should be.
     """
     if place.shelf is None:
-        raise Discrepancy("there is no shelf at this place", permanent=True)
+        raise Discrepancy("no shelf is at this place", permanent=True)
     scans = []
     for _ in range(FRONT_SCANS):
         yield

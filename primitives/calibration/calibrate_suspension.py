@@ -90,7 +90,7 @@ class CalibrateSuspension(ActionPrimitive):
             yaw = fit_swing_yaw(headings, between)
             fit = yield from robot.compute(_fitted, robot, scene, sightings, yaw.yaw_per_swing)
         except ValueError as error:
-            raise Discrepancy(f"what was seen doesn't tell how the base gives: {error}") from None
+            raise Discrepancy(f"suspension parameters aren't observable from these views: {error}") from None
         self._tell(yaw, fit, len(sightings) + headings.size)
 
     def watch(self, robot: Robot, model: ModelView) -> None:

@@ -97,7 +97,7 @@ def attempt(
         if not (yield from settle(robot)):
             raise Discrepancy("the robot doesn't come to rest", check="rest")
         if not (yield from _recorded(primitive.effect(robot, view), trace)):
-            raise Discrepancy("success is not confirmed: what was to be achieved is not seen", check="effect")
+            raise Discrepancy("success is not confirmed: the effect is not seen", check="effect")
         note_hand(primitive, model)
         robot.localization.look_again()
         if robot.localization.displacements > displaced:

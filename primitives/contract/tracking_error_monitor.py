@@ -56,7 +56,7 @@ class TrackingErrorMonitor:
         scale, unit, digits = (1e3, "mm", 1) if slides else (1.0, "rad", 2)
         name = f"joint {joint + 1}"
         return Discrepancy(
-            f"{name} is {scale * off:.{digits}f} {unit} from where it was told to be",
+            f"{name} is {scale * off:.{digits}f} {unit} from its command",
             measured=Measured(
                 "Arm", f"{name} off its command", scale * off, scale * TRACKING_TOLERANCE_RAD, unit
             ),

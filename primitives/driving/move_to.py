@@ -270,7 +270,7 @@ class MoveTo(ActionPrimitive):
         if lost is not None:
             raise NeedsPerson(f"the robot doesn't know where it is: {lost.why}", Measured(*lost[1:]))
         if not robot.localization.heading_known:
-            raise Discrepancy("nobody told which way the robot heads: ORIENT finds it out", permanent=True)
+            raise Discrepancy("the heading is unknown; run ORIENT first", permanent=True)
         self._lidar_watch.watch(robot, model.map)
         if self._monitor is None or len(self._ahead) < 2:
             return
@@ -285,7 +285,7 @@ class MoveTo(ActionPrimitive):
             self.evidence.points |= {"sensed": sensed, "in the way": found[1][None], "ahead": self._ahead}
             x, y = found[1]
             raise Discrepancy(
-                f"an obstacle stands on {self._way}, at ({x:.2f}, {y:.2f}) m",
+                f"an obstacle is on {self._way}, at ({x:.2f}, {y:.2f}) m",
                 measured=Measured("RangeSensor", "free way ahead", found[0], WATCH_HORIZON_M, "m"),
             )
 
@@ -353,4 +353,4 @@ class MoveTo(ActionPrimitive):
             1e3 * DOCK_TOLERANCE.position,
             "mm",
         )
-        raise Discrepancy(f"the base doesn't come to stand square before {self.place}", measured=off)
+        raise Discrepancy(f"the base doesn't come to rest square before {self.place}", measured=off)

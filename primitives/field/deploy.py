@@ -258,7 +258,7 @@ class Deploy(TreePrimitive):
         lowest = arm.scara.slide[1]
         if not -GROUND_TOLERANCE_M < down <= lowest + GROUND_TOLERANCE_M:
             most = 1e3 * (lowest + GROUND_TOLERANCE_M)
-            low = Measured("Arm", "what the slide would have to go down", 1e3 * down, most, "mm")
+            low = Measured("Arm", "travel of the slide that is needed", 1e3 * down, most, "mm")
             raise Discrepancy("the slide doesn't reach the ground", measured=low)
         force = yield from arm.slide(min(max(0.0, down - SLOW_DESCENT_M), lowest))
         if force > TOUCH_FORCE_N:
@@ -267,7 +267,7 @@ class Deploy(TreePrimitive):
         force = yield from arm.slide(min(down + GROUND_TOLERANCE_M, lowest), LOWERING_SPEED_M_S)
         if force <= TOUCH_FORCE_N:
             felt = Measured("Arm", "force from below", force, TOUCH_FORCE_N, "N")
-            raise Discrepancy("there is no ground below the sensor", measured=felt)
+            raise Discrepancy("no ground is below the sensor", measured=felt)
         yield from hold_measured(robot)
         self.found(
             lowered_mm=round(1e3 * (float(robot.arm.command()[2])), 1),
@@ -308,7 +308,7 @@ class Deploy(TreePrimitive):
                 return
             yield from arm.slide(max(0.0, float(robot.arm.command()[2]) - SLOW_DESCENT_M))
         felt = Measured("Arm", "force on the sensor above the ground", force, TOUCH_FORCE_N, "N")
-        raise Discrepancy("something stands where the sensor goes", measured=felt)
+        raise Discrepancy("an obstacle is at the sensor's target", measured=felt)
 
     def _laid(self, robot: Robot, arm: SensorArm) -> Laid:
         """Return the believed position of the sensor that is about to be released."""

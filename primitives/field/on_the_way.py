@@ -48,5 +48,5 @@ def _check_inside(robot: Robot, arm: SensorArm, beside: np.ndarray) -> None:
     out = max(elbow, float(np.hypot(*beside)) + arm.wide)
     if out > robot.spec.footprint_radius_m:
         raise Discrepancy(
-            f"over its target the sensor stands out {out:.2f} m, beyond the footprint", permanent=True
+            f"over its target the sensor extends {out:.2f} m, beyond the footprint", permanent=True
         )

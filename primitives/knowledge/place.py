@@ -111,7 +111,7 @@ class Place(FileModel):
 
     def _shelf(self) -> Shelf:
         if self.shelf is None:
-            raise ValueError("there is no shelf at this place")
+            raise ValueError("no shelf is at this place")
         return self.shelf
 
 

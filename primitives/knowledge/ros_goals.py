@@ -130,7 +130,7 @@ def _frame(node: Node) -> Iterator[Finding]:
     header = node.child("header")
     frame = (header.child("frame_id") if header is not None else None) or node.child("frame_id")
     if frame is not None and frame.content not in MAP_FRAMES:
-        yield _at(frame, f"the goal is told in the frame {frame.content!r}; allowed: map")
+        yield _at(frame, f"the goal is in the frame {frame.content!r}; allowed: map")
 
 
 def _at(node: Node, message: str) -> Finding:

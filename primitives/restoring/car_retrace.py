@@ -60,8 +60,8 @@ def check_stands(robot: Robot, goal: Pose2) -> None:
     """Raise `Discrepancy` where a car isn't at a pose within its tolerance: it can't be moved sideways."""
     off, most = robot.pose.distance(goal), robot.spec.tolerance.base_mm / 1e3
     if off > most or math.degrees(robot.pose.turn(goal)) > robot.spec.tolerance.base_deg:
-        away = Measured("Base", "off where it is to stand", off, most, "m")
-        raise Discrepancy("the car doesn't stand where it is to", measured=away)
+        away = Measured("Base", "distance from its goal", off, most, "m")
+        raise Discrepancy("the car doesn't reach its pose", measured=away)
 
 
 def _reckoned(moment: Moment) -> Pose2:

@@ -80,9 +80,9 @@ def reach_pose(
         regulator.tolerance = _widened(robot, tolerance, robot.time - begun)
         if robot.time > end:
             off = robot.pose.distance(goal)
-            away = Measured("Base", "off where it is to stand", off, tolerance.position, "m")
+            away = Measured("Base", "distance from its goal", off, tolerance.position, "m")
             why = "" if robot.held is None else f": {robot.held.words}"
-            raise Discrepancy(f"the base doesn't come to stand where it is to{why}", measured=away)
+            raise Discrepancy(f"the base doesn't reach its pose{why}", measured=away)
         robot.base.drive(*regulator.command(robot.pose, robot.period))
         yield
 

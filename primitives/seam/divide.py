@@ -104,7 +104,7 @@ def seam_of(model: ModelView) -> ToolPath:
     """Return the seam; raise `Discrepancy` if the task has none."""
     work = model.of(Seam)
     if work.seam is None:
-        raise Discrepancy("the task tells no seam", permanent=True)
+        raise Discrepancy("the task has no `seam` file", permanent=True)
     return work.seam
 
 

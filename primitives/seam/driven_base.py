@@ -32,7 +32,7 @@ def way_from_here(robot: Robot, place: str, planned: Pose2) -> Pose2:
     if off > MOST_BESIDE:
         away = Measured("Base", "off its place", off, MOST_BESIDE, "m")
         raise Discrepancy(
-            f"the base doesn't stand at {place}, where its way beside the seam begins", measured=away
+            f"the base doesn't stand at {place}, where its route along the seam begins", measured=away
         )
     return planned.compose(Pose2(robot.pose.relative_to(planned).x, 0.0, 0.0))
 

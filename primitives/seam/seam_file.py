@@ -34,7 +34,7 @@ def load_seam(path: Path | str) -> ToolPath:
     lines = read_csv(path, MAX_SEAM_POINTS)
     first = next(lines, None)
     if first is None or first.cells != SEAM_COLUMNS:
-        raise _refused(file, 1, f"these are no columns of a seam; allowed: {','.join(SEAM_COLUMNS)}")
+        raise _refused(file, 1, f"these are not columns of a seam; allowed: {','.join(SEAM_COLUMNS)}")
     findings = Findings()
     rows = [_row(file, line, findings) for line in lines]
     findings.raise_all()

@@ -131,7 +131,7 @@ class Track(ActionPrimitive):
             model.obstacles = np.vstack([model.obstacles, self._monitor.kept(sensed, found[1])])
             x, y = found[1]
             raise Discrepancy(
-                f"an obstacle stands in the base's way beside the seam, at ({x:.2f}, {y:.2f}) m",
+                f"an obstacle is on the base's route along the seam, at ({x:.2f}, {y:.2f}) m",
                 measured=Measured("RangeSensor", "free way ahead", found[0], WATCH_HORIZON_M, "m"),
             )
 
@@ -207,7 +207,7 @@ def _check_known(robot: Robot) -> None:
         measured = Measured(
             "Positioning", f"{TOOL_SIGMAS:g} sigma of the tool", 1e3 * off, 1e3 * MOST_OFF, "mm"
         )
-        raise Discrepancy("it isn't known exactly enough where the base stands", measured=measured)
+        raise Discrepancy("the pose of the base isn't known exactly enough", measured=measured)
 
 
 def _lead(pose: Floats) -> ToolPath:

@@ -39,7 +39,7 @@ def with_part(urdf_text: str, part: Part) -> str:
     root = root_link(added)
     for kind in ("link", "joint"):
         if both := sorted({*_names(robot, kind)} & {*_names(added, kind)}):
-            raise ValueError(f"both have a {kind} {both[0]!r}; allowed: a prefix that tells them apart")
+            raise ValueError(f"both have a {kind} {both[0]!r}; allowed: a prefix that distinguishes them")
     known = _names(robot, "material")
     robot.extend(
         each

@@ -69,7 +69,7 @@ def test_a_picture_that_unpacks_to_gigabytes_is_refused(tmp_path: Path, side: in
 @pytest.mark.parametrize(
     ("content", "words"),
     [
-        (b"", "is no picture; allowed: PNG, PGM, BMP, JPEG"),
+        (b"", "is not a picture; allowed: PNG, PGM, BMP, JPEG"),
         (b"P5\n2000000000 2000000000\n255\n", "pixels; allowed"),
         (b"P5\n10 10\n255\nabc", "is broken or cut short"),
         (b"P5\n10 -10\n255\nabc", "the picture"),

@@ -81,7 +81,7 @@ def test_a_base_that_is_not_known_exactly_tracks_nothing(tmp_path: Path) -> None
         TASK, tmp_path, RunOptions(settings={"robot": str(robot), "places_left": "[3]"})
     )
     assert status == 3
-    assert "it isn't known exactly enough where the base stands" in summary["reason"]
+    assert "the pose of the base isn't known exactly enough" in summary["reason"]
     assert summary["metrics"]["untrue"] == []
 
 

@@ -134,14 +134,14 @@ INJECTED_FAULTS: dict[str, InjectedFault] = {
     ),
     "collision": InjectedFault(
         "C15",
-        "a drive tells of its node ID's double",
+        "a drive reports a second node with its ID",
         lambda _, drive: drive.emcy.send(_EMCY_COLLISION, 0x11),
     ),
     "reboot": InjectedFault("C16, S9", "a drive starts anew", lambda _, drive: drive.boot()),
-    "stranger": InjectedFault("C17", "somebody else resets a drive (NMT)", _send(lambda _: 0, nmt_reset)),
+    "stranger": InjectedFault("C17", "another node resets a drive (NMT)", _send(lambda _: 0, nmt_reset)),
     "stranger-command": InjectedFault(
         "C17",
-        "somebody else commands a drive (RPDO)",
+        "another node commands a drive (RPDO)",
         _send(lambda node: 0x200 + node, lambda _: bytes([0x0F, 0, 0, 0, 0, 0])),
     ),
     "replay": InjectedFault("C18, S2", "a drive's old answers are sent again", _replay),
@@ -157,7 +157,7 @@ INJECTED_FAULTS: dict[str, InjectedFault] = {
     "jump": InjectedFault("S4", "a drive's position jumps to and fro", _set(jump=10**6, jumps_in_turn=True)),
     "encoder-wrap": InjectedFault("S13", "a drive's encoder wraps after 65536 counts", _set(wraps=2**16)),
     "drops": InjectedFault("S6", "every second answer of a drive is lost", _set(drops=0.5)),
-    "e-stop": InjectedFault("C12", "somebody presses the emergency stop", _press),
+    "e-stop": InjectedFault("C12", "a person presses the emergency stop", _press),
 }
 """Faults by the names that `handcart bench --fault` takes."""
 

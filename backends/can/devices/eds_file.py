@@ -117,7 +117,7 @@ def _sections(text: str) -> list[_Section]:
 def _findings(name: str, sections: list[_Section]) -> Iterator[Finding]:
     """Find entries that the library would reject without naming the place."""
     if all(each.name != "DeviceInfo" for each in sections):
-        yield Finding(name, 1, 1, "there is no section [DeviceInfo]; needed by CiA 306")
+        yield Finding(name, 1, 1, "the section [DeviceInfo] is missing; needed by CiA 306")
     objects = {int(each.name, 16): each for each in sections if _OBJECT.fullmatch(each.name)}
     for section in sections:
         member = _MEMBER.fullmatch(section.name)
@@ -155,7 +155,7 @@ def _syntax(name: str, error: configparser.Error) -> list[Finding]:
     """What the library's reader of lines says, at its place."""
     match error:
         case configparser.MissingSectionHeaderError(lineno=line):
-            return [Finding(name, line, 1, "stands in no section; allowed: [SECTION] before it")]
+            return [Finding(name, line, 1, "is outside any section; allowed: [SECTION] before it")]
         case configparser.ParsingError(errors=errors):
             allowed = "allowed: KEY=VALUE, [SECTION], a comment behind ;"
             return [

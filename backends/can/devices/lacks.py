@@ -23,12 +23,12 @@ LACKS: Mapping[Without, Lack] = {
     "consumer_heartbeat": Lack(
         (0x1016,),
         "consumer heartbeat time",
-        "it doesn't notice that this program has died or the cable is off: it goes on with its last command",
+        "it doesn't notice that this program has died or the cable is off: it continues its last command",
     ),
     "abort_option": Lack(
         (0x6007,),
         "abort connection option",
-        "what it does when our heartbeat stays away is its own: it may go on, or lose its torque",
+        "its reaction to a missing heartbeat is its own: it may continue, or lose its torque",
     ),
     "quick_stop_option": Lack(
         (0x605A,), "quick stop option", "whether it keeps its torque behind a quick stop is its own"
@@ -38,7 +38,7 @@ LACKS: Mapping[Without, Lack] = {
         (0x605E,), "fault reaction option", "whether it brakes or runs out at a fault is its own"
     ),
     "error_code": Lack(
-        (0x603F,), "error code", "a fault is told by its emergency message alone, without one in no words"
+        (0x603F,), "error code", "a fault is reported only by its emergency message, without one in no words"
     ),
     "torque": Lack(
         (0x6077,),

@@ -44,4 +44,4 @@ def beacons(bench: Bench, finding: CheckResult) -> None:
         finding.at_most("off", float(np.concatenate(off).max(initial=0.0)) if off else math.inf, most, "m")
 
 
-CHECKS = (Check("beacons", "ranges come at their rate, and tell how far the beacons are", beacons),)
+CHECKS = (Check("beacons", "ranges come at their rate, and match the distances of the beacons", beacons),)

@@ -123,7 +123,7 @@ def signs_of_the_base(bench: Bench, finding: CheckResult) -> None:
 def signs_of_the_scan(bench: Bench, finding: CheckResult) -> None:
     """Turning left moves what is seen to the right, by as much."""
     if bench.spec().drive.kind == "ackermann":
-        raise Skipped("a car can't turn where it stands")
+        raise Skipped("a car can't turn on the spot")
     with bench.rig() as rig:
         sensor = needed(rig.backend, RangeSensor)
         steps(rig.backend, 1)
@@ -256,8 +256,8 @@ CHECKS = (
     Check("readings", "shapes, units and ranges of readings at rest", readings),
     Check("base", "forward is forward, left is left, in m/s and rad/s", signs_of_the_base),
     Check("scan's frame", "turning left moves what is seen to the right", signs_of_the_scan),
-    Check("joints", "each joint goes where it is told, in rad", signs_of_the_joints),
-    Check("fingers", "they open to what they are told, and press when closed", fingers),
-    Check("mounts", "camera and range sensor stand where the URDF has them", mounts),
+    Check("joints", "each joint moves to its commanded angle, in rad", signs_of_the_joints),
+    Check("fingers", "they open to the commanded width, and press when closed", fingers),
+    Check("mounts", "camera and range sensor are where the URDF has them", mounts),
     Check("rates", "a reading is taken once a period, and a new one in the next", rates),
 )

@@ -43,4 +43,4 @@ def gps(bench: Bench, finding: CheckResult) -> None:
         finding.at_most("off, median", float(np.median(off)) if off else math.inf, most, "m")
 
 
-CHECKS = (Check("gps", "fixes come at their rate, and tell where the antenna is", gps),)
+CHECKS = (Check("gps", "fixes come at their rate, and match the position of the antenna", gps),)

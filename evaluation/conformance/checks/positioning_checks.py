@@ -53,5 +53,5 @@ def positioning(bench: Bench, finding: CheckResult) -> None:
 
 
 CHECKS = (
-    Check("positioning", "readings come at their rate, and tell where the base was as long ago", positioning),
+    Check("positioning", "readings come at their rate, and match the base's pose at their time", positioning),
 )

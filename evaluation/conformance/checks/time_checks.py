@@ -65,7 +65,7 @@ def monotonic(bench: Bench, finding: CheckResult) -> None:
         for _ in range(10):
             before = scene.time
             all_readings(rig.backend)
-            finding.expect(scene.time == before, "the clock goes on while readings are taken")
+            finding.expect(scene.time == before, "the clock advances while readings are taken")
             rig.backend.step()
             ahead = scene.time - before
             finding.expect(abs(ahead - rig.backend.period) < 1e-9, f"a step takes {ahead:g} s")
@@ -173,8 +173,8 @@ def _other_clocks() -> Iterator[None]:
 
 CHECKS = (
     Check("period", "a step is one period of the robot's file", period),
-    Check("clock", "the simulated clock goes on with each step, and not otherwise", monotonic),
+    Check("clock", "the simulated clock advances with each step, and only then", monotonic),
     Check("seed", "the same seed gives the same readings, bit for bit", same_seed),
-    Check("looking on", "who takes more readings doesn't change the run", looking_on),
+    Check("looking on", "additional readings don't change the run", looking_on),
     Check("wall clock", "nothing depends on the wall clock", wall_clock),
 )

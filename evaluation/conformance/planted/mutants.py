@@ -120,11 +120,11 @@ _ALL = (
     _in_backend("QueuesCommands", "sends after a stop what was queued before", "stop"),
     _in_backend("TakesAnything", "takes NaN and what is beyond a limit", "limits"),
     _in_backend("MovesAtOnce", "moves without a step", "after a step"),
-    _in_backend("WrongUnits", "tells wheel travel in mm", "base"),
+    _in_backend("WrongUnits", "reports wheel travel in mm", "base"),
     _in_backend("EchoesCommands", "encoders read what was commanded", "joints"),
     _in_backend("RollsDice", "ranges waver with the wall clock", "rates"),
     _in_backend("HalfPixel", "pictures are half a pixel off", "tag"),
-    _in_backend("Undelayed", "tells where the base was as where it is", "positioning"),
+    _in_backend("Undelayed", "reports an old pose of the base as the current one", "positioning"),
     _in_backend("TurnsOtherWay", "its gyros' axes point down", "imu"),
     _in_backend("FixInMillimetres", "tells fixes in mm", "gps"),
 )

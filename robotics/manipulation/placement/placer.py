@@ -153,13 +153,13 @@ class Placer:
         if self.pitch_arm is not None:
             near = np.append(self.pitch_arm.joints(base, path)[0], 0.0)
             if np.isnan(near).any():
-                raise Untrackable(0, "can't be reached from where the base stands")
+                raise Untrackable(0, "can't be reached from the base's pose")
             return self.follower.joints(path, world_T_base, near)
         first, count = None, len(path.points)
         near_all = self._screw_arm.joints(base, path, self._rule)
         for start in dict.fromkeys((0, count - 1, count // 2, count // 4, 3 * count // 4)):
             if np.isnan(near_all[start]).any():
-                first = first or Untrackable(start, "can't be reached from where the base stands")
+                first = first or Untrackable(start, "can't be reached from the base's pose")
                 continue
             try:
                 return self._both_ways(path, world_T_base, start, near_all[start])

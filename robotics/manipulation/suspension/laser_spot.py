@@ -87,7 +87,7 @@ def _slope(name: str, pairs: Sequence[tuple[float, float]]) -> float:
     """The slope of a line through the origin."""
     over, value = np.array(pairs, dtype=float).reshape(-1, 2).T
     if float(over @ over) < _LEAST_MOVED**2:
-        raise ValueError(f"the spots can't tell {name}: move the hand further, or swing it more often")
+        raise ValueError(f"the spots can't determine {name}: move the hand further, or swing it more often")
     return float(over @ value / (over @ over))
 
 

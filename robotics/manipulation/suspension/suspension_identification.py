@@ -145,7 +145,7 @@ def _fit(
 
     start = np.concatenate([fixed[free] / _STEPS[free], others])
     if count == 0:
-        raise ValueError("there are no measurements")
+        raise ValueError("no measurements")
     found = least_squares(
         lambda values: residuals(model_of(values), values[len(free) :]),
         start,
@@ -170,6 +170,6 @@ def _check(sigmas: Floats) -> None:
     ]
     if vague:
         raise ValueError(
-            f"the measurements can't tell {', '.join(vague)}: reach further out, in x and in y, at several "
+            f"the measurements can't determine {', '.join(vague)}: reach further out, in x and y, at several "
             "heights and after several swings, or give what is known"
         )

@@ -94,7 +94,7 @@ class TrackRecord:
     def rewind(self, entries: Entries) -> None:
         """Forget what came after `entries`, in the same run."""
         if entries.starts != self._starts:
-            raise ValueError("a record can't be rewound to before the filter began anew")
+            raise ValueError("a record can't be rewound to before the filter's restart")
         self._links, self._latest = self._links[: entries.links], entries.latest
 
     def smoothed(self) -> list[Belief]:

@@ -33,7 +33,7 @@ def pose_board(view: BoardView, camera: CameraModel) -> PosedBoard:
     rays = camera.undistort(view.pixels)
     solved, turn, origin = cv2.solvePnP(view.points, rays, np.eye(3), None, flags=cv2.SOLVEPNP_IPPE)
     if not solved:
-        raise ValueError("the corners are no image of a board")
+        raise ValueError("the corners are not an image of a board")
     turn, origin = cv2.solvePnPRefineLM(view.points, rays, np.eye(3), None, turn, origin)
     pose = np.eye(4)
     pose[:3, :3], pose[:3, 3] = cv2.Rodrigues(turn)[0], origin.ravel()

@@ -25,7 +25,7 @@ def landmark_pose(seen: Landmark, side: float = 0.06) -> Transform:
         square_corners(side), seen.rays, np.eye(3), None, flags=cv2.SOLVEPNP_IPPE_SQUARE
     )
     if not solved:
-        raise ValueError("the corners are no image of a square")
+        raise ValueError("the corners are not an image of a square")
     pose = np.eye(4)
     pose[:3, :3], pose[:3, 3] = cv2.Rodrigues(turn)[0], origin.ravel()
     return pose

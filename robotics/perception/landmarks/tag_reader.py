@@ -78,7 +78,7 @@ def tag_pose(tag: Tag, camera: CameraModel, side: float) -> Floats:
     rays = camera.undistort(tag.corners)
     solved, turn, origin = cv2.solvePnP(square, rays, np.eye(3), None, flags=cv2.SOLVEPNP_IPPE_SQUARE)
     if not solved:
-        raise ValueError(f"the corners of tag {tag.id} are no image of a square")
+        raise ValueError(f"the corners of tag {tag.id} are not an image of a square")
     pose = np.eye(4)
     pose[:3, :3], pose[:3, 3] = cv2.Rodrigues(turn)[0], origin.ravel()
     return pose

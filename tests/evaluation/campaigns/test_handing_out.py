@@ -196,7 +196,7 @@ def test_a_trial_that_comes_back_as_another_is_a_fault(
     cluster: Cluster, scheduler: Scheduler, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     on_nap(monkeypatch, lambda _: scheduler.end(scheduler.given[0], line_of(trial(99))))
-    with pytest.raises(TrialFault, match="seed 3 came back as something else"):
+    with pytest.raises(TrialFault, match="seed 3 came back with invalid content"):
         list(cluster.trials([3]))
 
 

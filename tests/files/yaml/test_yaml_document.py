@@ -137,7 +137,7 @@ def test_t05_tags(tag: str) -> None:
 
 def test_t06_duplicate_key_names_both_lines() -> None:
     (finding,) = refusal("speed: 1\nplace: x\nspeed: 2\n")
-    assert str(finding) == "f.yaml:3:1: the key 'speed' stands here again, first on line 1; allowed: once"
+    assert str(finding) == "f.yaml:3:1: the key 'speed' is here again, first on line 1; allowed: once"
 
 
 @pytest.mark.parametrize(

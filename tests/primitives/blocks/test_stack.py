@@ -68,7 +68,7 @@ def test_looking_first_a_missing_block_is_a_fail_with_the_arm_back() -> None:
         before = rig.robot.arm.joints()
         outcome = rig.do(PickUpBlock(number=3, at="robot", look=True))
         assert isinstance(outcome, Fail)
-        assert "block 3 isn't seen where it should stand" in outcome.reason
+        assert "block 3 isn't seen at its planned place" in outcome.reason
         assert rig.robot.arm.joints() == pytest.approx(before, abs=1e-3)
 
 
@@ -175,7 +175,7 @@ def test_occupied_goal_is_a_fail_with_the_block_in_hand() -> None:
         scene.changes += 1
         outcome = rig.do(Stack(number=1, onto="goal", method="fix_once"))
         assert isinstance(outcome, Fail)
-        assert "something stands where the block goes" in outcome.reason
+        assert "an obstacle is at the block's goal" in outcome.reason
         assert scene.held is scene.of(BlockProps).blocks["1"]
 
 
@@ -233,7 +233,7 @@ def test_block_put_back_at_another_place_is_a_give_up() -> None:
                 scene.move_base(scene.base)
             rig.robot.step()
     assert isinstance(outcome, GiveUp), outcome
-    assert "block 1 doesn't stand where it stood" in outcome.reason
+    assert "block 1 isn't at its place" in outcome.reason
 
 
 def test_the_base_is_still_to_turn_when_the_block_is_yet_to_swing() -> None:

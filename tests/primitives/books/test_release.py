@@ -102,7 +102,7 @@ def test_where_no_board_is_the_book_is_not_let_go(at_slot: Callable[..., Rig]) -
     rig = at_slot()
     outcome = rig.run(Release(shelf="shelf_1"))
     assert isinstance(outcome, Fail)
-    assert outcome.reason == "there is no board below the book"
+    assert outcome.reason == "no board is below the book"
     assert rig.scene.held.rest is Rest.HAND
 
 

@@ -267,7 +267,7 @@ def test_after_a_point_of_no_return_nothing_is_retraced(make_rig: Callable[..., 
 def test_an_effect_that_is_not_seen_is_a_fail(make_rig: Callable[..., Rig]) -> None:
     outcome = make_rig().run(Blind())
     assert isinstance(outcome, Fail)
-    assert outcome.reason == "success is not confirmed: what was to be achieved is not seen"
+    assert outcome.reason == "success is not confirmed: the effect is not seen"
 
 
 def test_an_effect_that_is_not_seen_after_no_return_is_for_a_person(make_rig: Callable[..., Rig]) -> None:

@@ -125,7 +125,7 @@ def test_an_arm_that_does_not_follow_is_noticed(kind: FaultKind) -> None:
     ending, _ = ended(Reach(ahead_m=0.0, swing_rad=0.5), 10, Fault(kind, "joints", FOR_GOOD))
     assert ending.outcome in ("Fail", "GiveUp")
     assert ending.wrong == ()
-    assert "from where it was told to be" in ending.reason
+    assert "from its command" in ending.reason
 
 
 def test_one_broken_reading_of_the_wheels_is_left_out() -> None:

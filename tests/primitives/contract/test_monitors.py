@@ -126,7 +126,7 @@ def test_a_joint_off_all_its_commands_is_noticed_after_some_periods(
         monitor.check()
     assert error.value.check == "following"
     if not math.isnan(off):
-        assert str(error.value) == "joint 2 is 0.02 rad from where it was told to be"
+        assert str(error.value) == "joint 2 is 0.02 rad from its command"
         expected = Measured("Arm", "joint 2 off its command", off, TRACKING_TOLERANCE_RAD, "rad")
         assert error.value.measured == expected
 
@@ -135,7 +135,7 @@ def test_a_sliding_joint_is_told_in_mm() -> None:
     arm: Any = Follows(slides=True)
     monitor = TrackingErrorMonitor(arm)
     arm.reading = np.array([0.0, -0.0304])
-    with pytest.raises(Discrepancy, match=r"joint 2 is 30\.4 mm from where it was told to be") as error:
+    with pytest.raises(Discrepancy, match=r"joint 2 is 30\.4 mm from its command") as error:
         for _ in range(20):
             monitor.check()
     assert error.value.measured == Measured("Arm", "joint 2 off its command", 30.4, 20.0, "mm")

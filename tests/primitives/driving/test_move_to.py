@@ -39,7 +39,7 @@ def test_unmapped_box_is_a_fail_and_modify_leads_around_it(
     before = rig.scene.base
     failed = rig.run(MoveTo(place="shelf_1", wait_s=1.0))
     assert isinstance(failed, Fail)
-    assert "an obstacle stands on the path to shelf_1" in failed.reason
+    assert "an obstacle is on the path to shelf_1" in failed.reason
     assert math.dist(before[:2], rig.scene.base[:2]) < 0.03
     assert rig.restored == [failed.reason]
     assert len(rig.model.obstacles) > 0
@@ -94,7 +94,7 @@ def test_passers_by_are_waited_for_one_by_one() -> None:
     now.time = 10.0
     move.watch(now, model)
     now.time = 10.2
-    with pytest.raises(Discrepancy, match=r"an obstacle stands on the path to there, at \(1\.00, 0\.00\) m"):
+    with pytest.raises(Discrepancy, match=r"an obstacle is on the path to there, at \(1\.00, 0\.00\) m"):
         move.watch(now, model)
     assert len(model.obstacles) == 1
 
@@ -126,4 +126,4 @@ def test_what_stands_behind_while_restoring_is_on_the_way_back(make_rig: Callabl
     rig = make_rig(BOX.format(x=1.5, y=1.1, more=", appears_s: 5"))
     outcome = rig.run(MoveTo(place="shelf_1", wait_s=2.0), cancel=lambda: rig.robot.time > 5.0)
     assert isinstance(outcome, GiveUp)
-    assert "restoring failed: an obstacle stands on the way back, at (" in outcome.reason
+    assert "restoring failed: an obstacle is on the way back, at (" in outcome.reason

@@ -71,7 +71,7 @@ def test_it_drives_ahead_until_the_heading_shows(unheaded: Callable[..., Any]) -
         assert not where.heading_known
         refused = rig.do(MoveTo(place="1"))
         assert isinstance(refused, Fail)
-        assert refused.reason == "nobody told which way the robot heads: ORIENT finds it out"
+        assert refused.reason == "the heading is unknown; run ORIENT first"
         assert refused.permanent
         assert isinstance(rig.do(Orient()), Success)
         assert where.heading_known

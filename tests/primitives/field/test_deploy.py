@@ -81,7 +81,7 @@ def test_without_ground_below_it_the_sensor_is_not_let_go(rig: Rig, monkeypatch:
     monkeypatch.setattr("handcart.primitives.field.deploy.GROUND_TOLERANCE_M", -0.06)
     failed = rig.do(Deploy(target="here"))
     assert isinstance(failed, Fail), failed
-    assert failed.reason == "there is no ground below the sensor"
+    assert failed.reason == "no ground is below the sensor"
     assert rig.model.of(FieldWork).laid == ()
 
 
@@ -198,7 +198,7 @@ def test_on_its_way_aside_a_sensor_that_touches_the_ground_is_lifted(
         assert robot.arm.command()[2] == pytest.approx(0.34, abs=1e-3)
         assert arm.scara.tip(robot.arm.command()) == pytest.approx(there, abs=1e-3)
     else:
-        with pytest.raises(Discrepancy, match="something stands where the sensor goes"):
+        with pytest.raises(Discrepancy, match="an obstacle is at the sensor's target"):
             follow(aside)
 
 

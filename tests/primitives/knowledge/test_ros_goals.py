@@ -85,7 +85,7 @@ def test_what_is_wrong_with_a_place_is_told_where_the_goal_stands(tmp_path: Path
         (
             "frame_id: map, stamp",
             "frame_id: odom, stamp",
-            "1:22: the goal is told in the frame 'odom'; allowed: map",
+            "1:22: the goal is in the frame 'odom'; allowed: map",
         ),
         (
             "z: 0.7071068, w: 0.7071068",

@@ -133,7 +133,7 @@ def test_lag_of_a_lift_is_told_in_mm(lifter: Robot, monkeypatch: pytest.MonkeyPa
     assert measured is not None
     assert (measured.unit, measured.limit) == ("mm", 30.0)
     monitor = TrackingErrorMonitor(lifter)
-    with pytest.raises(Discrepancy, match=r"joint 1 is 3.* mm from where it was told to be"):
+    with pytest.raises(Discrepancy, match=r"joint 1 is 3.* mm from its command"):
         for _ in range(MAX_LAG_PERIODS + IN_A_ROW):
             monitor.check()
 

@@ -201,9 +201,9 @@ def test_a_car_stands_where_its_file_allows_it_to(off: tuple[float, float, float
     if stands:
         check_stands(robot, Pose2(0.0, 0.0, 0.0))
         return
-    with pytest.raises(Discrepancy, match="the car doesn't stand where it is to") as error:
+    with pytest.raises(Discrepancy, match="the car doesn't reach its pose") as error:
         check_stands(robot, Pose2(0.0, 0.0, 0.0))
-    assert error.value.measured == ("Base", "off where it is to stand", math.hypot(*off[:2]), 0.1, "m")
+    assert error.value.measured == ("Base", "distance from its goal", math.hypot(*off[:2]), 0.1, "m")
 
 
 def test_fingers_move_before_the_arm_and_get_their_time() -> None:

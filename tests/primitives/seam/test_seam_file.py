@@ -30,7 +30,7 @@ def test_the_shipped_seam() -> None:
 @pytest.mark.parametrize(
     ("line", "text", "wanted"),
     [
-        (1, "x,y,z", r"seam.csv:1:1: these are no columns of a seam; allowed: x_m,y_m,z_m,roll_deg,"),
+        (1, "x,y,z", r"seam.csv:1:1: these are not columns of a seam; allowed: x_m,y_m,z_m,roll_deg,"),
         (9, "2.1,nan,0.7,0,35,90", r"seam.csv:9:5: y_m is 'nan'; allowed: a finite number"),
         (9, "2.1,4.0,high,0,35,90", r"seam.csv:9:9: z_m is 'high'; allowed: a finite number"),
         (9, "2.1,4.0", r"seam.csv:9:1: 2 values; allowed: 6"),

@@ -57,7 +57,7 @@ def test_a_base_whose_place_or_heading_is_unsure_tracks_nothing(
     """A heading is as bad as a place: the tool is a metre away."""
     failed = make_stage(f"{key}: 0.3", f"{key}: {UNSURE[key]}").do(Track())
     assert isinstance(failed, Fail), failed
-    assert failed.reason == "it isn't known exactly enough where the base stands"
+    assert failed.reason == "the pose of the base isn't known exactly enough"
 
 
 def test_what_the_tool_touches_ends_it(
@@ -137,5 +137,5 @@ def test_three_sigma_of_the_tool_are_within_its_tolerance(
     if known:
         _check_known(robot)
         return
-    with pytest.raises(Discrepancy, match="it isn't known exactly enough where the base stands"):
+    with pytest.raises(Discrepancy, match="the pose of the base isn't known exactly enough"):
         _check_known(robot)

@@ -124,9 +124,9 @@ def test_all_of_it_at_once(tmp_path: Path) -> None:
     [
         (HEAD + WORD + WORD, "17:1: [6040] is there twice; allowed: once"),
         (HEAD + WORD + "AccessType=rw\n", "16:1: AccessType is there twice in [6040]; allowed: once"),
-        ("ParameterName=A\n" + HEAD, "1:1: stands in no section; allowed: [SECTION] before it"),
+        ("ParameterName=A\n" + HEAD, "1:1: is outside any section; allowed: [SECTION] before it"),
         (HEAD, "1:1: it describes no object; allowed: sections such as [6040]"),
-        ("", "1:1: there is no section [DeviceInfo]; needed by CiA 306"),
+        ("", "1:1: the section [DeviceInfo] is missing; needed by CiA 306"),
     ],
 )
 def test_syntax(tmp_path: Path, text: str, message: str) -> None:
