@@ -132,7 +132,7 @@ class Release(TreePrimitive):
         self.found(proud_mm=round(1e3 * proud, 1), push_n=round(pushed.force, 1))
         if proud > MAX_OVERHANG_M:
             raise Discrepancy(
-                f"the book can't be pushed home: it protrudes {1e3 * proud:.0f} mm proud",
+                f"the book can't be pushed home: it protrudes {1e3 * proud:.0f} mm",
                 measured=Measured(
                     "Arm", "the finger tips before flush", 1e3 * proud, 1e3 * MAX_OVERHANG_M, "mm"
                 ),

@@ -75,7 +75,7 @@ def test_a_picture_that_unpacks_to_gigabytes_is_refused(tmp_path: Path, side: in
         (b"P5\n10 -10\n255\nabc", "the picture"),
         (b"P5\n" + b"9" * 5000 + b" 1\n255\n", "the picture"),
         (b"P2\n3 1\n255\n0 1 x\n", "is broken"),
-        (b"GIF89a", "is no picture"),
+        (b"GIF89a", "is not a picture"),
         (b"BM" + bytes(52), "the picture"),
     ],
 )

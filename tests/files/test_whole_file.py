@@ -54,6 +54,6 @@ def test_a_link_is_replaced_and_never_followed(tmp_path: Path) -> None:
 def test_what_is_no_file_stays(tmp_path: Path, make: Callable[[Path], None]) -> None:
     path = tmp_path / "thing"
     make(path)
-    with pytest.raises(OSError, match="no regular file"):
+    with pytest.raises(OSError, match="not a regular file"):
         write_whole(path, "new")
     assert os.listdir(tmp_path) == ["thing"]

@@ -121,7 +121,7 @@ def test_a_picture_that_leads_out_of_the_maps_folder_is_refused(chart: Path, ima
         ("negate: 0", "mode: binary", "map.yaml:4:7:"),
         ("map.pgm", "mop.pgm", "map.yaml:1:8: no picture can be read from 'mop.pgm'"),
         ("map.pgm", "/dev/zero", "map.yaml:1:8: no picture can be read from '/dev/zero'"),
-        ("map.pgm", "map.yaml", "map.yaml:1:1: the picture is no picture"),
+        ("map.pgm", "map.yaml", "map.yaml:1:1: the picture is not a picture"),
     ],
 )
 def test_what_is_beyond_sense_is_refused(chart: Path, old: str, new: str, words: str) -> None:

@@ -239,7 +239,7 @@ def test_t14_encoding_and_emptiness(content: bytes, said: str) -> None:
         ("a: 1\nb\nc: 3", "f.yaml:2:1: a line without ':'"),
         ("a: [1, 2", "f.yaml:1:9: a bracket is"),
         ("a: 1\nb: 'x", "f.yaml:2:4: quotes are opened and never closed"),
-        ("? [a, b]\n: 1", "f.yaml:1:3: a key that is no word"),
+        ("? [a, b]\n: 1", "f.yaml:1:3: a key that isn't a word"),
     ],
 )
 def test_syntax_in_words_of_people(text: str, said: str) -> None:

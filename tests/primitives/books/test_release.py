@@ -87,7 +87,7 @@ def test_a_label_that_is_not_read_in_the_slot_is_for_a_person(inserted: Callable
     books.book = books.book.model_copy(update={"call": "533.1 OHM"})
     outcome = rig.run(Release(shelf="shelf_1"))
     assert isinstance(outcome, GiveUp)
-    assert "what was to be achieved is not seen" in outcome.reason
+    assert "the effect is not seen" in outcome.reason
 
 
 def test_a_book_between_the_wrong_neighbours_is_for_a_person(inserted: Callable[..., Rig]) -> None:
@@ -113,7 +113,7 @@ def test_a_book_that_does_not_go_home_is_for_a_person(
     monkeypatch.setattr("handcart.backends.simulation.books.row_rule.PUSH_FRICTION", 40.0)
     outcome = rig.run(Release(shelf="shelf_1"))
     assert isinstance(outcome, GiveUp)
-    assert "doesn't go home" in outcome.reason
+    assert "can't be pushed home" in outcome.reason
     assert np.allclose(rig.robot.arm.command(), rig.robot.spec.posture("home"))
 
 

@@ -71,5 +71,5 @@ def test_base_sliding_in_a_turn_is_restored_within_tolerance() -> None:
 def test_base_that_does_not_come_back_is_reported() -> None:
     robot = ShiftingRobot(Pose2(0.3, 0.0, 0.0), beside=0.0, slides=0.0)
     robot.drive = lambda speed, turn_rate: setattr(robot, "time", robot.time + 0.05)  # type: ignore[method-assign]
-    with pytest.raises(Discrepancy, match="doesn't come to stand"):
+    with pytest.raises(Discrepancy, match="doesn't reach its pose"):
         bring(robot, Pose2(0.0, 0.0, 0.0))

@@ -87,7 +87,7 @@ def test_what_stands_in_the_way_is_a_fail_and_remembered(make_rig: Callable[...,
     before, home = base_of(rig), rig.robot.arm.command()
     failed = rig.do(Track())
     assert isinstance(failed, Fail), failed
-    assert failed.reason.startswith("an obstacle stands in the base's way beside the seam")
+    assert failed.reason.startswith("an obstacle is on the base's route along the seam")
     assert base_of(rig).distance(before) < 0.025
     assert np.abs(rig.robot.arm.command() - home).max() < 1e-6
     assert len(rig.model.obstacles)

@@ -95,7 +95,7 @@ def test_exact_displacements_give_the_exact_model() -> None:
 def test_a_parameter_that_was_not_measured_is_named() -> None:
     swings = [Swing(hand(0.25, y, 0.55), REFERENCE, n) for n, y in enumerate(np.linspace(0.35, 0.7, 8))]
     moved = np.array([TRUE.displaced(*swing)[:3, 3] - swing.base_T_hand[:3, 3] for swing in swings])
-    with pytest.raises(ValueError, match=r"can't tell pitch_per_m"):
+    with pytest.raises(ValueError, match=r"can't determine pitch_per_m"):
         fit_displacements(swings, moved)
     fit = fit_displacements(swings, moved, {"pitch_per_m": TRUE.pitch_per_m})
     assert fit.model == pytest.approx(TRUE, rel=1e-5)
@@ -139,7 +139,7 @@ def test_identified_from_landmarks(seed: int) -> None:
 
 def test_one_landmark_is_not_enough() -> None:
     sightings, guess = sightings_of(np.random.default_rng(1), 0.0)
-    with pytest.raises(ValueError, match="can't tell"):
+    with pytest.raises(ValueError, match="can't determine"):
         fit_sightings(sightings[:1], HAND_T_CAMERA, guess)
 
 

@@ -83,5 +83,5 @@ def test_a_rewound_record_forgets_what_came_later() -> None:
     for one, other in zip(record.smoothed(), before, strict=True):
         assert one.mean == pytest.approx(other.mean)
     record.start()
-    with pytest.raises(ValueError, match="began anew"):
+    with pytest.raises(ValueError, match="before the filter's restart"):
         record.rewind(kept)
