@@ -172,7 +172,7 @@ def _exactly(kind: type) -> _Codec:
 
 def _any_float(data: object) -> float:
     if type(data) is not float or math.isnan(data):
-        raise TypeError(f"{_shown(data)} is no number with a point")
+        raise TypeError(f"{_shown(data)} isn't a floating-point number")
     return data
 
 
