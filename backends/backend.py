@@ -19,7 +19,7 @@ from .ground_truth import GroundTruth
 from .recording import Recording
 from .saved_state import NotAState
 
-C = TypeVar("C", bound=Capability)
+CapabilityT = TypeVar("CapabilityT", bound=Capability)
 
 
 class CommandError(HandcartError, ValueError):
@@ -193,7 +193,7 @@ class Backend(ABC):
         """
         return None
 
-    def get(self, kind: type[C]) -> C | None:
+    def get(self, kind: type[CapabilityT]) -> CapabilityT | None:
         """The capability of that kind, None where the robot has none."""
         return next((each for each in self.capabilities() if isinstance(each, kind)), None)
 

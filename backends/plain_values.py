@@ -19,13 +19,13 @@ from typing import Annotated, Any, NamedTuple, Union
 import numpy as np
 from pydantic import BaseModel
 
-from handcart.robotics.far import FAR
+from handcart.robotics.far import MAY_BE_INFINITE
 
 from .saved_state import NotAState
 
-LARGEST = 1e15
+MAX_NUMBER = 1e15
 """Beyond that a finite number in a state makes no sense, whatever its unit."""
-LONGEST = 100_000  # characters of a word
+MAX_TEXT_LETTERS = 100_000  # characters of a word
 
 Kinds = Mapping[str, Any]
 """Names of attributes, each with the type of its values."""
@@ -105,7 +105,7 @@ def _codec(kind: Any) -> _Codec:
     if origin in (list, tuple, frozenset):
         return _many(origin, _codec(args[0]))
     if origin is float:
-        return _Codec(float, _float if FAR not in marks else _any_float)
+        return _Codec(float, _float if MAY_BE_INFINITE not in marks else _any_float)
     if origin in (bool, int, str, bytes, types.NoneType, None):
         return _exactly(types.NoneType if origin is None else origin)
     return _of_class(kind)
@@ -161,7 +161,7 @@ def _exactly(kind: type) -> _Codec:
     def read(data: object) -> object:
         if type(data) is not kind:
             raise TypeError(f"{_shown(data)} is no {kind.__name__}")
-        if isinstance(data, str) and len(data) > LONGEST:
+        if isinstance(data, str) and len(data) > MAX_TEXT_LETTERS:
             raise ValueError(f"a word of {len(data)} characters")
         if isinstance(data, int) and abs(data) > 2**128:
             raise ValueError("a number of more than 128 bits")
@@ -178,8 +178,8 @@ def _any_float(data: object) -> float:
 
 def _float(data: object) -> float:
     value = _any_float(data)
-    if not abs(value) <= LARGEST:
-        raise ValueError(f"{value} is beyond {LARGEST:g}")
+    if not abs(value) <= MAX_NUMBER:
+        raise ValueError(f"{value} is beyond {MAX_NUMBER:g}")
     return value
 
 
@@ -192,7 +192,7 @@ def _array(dtype: np.dtype[Any], marks: tuple[Any, ...]) -> _Codec:
         if shape is not None and data.shape != shape:
             raise ValueError(f"an array {data.shape}, needed: {shape}")
         if dtype.kind == "f":
-            bad = np.isnan(data) if FAR in marks else ~(np.abs(data) <= LARGEST)
+            bad = np.isnan(data) if MAY_BE_INFINITE in marks else ~(np.abs(data) <= MAX_NUMBER)
             if bad.any():
                 raise ValueError("an array with an element that isn't a number, or is out of range")
         return data

@@ -20,7 +20,7 @@ from .backend import Backend, NoBench
 if TYPE_CHECKING:
     from handcart.robotics.navigation.maps.grid_map import GridMap
 
-TABLE = {
+SHIPPED_BACKENDS = {
     "can": "handcart.backends.can.can_backend:CanBackend",
     "mujoco": "handcart.backends.mujoco.mujoco_backend:MujocoBackend",
     "kinematic": "handcart.backends.kinematic.kinematic_backend:KinematicBackend",
@@ -28,8 +28,8 @@ TABLE = {
 }
 """Name to import path; other packages add theirs by an entry point of the group `handcart.backends`."""
 
-GROUP = "handcart.backends"
-HERE = Pose2(0.0, 0.0, 0.0)
+ENTRY_POINT_GROUP = "handcart.backends"
+DEFAULT_START = Pose2(0.0, 0.0, 0.0)
 
 
 class UnknownBackend(InputError, KeyError):
@@ -58,7 +58,7 @@ class MissingLibrary(InputError):
 
 @cache
 def _all() -> dict[str, str]:
-    return paths_of(GROUP, TABLE)
+    return paths_of(ENTRY_POINT_GROUP, SHIPPED_BACKENDS)
 
 
 def backend_names() -> list[str]:
@@ -71,7 +71,7 @@ def make_backend(
     robot: RobotFile,
     world: Path | None,
     seed: int,
-    start: Pose2 = HERE,
+    start: Pose2 = DEFAULT_START,
     window: bool = False,
     bench: str | None = None,
     put_at_start: bool = False,
@@ -160,7 +160,7 @@ def backend_class(name: str) -> type[Backend]:
     """The class of a backend; raises `UnknownBackend`, `BrokenPlugin` or `MissingLibrary`."""
     if name not in _all():
         raise UnknownBackend(name)
-    check_name(name, GROUP, TABLE)
+    check_name(name, ENTRY_POINT_GROUP, SHIPPED_BACKENDS)
     try:
         kind: type[Backend] = import_plugin(_all()[name], f"the backend {name!r}")
     except ModuleNotFoundError as missing:

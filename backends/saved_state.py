@@ -17,10 +17,10 @@ import orjson
 
 from handcart.files.errors import InputError
 
-FORMAT = "handcart-state/1"
+STATE_FORMAT = "handcart-state/1"
 MAX_BYTES = 256 * 2**20
 """Maximum size of a saved state."""
-DEPTH = 48  # levels of lists and mappings
+MAX_DEPTH = 48  # levels of lists and mappings
 _DTYPES = ("float64", "float32", "int64", "uint8", "bool")
 _HEAD = re.compile(rb"handcart-state/(\d{1,3}) ([0-9a-f]{64})\n(?=(\d{1,9})\n)")
 _MARKS = {"$array", "$bytes", "$float", "$int"}
@@ -40,7 +40,7 @@ def pack(state: object) -> bytes:
     blobs: list[bytes] = []
     text = orjson.dumps(_written(state, blobs))
     body = b"".join((b"%d\n" % len(text), text, *blobs))
-    return b"%b %b\n%b" % (FORMAT.encode(), digest(body).encode(), body)
+    return b"%b %b\n%b" % (STATE_FORMAT.encode(), digest(body).encode(), body)
 
 
 def unpack(content: bytes) -> Any:
@@ -51,15 +51,15 @@ def unpack(content: bytes) -> Any:
     """
     head = _HEAD.match(content[:200])
     if head is None:
-        raise NotAState(f"no saved state: it doesn't begin with {FORMAT}")
-    if f"handcart-state/{int(head[1])}" != FORMAT:
-        raise NotAState(f"no saved state of the format {FORMAT}, but of handcart-state/{int(head[1])}")
+        raise NotAState(f"no saved state: it doesn't begin with {STATE_FORMAT}")
+    if f"handcart-state/{int(head[1])}" != STATE_FORMAT:
+        raise NotAState(f"no saved state of the format {STATE_FORMAT}, but of handcart-state/{int(head[1])}")
     if digest(memoryview(content)[head.end() :]) != head[2].decode():
         raise NotAState("no saved state: it is damaged, its checksum is another one")
     body = memoryview(content)[head.end() + len(head[3]) + 1 :]
     try:
         reader = _Reader(body[int(head[3]) :])
-        state = reader.read(orjson.loads(body[: int(head[3])]), DEPTH)
+        state = reader.read(orjson.loads(body[: int(head[3])]), MAX_DEPTH)
     except (ValueError, TypeError, KeyError, OverflowError) as error:
         raise NotAState(f"no saved state: {error}") from None
     if reader.taken != len(reader.blobs):
@@ -108,7 +108,7 @@ class _Reader:
     def read(self, value: Any, depth: int) -> Any:
         """What `_written` wrote."""
         if depth < 0:
-            raise ValueError(f"more than {DEPTH} levels of lists and mappings")
+            raise ValueError(f"more than {MAX_DEPTH} levels of lists and mappings")
         if isinstance(value, list):
             return [self.read(each, depth - 1) for each in value]
         if not isinstance(value, dict):

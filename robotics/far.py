@@ -7,8 +7,8 @@ from typing import Annotated, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-FAR = "may be infinite"
+MAY_BE_INFINITE = "may be infinite"
 """Says so of a type; whatever doesn't is finite."""
 
-Far: TypeAlias = Annotated[float, FAR]
-FarArray: TypeAlias = Annotated[NDArray[np.float64], FAR]
+Far: TypeAlias = Annotated[float, MAY_BE_INFINITE]
+FarArray: TypeAlias = Annotated[NDArray[np.float64], MAY_BE_INFINITE]

@@ -15,7 +15,7 @@ DOMAIN = Domain(
         {"building": "A building plan: where blocks wait and where they go."},
     ),
     props="handcart.backends.simulation.blocks.block_props:BlockProps",
-    physics="handcart.backends.physics.blocks.bodies:BODIES",
+    physics="handcart.backends.physics.blocks.bodies:PROP_BODIES",
     primitives={
         "FIXATE": "handcart.primitives.blocks.fixate:Fixate",
         "PICK_UP_BLOCK": "handcart.primitives.blocks.pick_up_block:PickUpBlock",

@@ -12,7 +12,7 @@ DOMAIN = Domain(
     "books",
     knowledge=Knowledge("handcart.primitives.books.books:Books", {"catalogue": "The books of a library."}),
     props="handcart.backends.simulation.books.book_props:BookProps",
-    physics="handcart.backends.physics.books.bodies:BODIES",
+    physics="handcart.backends.physics.books.bodies:PROP_BODIES",
     primitives={
         "RECOGNIZE": "handcart.primitives.books.recognize:Recognize",
         "PICK_UP": "handcart.primitives.books.pick_up:PickUp",
@@ -23,8 +23,8 @@ DOMAIN = Domain(
     },
     survey="handcart.evaluation.books.book_survey:BookSurvey",
     files={"catalogue": "handcart.primitives.books.catalogue:Catalogue"},
-    checks="handcart.evaluation.books.tag_check:CHECKS",
-    mutants="handcart.evaluation.books.book_mutants:MUTANTS",
+    checks="handcart.evaluation.books.tag_check:TAG_CHECKS",
+    mutants="handcart.evaluation.books.book_mutants:BOOK_MUTANTS",
     worlds={"library": "handcart.evaluation.books.library_files:Libraries"},
     commands={
         "make-library": Command(

@@ -20,7 +20,7 @@ DOMAIN = Domain(
     files={"field": "handcart.primitives.field.field:Field"},
     primitives={"DEPLOY": "handcart.primitives.field.deploy:Deploy"},
     props="handcart.backends.simulation.field.field_props:FieldProps",
-    physics="handcart.backends.physics.field.bodies:BODIES",
+    physics="handcart.backends.physics.field.bodies:PROP_BODIES",
     rehearsals={_HERE / "task.yaml": {"targets": str(_HERE / "one_target.csv")}},
     survey="handcart.evaluation.field.field_survey:FieldSurvey",
 )

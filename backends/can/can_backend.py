@@ -25,7 +25,7 @@ from handcart.backends.can.sensors.live_sensor import LiveSensor
 from handcart.backends.can.sensors.live_sensors import await_first, open_sensors
 from handcart.backends.can.watches.bus_guard import BusGuard
 from handcart.backends.capabilities.capability import Capability
-from handcart.backends.description.can_spec import VIRTUAL, CanSpec
+from handcart.backends.description.can_spec import VIRTUAL_INTERFACE, CanSpec
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.plain_values import attributes, from_plain, set_attributes
 from handcart.backends.saved_state import NotAState
@@ -124,7 +124,7 @@ class CanBackend(Backend):
     @classmethod
     def build(cls, robot: RobotFile, world: Path | None, seed: int) -> CanBackend:
         """See `Backend`; on the interface `virtual` the drives are simulated, with a world its robot too."""
-        if robot.can is not None and robot.can.interface == VIRTUAL:
+        if robot.can is not None and robot.can.interface == VIRTUAL_INTERFACE:
             from handcart.backends.kinematic.kinematic_backend import KinematicBackend
 
             return cls._on_bench(robot, world, seed, KinematicBackend if world is not None else None)
@@ -158,7 +158,7 @@ class CanBackend(Backend):
     @classmethod
     @override
     def kinds(cls, robot: RobotFile) -> tuple[type[Capability], ...] | None:
-        return capabilities_of(robot) if robot.can and robot.can.interface != VIRTUAL else None
+        return capabilities_of(robot) if robot.can and robot.can.interface != VIRTUAL_INTERFACE else None
 
     @property
     def inner(self) -> Backend | None:

@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-MISSED = 3
+MAX_MISSED_PERIODS = 3
 """Periods that may not be missed one after another."""
-GAP = 0.05
+MAX_PERIOD_EXCESS_S = 0.05
 """[s] by which no period may be longer than it should."""
-ASLEEP = 0.01
+SUSPENDED_S = 0.01
 """[s] for which the machine may have been suspended: the two clocks are read one after the other."""
 
 
@@ -91,11 +91,11 @@ class Pace:
 
     def _found(self, lateness: float) -> str:
         slept = self._asleep() - self._slept
-        if slept > ASLEEP:
+        if slept > SUSPENDED_S:
             return f"the machine was suspended for {slept:.3g} s"
-        if lateness > GAP:
-            return f"a period ended {1e3 * lateness:.0f} ms late; allowed: {1e3 * GAP:.0f} ms"
-        if self._in_a_row >= MISSED:
-            finding = f"{MISSED} periods of {1e3 * self._period:g} ms in a row were missed"
-            return f"{finding}; allowed: {MISSED - 1}"
+        if lateness > MAX_PERIOD_EXCESS_S:
+            return f"a period ended {1e3 * lateness:.0f} ms late; allowed: {1e3 * MAX_PERIOD_EXCESS_S:.0f} ms"
+        if self._in_a_row >= MAX_MISSED_PERIODS:
+            finding = f"{MAX_MISSED_PERIODS} periods of {1e3 * self._period:g} ms in a row were missed"
+            return f"{finding}; allowed: {MAX_MISSED_PERIODS - 1}"
         return ""

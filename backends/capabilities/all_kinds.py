@@ -13,7 +13,7 @@ from .imu import Imu
 from .positioning import Positioning
 from .range_sensor import RangeSensor
 
-CAPABILITIES: tuple[type[Capability], ...] = (
+ALL_CAPABILITIES: tuple[type[Capability], ...] = (
     Base,
     RangeSensor,
     Arm,

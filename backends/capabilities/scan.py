@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
 
-UNREAD = np.empty(0, np.uint8)
+NO_ECHO_KINDS = np.empty(0, np.uint8)
 
 
 class Validity(IntEnum):
@@ -38,7 +38,7 @@ class _Beams(NamedTuple):
     """
     base_T_sensor: Pose2
     """Pose of the sensor on the base."""
-    validity: NDArray[np.uint8] = UNREAD
+    validity: NDArray[np.uint8] = NO_ECHO_KINDS
     """(n,) of `Validity`; empty in a raw scan."""
 
 

@@ -17,7 +17,7 @@ from handcart.robotics.perception.cameras.lens_fold import LensKind
 Pixels = Annotated[int, Field(gt=0, le=20_000)]
 MAX_OFF_AXIS_DEG = 75  # what is seen is worked out in a plane, which grows without bound toward 90
 FOLD_PX = 0.5
-COEFFICIENTS = {
+COEFFICIENT_COUNTS = {
     "plumb_bob": (4, 5),
     "rational_polynomial": (8,),
     "equidistant": (4,),
@@ -61,7 +61,7 @@ class CameraInfo(FileModel):
             )
         if k[0] <= 0.0 or k[4] <= 0.0 or k[8] != 1.0 or any(k[at] != 0.0 for at in (3, 6, 7)):
             raise ValueError("camera_matrix is not [fx, 0, cx, 0, fy, cy, 0, 0, 1] with fx, fy above 0")
-        count, allowed = len(self._coefficients), COEFFICIENTS[self.distortion_model]
+        count, allowed = len(self._coefficients), COEFFICIENT_COUNTS[self.distortion_model]
         if count > max(allowed):
             wrong = f"{self.distortion_model} has {count} coefficients, zeros at their end aside"
             other = ", or rational_polynomial" if self.distortion_model == "plumb_bob" and count <= 8 else ""

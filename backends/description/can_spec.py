@@ -16,7 +16,7 @@ from handcart.files.models.model import FileModel
 
 from .can_sensor_spec import SensorsSpec
 
-VIRTUAL = "virtual"
+VIRTUAL_INTERFACE = "virtual"
 
 Positive = Annotated[float, Field(gt=0.0)]
 NodeId = Annotated[int, Field(ge=1, le=127)]

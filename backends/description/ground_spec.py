@@ -12,7 +12,7 @@ from handcart.files.models.model import FileModel
 Positive = Annotated[float, Field(gt=0.0)]
 NotNegative = Annotated[float, Field(ge=0.0)]
 
-OUTDOORS = ("gyro", "particle", "gps_filter", "beacons")
+OUTDOOR_LOCALIZERS = ("gyro", "particle", "gps_filter", "beacons")
 """Names of the outdoor localizers in a robot's file."""
 
 

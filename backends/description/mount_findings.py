@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from .robot_file import RobotFile
 
-FINGERS = ("left_finger", "right_finger")
+FINGER_LINKS = ("left_finger", "right_finger")
 ON_THE_BASE = ("range_sensor", "imu", "gps", "tray")
 """Frames whose pose in the base is computed once, with all joints at zero."""
 
@@ -50,7 +50,7 @@ def mount_findings(robot: RobotFile, urdf: str, document: Document) -> Iterator[
 def _moved_joints(robot: RobotFile, urdf: str) -> set[str]:
     """The joints that a run moves: of arm, fingers and wheels, and those that follow them."""
     names = [each.name for each in joints_of(urdf)]
-    own = {*(robot.arm.joints if robot.arm else ()), *FINGERS, *driven_wheels(names).all}
+    own = {*(robot.arm.joints if robot.arm else ()), *FINGER_LINKS, *driven_wheels(names).all}
     return own | {name for name, (leader, *_) in joint_leaders(urdf).items() if leader in own}
 
 

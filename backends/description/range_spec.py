@@ -15,7 +15,7 @@ NotNegative = Annotated[float, Field(ge=0.0)]
 Angle = Annotated[float, Field(ge=-360.0, le=360.0)]
 
 FULL_TURN = 360.0
-ROUNDING = 1e-6  # [deg]
+ROUNDING_DEG = 1e-6  # [deg]
 
 
 class RangeSpec(FileModel):
@@ -46,7 +46,7 @@ class RangeSpec(FileModel):
             raise ValueError(
                 f"range_min_m {self.range_min_m:g}; allowed: less than {self.reach_m:g}, the reach"
             )
-        if not 0.0 < self.end_deg - self.start_deg <= FULL_TURN + ROUNDING:
+        if not 0.0 < self.end_deg - self.start_deg <= FULL_TURN + ROUNDING_DEG:
             turn = self.end_deg - self.start_deg
             raise ValueError(f"from start_deg to end_deg {turn:g} degrees; allowed: more than 0, up to 360")
         return self
@@ -54,7 +54,7 @@ class RangeSpec(FileModel):
     @property
     def is_full_turn(self) -> bool:
         """True if the field of view is a full turn."""
-        return self.end_deg - self.start_deg > FULL_TURN - ROUNDING
+        return self.end_deg - self.start_deg > FULL_TURN - ROUNDING_DEG
 
     def angles(self) -> NDArray[np.float64]:
         """(beams,) in [rad], counter-clockwise."""

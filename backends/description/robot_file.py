@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import numpy as np
 from pydantic import Field, PrivateAttr
 
-from handcart.backends.urdf.packages import PACKAGE
+from handcart.backends.urdf.packages import PACKAGE_PREFIX
 from handcart.backends.urdf.robot_parts import KeyPath, PartSpec, UrdfPlace
 from handcart.backends.urdf.robot_urdf import RobotUrdf, robot_urdf
 from handcart.files.errors import InputError
@@ -223,7 +223,7 @@ class RobotFile(FileModel):
         """A file with the URDF of the whole robot: that beside the robot's file, or a temporary one."""
         if self._path is None:
             text = self.urdf_text().encode()
-            own = None if self.urdf.startswith(PACKAGE) else resolve_inside(self._folder, self.urdf)
+            own = None if self.urdf.startswith(PACKAGE_PREFIX) else resolve_inside(self._folder, self.urdf)
             self._path = own if own is not None and own.read_bytes() == text else self._written()
         return self._path
 

@@ -12,8 +12,8 @@ from handcart.robotics.kinematics.urdf_contents import joints_of, link_names
 from handcart.robotics.kinematics.urdf_tree import joint_leaders
 from handcart.tasks.domain import imported
 
-from .ground_spec import OUTDOORS
-from .mount_findings import FINGERS, mount_findings
+from .ground_spec import OUTDOOR_LOCALIZERS
+from .mount_findings import FINGER_LINKS, mount_findings
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from .joint_units import JointUnits
     from .robot_file import ArmSpec, RobotFile
 
-DRIVES = "handcart.backends.can.devices.can_findings:can_findings"
+CAN_FINDINGS = "handcart.backends.can.devices.can_findings:can_findings"
 """Finds what is wrong in the section `can`, given the robot and the document."""
 
 
@@ -51,7 +51,7 @@ def robot_findings(robot: RobotFile, document: Document, drives: bool = True) ->
         *frames,
         *([] if frames else (*mount_findings(robot, urdf, document), *_box_findings(robot, document))),
         *_positioning_findings(robot, document),
-        *(imported(DRIVES)(robot, document) if drives and robot.can is not None else ()),
+        *(imported(CAN_FINDINGS)(robot, document) if drives and robot.can is not None else ()),
     ]
 
 
@@ -62,7 +62,7 @@ def _positioning_findings(robot: RobotFile, document: Document) -> list[Finding]
     if robot.localizer == "beacons" and robot.beacons is None:
         wrong = "the robot hears no beacons; needed: the section `beacons`, or another localizer"
         return [document.finding(("localizer",), wrong)]
-    if robot.localizer in OUTDOORS and robot.imu is None:
+    if robot.localizer in OUTDOOR_LOCALIZERS and robot.imu is None:
         wrong = f"{robot.localizer} asks the gyros; needed: the section `imu`, or scan or odometry"
         return [document.finding(("localizer",), wrong)]
     blind = robot.localizer in ("gyro", "beacons")
@@ -93,7 +93,7 @@ def _box_findings(robot: RobotFile, document: Document) -> list[Finding]:
     found = []
     try:
         if robot.gripper is not None and robot.arm is not None:
-            robot.arm_model().with_others(dict.fromkeys(FINGERS, 0.0))
+            robot.arm_model().with_others(dict.fromkeys(FINGER_LINKS, 0.0))
             _ = robot.finger_shape
         if robot.has_tray:
             _ = robot.tray_shape

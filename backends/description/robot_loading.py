@@ -15,7 +15,7 @@ from .robot_file import RobotFile
 from .robot_findings import robot_findings
 from .robot_names import robot_path
 
-RENAMED = {"localiser": "localizer"}
+RENAMED_KEYS = {"localiser": "localizer"}
 """Keys of a robot's file, by what they were called before."""
 
 
@@ -59,7 +59,7 @@ def _with_new_keys(document: Document) -> tuple[Document, tuple[str, ...]]:
     content, warnings = document.root.content, []
     if not isinstance(content, dict):
         return document, ()
-    for old, new in RENAMED.items():
+    for old, new in RENAMED_KEYS.items():
         if old in content and new not in content:
             key, words = content[old], f"the key is called {new!r} now; {old!r} is still read"
             warnings.append(str(Finding(document.file, key.key_line, key.key_column, words)))

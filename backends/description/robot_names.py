@@ -13,7 +13,7 @@ from handcart.files.errors import FileError, Finding
 from handcart.files.plugins import plugin_folders
 from handcart.files.suggest import suggest
 
-GROUP = "handcart.robots"
+ENTRY_POINT_GROUP = "handcart.robots"
 ROBOT_FILE = "robot.yaml"
 SHIPPED_FOLDER = Path(__file__).parent.parent / "robots"
 
@@ -25,7 +25,7 @@ def named_robots() -> dict[str, Path]:
     OWNER/ROBOT/VARIANT. A shipped name is never replaced.
     """
     robots = _robots_below(SHIPPED_FOLDER, "")
-    for owner, folder in plugin_folders(GROUP).items():
+    for owner, folder in plugin_folders(ENTRY_POINT_GROUP).items():
         robots = _robots_below(folder, f"{owner}/") | robots
     return dict(sorted(robots.items()))
 

@@ -28,7 +28,7 @@ from .kinematic_parts import (
     KinematicRangeSensor,
 )
 
-LEVEL = GroundSpec(roughness_deg=0.0)
+LEVEL_GROUND = GroundSpec(roughness_deg=0.0)
 """Ground that a car drives on if the world's file has no ground."""
 
 
@@ -92,7 +92,7 @@ class KinematicBackend(SimulatedBackend):
     ) -> tuple[KinematicBase | KinematicCar, RoughRide | None]:
         if robot.drive.kind != "ackermann":
             return KinematicBase(robot, seed), None
-        ride = RoughRide(robot, world.ground or LEVEL, seed)
+        ride = RoughRide(robot, world.ground or LEVEL_GROUND, seed)
         self.scene.lean_to(ride.tilt)
         return KinematicCar(robot, ride), ride
 

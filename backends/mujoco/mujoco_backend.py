@@ -22,7 +22,7 @@ from .mujoco_engine import MujocoEngine
 from .mujoco_module import mujoco
 from .rendering.mujoco_camera import MujocoCamera
 from .rendering.studio import Studio
-from .rendering.style import FILM
+from .rendering.style import FILM_STYLE
 
 if TYPE_CHECKING:
     from .rendering.window import Window
@@ -80,7 +80,7 @@ class MujocoBackend(PhysicsBackend):
 
     @cached_property
     def _studio(self) -> Studio:
-        return Studio(self._engine, self._body.looks(), FILM, VIEW_SIZE)
+        return Studio(self._engine, self._body.looks(), FILM_STYLE, VIEW_SIZE)
 
     @override
     def close(self) -> None:

@@ -14,7 +14,7 @@ from handcart.backends.physics.engine import ContactPoint, Engine, Pinned, Touch
 from handcart.backends.physics.thing_form import ThingForm
 from handcart.backends.plain_values import from_plain, to_plain
 from handcart.backends.saved_state import NotAState
-from handcart.backends.simulation.world.material import WOOD, Material
+from handcart.backends.simulation.world.material import WOOD_MATERIAL, Material
 from handcart.backends.simulation.world.sheet import Sheet
 from handcart.backends.simulation.world.thing import GreyImage
 from handcart.robotics.geometry.transform import Transform
@@ -33,8 +33,8 @@ from .slipping import Slipping
 from .world_spec import box_inertia, quaternion
 
 Array = NDArray[np.float64]
-LOOKS = 2  # steps of the solver after which it is seen whether what is held slips
-FELT = 4  # times at a period's end that what touches is looked at
+SLIP_CHECK_STEPS = 2  # steps of the solver after which it is seen whether what is held slips
+TOUCH_CHECKS_PER_PERIOD = 4  # times at a period's end that what touches is looked at
 
 
 class MujocoEngine(Engine):
@@ -118,16 +118,16 @@ class MujocoEngine(Engine):
         Contacts are read after each part and forces averaged, because the force of one impact alone
         misleads.
         """
-        often = max(0, min(FELT, self.substeps // LOOKS - 1))
-        return (self.substeps - often * LOOKS, *(LOOKS,) * often)
+        often = max(0, min(TOUCH_CHECKS_PER_PERIOD, self.substeps // SLIP_CHECK_STEPS - 1))
+        return (self.substeps - often * SLIP_CHECK_STEPS, *(SLIP_CHECK_STEPS,) * often)
 
     @override
     def step(self, steps: int | None = None) -> None:
         model, data = self._grown.both()
         steps = self.substeps if steps is None else steps
         while (pinned := self._slipping.pinned) is not None and steps > 0:
-            mujoco().mj_step(model, data, min(LOOKS, steps))
-            steps -= LOOKS
+            mujoco().mj_step(model, data, min(SLIP_CHECK_STEPS, steps))
+            steps -= SLIP_CHECK_STEPS
             self._slipping.look(model, data, *self._joined(pinned))
         if steps > 0:
             mujoco().mj_step(model, data, steps)
@@ -149,7 +149,7 @@ class MujocoEngine(Engine):
 
     @override
     def add_box(
-        self, box: Box, friction: float, grey: int, moves: bool = False, material: Material = WOOD
+        self, box: Box, friction: float, grey: int, moves: bool = False, material: Material = WOOD_MATERIAL
     ) -> int:
         number = self.grow()
         self.looks.boxes[number] = BoxLook(box, grey, moves, material)

@@ -10,9 +10,9 @@ import numpy as np
 from handcart.backends.physics.engine import Pinned
 
 from .mujoco_module import mujoco
-from .world_spec import STIFF
+from .world_spec import CONTACT_COMPLIANCE
 
-MOST = 4  # points
+MAX_PIN_POINTS = 4  # points
 _NAME = "pin {}"
 
 
@@ -31,9 +31,9 @@ class Pins:
         kinds, what = mujoco().mjtEq, mujoco().mjtObj
         self._first = len(spec.equalities)
         assert all(each.type == kinds.mjEQ_JOINT for each in spec.equalities)
-        for number in range(MOST):
+        for number in range(MAX_PIN_POINTS):
             pin = spec.add_equality(name=_NAME.format(number), name1=hand, name2=other, active=False)
-            pin.type, pin.objtype, pin.solref = kinds.mjEQ_CONNECT, what.mjOBJ_BODY, STIFF
+            pin.type, pin.objtype, pin.solref = kinds.mjEQ_CONNECT, what.mjOBJ_BODY, CONTACT_COMPLIANCE
         self._there = True
 
     def closed(self, data: Any) -> bool:
@@ -42,13 +42,16 @@ class Pins:
 
     def pull(self, data: Any) -> float:
         """Return the mean load of a point, in [N]."""
-        forces = data.efc_force[self._first : self._first + 3 * MOST].tolist()
-        return sum(math.hypot(*forces[row : row + 3]) for row in range(0, 3 * MOST, 3)) / MOST
+        forces = data.efc_force[self._first : self._first + 3 * MAX_PIN_POINTS].tolist()
+        return (
+            sum(math.hypot(*forces[row : row + 3]) for row in range(0, 3 * MAX_PIN_POINTS, 3))
+            / MAX_PIN_POINTS
+        )
 
     def open(self, data: Any) -> None:
         """Hold nothing."""
         if self._there:
-            data.eq_active[self._first : self._first + MOST] = 0
+            data.eq_active[self._first : self._first + MAX_PIN_POINTS] = 0
 
     def close(self, model: Any, data: Any, wanted: Pinned, hand: int, other: int) -> None:
         """Hold two of MuJoCo's bodies together."""

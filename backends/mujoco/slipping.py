@@ -14,7 +14,7 @@ from handcart.robotics.geometry.transform import Transform, inverse
 from .mujoco_module import mujoco
 from .pins import Pins
 
-STAYS = 0.005  # [m/s]: slower, what slid in the hand is held again
+STICKING_SPEED_M_S = 0.005  # [m/s]: slower, what slid in the hand is held again
 
 
 class Slipping:
@@ -28,7 +28,7 @@ class Slipping:
             contacts_carry: share of the pads' friction that contacts have.
             period: control period, in [s]; a thing that slid less than `STAYS` allows in it is held again.
         """
-        self._pins, self._carry, self._stays = pins, contacts_carry, STAYS * period
+        self._pins, self._carry, self._stays = pins, contacts_carry, STICKING_SPEED_M_S * period
         self.pinned: Pinned | None = None
         """Rigid connection, slipping or not."""
 

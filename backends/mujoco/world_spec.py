@@ -9,18 +9,18 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from handcart.backends.physics.engine import GRAVITY
+from handcart.backends.physics.engine import GRAVITY_M_S2
 from handcart.backends.physics.thing_form import Cuboid, ThingForm, Wedge
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.shapes import Box
 
 from .mujoco_module import mujoco
 
-STIFF = (0.005, 1.0)
+CONTACT_COMPLIANCE = (0.005, 1.0)
 """Compliance of contacts: time constant in [s], of two steps, and damping ratio; resting things sink in 0.01
 mm.
 """
-HARD = (0.95, 0.99, 0.0005, 0.5, 2.0)
+PAD_IMPEDANCE = (0.95, 0.99, 0.0005, 0.5, 2.0)
 """Impedance of pads: with MuJoCo's default, 60 N press a thing of 40 g 0.6 mm into each pad, with this 0.25
 mm.
 
@@ -29,13 +29,13 @@ A thing held by a turning hand drifts, because MuJoCo's steps follow the tangent
 MuJoCo's own remedies for slipping (`impratio` 10, `noslip_iterations` 5), friction would oppose this
 return.
 """
-STANDS = (0.995, 0.999, 0.0005, 0.5, 2.0)
+TYRE_IMPEDANCE = (0.995, 0.999, 0.0005, 0.5, 2.0)
 """Impedance of sticking tyres: with MuJoCo's default, a car on rough ground turns by 0.6 degrees in a
 minute.
 """
-LINKAGE = (0.999, 0.9999, 0.0005, 0.5, 2.0)
+LINKAGE_IMPEDANCE = (0.999, 0.9999, 0.0005, 0.5, 2.0)
 """Impedance of a linkage between two joints: a load on the following joint moves it by less than 1e-5."""
-SINKS = (0.9, 0.9, 0.001, 0.5, 2.0)
+SOFT_GROUND_IMPEDANCE = (0.9, 0.9, 0.001, 0.5, 2.0)
 """Impedance of wheels on soft ground: equal at each depth, so that a point's force is proportional to it.
 
 MuJoCo's force at rest is its stiffness times the depth, divided by (1 - impedance) and by the body's
@@ -44,14 +44,14 @@ slowly.
 """
 HOLDS_ON_SOFT = 100.0
 """Times as hard as it gives, ground that gives holds wheels along it (`impratio`): with 1, a car creeps."""
-SCRUBS = 2.0
+AXLE_FRICTION_RATIO = 2.0
 """Times as much friction along an axle as is asked for: the ATRV then turns on the spot by 0.99 to 1.02
 of what its file has, without this by 1.06 to 1.10."""
-ROBOT = "robot/"
+ROBOT_PREFIX = "robot/"
 """Before the names of the robot's links and joints."""
 ROBOT_GROUP = 1
 """Group of the robot's geometries: no beam of its range sensor meets it."""
-GROUND = 1.0  # [m] of solid ground below the lowest point of a tile
+GROUND_DEPTH_M = 1.0  # [m] of solid ground below the lowest point of a tile
 
 Array = NDArray[np.float64]
 
@@ -64,7 +64,7 @@ class WorldSpec:
         mj = mujoco()
         self.spec: Any = mj.MjSpec()
         option = self.spec.option
-        option.timestep, option.gravity = step, (0.0, 0.0, -GRAVITY)
+        option.timestep, option.gravity = step, (0.0, 0.0, -GRAVITY_M_S2)
         option.integrator = mj.mjtIntegrator.mjINT_IMPLICITFAST
         option.cone = mj.mjtCone.mjCONE_ELLIPTIC
         option.enableflags |= mj.mjtEnableBit.mjENBL_SLEEP
@@ -90,7 +90,7 @@ class WorldSpec:
         half = cell * (len(heights) - 1) / 2
         field = self.spec.add_hfield(
             name=f"field {number}",
-            size=(half, half, span, GROUND),
+            size=(half, half, span, GROUND_DEPTH_M),
             nrow=len(heights),
             ncol=len(heights),
             userdata=((heights - low) / span).ravel(),
@@ -116,7 +116,12 @@ class WorldSpec:
         """A geometry that rubs. MuJoCo has the larger one of two frictions for a pair: with others of their
         like, all have what the product of two would be."""
         body.add_geom(
-            name=name, friction=(friction**2, 0.005, 0.0001), solref=STIFF, condim=3, mass=0.0, **shape
+            name=name,
+            friction=(friction**2, 0.005, 0.0001),
+            solref=CONTACT_COMPLIANCE,
+            condim=3,
+            mass=0.0,
+            **shape,
         )
 
     def bulge(self, wheel: Any) -> None:
@@ -142,7 +147,10 @@ class WorldSpec:
         wheel.name = f"{wheel.parent.name} rim"
         friction = float(wheel.friction[0])
         pair = self.spec.add_pair(geomname1=self._floor, geomname2=wheel.name, condim=3)
-        pair.friction, pair.solref = (SCRUBS * along_axle * friction, friction, 0.005, 0.0001, 0.0001), STIFF
+        pair.friction, pair.solref = (
+            (AXLE_FRICTION_RATIO * along_axle * friction, friction, 0.005, 0.0001, 0.0001),
+            CONTACT_COMPLIANCE,
+        )
 
     def _piece(self, name: str, piece: Cuboid | Wedge) -> dict[str, Any]:
         kinds = mujoco().mjtGeom

@@ -10,7 +10,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.simulation.world.material import WOOD, Material
+from handcart.backends.simulation.world.material import WOOD_MATERIAL, Material
 from handcart.backends.simulation.world.sheet import Sheet
 from handcart.backends.simulation.world.thing import GreyImage
 from handcart.robotics.geometry.transform import Transform
@@ -18,8 +18,8 @@ from handcart.robotics.kinematics.shapes import Box
 
 from .thing_form import ThingForm
 
-STEP = 0.0025  # of the solver, at most [s]
-GRAVITY = 9.81  # [m/s²]
+MAX_SOLVER_STEP_S = 0.0025  # of the solver, at most [s]
+GRAVITY_M_S2 = 9.81  # [m/s²]
 
 Array = NDArray[np.float64]
 Point = tuple[float, float, float]
@@ -81,7 +81,7 @@ class Engine(ABC):
         """Number of times that the drives act in a control period."""
         self.chunk = period / self.chunks
         """[s]"""
-        self.substeps = max(1, int(np.ceil(self.chunk / STEP - 1e-9)))
+        self.substeps = max(1, int(np.ceil(self.chunk / MAX_SOLVER_STEP_S - 1e-9)))
         """Steps of the solver in a chunk."""
 
     @property
@@ -109,7 +109,7 @@ class Engine(ABC):
 
     @abstractmethod
     def add_box(
-        self, box: Box, friction: float, grey: int, moves: bool = False, material: Material = WOOD
+        self, box: Box, friction: float, grey: int, moves: bool = False, material: Material = WOOD_MATERIAL
     ) -> int:
         """A box that nothing moves; only one that `moves` may be put elsewhere. `material` is for people."""
 

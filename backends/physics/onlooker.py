@@ -11,7 +11,7 @@ from .engine import Engine
 
 FROM, TOWARDS = np.array([-1.5, 1.6, 1.75]), np.array([0.45, -0.1, 0.55])
 """Where they stand and what they look at, (3,) in [m] in the base's frame."""
-CALM = 0.8  # [s] that they take to follow
+FOLLOWING_TIME_S = 0.8  # [s] that they take to follow
 _BEFORE = 0.95  # of the way to what is between them and the robot
 _FAR = 2.0  # [m]: who is further off than that from where they should be is there at once
 
@@ -29,7 +29,7 @@ class Onlooker:
     def look(self, world_T_base: Transform, time: float) -> Transform:
         """world_T_camera (4, 4) of their eye, the robot being there at a time in [s]."""
         eye, at = ((world_T_base @ (*point, 1.0))[:3] for point in (FROM, TOWARDS))
-        share = 1.0 - float(np.exp(-max(0.0, time - self._time) / CALM))
+        share = 1.0 - float(np.exp(-max(0.0, time - self._time) / FOLLOWING_TIME_S))
         if not np.linalg.norm(self._eye - eye) < _FAR or time < self._time:
             share = 1.0
         self._time = time

@@ -33,7 +33,7 @@ from .body.physics_base import PhysicsBase
 from .body.physics_car import PhysicsCar
 from .body.physics_gripper import PhysicsGripper
 from .body.robot_body import RobotBody
-from .body.surface import CASTER
+from .body.surface import CASTER_SURFACE
 from .body.suspension_springs import SuspensionSprings
 from .body.touch import Touch
 from .engine import Engine
@@ -46,10 +46,12 @@ from .sensors.physics_range_sensor import PhysicsRangeSensor
 from .world.terrain import Terrain
 from .world.world_bodies import WorldBodies
 
-SETTLES = 0.3  # [s] that everything gets to come to rest before time begins
+SETTLING_TIME_S = 0.3  # [s] that everything gets to come to rest before time begins
 SETTLES_OUTDOORS = 1.5  # the same on rough ground, onto which the robot is let down
 LET_DOWN = 0.01  # [m] above its highest point under the wheels
-WHEELS = np.array([[x, y] for x in (0.0, 0.6) for y in (-0.3, 0.3)])  # of a car, about its rear axle [m]
+CAR_WHEELS_M = np.array(
+    [[x, y] for x in (0.0, 0.6) for y in (-0.3, 0.3)]
+)  # of a car, about its rear axle [m]
 MAX_TILT_DEG = {"floor": 4.0, "terrain": 45.0}  # of the base; beyond it for `TIPPED_S`, it has tipped
 TIPPED_S = 1.0  # a base that runs into something lifts its wheels and falls back within half a second
 FALLEN_DEG = 45.0  # from where no base comes back
@@ -129,10 +131,10 @@ class PhysicsBackend(SimulatedBackend):
             if robot.drive.kind == "ackermann"
             else PhysicsBase(robot, self._body, self._engine.chunk, seed)
         )
-        self._body.cover(self._body.casters, CASTER)
+        self._body.cover(self._body.casters, CASTER_SURFACE)
         self._on_floor = terrain is None
         self._build_sensors(robot, seed, outdoors=terrain is not None)
-        for _ in range(round((SETTLES if terrain is None else SETTLES_OUTDOORS) / self.period)):
+        for _ in range(round((SETTLING_TIME_S if terrain is None else SETTLES_OUTDOORS) / self.period)):
             self._run_period()
         self._base.rezero()
         self._position()
@@ -147,7 +149,7 @@ class PhysicsBackend(SimulatedBackend):
         self.remarks = [robot.whole.remark("link", *each) for each in self._body.repairs]
         if terrain is not None:
             self.scene.ground_height = terrain.height_at
-            under = terrain.height(*self.scene.base.apply(WHEELS).T)
+            under = terrain.height(*self.scene.base.apply(CAR_WHEELS_M).T)
             self._body.put(self.scene.base, float(under.max()) + LET_DOWN)
             self._world.reach(self.scene.base.x, self.scene.base.y)
         last = robot.arm.joints[-1] if robot.arm else None

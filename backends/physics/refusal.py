@@ -8,7 +8,7 @@ from handcart.backends.urdf.robot_urdf import RobotUrdf
 from handcart.files.errors import FileError, InputError
 
 _NAMED = re.compile(r"'([^']*)'|\"([^\"]*)\"")
-WORDS = 300  # of what an engine says
+MAX_QUOTED_LETTERS = 300  # of what an engine says
 
 
 class RobotRefused(InputError):
@@ -27,7 +27,7 @@ def refusal(engine: str, error: Exception, whole: RobotUrdf, prefix: str = "") -
     Returns:
         A `FileError` at the line of the link or joint that the engine names; `RobotRefused` otherwise.
     """
-    said = " ".join(str(error).removeprefix("Error:").split())[:WORDS]
+    said = " ".join(str(error).removeprefix("Error:").split())[:MAX_QUOTED_LETTERS]
     words = f"{engine} refuses the robot: {said}"
     for match in _NAMED.finditer(said):
         name = (match[1] or match[2] or "").removeprefix(prefix)

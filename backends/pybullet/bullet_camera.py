@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.sensor_specs import CameraSpec
 from handcart.backends.physics.body.robot_body import RobotBody
-from handcart.backends.physics.sensors.engine_camera import SAMPLES, EngineCamera
+from handcart.backends.physics.sensors.engine_camera import SAMPLES_PER_SIDE, EngineCamera
 from handcart.backends.physics.world.world_bodies import WorldBodies
 from handcart.robotics.geometry.transform import Transform, inverse
 from handcart.robotics.kinematics.arm_model import ArmModel
@@ -45,7 +45,7 @@ class BulletCamera(EngineCamera):
         """Render the picture in tiles, because the EGL renderer stretches its window of 1024 x 768 to larger
         sizes.
         """
-        width, height = size[0] // SAMPLES, size[1] // SAMPLES
+        width, height = size[0] // SAMPLES_PER_SIDE, size[1] // SAMPLES_PER_SIDE
         picture = np.empty((size[1], size[0]), dtype=np.uint8)
         for row, column in product(range(0, size[1], height), range(0, size[0], width)):
             moved = K.copy()

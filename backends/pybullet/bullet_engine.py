@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 from typing_extensions import override
 
-from handcart.backends.physics.engine import GRAVITY, ContactPoint, Engine, Pinned, Point, Touching
+from handcart.backends.physics.engine import GRAVITY_M_S2, ContactPoint, Engine, Pinned, Point, Touching
 from handcart.backends.physics.thing_form import ThingForm
 from handcart.backends.plain_values import from_plain, to_plain
 from handcart.backends.saved_state import NotAState
-from handcart.backends.simulation.world.material import WOOD, Material
+from handcart.backends.simulation.world.material import WOOD_MATERIAL, Material
 from handcart.backends.simulation.world.sheet import Sheet
 from handcart.backends.simulation.world.thing import GreyImage
 from handcart.robotics.geometry.transform import Transform, transform
@@ -73,7 +73,7 @@ class BulletEngine(Engine):
         self.renderer = self._start_renderer(window)
         """Bullet's number of the renderer: its EGL plug-in if available, otherwise TinyRenderer."""
         self._cold = _WARM_UP if self.renderer == self.p.ER_BULLET_HARDWARE_OPENGL else 0
-        self.p.setGravity(0.0, 0.0, -GRAVITY, physicsClientId=self.client)
+        self.p.setGravity(0.0, 0.0, -GRAVITY_M_S2, physicsClientId=self.client)
         self.p.setPhysicsEngineParameter(
             fixedTimeStep=self.chunk,
             numSubSteps=self.substeps,
@@ -120,7 +120,7 @@ class BulletEngine(Engine):
 
     @override
     def add_box(
-        self, box: Box, friction: float, grey: int, moves: bool = False, material: Material = WOOD
+        self, box: Box, friction: float, grey: int, moves: bool = False, material: Material = WOOD_MATERIAL
     ) -> int:
         shapes = plain_box(self.client, box.size, grey)
         body = self.p.createMultiBody(0.0, *shapes, *placed(box.pose), physicsClientId=self.client)

@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 
 from handcart.backends.saved_state import NotAState
 
-HEADER = 12  # bytes: BULLET, size of numbers, of pointers, their order, version
-CONTACTS = b"CONT"
+HEADER_BYTES = 12  # bytes: BULLET, size of numbers, of pointers, their order, version
+CONTACT_CODE = b"CONT"
 MOST_CONTACTS = 20_000
 _HEAD = struct.Struct("<4siQii")
 _POINTER = 8  # bytes
@@ -42,7 +42,7 @@ _CHANGES = frozenset(
 The collision filters of a saved state are ignored: Bullet does not restore them, and each step sets them
 again.
 """
-NEVER = 1.1e30
+MAX_BULLET_NUMBER = 1.1e30
 """Thresholds that are never reached are 1e30, single or double; no number is larger."""
 _SMALL = 1_000_000  # of whole numbers of contacts, at most
 
@@ -90,7 +90,11 @@ def check_state(kept: bytes, now: bytes) -> None:
         NotAState: it is another world's, or no such file.
     """
     theirs, ours = _chunks(kept), _chunks(now)
-    if kept[:HEADER] != now[:HEADER] or theirs[-1].form != ours[-1].form or theirs[-1].data != ours[-1].data:
+    if (
+        kept[:HEADER_BYTES] != now[:HEADER_BYTES]
+        or theirs[-1].form != ours[-1].form
+        or theirs[-1].data != ours[-1].data
+    ):
         raise NotAState("no saved state: the engine that wrote it is of another version")
     layout = _layout(ours[-1].data)
     bodies, others = _without_contacts(theirs), _without_contacts(ours)
@@ -102,15 +106,15 @@ def check_state(kept: bytes, now: bytes) -> None:
         alike.setdefault(mine.kind, []).append((mine, own))
     for kind, pairs in alike.items():
         _compare(kind, pairs, layout, at, where)
-    contacts = [each for each in theirs if each.code == CONTACTS]
-    if len({each.form for each in (*contacts, *ours) if each.code == CONTACTS}) > 1:
+    contacts = [each for each in theirs if each.code == CONTACT_CODE]
+    if len({each.form for each in (*contacts, *ours) if each.code == CONTACT_CODE}) > 1:
         raise NotAState("no saved state: a contact of another form")
     if contacts:
         _check_contacts(contacts, layout, [each.address for each in bodies if each.code in _COLLIDERS])
 
 
 def _chunks(content: bytes) -> list[Chunk]:
-    found, offset = [], HEADER
+    found, offset = [], HEADER_BYTES
     while offset < len(content):
         if offset + _HEAD.size > len(content):
             raise NotAState("no saved state: the engine's part ends within a chunk")
@@ -126,7 +130,7 @@ def _chunks(content: bytes) -> list[Chunk]:
 
 
 def _without_contacts(chunks: Sequence[Chunk]) -> list[Chunk]:
-    return [each for each in chunks if each.code != CONTACTS]
+    return [each for each in chunks if each.code != CONTACT_CODE]
 
 
 def _places(chunks: Sequence[Chunk]) -> dict[int, int]:
@@ -185,7 +189,7 @@ def _check_numbers(rows: NDArray[np.uint8], fields: _Fields) -> None:
     for offsets, dtype in ((fields.doubles, np.float64), (fields.floats, np.float32)):
         if offsets:
             values = np.stack([_read(rows, offset, dtype) for offset in offsets])
-            if not (np.abs(values) <= NEVER).all():
+            if not (np.abs(values) <= MAX_BULLET_NUMBER).all():
                 raise NotAState("no saved state: a number of the engine's world is invalid")
     for offset in fields.loose:
         if (np.abs(_read(rows, offset, np.int32).astype(np.int64)) > _SMALL).any():

@@ -19,10 +19,16 @@ from handcart.robotics.navigation.maps.grid_map import GridMap
 
 from .unseen_ground import UnseenGround
 
-BESIDE = 0.005  # [m] beside the footprint that must stay free
+SIDE_MARGIN_M = 0.005  # [m] beside the footprint that must stay free
 SAME_POINT_M = 1e-6  # [m] by which a point may be off, from one frame to another and back
 _FAR = np.array([np.inf])
-SLOWER = (1.0, 0.7, 0.45, 0.25, 0.1)  # shares of a speed that are tried, the last one before standing still
+SPEED_RATIOS = (
+    1.0,
+    0.7,
+    0.45,
+    0.25,
+    0.1,
+)  # shares of a speed that are tried, the last one before standing still
 
 
 class GuardedBase(Base):
@@ -55,7 +61,7 @@ class GuardedBase(Base):
             unseen: ground that the lidar does not see; None without a lidar.
         """
         self._base, self._pose, self._scan, self._unseen = base, pose, scan, unseen
-        self._radius, self._grid = robot.footprint_radius_m + BESIDE, grid
+        self._radius, self._grid = robot.footprint_radius_m + SIDE_MARGIN_M, grid
         self._braking, self._period = robot.drive.acceleration_m_s2, robot.period_s
         self._is_car = robot.drive.kind == "ackermann"
         self._starts = True
@@ -133,7 +139,7 @@ class GuardedBase(Base):
         self._begin()
         pose = self._pose()
         scan = self._around(pose)
-        for share in SLOWER:
+        for share in SPEED_RATIOS:
             slower, turn = share * speed, turn_rate * (share if self._is_car else 1.0)
             way = math.copysign(self._way_to_stop(abs(slower)), slower)
             _free, held = self._guard.free_way(pose, scan, turn / slower, way)

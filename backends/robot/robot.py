@@ -17,7 +17,7 @@ from handcart.backends.capabilities.capability import Capability
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.capabilities.imu import Imu
 from handcart.backends.capabilities.range_sensor import RangeSensor
-from handcart.backends.description.ground_spec import OUTDOORS
+from handcart.backends.description.ground_spec import OUTDOOR_LOCALIZERS
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.plain_values import Kinds, attributes, set_attributes
 from handcart.backends.saved_state import NotAState
@@ -39,12 +39,12 @@ from .localization.localizations import localization_of
 from .unseen_ground import UnseenGround
 
 T = TypeVar("T")
-C = TypeVar("C", bound=Capability)
+CapabilityT = TypeVar("CapabilityT", bound=Capability)
 
-LOWERED = 0.6  # [m] of the hand above the ground: higher, and a scan goes below what it holds
-HAND = 0.15  # [m] about the hand, in which a scan sees it and what it holds
-LATEST = 3  # control periods within which the command to stop leaves
-STALE = 1e-3  # [m], [rad] of motion in which a picture can't stay the same to the last bit
+LOW_HAND_HEIGHT_M = 0.6  # [m] of the hand above the ground: higher, and a scan goes below what it holds
+HAND_RADIUS_M = 0.15  # [m] about the hand, in which a scan sees it and what it holds
+MAX_STOP_PERIODS = 3  # control periods within which the command to stop leaves
+STALE_PICTURE_MOTION = 1e-3  # [m], [rad] of motion in which a picture can't stay the same to the last bit
 
 
 class MissingCapability(HandcartError, ValueError):
@@ -103,7 +103,7 @@ class Robot:
         self._motion = BlockedMotion(self.period)
         self.failed_from: Pose2 | None = None
         """map_T_base where the first of several Fails in a row began; None after any other end."""
-        if spec.localizer in OUTDOORS:
+        if spec.localizer in OUTDOOR_LOCALIZERS:
             self.get(Imu)  # type: ignore[type-abstract]
         self.localization = localization_of(backend, spec, start, grid, self.lidar)
         """Estimate of the base's pose, from the sensors that the robot has."""
@@ -116,7 +116,7 @@ class Robot:
 
     # What it can do
 
-    def get(self, kind: type[C]) -> C:
+    def get(self, kind: type[CapabilityT]) -> CapabilityT:
         """A capability; raises `MissingCapability` where the robot has none of that kind."""
         if isinstance(self.lidar, kind):
             return self.lidar
@@ -177,7 +177,7 @@ class Robot:
     def stopping_distance(self) -> float:
         """The farthest that the base rolls on after the word to stop, in [m], from top speed."""
         speed = self.drive_limits.speed
-        return speed * LATEST * self.period + speed**2 / (2.0 * self.drive_limits.acceleration)
+        return speed * MAX_STOP_PERIODS * self.period + speed**2 / (2.0 * self.drive_limits.acceleration)
 
     def _unseen_ground(self, lidar: Lidar) -> UnseenGround:
         radius = self.spec.footprint_radius_m
@@ -209,7 +209,7 @@ class Robot:
         if self.lidar is None:
             return NO_STANDS
         points = steady_points(self.lidar.scan())
-        return self.without_hand(points) if self.spec.localizer in OUTDOORS else points
+        return self.without_hand(points) if self.spec.localizer in OUTDOOR_LOCALIZERS else points
 
     def without_hand(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the points that are not on a lowered hand.
@@ -220,9 +220,9 @@ class Robot:
         if self.spec.arm is None or self.backend.get(Arm) is None:  # type: ignore[type-abstract]
             return points
         hand = self.base_T("hand")[:3, 3]
-        if hand[2] >= LOWERED:
+        if hand[2] >= LOW_HAND_HEIGHT_M:
             return points
-        return np.asarray(points[np.hypot(*(points - hand[:2]).T) > HAND])
+        return np.asarray(points[np.hypot(*(points - hand[:2]).T) > HAND_RADIUS_M])
 
     def base_T(self, frame: str) -> Transform:
         """Pose of a frame of the arm in the base frame by the measured joints, (4, 4)."""
@@ -284,7 +284,7 @@ class Robot:
 
     def _left(self) -> bool:
         """Return whether the camera has moved since the last picture."""
-        return bool(np.abs(self._carried_by() - self._pictured_at).max() > STALE)
+        return bool(np.abs(self._carried_by() - self._pictured_at).max() > STALE_PICTURE_MOTION)
 
     @property
     def seen(self) -> NDArray[np.uint8] | None:

@@ -21,10 +21,10 @@ if TYPE_CHECKING:
     from handcart.files.errors import Finding
     from handcart.files.models.loading import Loaded
 
-S = TypeVar("S", bound=FileModel)
+FileModelT = TypeVar("FileModelT", bound=FileModel)
 
 
-class Props(SceneProps, Generic[S]):
+class Props(SceneProps, Generic[FileModelT]):
     """Things of a domain in a scene: their set-up, appearance, grasp, release and behaviour.
 
     One subclass for each domain, named by `Domain.props`. Methods that are not overridden treat things as
@@ -36,24 +36,24 @@ class Props(SceneProps, Generic[S]):
     PAINTS_SOLIDS: ClassVar[bool] = False
     """True if `painted` includes its solids; otherwise the camera sees them as plain boxes."""
 
-    def __init__(self, scene: Scene, spec: S, seed: int) -> None:
+    def __init__(self, scene: Scene, spec: FileModelT, seed: int) -> None:
         """Set up in a scene whose robot is at its start; `spec` is the section of the world's file."""
         self.scene, self.spec, self.seed = scene, spec, seed
 
     @classmethod
     @override
     def none_in(cls, scene: Scene) -> Self:
-        props = cls(scene, cast(S, cls.section()), 0)
+        props = cls(scene, cast(FileModelT, cls.section()), 0)
         props.set_up()
         return props
 
     @classmethod
-    def solids(cls, spec: S) -> Sequence[Solid]:
+    def solids(cls, spec: FileModelT) -> Sequence[Solid]:
         """Return the immovable bodies that the robot may run into."""
         return ()
 
     @classmethod
-    def findings(cls, loaded: Loaded[S], robot: RobotFile) -> Iterator[Finding]:
+    def findings(cls, loaded: Loaded[FileModelT], robot: RobotFile) -> Iterator[Finding]:
         """What is wrong between the world's file and the robot that is put into it."""
         yield from ()
 

@@ -23,8 +23,8 @@ from handcart.robotics.kinematics.arm_model import ArmModel
 
 from .scene_props import SceneProps
 
-GRAVITY = 9.81  # [m/s²]
-P = TypeVar("P", bound=SceneProps)
+GRAVITY_M_S2 = 9.81  # [m/s²]
+ScenePropsT = TypeVar("ScenePropsT", bound=SceneProps)
 
 
 class Contact(NamedTuple):
@@ -152,7 +152,7 @@ class Scene:
             raise ValueError("the robot has no arm")
         return self.world_T_base @ self.arm.forward(self.joints, frame)
 
-    def of(self, kind: type[P]) -> P:
+    def of(self, kind: type[ScenePropsT]) -> ScenePropsT:
         """Return a domain's objects, by the class of its props; empty if the world's file has none."""
         found = next((each for each in self.props.values() if isinstance(each, kind)), None)
         return kind.none_in(self) if found is None else found
@@ -181,7 +181,7 @@ class Scene:
         for props in self.props.values():
             force = force + props.hand_force()
         if self.held is not None and self.held.WEIGHS:
-            down = np.array([0.0, 0.0, -GRAVITY * self.held.mass])
+            down = np.array([0.0, 0.0, -GRAVITY_M_S2 * self.held.mass])
             force = force + self.world_T("hand")[:3, :3].T @ down
         return force
 

@@ -31,7 +31,7 @@ from handcart.robotics.geometry.pose2 import Pose2
 from .keyed_noise import keyed
 from .scene import Scene
 
-C = TypeVar("C", bound=Capability)
+CapabilityT = TypeVar("CapabilityT", bound=Capability)
 
 
 class Part(Protocol):
@@ -110,7 +110,7 @@ class SimulatedBackend(Backend):
             spec = self._robot.positioning
             self._positioning = SimulatedPositioning(spec, self.scene, self.period, self._seed)
 
-    def get(self, kind: type[C]) -> C | None:
+    def get(self, kind: type[CapabilityT]) -> CapabilityT | None:
         """See `Backend`; asked many times a period."""
         known = self._by_kind.get(kind)
         if known is None:

@@ -6,7 +6,7 @@ import math
 from pathlib import Path
 from xml.parsers import expat
 
-SUFFIX = ".dae"
+COLLADA_SUFFIX = ".dae"
 HEAD_BYTES = 65536
 """The `<asset>` element, which declares the unit, comes first in a file."""
 
@@ -25,7 +25,7 @@ def collada_unit_m(path: Path) -> float:
     Raises:
         ValueError: the unit is not a positive length.
     """
-    if path.suffix.lower() != SUFFIX:
+    if path.suffix.lower() != COLLADA_SUFFIX:
         return 1.0
     stated = _stated_unit(path)
     if stated is None:

@@ -15,7 +15,7 @@ from handcart.files.suggest import did_you_mean
 
 from .packages import package_folders
 
-LARGEST = 100_000_000  # [bytes] of a mesh
+MAX_MESH_BYTES = 100_000_000  # [bytes] of a mesh
 
 
 def mesh_path(name: str, urdf: Path, root: Path) -> Path:
@@ -57,7 +57,7 @@ def is_mesh(path: Path) -> bool:
         status = path.stat()
     except (OSError, ValueError):
         return False
-    return stat.S_ISREG(status.st_mode) and status.st_size <= LARGEST
+    return stat.S_ISREG(status.st_mode) and status.st_size <= MAX_MESH_BYTES
 
 
 def _in_package(name: str, rest: str, urdf: Path) -> Path:

@@ -12,8 +12,8 @@ from functools import lru_cache
 from importlib.util import find_spec
 from pathlib import Path
 
-PACKAGE = "package://"
-NAME = re.compile(r"[A-Za-z_][\w-]*")
+PACKAGE_PREFIX = "package://"
+PACKAGE_NAME = re.compile(r"[A-Za-z_][\w-]*")
 _MODULE = re.compile(r"[A-Za-z_]\w*")
 _SHARES = ("share", "cmeel.prefix/share")
 _DEPTH = 3  # folders below an entry of ROS_PACKAGE_PATH that are searched
@@ -30,7 +30,7 @@ def package_folders(name: str) -> Iterator[Path]:
     Args:
         name: of the package.
     """
-    if not NAME.fullmatch(name):
+    if not PACKAGE_NAME.fullmatch(name):
         return
     found: list[Path] = []
     for folder in _candidates(name):
@@ -48,7 +48,7 @@ def package_of(file: Path) -> str | None:
     file = file.resolve()
     for folder in file.parents:
         if any(each.resolve() == folder for each in package_folders(folder.name)):
-            return f"{PACKAGE}{folder.name}/{file.relative_to(folder).as_posix()}"
+            return f"{PACKAGE_PREFIX}{folder.name}/{file.relative_to(folder).as_posix()}"
     return None
 
 

@@ -22,7 +22,7 @@ from handcart.robotics.kinematics.urdf_reading import UrdfElement, read_urdf
 
 from .collada_unit import collada_unit_m
 from .mesh_path import is_mesh, mesh_path
-from .packages import NAME, PACKAGE, package_folders
+from .packages import PACKAGE_NAME, PACKAGE_PREFIX, package_folders
 
 KeyPath = tuple[str | int, ...]
 
@@ -37,10 +37,10 @@ class UrdfError(ValueError):
 
 
 def _place(text: str) -> str:
-    if not text.startswith(PACKAGE):
+    if not text.startswith(PACKAGE_PREFIX):
         return portable(text)
-    package, _, path = text.removeprefix(PACKAGE).partition("/")
-    if not NAME.fullmatch(package):
+    package, _, path = text.removeprefix(PACKAGE_PREFIX).partition("/")
+    if not PACKAGE_NAME.fullmatch(package):
         raise UnsafePath(text[:100], "names no package; allowed: package://NAME/PATH")
     portable(path)
     return text
@@ -183,9 +183,9 @@ def _mesh_fault(mesh_file: _MeshFile, scale: str) -> str | None:
 
 def _found(urdf: str, folder: Path) -> tuple[Path, Path, str]:
     """A URDF's file, the folder that it and its meshes are in, and how the file is shown."""
-    if not urdf.startswith(PACKAGE):
+    if not urdf.startswith(PACKAGE_PREFIX):
         return resolve_inside(folder, urdf), folder, str(folder / urdf)
-    package, _, path = urdf.removeprefix(PACKAGE).partition("/")
+    package, _, path = urdf.removeprefix(PACKAGE_PREFIX).partition("/")
     roots = list(package_folders(package))
     if not roots:
         how = "; it comes with: pip install 'handcart[pybullet]'" if package.startswith("pybullet") else ""

@@ -13,8 +13,8 @@ from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.kinematics.shapes import Box, Shape, top
 from handcart.robotics.kinematics.urdf_contents import bodies_of
 
-FINGER = "left_finger"
-TRAY = "tray"
+FINGER_LINK = "left_finger"
+TRAY_LINK = "tray"
 _LEVEL = 1e-6
 
 
@@ -57,10 +57,10 @@ def tray_shape(arm: ArmModel) -> TrayShape:
     Raises:
         MissingShape: the link has no box, or the box is not level and straight.
     """
-    box = _box(arm.link_shapes(0.5 * (arm.lower + arm.upper)), TRAY)
+    box = _box(arm.link_shapes(0.5 * (arm.lower + arm.upper)), TRAY_LINK)
     if not _along(box.pose):
         raise MissingShape(
-            f"the link {TRAY!r} isn't level and straight; allowed: a box along the frame `base`"
+            f"the link {TRAY_LINK!r} isn't level and straight; allowed: a box along the frame `base`"
         )
     x, y, z = (float(number) for number in box.pose[:3, 3])
     return TrayShape((x, y), box.size, z + box.size[2] / 2)
@@ -80,10 +80,10 @@ def finger_shape(arm: ArmModel) -> FingerShape:
         MissingShape: the link has no box, or the box is not along the frame `hand`.
     """
     joints = 0.5 * (arm.lower + arm.upper)
-    box = _box(arm.link_shapes(joints), FINGER)
+    box = _box(arm.link_shapes(joints), FINGER_LINK)
     hand_T_box = inverse(arm.forward(joints)) @ box.pose
     if not _along(hand_T_box):
-        raise MissingShape(f"the link {FINGER!r} isn't straight; allowed: a box along the frame `hand`")
+        raise MissingShape(f"the link {FINGER_LINK!r} isn't straight; allowed: a box along the frame `hand`")
     tip = float(hand_T_box[0, 3]) + box.size[0] / 2
     return FingerShape(tip, *box.size)
 

@@ -29,9 +29,9 @@ from rich.progress import track
 from handcart.backends.simulation.books.book_props import BookProps
 from handcart.evaluation.books.library_files import write_library
 from handcart.evaluation.books.library_generator import Library, make_library, place_before
-from handcart.evaluation.books.library_room import SHELVES
+from handcart.evaluation.books.library_room import SHELF_POSES
 from handcart.evaluation.books.shelving import Shelving, shelving
-from handcart.evaluation.books.unfriendly import FACTORS
+from handcart.evaluation.books.unfriendly import UNFRIENDLY_FACTORS
 from handcart.evaluation.trials.rig import Rig, RigFiles, build_rig
 from handcart.primitives.books.approach import Approach
 from handcart.primitives.books.insert import Insert
@@ -78,7 +78,7 @@ def run(seed: int, factors: Sequence[str], level: float) -> Tried:
         if {"camera", "all"} & set(factors):
             changes["image_noise_grey: 3.0"] = CAMERA.format(2 * level, 10 * level, level)
         shelf = library.wanted[0].shelf
-        _start_before(folder, SHELVES[[r.shelf for r in library.rows].index(shelf)])
+        _start_before(folder, SHELF_POSES[[r.shelf for r in library.rows].index(shelf)])
         files = RigFiles(
             folder / "world.yaml",
             folder / "map.yaml",
@@ -140,7 +140,7 @@ def main() -> None:
     first, _, end = wanted.libraries.rpartition(":")
     seeds = range(int(first or 0), int(end))
     asked = [(pair.split("=")[0], float(pair.split("=")[1])) for pair in wanted.factors]
-    rows = asked or [("none", 0.0), *((f, v) for f in (*FACTORS, "camera") for v in LEVELS)]
+    rows = asked or [("none", 0.0), *((f, v) for f in (*UNFRIENDLY_FACTORS, "camera") for v in LEVELS)]
     rows = rows if asked else [*rows, *(("all", level) for level in LEVELS)]
     print(f"{'':16}{'level':>6}{'solvable':>10}{'Success':>9}{'':>7}{'refused':>12}{'hurt':>6}   other ends")
     with ProcessPoolExecutor(2) as pool:

@@ -21,7 +21,7 @@ from rich.progress import track
 from benchmarks.campaigns.walk import walk
 from handcart.evaluation.campaign_report.comparison import Comparison, compare
 from handcart.evaluation.campaign_report.intervals import wilson
-from handcart.evaluation.campaign_report.paired_tests import ALPHA, mcnemar
+from handcart.evaluation.campaign_report.paired_tests import SIGNIFICANCE_LEVEL, mcnemar
 from handcart.evaluation.campaigns.trial import Trial
 from handcart.evaluation.campaigns.walked_trials import WalkedTrials, network_trials
 
@@ -65,7 +65,7 @@ def main() -> None:
     print(shown("that, e-value ever at 20", sum(_ever(each) for each in other), chosen.pairs))
     loss = 100.0 * (exact - seen) / chosen.pairs
     print(f"power lost for looking at other metrics too: {loss:.1f} points")
-    sys.exit(1 if alarms > ALPHA * chosen.pairs or loss > 2.0 else 0)
+    sys.exit(1 if alarms > SIGNIFICANCE_LEVEL * chosen.pairs or loss > 2.0 else 0)
 
 
 def _ever(found: Comparison) -> bool:
@@ -73,7 +73,7 @@ def _ever(found: Comparison) -> bool:
 
 
 def _mcnemar(found: Comparison) -> bool:
-    return mcnemar(found.only_one, found.only_other) <= ALPHA
+    return mcnemar(found.only_one, found.only_other) <= SIGNIFICANCE_LEVEL
 
 
 if __name__ == "__main__":

@@ -16,7 +16,7 @@ from handcart.robotics.geometry.transform import inverse
 LEANS_MM, LEANS_DEG = 2.5, 0.1  # what the base leans while a landmark is looked at, beside the sigma of that
 FIXED_MM, FIXED_DEG = 6.0, 0.3  # fixed limits of where FIXATE finds the base
 STACKED_MM = 1e3 * MOST_OFF + LIMIT_SIGMAS * 0.5  # STACK's own limit and its sensor's
-STACK = "STACK"
+STACK_NAME = "STACK"
 
 
 def _fixated(survey: Survey, _: Claim) -> list[str]:
@@ -51,5 +51,5 @@ def _stacked(survey: Survey, claim: Claim) -> list[str]:
     return at_most("the block is {:.1f} mm from its goal", 1e3 * math.hypot(*off[:2, 3]), STACKED_MM)
 
 
-EFFECTS: Mapping[str, Effect] = {"FIXATE": _fixated, "PICK_UP_BLOCK": _picked_up, STACK: _stacked}
+BLOCK_EFFECTS: Mapping[str, Effect] = {"FIXATE": _fixated, "PICK_UP_BLOCK": _picked_up, STACK_NAME: _stacked}
 """Effects by the primitive's name."""

@@ -22,7 +22,7 @@ from handcart.primitives.contract.outcome import Outcome
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import inverse, transform
 
-from .block_effects import EFFECTS, STACK, STACKED_MM
+from .block_effects import BLOCK_EFFECTS, STACK_NAME, STACKED_MM
 from .block_error import BlockError
 
 SCALE_MM = 0.5  # of the paper's readings
@@ -55,7 +55,7 @@ class BlockSurvey(Survey):
     """Observes a scene once a period, and records the base's pose when blocks are gripped and released."""
 
     name = "blocks"
-    effects = EFFECTS
+    effects = BLOCK_EFFECTS
     noted = BlockNotes
     limits: ClassVar = {"raw_error_mm_max": STACKED_MM}
 
@@ -64,7 +64,7 @@ class BlockSurvey(Survey):
         super().__init__(run)
         self.scene, self.model = run.world, run.model
         self._props = run.world.of(BlockProps)
-        self.plan = run.model.of(Blocks).building if STACK in run.does else None
+        self.plan = run.model.of(Blocks).building if STACK_NAME in run.does else None
         """Building plan; None if no blocks are stacked."""
         self._frames, self._uncorrected = 0, True
         self._fixed: Fixed | None = None

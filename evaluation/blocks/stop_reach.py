@@ -32,7 +32,7 @@ from handcart.robotics.manipulation.placement.stops import Goal, StopPlacer
 from handcart.robotics.manipulation.placement.untrackable import Untrackable
 from handcart.robotics.manipulation.tracking.tool_path import ToolPath, tool_path
 
-RISE = 0.02  # [m] between two heights from which something is looked at
+HEIGHT_STEP_M = 0.02  # [m] between two heights from which something is looked at
 
 Floats = NDArray[np.float64]
 
@@ -111,4 +111,4 @@ class StopReach:
         """The hand (2 points) with the camera straight above a place."""
         view = pointing_down(Pose2(0.0, 0.0, heading), 0.0)
         view[:3, 3] = (floor.x, floor.y, height + VIEW_DISTANCE_M) - (view @ self._hand_T_camera)[:3, 3]
-        return tool_path([view, transform((0.0, 0.0, RISE)) @ view])
+        return tool_path([view, transform((0.0, 0.0, HEIGHT_STEP_M)) @ view])

@@ -12,9 +12,9 @@ from handcart.backends.description.robot_file import RobotFile
 from handcart.robotics.geometry.transform import apply
 from handcart.robotics.kinematics.shapes import Box, Cylinder, Hull, Shape, Sphere
 
-AROUND = 24  # points about a cylinder
-LEAST = 0.01  # [m] of a zone's side
-SPARE = 0.01  # [m] above and below
+CYLINDER_POINTS = 24  # points about a cylinder
+MIN_ZONE_SIDE_M = 0.01  # [m] of a zone's side
+ZONE_MARGIN_M = 0.01  # [m] above and below
 
 Floats = NDArray[np.float64]
 Zone = tuple[float, float, float, float, float]
@@ -35,7 +35,10 @@ def swept_zones(spec: RobotFile, things: Sequence[Box]) -> list[Zone]:
     bodies = [_points(shape) for shape in spec.arm_model().link_shapes(np.array(spec.posture("home")))]
     zones = []
     for thing in things:
-        low, high = thing.pose[2, 3] - thing.size[2] / 2 - SPARE, thing.pose[2, 3] + thing.size[2] / 2 + SPARE
+        low, high = (
+            thing.pose[2, 3] - thing.size[2] / 2 - ZONE_MARGIN_M,
+            thing.pose[2, 3] + thing.size[2] / 2 + ZONE_MARGIN_M,
+        )
         beside = [each for each in bodies if each[:, 2].min() < high and each[:, 2].max() > low]
         if not beside:
             continue
@@ -43,7 +46,7 @@ def swept_zones(spec: RobotFile, things: Sequence[Box]) -> list[Zone]:
         spare = max(0.0, spec.footprint_radius_m - reach)
         less = 2.0 * spare / math.sqrt(2.0)  # at a corner both sides count
         yaw = math.atan2(thing.pose[1, 0], thing.pose[0, 0])
-        length, width = (max(LEAST, side - less) for side in thing.size[:2])
+        length, width = (max(MIN_ZONE_SIDE_M, side - less) for side in thing.size[:2])
         zones.append((float(thing.pose[0, 3]), float(thing.pose[1, 3]), yaw, length, width))
     return zones
 
@@ -56,8 +59,8 @@ def _points(shape: Shape) -> Floats:
     if isinstance(shape, Sphere):
         return shape.pose[:3, 3] + shape.radius * np.vstack((np.eye(3), -np.eye(3)))
     if isinstance(shape, Cylinder):
-        turns = np.linspace(0.0, 2.0 * math.pi, AROUND, endpoint=False)
-        ring = shape.radius * np.column_stack((np.cos(turns), np.sin(turns), np.zeros(AROUND)))
+        turns = np.linspace(0.0, 2.0 * math.pi, CYLINDER_POINTS, endpoint=False)
+        ring = shape.radius * np.column_stack((np.cos(turns), np.sin(turns), np.zeros(CYLINDER_POINTS)))
         up = np.array((0.0, 0.0, shape.length / 2))
         ends = np.vstack((ring - up, ring + up))
         return apply(shape.pose, ends)

@@ -18,9 +18,9 @@ from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
 
 from .wall_planning import NamedStop, Trip, WallPlan
 
-FOOT = 0.4  # of a table's side is its pedestal's
-TONES = (154, 190, 215)  # of rows: a block can't be told from one of the same tone below it
-STONE = 60
+PEDESTAL_RATIO = 0.4  # of a table's side is its pedestal's
+ROW_TONES = (154, 190, 215)  # of rows: a block can't be told from one of the same tone below it
+STONE_GREY = 60
 
 
 def write_wall(plan: WallPlan, chart: Path, robot: str, folder: Path, world: Path | None = None) -> None:
@@ -40,7 +40,7 @@ def write_wall(plan: WallPlan, chart: Path, robot: str, folder: Path, world: Pat
     _copy_map(chart, folder)
     _draw(plan.keepout, folder / "keepout.png")
     texts = {
-        "task.yaml": TASK.format(
+        "task.yaml": TASK_TEMPLATE.format(
             count=len(plan.blocks), robot=robot, first=plan.trips[0].fetched_at.name
         ).replace("TRIPS", "\n".join(_trips(plan.trips))),
         "building.yaml": _building(plan),
@@ -120,7 +120,7 @@ def _world(plan: WallPlan) -> str:
     stones = {name: each for name, each in drawing.tables.items() if each.height_m > highest[0]}
     for name, each in drawing.tables.items():
         if name not in stones:
-            foot = ", ".join(f"{FOOT * side:.3f}" for side in each.size_m)
+            foot = ", ".join(f"{PEDESTAL_RATIO * side:.3f}" for side in each.size_m)
             size = ", ".join(f"{side:g}" for side in (*each.size_m, each.height_m))
             lines.append(
                 f"  - {{name: {name}, {_pose(each.floor)}, size_m: [{size}], "
@@ -133,15 +133,15 @@ def _world(plan: WallPlan) -> str:
     for name, each in stones.items():
         size = ", ".join(f"{1e3 * side:g}" for side in (*each.size_m, each.thickness_m))
         foot = f"{_pose(each.floor)}, height_m: {each.height_m - each.thickness_m:g}"
-        lines.append(f"  - {{name: {name}, {foot}, size_mm: [{size}], grey: {STONE}}}")
+        lines.append(f"  - {{name: {name}, {foot}, size_mm: [{size}], grey: {STONE_GREY}}}")
     return "\n".join(lines) + "\n"
 
 
 def _tone(plan: WallPlan, number: int) -> int:
     if number > len(plan.blocks):
-        return TONES[0]
+        return ROW_TONES[0]
     heights = sorted({block.place.height_m for block in plan.blocks})
-    return TONES[heights.index(plan.blocks[number - 1].place.height_m) % len(TONES)]
+    return ROW_TONES[heights.index(plan.blocks[number - 1].place.height_m) % len(ROW_TONES)]
 
 
 def _trips(trips: Sequence[Trip]) -> list[str]:
@@ -188,7 +188,7 @@ def _map_yaml(grid: GridMap, image: str) -> str:
     )
 
 
-TASK = """\
+TASK_TEMPLATE = """\
 # Builds a wall of {count} blocks; made by `handcart wall`. `trips` says what is fetched from which stop, and
 # laid from which: of each block, how many lie on the robot before it is loaded, stacked, and after that.
 format: handcart-task/1

@@ -27,7 +27,7 @@ from handcart.robotics.navigation.routes.ways import Ways
 from .stop_reach import StopReach
 from .swept_zones import swept_zones
 
-MOVE = 0.3  # scores of blocks that one more stop has to gain
+MIN_STOP_GAIN = 0.3  # scores of blocks that one more stop has to gain
 
 Floats = NDArray[np.float64]
 
@@ -158,7 +158,7 @@ class _Planning(NamedTuple):
 
         placer = self.reach.stops(list(self.drawing.landmarks.values()))
         goals = [self.reach.goal(place) for place in places]
-        stops = placer.place(goals, self.room.blocked, touches, MOVE)
+        stops = placer.place(goals, self.room.blocked, touches, MIN_STOP_GAIN)
         return tuple(self._named(f"{name}_{n}", stop, places) for n, stop in enumerate(stops, start=1))
 
     def _around(self, places: Sequence[LevelPose], held: bool) -> list[list[Box]]:
@@ -201,7 +201,7 @@ def _of(stops: Sequence[NamedStop], number: int) -> NamedStop:
 
 def _worth(plan: WallPlan) -> float:
     scores = sum(stop.score * len(stop.numbers) for stop in plan.laying)
-    return scores - MOVE * len(plan.trips)
+    return scores - MIN_STOP_GAIN * len(plan.trips)
 
 
 def _refusal(words: str, error: Untrackable) -> str:

@@ -113,7 +113,7 @@ def _gap_at(books: BookProps, held: object, shelf: str, y: float) -> tuple[float
     return left, right
 
 
-EFFECTS: Mapping[str, Effect] = {
+BOOK_EFFECTS: Mapping[str, Effect] = {
     "RECOGNIZE": _recognized,
     "PICK_UP": _picked_up,
     "SEARCH": _searched,

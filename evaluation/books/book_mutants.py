@@ -58,14 +58,19 @@ def _violations(kind: type[PickUp], bench: Bench) -> list[str]:
     return first_violations(batch)
 
 
-NEEDS = (Arm, Gripper, Camera, RangeSensor)
-MUTANTS: Sequence[Mutant] = (
-    Mutant("DropsObject", "opens the hand before it goes back", partial(_violations, DropsObject), NEEDS),
+NEEDED_CAPABILITIES = (Arm, Gripper, Camera, RangeSensor)
+BOOK_MUTANTS: Sequence[Mutant] = (
+    Mutant(
+        "DropsObject",
+        "opens the hand before it goes back",
+        partial(_violations, DropsObject),
+        NEEDED_CAPABILITIES,
+    ),
     Mutant(
         "DeniesHold",
         "declares an empty hand after it took the book",
         partial(_violations, DeniesHold),
-        NEEDS,
+        NEEDED_CAPABILITIES,
         by_truth=True,
     ),
 )

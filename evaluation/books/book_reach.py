@@ -14,10 +14,10 @@ from handcart.evaluation.robot_report.reach import Reach
 from handcart.primitives.books.book_grip import GRIP_HEIGHT
 
 BEFORE_SHELF = 0.46  # [m] ahead of the base that the tips are for `aside`: shelves of return_book are at 0.47
-BOARDS = (0.1, 0.3, 0.5, 0.7, 0.9, 1.1, 1.3, 1.5)  # heights of boards that are tried [m]
-AHEAD = np.arange(-0.4, 1.41, 0.05)  # [m]
-ASIDE = np.arange(-1.0, 1.01, 0.1)  # [m]
-POSTURES = ("home", "look_at_tag", "carry")
+BOARD_HEIGHTS_M = (0.1, 0.3, 0.5, 0.7, 0.9, 1.1, 1.3, 1.5)  # heights of boards that are tried [m]
+AHEAD_M = np.arange(-0.4, 1.41, 0.05)  # [m]
+ASIDE_M = np.arange(-1.0, 1.01, 0.1)  # [m]
+TRIED_POSTURES = ("home", "look_at_tag", "carry")
 
 Span = tuple[float, float] | None
 
@@ -61,7 +61,7 @@ def _lacking(robot: RobotFile) -> list[str]:
     if not robot.has_tray:
         looks = "look_at_tag" in robot.arm.postures
         return ["no link 'tray': RECOGNIZE and PICK_UP take a book from one"] if looks else []
-    missing = [name for name in POSTURES if name not in robot.arm.postures]
+    missing = [name for name in TRIED_POSTURES if name not in robot.arm.postures]
     return [f"no posture {name!r}: return_book needs it" for name in missing]
 
 
@@ -71,7 +71,7 @@ def _words(span: Span) -> str:
 
 def _grasps(robot: RobotFile, reach: Reach) -> list[GraspRow]:
     tip = robot.finger_shape.tip if robot.gripper is not None else 0.0
-    rows = [_row(reach, board, tip, 0.0) for board in BOARDS]
+    rows = [_row(reach, board, tip, 0.0) for board in BOARD_HEIGHTS_M]
     tray = robot.tray_shape
     rows.append(_row(reach, tray.top, tip, tray.middle[1]))
     return sorted(rows, key=lambda row: (row.board_m, row.line_m))
@@ -79,11 +79,11 @@ def _grasps(robot: RobotFile, reach: Reach) -> list[GraspRow]:
 
 def _row(reach: Reach, board: float, tip: float, line: float) -> GraspRow:
     z = board + GRIP_HEIGHT
-    ahead = [(x - tip, line, z) for x in AHEAD]
-    aside = [(BEFORE_SHELF - tip, y, z) for y in ASIDE]
+    ahead = [(x - tip, line, z) for x in AHEAD_M]
+    aside = [(BEFORE_SHELF - tip, y, z) for y in ASIDE_M]
     reached = reach.reached(ahead)
     beside = reach.reached(aside)
-    return GraspRow(board, _longest(AHEAD, reached), line, _longest(ASIDE, beside))
+    return GraspRow(board, _longest(AHEAD_M, reached), line, _longest(ASIDE_M, beside))
 
 
 def _longest(values: NDArray[np.float64], good: Sequence[bool]) -> Span:

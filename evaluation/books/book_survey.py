@@ -12,7 +12,7 @@ from handcart.evaluation.truth.survey import Survey, SurveyedRun
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.contract.outcome import Outcome, Success
 
-from .book_effects import EFFECTS, RELEASE
+from .book_effects import BOOK_EFFECTS, RELEASE
 from .shelving import Shelving, shelving
 from .stop_errors import stop_errors
 
@@ -33,7 +33,7 @@ class BookSurvey(Survey):
     """Takes the shelves down as they are at first."""
 
     name = "books"
-    effects = EFFECTS
+    effects = BOOK_EFFECTS
     noted = BookNotes
     shown = frozenset({"SEARCH"})
 

@@ -9,10 +9,10 @@ import numpy as np
 
 from handcart.robotics.perception.books.call_number import parse
 
-from .library_room import CLEAR
+from .library_room import CLEAR_WIDTH_M
 
-FONTS = ("DejaVuSans", "DejaVuSans-Bold", "DejaVuSerif", "DejaVuSansMono")
-LETTERS = "ABCDEFGHIJKLMNOPRSTVWZ"
+LABEL_FONTS = ("DejaVuSans", "DejaVuSans-Bold", "DejaVuSerif", "DejaVuSansMono")
+LABEL_LETTERS = "ABCDEFGHIJKLMNOPRSTVWZ"
 FEWEST_BETWEEN = 3  # books between two gaps, and between a gap and the row's end
 
 
@@ -53,7 +53,7 @@ def call_numbers(rng: np.random.Generator, count: int, first: int) -> list[str]:
     while len(made) < count:
         whole = first + int(rng.integers(0, 100))
         decimals = ["", f".{rng.integers(1, 10)}", f".{rng.integers(10, 99)}"][int(rng.integers(0, 3))]
-        made.add(f"{whole}{decimals} {''.join(rng.choice(list(LETTERS), 3))}")
+        made.add(f"{whole}{decimals} {''.join(rng.choice(list(LABEL_LETTERS), 3))}")
     ordered = sorted(((number, call) for call in made if (number := parse(call))), key=lambda each: each[0])
     return [call for _, call in ordered]
 
@@ -63,7 +63,7 @@ def make_row(
 ) -> Row:
     """A full row with two gaps of lent books and, if wanted, one misplaced book beside or near a gap."""
     thickness = rng.integers(15, 46, 60).astype(float)
-    count = int(np.searchsorted(np.cumsum(thickness), 1e3 * CLEAR - 20.0))
+    count = int(np.searchsorted(np.cumsum(thickness), 1e3 * CLEAR_WIDTH_M - 20.0))
     calls = call_numbers(rng, count, first_call)
     books = [
         GeneratedBook(
@@ -74,7 +74,7 @@ def make_row(
             int(rng.integers(180, 241)),
             int(rng.integers(120, 161)),
             int(rng.integers(70, 181)),
-            FONTS[int(rng.integers(0, len(FONTS)))],
+            LABEL_FONTS[int(rng.integers(0, len(LABEL_FONTS)))],
         )
         for i in range(count)
     ]

@@ -15,11 +15,19 @@ from handcart.files.whole_file import write_whole
 from handcart.robotics.geometry.pose2 import Pose2
 
 from .library_books import GeneratedBook, Row
-from .library_generator import RESOLUTION, Blocked, Library, Tag, make_library, place_before
-from .library_room import BOARD, CLEAR, FURNITURE, HOME, OUTER, SHELVES, STAND_OFF
+from .library_generator import MAP_RESOLUTION_M, Blocked, Library, Tag, make_library, place_before
+from .library_room import (
+    BOARD_HEIGHT_M,
+    CLEAR_WIDTH_M,
+    HOME_POSE,
+    OUTER_WIDTH_M,
+    ROOM_FURNITURE,
+    SHELF_POSES,
+    STAND_OFF,
+)
 
-UNUSUAL = ("label_mm", "label_lines", "gloss", "lean_deg")
-NOBODYS = 249  # a tag's number that no catalogue of ours has
+UNUSUAL_KEYS = ("label_mm", "label_lines", "gloss", "lean_deg")
+UNLISTED_TAG = 249  # a tag's number that no catalogue of ours has
 
 
 class Libraries(FileModel):
@@ -29,7 +37,7 @@ class Libraries(FileModel):
     gap: bool = True
     tag: Tag = "readable"
     blocked: Blocked = "none"
-    books: int = Field(default=1, ge=1, le=len(SHELVES))
+    books: int = Field(default=1, ge=1, le=len(SHELF_POSES))
     unfriendly: tuple[str, ...] = ()
     level: float = Field(default=1.0, ge=0.0, le=1.0)
 
@@ -61,7 +69,7 @@ def _world(library: Library) -> str:
     lines = [
         _made(library, "Content of the library; the robot doesn't see this file")
         + "format: handcart-world/1",
-        f"start: {_pose(HOME)}",
+        f"start: {_pose(HOME_POSE)}",
         "walls:",
         *(f"  - {{from_m: [{a}, {b}], to_m: [{c}, {d}]}}" for a, b, c, d in library.walls),
         "furniture:",
@@ -69,7 +77,7 @@ def _world(library: Library) -> str:
     lines += [
         f"  - {{name: {each.name}, x_m: {each.x}, y_m: {each.y}, "
         f"size_m: [{each.length}, {each.width}, {each.height}]}}"
-        for each in FURNITURE
+        for each in ROOM_FURNITURE
     ]
     if library.surprises:
         lines.append("surprises: # missing on the map")
@@ -78,11 +86,11 @@ def _world(library: Library) -> str:
             for i, each in enumerate(library.surprises)
         ]
     lines.append("shelves:")
-    for row, shelf in zip(library.rows, SHELVES, strict=True):
+    for row, shelf in zip(library.rows, SHELF_POSES, strict=True):
         lines += [
             f"  - name: {row.shelf}",
             *_indented(_pose(shelf)),
-            f"    width_m: {CLEAR}",
+            f"    width_m: {CLEAR_WIDTH_M}",
             *_unusual(row),
             "    books: # from left to right",
         ]
@@ -92,7 +100,7 @@ def _world(library: Library) -> str:
         ]
     tag = {"readable": "readable", "unknown": "readable", "smeared": "smeared"}[library.tag]
     first, *others = library.wanted
-    accession = NOBODYS if library.tag == "unknown" else first.accession
+    accession = UNLISTED_TAG if library.tag == "unknown" else first.accession
     lines.append(f"tray: {_book(first, accession)[:-1]}, tag: {tag}}}")
     if others:
         lines += ["handed_over: # when the robot is home again", *(f"  - {_book(each)}" for each in others)]
@@ -121,7 +129,7 @@ def _book(book: GeneratedBook, accession: int | None = None) -> str:
     number = book.accession if accession is None else accession
     unusual = [
         f"{key}: {getattr(book, key):g}"
-        for key in UNUSUAL
+        for key in UNUSUAL_KEYS
         if getattr(book, key) != getattr(GeneratedBook, key)
     ]
     if book.thickness_mm < TAG_ROOM_MM:
@@ -136,9 +144,10 @@ def _book(book: GeneratedBook, accession: int | None = None) -> str:
 
 def _places(library: Library) -> str:
     lines = [_made(library, "Places of the robot's base") + "format: handcart-places/1", "places:"]
-    lines.append(f"  home: {_pose(HOME)}")
-    for row, shelf in zip(library.rows, SHELVES, strict=True):
-        front = f"{{distance_m: {STAND_OFF}, width_m: {CLEAR}, board_m: {BOARD}, front_m: {OUTER}}}"
+    lines.append(f"  home: {_pose(HOME_POSE)}")
+    for row, shelf in zip(library.rows, SHELF_POSES, strict=True):
+        widths = f"width_m: {CLEAR_WIDTH_M}, board_m: {BOARD_HEIGHT_M}, front_m: {OUTER_WIDTH_M}"
+        front = f"{{distance_m: {STAND_OFF}, {widths}}}"
         lines.append(f"  {row.shelf}: {_pose(place_before(shelf))[:-1]}, shelf: {front}}}")
     return "\n".join(lines) + "\n"
 
@@ -159,7 +168,7 @@ def _catalogue(library: Library) -> str:
 def _map_yaml(library: Library) -> str:
     return (
         _made(library, "The floor plan, in ROS format")
-        + f"image: map.png\nresolution: {RESOLUTION}\n"
+        + f"image: map.png\nresolution: {MAP_RESOLUTION_M}\n"
         + f"origin: [{library.map.origin_x}, {library.map.origin_y}, 0.0]\n"
         + "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
     )

@@ -17,16 +17,25 @@ from handcart.robotics.navigation.routes.route import plan_route
 from handcart.robotics.navigation.routes.voronoi_graph import voronoi_graph
 
 from .library_books import GeneratedBook, Row, make_row
-from .library_room import DEPTH, FURNITURE, HOME, OUTER, SHELF_DEPTH, SHELVES, STAND_OFF, WIDTH
-from .unfriendly import FACTORS, make_unfriendly, no_slot
+from .library_room import (
+    DEPTH,
+    HOME_POSE,
+    OUTER_WIDTH_M,
+    ROOM_FURNITURE,
+    SHELF_DEPTH,
+    SHELF_POSES,
+    STAND_OFF,
+    WIDTH,
+)
+from .unfriendly import UNFRIENDLY_FACTORS, make_unfriendly, no_slot
 
 Tag = Literal["readable", "smeared", "unknown"]
 Blocked = Literal["none", "way_around", "closed"]
 
-RESOLUTION = 0.02  # [m], as drawn from a floor plan
-RADIUS = 0.38  # [m] that must be free about a way
-BOX = (0.5, 0.4, 0.6)  # [m]
-DOOR = (0.7, 1.9, 2.5)  # [m]: a doorway from x to x at y, the only way out of the corner of `closed`
+MAP_RESOLUTION_M = 0.02  # [m], as drawn from a floor plan
+FREE_RADIUS_M = 0.38  # [m] that must be free about a way
+BOX_SIZE_M = (0.5, 0.4, 0.6)  # [m]
+DOORWAY_M = (0.7, 1.9, 2.5)  # [m]: a doorway from x to x at y, the only way out of the corner of `closed`
 
 
 class NoSuchLibrary(InputError):
@@ -86,7 +95,8 @@ def make_library(
             raise NoSuchLibrary(f"no library with {value!r}; allowed: {', '.join(get_args(kind))}")
     rng = np.random.default_rng(seed)
     rows = tuple(
-        make_row(rng, f"shelf_{i + 1}", 1 + 45 * i, 100 * (1 + 2 * i), misplaced) for i in range(len(SHELVES))
+        make_row(rng, f"shelf_{i + 1}", 1 + 45 * i, 100 * (1 + 2 * i), misplaced)
+        for i in range(len(SHELF_POSES))
     )
     if not 1 <= books <= len(rows):
         raise NoSuchLibrary(f"no library with {books} books to return; allowed: 1 to {len(rows)}")
@@ -98,17 +108,17 @@ def make_library(
         rows = (*rows[:chosen], _closed(rows[chosen], wanted[0]), *rows[chosen + 1 :])
     walls = _walls(blocked == "closed")
     grid = _map(walls)
-    surprises = _surprises(rng, blocked, grid, place_before(SHELVES[chosen]))
+    surprises = _surprises(rng, blocked, grid, place_before(SHELF_POSES[chosen]))
     return Library(seed, walls, rows, wanted, tag, surprises, grid, spoilt)
 
 
 def _factors(named: tuple[str, ...]) -> tuple[str, ...]:
     for name in named:
-        if name not in FACTORS and name != "all":
+        if name not in UNFRIENDLY_FACTORS and name != "all":
             raise NoSuchLibrary(
-                f"no library that is unfriendly by {name!r}; allowed: all, {', '.join(FACTORS)}"
+                f"no library that is unfriendly by {name!r}; allowed: all, {', '.join(UNFRIENDLY_FACTORS)}"
             )
-    return tuple(FACTORS) if "all" in named else named
+    return tuple(UNFRIENDLY_FACTORS) if "all" in named else named
 
 
 def _unfriendly(
@@ -152,7 +162,7 @@ def _walls(corner: bool) -> tuple[tuple[float, float, float, float], ...]:
         (WIDTH, DEPTH, 0.0, DEPTH),
         (0.0, DEPTH, 0.0, 0.0),
     )
-    left, right, y = DOOR
+    left, right, y = DOORWAY_M
     if not corner:
         return room
     return (*room, (0.0, y, left, y), (right, y, 2.6, y), (2.6, y, 2.6, 0.0))
@@ -170,11 +180,11 @@ def _map(walls: tuple[tuple[float, float, float, float], ...]) -> GridMap:
         )
         for x0, y0, x1, y1 in walls
     ]
-    boxes += [Box(each.x, each.y, 0.0, each.length, each.width) for each in FURNITURE]
-    for shelf in SHELVES:
+    boxes += [Box(each.x, each.y, 0.0, each.length, each.width) for each in ROOM_FURNITURE]
+    for shelf in SHELF_POSES:
         middle = shelf.compose(Pose2(SHELF_DEPTH / 2, 0.0, 0.0))
-        boxes.append(Box(middle.x, middle.y, shelf.theta, SHELF_DEPTH, OUTER))
-    return from_boxes(boxes, RESOLUTION, (-0.2, -0.2), (WIDTH + 0.4, DEPTH + 0.4))
+        boxes.append(Box(middle.x, middle.y, shelf.theta, SHELF_DEPTH, OUTER_WIDTH_M))
+    return from_boxes(boxes, MAP_RESOLUTION_M, (-0.2, -0.2), (WIDTH + 0.4, DEPTH + 0.4))
 
 
 def _surprises(
@@ -183,25 +193,25 @@ def _surprises(
     if blocked == "none":
         return ()
     if blocked == "closed":
-        left, right, y = DOOR
-        return (Surprise(Pose2((left + right) / 2, y, 0.0), BOX),)
+        left, right, y = DOORWAY_M
+        return (Surprise(Pose2((left + right) / 2, y, 0.0), BOX_SIZE_M),)
     route = _route(grid, goal)
     if route is None:
         raise NoSuchLibrary("no way leads from home to the shelf")
     for share in rng.permutation(np.linspace(0.2, 0.85, 40)):
         x, y = route[int(share * len(route))]
-        box = Surprise(Pose2(float(x), float(y), float(rng.uniform(0.0, math.pi))), BOX)
+        box = Surprise(Pose2(float(x), float(y), float(rng.uniform(0.0, math.pi))), BOX_SIZE_M)
         if _route(grid.with_points(_outline(box), 0.12), goal) is not None and _apart(box, goal):
             return (box,)
     raise NoSuchLibrary("no box on the way leaves another way")
 
 
 def _apart(box: Surprise, goal: Pose2) -> bool:
-    return box.pose.distance(goal) > 0.9 and box.pose.distance(HOME) > 0.9
+    return box.pose.distance(goal) > 0.9 and box.pose.distance(HOME_POSE) > 0.9
 
 
 def _route(grid: GridMap, goal: Pose2) -> NDArray[np.float64] | None:
-    route = plan_route(voronoi_graph(grid, RADIUS, (HOME.x, HOME.y)), HOME, goal, 0.15)
+    route = plan_route(voronoi_graph(grid, FREE_RADIUS_M, (HOME_POSE.x, HOME_POSE.y)), HOME_POSE, goal, 0.15)
     return None if route is None else route.points
 
 

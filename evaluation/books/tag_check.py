@@ -17,19 +17,19 @@ from handcart.evaluation.truth.survey import simulated_world
 from handcart.robotics.geometry.transform import apply, inverse
 from handcart.robotics.perception.landmarks.tag_reader import read_tags
 
-PIXELS = {"kinematic": 0.1}
+MAX_ERROR_PX = {"kinematic": 0.1}
 OTHER_PIXELS = 0.25  # a renderer that draws triangles
-SEEDS = (0, 1, 2)
+TRIED_SEEDS = (0, 1, 2)
 TAG_FROM_HEAD, HALF_TAG = 0.014, 0.005  # [m] on a spine
-TILTS = tuple((a, b) for a in (-0.03, -0.01, 0.01, 0.03) for b in (-0.03, 0.0, 0.03))  # [rad]
+TRIED_TILTS_RAD = tuple((a, b) for a in (-0.03, -0.01, 0.01, 0.03) for b in (-0.03, 0.0, 0.03))  # [rad]
 
 
 def tag(bench: Bench, finding: CheckResult) -> None:
     """The tag on a book's spine is seen where it projects, by the true joints and the camera's model."""
-    errors = np.vstack([_tag_errors(bench, seed) for seed in SEEDS])
+    errors = np.vstack([_tag_errors(bench, seed) for seed in TRIED_SEEDS])
     if not len(errors):
         raise Skipped("no tag could be read")
-    most = PIXELS.get(bench.backend, OTHER_PIXELS)
+    most = MAX_ERROR_PX.get(bench.backend, OTHER_PIXELS)
     for axis, mean in zip("xy", np.abs(errors.mean(axis=0)), strict=True):
         finding.at_most(f"off in {axis}", float(mean), most, "px")
     finding.measured.append(f"{len(errors)} pictures")
@@ -47,7 +47,7 @@ def _tag_errors(bench: Bench, seed: int) -> NDArray[np.float64]:
             raise Skipped("the robot's file has no posture look_at_tag")
         posture = np.array(spec.posture("look_at_tag"))
         errors = []
-        for bend, twist in TILTS:
+        for bend, twist in TRIED_TILTS_RAD:
             goal = posture.copy()
             goal[-3], goal[-1] = goal[-3] + bend, goal[-1] + twist
             move_joints(backend, arm, goal)
@@ -67,4 +67,4 @@ def _tag_corners(height: float) -> NDArray[np.float64]:
     return np.array([[0.0, y * HALF_TAG, middle + z * HALF_TAG] for y, z in signs])
 
 
-CHECKS = (Check("tag", "a tag is seen where it projects (OpenCV: a pixel's middle is whole)", tag),)
+TAG_CHECKS = (Check("tag", "a tag is seen where it projects (OpenCV: a pixel's middle is whole)", tag),)

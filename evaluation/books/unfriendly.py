@@ -9,8 +9,8 @@ from typing import Any, TypeGuard
 
 import numpy as np
 
-from .library_books import FONTS, GeneratedBook, Row
-from .library_room import CLEAR
+from .library_books import LABEL_FONTS, GeneratedBook, Row
+from .library_room import CLEAR_WIDTH_M
 
 OTHER_FONTS = ("STIXGeneral", "STIXGeneralBol", "cmr10", "cmss10", "cmtt10", "cmb10")
 LEAST_PLAY_MM = 3.0  # that a slot must be wider than its book to count as one
@@ -52,7 +52,7 @@ def make_unfriendly(
         rng: decides what chance does.
     """
     making = _Making(row, frozenset(wanted), level, rng)
-    for name, factor in FACTORS.items():
+    for name, factor in UNFRIENDLY_FACTORS.items():
         if name in factors:
             making = factor(making)
     return making.row, making.spoilt
@@ -100,7 +100,7 @@ def _fonts(m: _Making) -> _Making:
     """Other faces on every label, or on a share of them."""
 
     def change(book: GeneratedBook) -> GeneratedBook:
-        faces = OTHER_FONTS if m.rng.random() < m.level else FONTS
+        faces = OTHER_FONTS if m.rng.random() < m.level else LABEL_FONTS
         return replace(book, font=str(m.rng.choice(faces)))
 
     return m.each(change)
@@ -149,7 +149,7 @@ def _objects(m: _Making) -> _Making:
     return replace(m, row=replace(m.row, objects=tuple(objects)))
 
 
-FACTORS: Mapping[str, Callable[[_Making], _Making]] = {
+UNFRIENDLY_FACTORS: Mapping[str, Callable[[_Making], _Making]] = {
     "covers": _covers,
     "light": _light,
     "thickness": _thickness,
@@ -197,7 +197,7 @@ def _with_plays(m: _Making, plays: Mapping[int, float]) -> _Making:
 def _fitted(m: _Making) -> _Making:
     """Without the books furthest from slots, until the row fits its shelf."""
     standing: list[Any] = list(m.row.standing)
-    while _width(standing) > 1e3 * CLEAR - 20.0:
+    while _width(standing) > 1e3 * CLEAR_WIDTH_M - 20.0:
         slots = [i for i, each in enumerate(standing) if _is_slot(each)]
         standing.pop(max(range(len(standing)), key=lambda i: min(abs(i - slot) for slot in slots)))
     return replace(m, row=replace(m.row, standing=tuple(standing)))

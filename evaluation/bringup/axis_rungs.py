@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.backends.can.can_backend import CanBackend
-from handcart.backends.description.mount_findings import FINGERS
+from handcart.backends.description.mount_findings import FINGER_LINKS
 from handcart.backends.description.robot_file import RobotFile
 from handcart.evaluation.robot_report.masses import corners_of
 from handcart.evaluation.robot_report.postures import LINK_MARGIN_M
@@ -22,7 +22,7 @@ from .jog import HAND_SPEED, Jogged, Jogger, slides
 from .rung import Facts, Rung, RungFailed
 from .site import Site
 
-SCALE = 0.05
+MAX_SCALE_DIFFERENCE = 0.05
 """Share by which tape and encoder may differ."""
 _SHARE = 0.3  # of their range by which the fingers are moved
 _TURN = math.radians(5.0)
@@ -93,7 +93,7 @@ class AxesRung(Rung):
             f"{key}_scale", f"{axis}: by how much did it move, measured [{move.unit}]?", true
         )
         by_encoder = abs(done.way) * move.shown
-        if abs(measured - by_encoder) > SCALE * by_encoder + 1.0:
+        if abs(measured - by_encoder) > MAX_SCALE_DIFFERENCE * by_encoder + 1.0:
             factor = by_encoder / measured if measured else math.inf
             hint = f"gear_ratio or counts_per_rev is {factor:.3g} times too small" if measured else "it stood"
             raise RungFailed(
@@ -201,7 +201,7 @@ class FreeWay:
 
     def __init__(self, robot: RobotFile) -> None:
         half = 0.0 if robot.gripper is None else robot.gripper.opening_mm / 2e3
-        fingers = dict.fromkeys(FINGERS, half) if robot.gripper else {}
+        fingers = dict.fromkeys(FINGER_LINKS, half) if robot.gripper else {}
         self._model = robot.arm_model().with_others(fingers)
         self._own = CollisionModel(self._model, margin=LINK_MARGIN_M)
         self._slides = robot.joint_units.slides

@@ -21,9 +21,9 @@ from handcart.files.suggest import suggest
 
 from .operator import Held
 
-C = TypeVar("C", bound=Capability)
+CapabilityT = TypeVar("CapabilityT", bound=Capability)
 
-LEASE = 0.3
+KEY_LEASE_S = 0.3
 """[s] for which a key that was seen pressed counts as held (row U6)."""
 HAND_SPEED = 0.25
 """[m/s] that nothing of the robot runs faster than until it is signed off."""
@@ -45,7 +45,7 @@ class Lease:
             clock: gives the time in [s].
         """
         self._pressed, self._clock = pressed, clock
-        self._until = clock() + LEASE
+        self._until = clock() + KEY_LEASE_S
         self._over = False
 
     def __call__(self) -> bool:
@@ -53,7 +53,7 @@ class Lease:
         now = self._clock()
         self._over = self._over or now > self._until
         if self._pressed() and not self._over:
-            self._until = now + LEASE
+            self._until = now + KEY_LEASE_S
         return not self._over
 
 
@@ -232,7 +232,7 @@ class Jogger:
         return np.array([self.position(axis) for axis in self.axes])
 
 
-def _part(found: C | None) -> C:
+def _part(found: CapabilityT | None) -> CapabilityT:
     """Return the capability behind an axis of the section `can`."""
     assert found is not None
     return found

@@ -20,7 +20,7 @@ from .site import Site
 from .stop_rungs import EmergencyStopRung, StopTestRung
 from .use_rungs import CalibrationRung, CameraRung, PrimitiveRung, TaskRung
 
-RUNGS: tuple[Rung, ...] = (
+ALL_RUNGS: tuple[Rung, ...] = (
     InterfaceRung(),
     IdentifyRung(),
     ReadBackRung(),
@@ -40,7 +40,7 @@ class UnknownRung(InputError):
     """The ladder has no rung of that name."""
 
     def __init__(self, name: str) -> None:
-        super().__init__(f"unknown rung {name!r}{suggest(name, [each.name for each in RUNGS])}")
+        super().__init__(f"unknown rung {name!r}{suggest(name, [each.name for each in ALL_RUNGS])}")
 
 
 class BenchFirst(InputError):
@@ -66,7 +66,7 @@ class Ladder:
         gap.
         """
         found = []
-        for number, rung in enumerate(RUNGS, 1):
+        for number, rung in enumerate(ALL_RUNGS, 1):
             path = _path(folder or self.site.folder, number, rung)
             record = read(path) if path.is_file() else None
             if record is None or not record.passed or record.fingerprint != self.site.fingerprint:
@@ -78,7 +78,7 @@ class Ladder:
     def next(self) -> Rung | None:
         """The lowest that is not climbed; None where all are."""
         done = len(self.records())
-        return RUNGS[done] if done < len(RUNGS) else None
+        return ALL_RUNGS[done] if done < len(ALL_RUNGS) else None
 
     def climb(self, tell: Callable[[str], None] = lambda _: None) -> RungRecord:
         """Run the next step and record it.
@@ -89,7 +89,7 @@ class Ladder:
         """
         rung = self.next
         assert rung is not None
-        number = RUNGS.index(rung) + 1
+        number = ALL_RUNGS.index(rung) + 1
         if self.rehearsed is not None and len(self.records(self.rehearsed)) < number:
             raise BenchFirst(rung.name, self.site.name)
         self.site.folder.mkdir(parents=True, exist_ok=True)
@@ -125,11 +125,11 @@ class Ladder:
         Raises:
             UnknownRung: no step has that name.
         """
-        names = [each.name for each in RUNGS]
+        names = [each.name for each in ALL_RUNGS]
         if name not in names:
             raise UnknownRung(name)
         aside = self.site.folder / f"before_{datetime.now(UTC):%Y%m%dT%H%M%S}"
-        for number, rung in enumerate(RUNGS, 1):
+        for number, rung in enumerate(ALL_RUNGS, 1):
             path = _path(self.site.folder, number, rung)
             if number > names.index(name) and path.is_file():
                 aside.mkdir(exist_ok=True)

@@ -16,11 +16,11 @@ from .jog import HAND_SPEED
 from .rung import Facts, Rung, RungFailed
 from .site import Site
 
-PATIENCE = 60.0
+BUTTON_TIMEOUT_S = 60.0
 """[s] in which a person presses a button."""
 _BENCH_PATIENCE = 100  # periods
 _WATCH = 2.0  # [s] after the emergency stop is released
-TIMES = 5
+STOP_TRIALS = 5
 """Number of trials of each stop."""
 
 
@@ -61,7 +61,7 @@ def _until_off(backend: CanBackend) -> tuple[dict[str, str], float]:
     """Wait until no drive is enabled; return their states, and the time from the first to the last, in
     [s].
     """
-    end, periods, first = time.monotonic() + PATIENCE, 0, -1
+    end, periods, first = time.monotonic() + BUTTON_TIMEOUT_S, 0, -1
     while time.monotonic() < end and (backend.bench is None or periods < _BENCH_PATIENCE):
         backend.watch()
         states = {name: axis.drive_state for name, axis in backend.axes.items()}
@@ -83,13 +83,13 @@ class StopTestRung(Rung):
     @override
     def climb(self, site: Site) -> Facts:
         site.operator.tell(
-            f"The base drives {HAND_SPEED * 1.5:.2f} m straight on and stops, {2 * TIMES} times."
+            f"The base drives {HAND_SPEED * 1.5:.2f} m straight on and stops, {2 * STOP_TRIALS} times."
         )
-        facts: Facts = {"speed_m_s": HAND_SPEED, "times": TIMES}
+        facts: Facts = {"speed_m_s": HAND_SPEED, "times": STOP_TRIALS}
         for name, stop in (("program", _by_program), ("heartbeat", _by_silence)):
             if not site.confirm(f"clear_{name}", f"Is the way clear? Next: {name}."):
                 raise RungFailed("the way wasn't clear")
-            stops = [_stop_once(site, stop, number) for number in range(TIMES)]
+            stops = [_stop_once(site, stop, number) for number in range(STOP_TRIALS)]
             facts[name] = spread = _spread(stops)
             allowed = self._allowed(site, name)
             facts[f"{name}_allowed_m"] = round(allowed, 4)

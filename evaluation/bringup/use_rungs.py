@@ -30,12 +30,12 @@ from .rung import Facts, Rung, RungFailed
 from .site import Site
 
 CAMERA_TASK = LIBRARY_FOLDER.parent / "calibrate_camera" / "task.yaml"
-TAPE = 0.002
+TAPE_ACCURACY_M = 0.002
 """Accuracy of a tape measure, in [m]."""
-PROTRACTOR = math.radians(1.0)
+PROTRACTOR_ACCURACY_RAD = math.radians(1.0)
 WAY, TURNS = 1.0, 1
 """Of the base, in [m] and whole turns."""
-SCANS = 100
+SCAN_COUNT = 100
 RETURNS_SHARE = 0.8  # of them, in which a beam returns, to be measured
 _SETTLE = 1.0  # [s]
 
@@ -72,7 +72,7 @@ class CalibrationRung(Rung):
         truth = float(np.hypot(*(_true_pose(backend)[:2] - before[:2])))
         measured = site.number("way_m", "Distance that the base drove, by tape [m]?", truth)
         radius = site.robot.drive.wheel_radius_m * measured / way
-        found["drive.wheel_radius_m"] = Calibrated(radius, radius * TAPE / way)
+        found["drive.wheel_radius_m"] = Calibrated(radius, radius * TAPE_ACCURACY_M / way)
         facts |= {"way_by_encoder_m": round(way, 4), "way_m": round(measured, 4)}
 
     def _tread(self, site: Site, backend: CanBackend, found: dict[str, Calibrated], facts: Facts) -> None:
@@ -89,7 +89,7 @@ class CalibrationRung(Rung):
             )
         )
         tread = (right - left) / measured
-        found["drive.tread_m"] = Calibrated(tread, tread * PROTRACTOR / measured)
+        found["drive.tread_m"] = Calibrated(tread, tread * PROTRACTOR_ACCURACY_RAD / measured)
         facts |= {"turn_by_encoder_deg": round(math.degrees(by_encoder), 2)}
         facts |= {"turn_deg": round(math.degrees(measured), 2)}
 
@@ -100,7 +100,7 @@ class CalibrationRung(Rung):
             return
         sensor = Lidar(found_sensor, site.robot)
         scans = []
-        for _ in range(SCANS):
+        for _ in range(SCAN_COUNT):
             backend.step()
             scans.append(sensor.scan().ranges)
         ranges = np.array(scans)
@@ -109,7 +109,7 @@ class CalibrationRung(Rung):
         if not seen.any():
             raise RungFailed(sensor.silence or "the range sensor sees nothing: no beam returns steadily")
         sigma = 1e3 * float(np.median(np.nanstd(ranges[:, seen], axis=0, ddof=1)))
-        found["range_sensor.sigma_mm"] = Calibrated(sigma, sigma / math.sqrt(2 * SCANS))
+        found["range_sensor.sigma_mm"] = Calibrated(sigma, sigma / math.sqrt(2 * SCAN_COUNT))
         ahead = int(np.argmin(np.abs(sensor.scan().angles)))
         nearest = int(np.flatnonzero(seen)[np.argmin(np.abs(np.flatnonzero(seen) - ahead))])
         reading = float(np.nanmean(ranges[:, nearest]))

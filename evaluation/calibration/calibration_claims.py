@@ -18,9 +18,9 @@ from handcart.robotics.geometry.transform import inverse
 Vector = NDArray[np.float64]
 FOCAL_SHARE = 0.002  # by which the focal length trades with distance, unseen by its sigma
 MIDDLE_PX = 2.0  # the same of the picture's middle, against the mount
-LENS = {"k1": 0.02, "k2": 0.1}  # the same of the lens
+MAX_LENS_ERRORS = {"k1": 0.02, "k2": 0.1}  # the same of the lens
 ARM_MRAD = 2.0  # by which an arm's own errors turn a mount
-SPOTS = {"yaw_mrad_per_swing": 0.15, "roll_mrad_per_m": 1.5, "pitch_mrad_per_m": 1.5}
+MAX_SPOT_ERRORS = {"yaw_mrad_per_swing": 0.15, "roll_mrad_per_m": 1.5, "pitch_mrad_per_m": 1.5}
 """Allowed error of laser spots on a wall, read with a ruler."""
 FIXED_SHARE = 2.5  # fixed limit of a calibration's error in the figures above, however large its sigma
 
@@ -38,8 +38,8 @@ def camera_faults(robot: RobotFile, seed: int, found: Mapping[str, Calibrated]) 
         "focal_px": (K[1, 1], FOCAL_SHARE * K[1, 1]),
         "cx_px": (K[0, 2], MIDDLE_PX),
         "cy_px": (K[1, 2], MIDDLE_PX),
-        "k1": (lens[0], LENS["k1"]),
-        "k2": (lens[1], LENS["k2"]),
+        "k1": (lens[0], MAX_LENS_ERRORS["k1"]),
+        "k2": (lens[1], MAX_LENS_ERRORS["k2"]),
         "xyz_mm": (1e3 * off[:3, 3], mount),
         "rpy_deg": (
             Rotation.from_matrix(off[:3, :3]).as_euler("xyz", degrees=True),
@@ -56,7 +56,7 @@ def suspension_faults(spots: Mapping[str, float], found: Mapping[str, Calibrated
         spots: figures of a `LaserSurvey`.
         found: results of the run's calibration, by key.
     """
-    return _beyond(found, {name: (spots[f"laser_{name}"], most) for name, most in SPOTS.items()})
+    return _beyond(found, {name: (spots[f"laser_{name}"], most) for name, most in MAX_SPOT_ERRORS.items()})
 
 
 def _beyond(found: Mapping[str, Calibrated], truth: Mapping[str, tuple[object, float]]) -> list[str]:

@@ -15,7 +15,7 @@ from handcart.primitives.contract.calibrated import Calibrated
 from handcart.robotics.geometry.transform import apply, difference
 from handcart.robotics.kinematics.arm_model import ArmModel
 
-AWAY = 0.3  # [m] from the camera, where blocks and landmarks are looked at
+VIEW_DISTANCE_M = 0.3  # [m] from the camera, where blocks and landmarks are looked at
 _COLUMNS, _ROWS = 17, 13
 _KEY = "camera.calibrated."
 
@@ -57,4 +57,4 @@ def _points(camera: MountedCamera) -> NDArray[np.float64]:
         np.linspace(0, model.width - 1, _COLUMNS), np.linspace(0, model.height - 1, _ROWS)
     )
     rays = model.undistort(np.column_stack([columns.ravel(), rows.ravel()]))
-    return apply(camera.hand_T_camera, AWAY * np.column_stack([rays, np.ones(len(rays))]))
+    return apply(camera.hand_T_camera, VIEW_DISTANCE_M * np.column_stack([rays, np.ones(len(rays))]))

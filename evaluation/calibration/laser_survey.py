@@ -12,11 +12,11 @@ from handcart.backends.robot.robot import Robot
 from handcart.robotics.geometry.transform import Transform, transform
 from handcart.robotics.manipulation.suspension.laser_spot import Rates, SpotShift, fit_spots, spot_on_wall
 
-DISTANCE = 2.0  # [m] from the pointers to the walls
-SCALE = 0.001  # [m] of the ruler
-HEIGHT = 0.3  # [m] of the pointers; they sit on the base's axis
+WALL_DISTANCE_M = 2.0  # [m] from the pointers to the walls
+RULER_STEP_M = 0.001  # [m] of the ruler
+POINTER_HEIGHT_M = 0.3  # [m] of the pointers; they sit on the base's axis
 AHEAD, LEFT = 0.0, math.pi / 2
-RESTS = 6  # periods for which the arm must stand before somebody reads
+REST_PERIODS = 6  # periods for which the arm must stand before somebody reads
 
 Vector = NDArray[np.float64]
 
@@ -30,8 +30,8 @@ def read_spot(world_T_base: Transform, world_T_first: Transform, heading: float,
         heading: heading of the beam in the base frame, in [rad].
         scale: graduation of the ruler, in [m]; 0: exact.
     """
-    base_T_laser = transform((0.0, 0.0, HEIGHT), (0.0, 0.0, heading))
-    world_T_wall = world_T_first @ base_T_laser @ transform((DISTANCE, 0.0, 0.0)) @ _FACING
+    base_T_laser = transform((0.0, 0.0, POINTER_HEIGHT_M), (0.0, 0.0, heading))
+    world_T_wall = world_T_first @ base_T_laser @ transform((WALL_DISTANCE_M, 0.0, 0.0)) @ _FACING
     first, now = (spot_on_wall(pose, base_T_laser, world_T_wall) for pose in (world_T_first, world_T_base))
     return now - first if scale == 0.0 else scale * (np.rint(now / scale) - np.rint(first / scale))
 
@@ -42,7 +42,7 @@ _FACING = np.array([[0.0, 0.0, 1.0, 0.0], [1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 
 class LaserSurvey:
     """Person who reads two spots whenever the arm rests, ahead and to the left, and counts its swings."""
 
-    def __init__(self, scene: Any, scale: float = SCALE) -> None:
+    def __init__(self, scene: Any, scale: float = RULER_STEP_M) -> None:
         """`scene` is a simulated world's; `scale` that of the ruler, in [m]."""
         self._scene, self._scale = scene, scale
         self._command, self._stood = np.empty(0), 0
@@ -56,7 +56,7 @@ class LaserSurvey:
         command = robot.arm.command()
         same = np.array_equal(command, self._command)
         self._command, self._stood = command, self._stood + 1 if same else 0
-        if self._stood not in (1, RESTS):
+        if self._stood not in (1, REST_PERIODS):
             return
         hand = robot.arm_model.forward(command)[:2, 3]
         if self._stood == 1:
@@ -85,7 +85,7 @@ class LaserSurvey:
         Raises:
             ValueError: the arm moved too little.
         """
-        return fit_spots(self._ahead, self._left, DISTANCE)
+        return fit_spots(self._ahead, self._left, WALL_DISTANCE_M)
 
     def figures(self) -> dict[str, float]:
         """Return figures for a run's metrics."""

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 WIDTH, HEIGHT = 300.0, 96.0
 """Of a histogram's bars, in [px]."""
-SEEN = 1.5  # [px] that a single trial is high at least
+MIN_BAR_PX = 1.5  # [px] that a single trial is high at least
 _MOST_BINS = 30
 _TICKS = 4
 _SLACK = 1e-9  # of a step
@@ -96,8 +96,8 @@ def histogram(
         Bar(
             axis.at(low),
             axis.at(high) - axis.at(low),
-            max(scale * yes, SEEN) if yes else 0.0,
-            max(scale * no, SEEN) if no else 0.0,
+            max(scale * yes, MIN_BAR_PX) if yes else 0.0,
+            max(scale * no, MIN_BAR_PX) if no else 0.0,
             f"{low:.5g} to {high:.5g}: {yes + no} trials, {no} of them did not reach the goal",
         )
         for low, high, yes, no in zip(edges[:-1], edges[1:], reached, others, strict=True)

@@ -15,7 +15,7 @@ from handcart.evaluation.campaigns.trial import Trial
 MOST_ROWS = 10_000
 MOST_CELLS = 100_000  # beside those that all trials have
 MOST_WORDS = 1_000_000  # letters of all reasons together
-LONGEST = 160  # letters of a reason
+MAX_REASON_LETTERS = 160  # letters of a reason
 
 
 class Row(NamedTuple):
@@ -71,7 +71,7 @@ class TrialTable:
         names = list(OF_ALL)
         names += [name for name in self.differing() if name not in names][: MOST_CELLS // max(1, len(chosen))]
         reasons = sum(bool(self._ends[at][3]) for at in chosen)
-        longest = min(LONGEST, MOST_WORDS // max(1, reasons))
+        longest = min(MAX_REASON_LETTERS, MOST_WORDS // max(1, reasons))
         rows = [self._row(at, names, longest) for at in chosen]
         return names, rows, len(self.seeds) - len(rows)
 

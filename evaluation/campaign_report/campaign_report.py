@@ -13,7 +13,7 @@ from handcart.evaluation.campaigns.trial import Trial
 
 from .action_shares import ActionShare
 from .intervals import median_interval, wilson
-from .tally import OUTCOMES, WORST, Blame, Tally
+from .tally import OUTCOME_NAMES, WORST_TRIAL_COUNT, Blame, Tally
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ class CampaignReport:
     def shares(self) -> list[ActionShare]:
         """Return the outcome counts of each action, in the order of first occurrence."""
         return [
-            ActionShare(name, *(found[each] for each in OUTCOMES))
+            ActionShare(name, *(found[each] for each in OUTCOME_NAMES))
             for name, found in self.tally.actions.items()
         ]
 
@@ -102,6 +102,6 @@ class CampaignReport:
         bounds = wilson(int(values.sum()), count) if name in self.tally.yes_no else median_interval(values)
         return Spread(count, least, median, most_95, most, float(values.mean()), *(bounds or (None, None)))
 
-    def worst(self, most: int = WORST) -> list[Trial]:
+    def worst(self, most: int = WORST_TRIAL_COUNT) -> list[Trial]:
         """Trials to look at first: untrue ones, then those that did not succeed, then those with Fails."""
         return [self.trials[-rank[-1]] for rank in self.tally.worst[:most]]

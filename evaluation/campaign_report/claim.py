@@ -12,7 +12,7 @@ from scipy.special import betaln
 from handcart.evaluation.campaigns.trial import Trial
 from handcart.files.errors import InputError
 
-ERROR = 0.05
+MAX_ERROR_PROBABILITY = 0.05
 """At most so often a verdict is wrong, however often it is looked for."""
 _FORM = re.compile(r"\s*p\s*(>|<)\s*(0?\.\d+)\s*")
 
@@ -52,7 +52,7 @@ class Claim:
         failures = count - successes
         bet = float(betaln(1 + successes, 1 + failures))
         bet -= successes * math.log(self.limit) + failures * math.log1p(-self.limit)
-        if bet < -math.log(ERROR):
+        if bet < -math.log(MAX_ERROR_PROBABILITY):
             return None
         return (successes > count * self.limit) is self.above
 

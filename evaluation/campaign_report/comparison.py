@@ -12,11 +12,19 @@ from handcart.evaluation.campaigns.trial import Trial
 from handcart.files.errors import InputError
 
 from .divergence import Divergence, first_difference
-from .paired_tests import ALPHA, e_value, holm, mcnemar, signed_rank, smallest_difference, weights_of
+from .paired_tests import (
+    SIGNIFICANCE_LEVEL,
+    e_value,
+    holm,
+    mcnemar,
+    signed_rank,
+    smallest_difference,
+    weights_of,
+)
 from .tally import figures
 
-SUCCESS = "success"
-EXAMPLES = 3
+SUCCESS_METRIC = "success"
+MAX_EXAMPLES = 3
 
 
 class NoPairs(InputError):
@@ -42,7 +50,7 @@ class MetricChange:
     @property
     def proven(self) -> bool:
         """True if the change is significant."""
-        return self.adjusted <= ALPHA
+        return self.adjusted <= SIGNIFICANCE_LEVEL
 
 
 @dataclass
@@ -104,7 +112,7 @@ def compare(one: Sequence[Trial], other: Sequence[Trial]) -> Comparison:
         if mine.success == theirs.success:
             continue
         count["one" if mine.success else "other"] += 1
-        if sure_at is None and e_value(count["one"], count["other"]) >= 1.0 / ALPHA:
+        if sure_at is None and e_value(count["one"], count["other"]) >= 1.0 / SIGNIFICANCE_LEVEL:
             sure_at = count["pairs"]
         _part(partings, mine, theirs)
     if not count["pairs"]:
@@ -138,7 +146,7 @@ def _part(partings: dict[str, Parting], mine: Trial, theirs: Trial) -> None:
     found = first_difference(mine, theirs)
     parting = partings.setdefault("the same actions" if found is None else found.kind, Parting(example=found))
     parting.times += 1
-    if len(parting.seeds) < EXAMPLES:
+    if len(parting.seeds) < MAX_EXAMPLES:
         parting.seeds.append(mine.seed)
 
 
@@ -148,11 +156,11 @@ def _changes(
     """Return the changes of all metrics that differ in some pair; equal metrics are not tested."""
     differences = {name: np.asarray(columns[name]) for name in sorted(columns)}
     looked = {name: each for name, each in differences.items() if each.any()}
-    p_values = {SUCCESS: mcnemar(only_one, only_other)}
+    p_values = {SUCCESS_METRIC: mcnemar(only_one, only_other)}
     p_values |= {name: signed_rank(each) for name, each in looked.items()}
-    adjusted = holm(p_values, weights_of(SUCCESS, list(looked)))
+    adjusted = holm(p_values, weights_of(SUCCESS_METRIC, list(looked)))
     rate = (only_other - only_one) / pairs
-    first = MetricChange(SUCCESS, pairs, rate, p_values[SUCCESS], adjusted[SUCCESS])
+    first = MetricChange(SUCCESS_METRIC, pairs, rate, p_values[SUCCESS_METRIC], adjusted[SUCCESS_METRIC])
     rest = (
         MetricChange(name, len(each), float(each.mean()), p_values[name], adjusted[name])
         for name, each in looked.items()

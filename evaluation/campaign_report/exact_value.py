@@ -15,7 +15,7 @@ from handcart.networks.analysis.figures import figures, missing_chances
 from handcart.networks.chains.policy import TooLarge
 from handcart.networks.task.task_file import load_task
 
-UNLIKELY = 0.05
+UNLIKELY_PROBABILITY = 0.05
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class ExactValue:
     @property
     def agrees(self) -> bool:
         """True if the measured share does not contradict the exact value."""
-        return self.p_value >= UNLIKELY
+        return self.p_value >= UNLIKELY_PROBABILITY
 
 
 def exact_goal(task: Path, settings: Mapping[str, str]) -> float | str:

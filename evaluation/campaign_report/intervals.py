@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import bdtr, ndtri
 
-LEVEL = 0.95
+CONFIDENCE_LEVEL = 0.95
 
 
 def wilson(successes: int, count: int) -> tuple[float, float]:
     """Return the interval of a probability by Wilson (1927); (0, 1) without trials."""
     if not count:
         return 0.0, 1.0
-    share, z = successes / count, float(ndtri(0.5 + LEVEL / 2.0))
+    share, z = successes / count, float(ndtri(0.5 + CONFIDENCE_LEVEL / 2.0))
     middle = (2.0 * count * share + z**2) / (2.0 * (count + z**2))
     beside = z / (2.0 * (count + z**2)) * float(np.sqrt(4.0 * count * share * (1.0 - share) + z**2))
     low = 0.0 if successes == 0 else middle - beside
@@ -29,7 +29,7 @@ def median_interval(values: NDArray[np.float64]) -> tuple[float, float] | None:
     values.
     """
     below = bdtr(np.arange(len(values) + 1.0), len(values), 0.5)
-    rank = int(np.searchsorted(below, (1.0 - LEVEL) / 2.0))
+    rank = int(np.searchsorted(below, (1.0 - CONFIDENCE_LEVEL) / 2.0))
     if rank < 1:
         return None
     ordered = np.sort(values)

@@ -11,10 +11,10 @@ from scipy.optimize import brentq
 from scipy.special import betaln
 from scipy.stats import binom, binomtest, wilcoxon
 
-ALPHA = 0.05
-POWER = 0.8
+SIGNIFICANCE_LEVEL = 0.05
+TEST_POWER = 0.8
 FIRST_SHARE = 0.9
-"""Share of `ALPHA` reserved for the success rate; the other metrics share the rest."""
+"""Share of `SIGNIFICANCE_LEVEL` reserved for the success rate; the other metrics share the rest."""
 
 
 def mcnemar(only_one: int, only_other: int) -> float:
@@ -72,7 +72,7 @@ def e_value(only_one: int, only_other: int) -> float:
     return math.exp(min(log, 700.0))
 
 
-def mcnemar_power(difference: float, lost: float, pairs: int, alpha: float = ALPHA) -> float:
+def mcnemar_power(difference: float, lost: float, pairs: int, alpha: float = SIGNIFICANCE_LEVEL) -> float:
     """The probability that the exact McNemar test sees a difference of success rates.
 
     Args:
@@ -100,6 +100,6 @@ def smallest_difference(only_one: int, only_other: int, pairs: int) -> float | N
     """
     lost = min(only_one, only_other) / pairs
     most = 1.0 - 2.0 * lost
-    if most <= 0.0 or mcnemar_power(most, lost, pairs) < POWER:
+    if most <= 0.0 or mcnemar_power(most, lost, pairs) < TEST_POWER:
         return None
-    return float(brentq(lambda each: mcnemar_power(each, lost, pairs) - POWER, 0.0, most, xtol=1e-5))
+    return float(brentq(lambda each: mcnemar_power(each, lost, pairs) - TEST_POWER, 0.0, most, xtol=1e-5))

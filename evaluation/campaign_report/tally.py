@@ -14,8 +14,8 @@ import numpy as np
 
 from handcart.evaluation.campaigns.trial import Trial
 
-OUTCOMES = ("Success", "Fail", "GiveUp")
-WORST = 10
+OUTCOME_NAMES = ("Success", "Fail", "GiveUp")
+WORST_TRIAL_COUNT = 10
 OF_ALL = ("sim_time_s", "actions", "fails")
 """Figures of each trial in addition to its task's metrics; the machine's time is not one of them."""
 _NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?!\w)")
@@ -113,4 +113,4 @@ class Tally:
 
     def rank(self, rank: tuple[bool, bool, float, int]) -> None:
         """Keep it if it is among the worst by now."""
-        (heapq.heappush if len(self.worst) < WORST else heapq.heappushpop)(self.worst, rank)
+        (heapq.heappush if len(self.worst) < WORST_TRIAL_COUNT else heapq.heappushpop)(self.worst, rank)

@@ -12,7 +12,7 @@ from handcart.evaluation.campaigns.walked_trials import DRAWN, UNKNOWN, WalkedTr
 from handcart.evaluation.walks.odds import End, Numbers
 from handcart.evaluation.walks.walker import NO_ACTION, Walked
 
-from .tally import WORST, Blame, Tally, in_general, outcome_in_general
+from .tally import WORST_TRIAL_COUNT, Blame, Tally, in_general, outcome_in_general
 
 
 class WalkTally(Tally):
@@ -58,7 +58,7 @@ class WalkTally(Tally):
         self._counts += np.bincount(pairs, minlength=self._counts.size).reshape(self._counts.shape)
         self._add_outcomes(walked, whole)
         bad = np.flatnonzero(~success | (fails > 0))
-        order = np.lexsort((bad, -fails[bad], success[bad]))[:WORST]
+        order = np.lexsort((bad, -fails[bad], success[bad]))[:WORST_TRIAL_COUNT]
         for column in bad[order].tolist():
             self.rank((False, not success[column], float(fails[column]), -(at + column)))
 

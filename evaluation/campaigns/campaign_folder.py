@@ -16,7 +16,7 @@ from handcart.files.whole_file import write_whole
 
 from .trial_log import TrialFile, TrialLog, read_offsets
 
-FORMAT = "handcart-campaign/1"
+CAMPAIGN_FORMAT = "handcart-campaign/1"
 TRIALS, ARGUMENTS, RUNS = "trials.jsonl", "campaign.json", "runs"
 _MOST = 16 * 2**20
 Arguments = Mapping[str, Any]
@@ -62,7 +62,7 @@ class CampaignFolder:
             NoCampaign: something else is there, or it can't be made.
             OtherCampaign: other arguments made what is there.
         """
-        asked: Arguments = orjson.loads(orjson.dumps({"format": FORMAT, **arguments}))
+        asked: Arguments = orjson.loads(orjson.dumps({"format": CAMPAIGN_FORMAT, **arguments}))
         try:
             folder.mkdir(parents=True, exist_ok=True)
             if (folder / ARGUMENTS).exists():
@@ -92,8 +92,8 @@ class CampaignFolder:
             raise NoCampaign(folder, f"there is no {ARGUMENTS} in it") from None
         except (OSError, orjson.JSONDecodeError) as error:
             raise NoCampaign(folder, f"{ARGUMENTS} in it can't be read: {error}") from None
-        if not isinstance(arguments, dict) or arguments.get("format") != FORMAT:
-            raise NoCampaign(folder, f"{ARGUMENTS} in it is not of the format {FORMAT}")
+        if not isinstance(arguments, dict) or arguments.get("format") != CAMPAIGN_FORMAT:
+            raise NoCampaign(folder, f"{ARGUMENTS} in it is not of the format {CAMPAIGN_FORMAT}")
         return cls(folder, arguments)
 
     @classmethod

@@ -31,11 +31,11 @@ ANSWERS_S = 10.0
 """[s] within which a scheduler answers, and knows a worker."""
 PATIENCE_S = 5.0
 """Minimum time before a trial under way is given to a second worker, in [s]."""
-LATE = 3.0
+LATE_TIME_RATIO = 3.0
 """Times the mean time of a trial, the same."""
-COPIES = 4
+MAX_WORKERS_PER_TRIAL = 4
 """Workers that one trial is given to at most, one after the other."""
-AHEAD = 2
+TRIALS_PER_THREAD = 2
 """Trials that each thread of a worker has, the running one counted."""
 LOOKS_S = 2.0
 """[s] between two looks at which workers are there."""
@@ -190,7 +190,7 @@ class Cluster:
         """Hand out as much as there are workers for; whether anything is left to wait for."""
         if time.monotonic() - self._looked > LOOKS_S:
             self._looked = time.monotonic()
-            self._room = AHEAD * sum(client.nthreads().values())
+            self._room = TRIALS_PER_THREAD * sum(client.nthreads().values())
             if self._over:
                 self._give_again(client, waiting)
         while not self._over and len(self._asked) < self._room:
@@ -205,9 +205,9 @@ class Cluster:
     def _give_again(self, client: Client, waiting: Any) -> None:
         """Give late trials to idle workers as well, because their worker is dead, frozen or slow."""
         idle = [worker for worker, keys in client.processing().items() if not keys]
-        most = max(PATIENCE_S, LATE * self._took / max(1, self._ended))
+        most = max(PATIENCE_S, LATE_TIME_RATIO * self._took / max(1, self._ended))
         for seed, asked in self._asked.items():
-            if idle and len(asked.futures) < COPIES and time.monotonic() - asked.since > most:
+            if idle and len(asked.futures) < MAX_WORKERS_PER_TRIAL and time.monotonic() - asked.since > most:
                 asked.since = time.monotonic()
                 self._submit(client, waiting, seed, idle.pop())
 

@@ -21,7 +21,7 @@ from .action_ends import names_in_network
 from .trial import ActionEnd, Trial
 
 DRAWN, UNKNOWN = "drawn by its probability", "nobody has seen how it ends"
-TOGETHER = 4096
+WALK_BATCH_SIZE = 4096
 """Walks side by side: a seed's walk is the same, whichever others are asked for."""
 _STREAM = 20  # tells these draws from others that begin with the same numbers
 
@@ -29,7 +29,7 @@ _STREAM = 20  # tells these draws from others that begin with the same numbers
 class WalkedTrials:
     """Trials of one task by odds: the same for the same seed."""
 
-    def __init__(self, task: Task, odds: Odds, side_by_side: int = TOGETHER) -> None:
+    def __init__(self, task: Task, odds: Odds, side_by_side: int = WALK_BATCH_SIZE) -> None:
         """Nothing is walked yet.
 
         Args:

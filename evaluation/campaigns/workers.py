@@ -25,9 +25,9 @@ TOGETHER_S = 0.02
 AHEAD_S = 0.1
 """[s] of work that a process has before it, at least the trial that it runs."""
 MOST_AHEAD = 256
-DEATHS = 5
+MAX_PROCESS_DEATHS = 5
 """Of the process in one trial, until that counts as its end."""
-STILLBORN = 20
+MAX_FAILED_STARTS = 20
 """Processes, one after the other, that end before they begin, until the campaign does."""
 
 
@@ -157,14 +157,14 @@ class Workers:
         first = worker.seeds[0]
         self._deaths[first] += worker.begun
         self._stillborn += not worker.begun
-        if self._stillborn > STILLBORN:
+        if self._stillborn > MAX_FAILED_STARTS:
             raise TrialFault(f"processes die before they begin, at last {_how(worker.process)}")
-        if self._deaths[first] < DEATHS:
+        if self._deaths[first] < MAX_PROCESS_DEATHS:
             self._left = chain(worker.seeds, self._left)
             return []
         worker.seeds.popleft()
         self._left = chain(worker.seeds, self._left)
-        return [died(first, f"its process died {DEATHS} times, at last {_how(worker.process)}")]
+        return [died(first, f"its process died {MAX_PROCESS_DEATHS} times, at last {_how(worker.process)}")]
 
     def _let_go(self) -> None:
         for each in self._workers:

@@ -26,16 +26,16 @@ from handcart.networks.task.task_file import load_task
 from .report import Broken, KitReport, Result
 from .task_runs import OneRun, task_runs
 
-PARTS = ("checks", "faults", "mutants", "tasks")
-QUICK_PARTS = PARTS[:3]
-INSTANTS = {"kinematic": (40, 3)}
+KIT_PARTS = ("checks", "faults", "mutants", "tasks")
+QUICK_PARTS = KIT_PARTS[:3]
+QUICK_INSTANTS = {"kinematic": (40, 3)}
 OTHER_INSTANTS = (10, 1)
 """Numbers of fault instants in each primitive's run: full mode, quick mode."""
-SHARE = 10  # instants of an action that one process sees to at a time, at most
+MAX_INSTANTS_PER_JOB = 10  # instants of an action that one process sees to at a time, at most
 SEEDS, SEEDS_QUICK = 50, 2
 """Of each shipped task with errors: in full, and quick."""
-NEWS = 10.0  # [s] between two words of how many jobs are done, at most
-LONGEST = 600.0  # [s] of CPU time that a check or a liar gets
+PROGRESS_PERIOD_S = 10.0  # [s] between two words of how many jobs are done, at most
+MAX_JOB_CPU_S = 600.0  # [s] of CPU time that a check or a liar gets
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class KitSetting:
     robot: str = "librarian"
     quick: bool = False
     parts: Sequence[str] = ()
-    """Selection from `PARTS`; empty: all parts, in quick mode without whole tasks."""
+    """Selection from `KIT_PARTS`; empty: all parts, in quick mode without whole tasks."""
     primitives: Sequence[str] = ()
     """Faults go into these alone; none: into all."""
     instants: int | None = None
@@ -69,9 +69,9 @@ class KitSetting:
 
     def batches(self) -> list[Batch]:
         """Faults in each primitive of a shipped task that the robot can do, and in REACH."""
-        full, quick = INSTANTS.get(self.backend, OTHER_INSTANTS)
+        full, quick = QUICK_INSTANTS.get(self.backend, OTHER_INSTANTS)
         count = self.instants or (quick if self.quick else full)
-        shares = math.ceil(count / SHARE)
+        shares = math.ceil(count / MAX_INSTANTS_PER_JOB)
         return [
             Batch(source, number, count, part, shares)
             for source, number, name in reversed(self._actions())  # the last takes longest to come to
@@ -114,7 +114,7 @@ class KitSetting:
     @property
     def chosen_parts(self) -> Sequence[str]:
         """Return the parts to run."""
-        return self.parts or (QUICK_PARTS if self.quick else PARTS)
+        return self.parts or (QUICK_PARTS if self.quick else KIT_PARTS)
 
     @property
     def _chosen(self) -> dict[str, str]:
@@ -136,9 +136,9 @@ class OneCheck:
         """Make it in a copy of the process: one that hangs or dies is a finding too."""
         check = checks()[self.name]
         try:
-            return forked(lambda: check(self.bench), CheckResult, LONGEST)
+            return forked(lambda: check(self.bench), CheckResult, MAX_JOB_CPU_S)
         except Hung:
-            return CheckResult(self.name, check.holds, [f"no end after {LONGEST:.0f} s of CPU time"])
+            return CheckResult(self.name, check.holds, [f"no end after {MAX_JOB_CPU_S:.0f} s of CPU time"])
         except Died as died:
             return CheckResult(self.name, check.holds, [f"the process died: {died}"])
 
@@ -155,7 +155,7 @@ class OneMutant:
 
     def __call__(self) -> Caught:
         """Plant it and look, in a copy of the process."""
-        return forked(lambda: try_mutant(self.name, self.bench), Caught, LONGEST)
+        return forked(lambda: try_mutant(self.name, self.bench), Caught, MAX_JOB_CPU_S)
 
 
 Job = OneCheck | OneMutant | Batch | OneRun
@@ -198,7 +198,7 @@ def _in_processes(jobs: Sequence[Job], processes: int) -> Iterator[dict[int, Res
         running = {pool.submit(_done, job): number for number, job in enumerate(jobs)}
         try:
             while running:
-                over, _ = wait(running, NEWS, FIRST_COMPLETED)
+                over, _ = wait(running, PROGRESS_PERIOD_S, FIRST_COMPLETED)
                 ended = {running.pop(each): each for each in over}
                 yield {number: _result(jobs[number], future) for number, future in ended.items()}
         finally:

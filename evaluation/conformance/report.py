@@ -9,12 +9,12 @@ from typing import Any
 
 from handcart.evaluation.conformance.checks.check import CheckResult
 from handcart.evaluation.conformance.faults.fail_is_true import FaultTrial
-from handcart.evaluation.conformance.faults.fault import NOTHING
+from handcart.evaluation.conformance.faults.fault import NO_FAULT
 from handcart.evaluation.conformance.planted.mutants import Caught
 
 from .task_runs import Ran, compared
 
-OUTCOMES = ("Success", "Fail", "GiveUp")
+OUTCOME_NAMES = ("Success", "Fail", "GiveUp")
 
 
 @dataclass(frozen=True)
@@ -60,12 +60,12 @@ class KitReport:
     @property
     def injected(self) -> int:
         """Faults that were injected."""
-        return sum(trial.kind != NOTHING for trial in self.trials)
+        return sum(trial.kind != NO_FAULT for trial in self.trials)
 
     @property
     def bitten(self) -> int:
         """Number of faults that changed anything."""
-        return sum(trial.kind != NOTHING and trial.ending.bitten for trial in self.trials)
+        return sum(trial.kind != NO_FAULT and trial.ending.bitten for trial in self.trials)
 
     @property
     def violations(self) -> list[FaultTrial]:
@@ -157,18 +157,20 @@ class KitReport:
 
     def _fault_lines(self) -> Iterator[str]:
         yield ""
-        yield f"{'faults injected':<20}{'tried':>8}{'felt':>8}" + "".join(f"{each:>9}" for each in OUTCOMES)
+        yield f"{'faults injected':<20}{'tried':>8}{'felt':>8}" + "".join(
+            f"{each:>9}" for each in OUTCOME_NAMES
+        )
         groups: dict[str, list[FaultTrial]] = {}
         for trial in self.trials:
-            if trial.kind != NOTHING:
+            if trial.kind != NO_FAULT:
                 groups.setdefault(trial.title, []).append(trial)
         for trial in self.trials:
-            if trial.kind != NOTHING:
+            if trial.kind != NO_FAULT:
                 groups.setdefault(trial.kind, []).append(trial)
         for title, trials in groups.items():
             ended = Counter(trial.ending.outcome for trial in trials)
             felt = sum(trial.ending.bitten for trial in trials)
-            row = "".join(f"{ended[each]:>9}" for each in OUTCOMES)
+            row = "".join(f"{ended[each]:>9}" for each in OUTCOME_NAMES)
             yield f"  {title:<18}{len(trials):>8}{felt:>8}{row}"
         for trial in self.violations:
             yield f"  VIOLATION  {trial}"

@@ -12,9 +12,9 @@ from handcart.evaluation.conformance.checks.check import CheckResult
 from handcart.evaluation.trials.running import run_task
 from handcart.networks.run_options import RunOptions
 
-REFERENCE = "kinematic"
-SUCCESS = "Success"
-LEVEL = 0.05  # probability by chance below which success rates count as different
+REFERENCE_BACKEND = "kinematic"
+SUCCESS_OUTCOME = "Success"
+SIGNIFICANCE_LEVEL = 0.05  # probability by chance below which success rates count as different
 
 
 class Ran(NamedTuple):
@@ -74,7 +74,7 @@ class OneRun:
 
 def task_runs(tasks: Sequence[Path], backend: str, seeds: int, settings: Mapping[str, str]) -> list[OneRun]:
     """All that is to be run: each task once without errors, and with those of so many seeds."""
-    backends = dict.fromkeys((backend, REFERENCE))
+    backends = dict.fromkeys((backend, REFERENCE_BACKEND))
     return [
         OneRun(task, name, seed, errors, settings)
         for task in tasks
@@ -102,14 +102,16 @@ def _of_task(runs: Sequence[Ran], task: str, backend: str) -> Iterator[CheckResu
 
 
 def _ideal(runs: Sequence[Ran], task: str, backend: str) -> CheckResult:
-    alone = backend == REFERENCE
-    finding = CheckResult(task, f"without errors it {'succeeds' if alone else f'ends as on {REFERENCE}'}")
+    alone = backend == REFERENCE_BACKEND
+    finding = CheckResult(
+        task, f"without errors it {'succeeds' if alone else f'ends as on {REFERENCE_BACKEND}'}"
+    )
     ends = {run.backend: run.ends for run in runs}
     finding.measured += [f"{name}: {end}" for name, end in ends.items()]
     if alone:
-        finding.expect(all(run.outcome == SUCCESS for run in runs), "; ".join(finding.measured))
+        finding.expect(all(run.outcome == SUCCESS_OUTCOME for run in runs), "; ".join(finding.measured))
     else:
-        finding.expect(ends.get(backend) == ends.get(REFERENCE), "; ".join(finding.measured))
+        finding.expect(ends.get(backend) == ends.get(REFERENCE_BACKEND), "; ".join(finding.measured))
     finding.wrong += _untrue(runs)
     return finding
 
@@ -117,18 +119,20 @@ def _ideal(runs: Sequence[Ran], task: str, backend: str) -> CheckResult:
 def _rates(runs: Sequence[Ran], task: str, backend: str) -> CheckResult:
     from scipy.stats import fisher_exact
 
-    alone = backend == REFERENCE
+    alone = backend == REFERENCE_BACKEND
     against = (
-        "its outcomes are true" if alone else f"it succeeds as often as on {REFERENCE}, at the 5 % level"
+        "its outcomes are true"
+        if alone
+        else f"it succeeds as often as on {REFERENCE_BACKEND}, at the 5 % level"
     )
     finding = CheckResult(task, f"with errors {against}")
-    names = tuple(dict.fromkeys((backend, REFERENCE)))
+    names = tuple(dict.fromkeys((backend, REFERENCE_BACKEND)))
     table = [_counted([run for run in runs if run.backend == name]) for name in names]
     rates = [f"{name}: Success {won} of {won + lost}" for name, (won, lost) in zip(names, table, strict=True)]
     if not alone:
         chance = float(fisher_exact(table).pvalue)
         rates.append(f"by chance with p = {chance:.3g} (Fisher)")
-        finding.expect(chance >= LEVEL, ", ".join(rates))
+        finding.expect(chance >= SIGNIFICANCE_LEVEL, ", ".join(rates))
     finding.measured += rates
     finding.wrong += _untrue([run for run in runs if run.backend == backend])
     return finding
@@ -136,7 +140,7 @@ def _rates(runs: Sequence[Ran], task: str, backend: str) -> CheckResult:
 
 def _counted(runs: Sequence[Ran]) -> tuple[int, int]:
     """Runs that reached the goal, and others."""
-    won = sum(run.outcome == SUCCESS for run in runs)
+    won = sum(run.outcome == SUCCESS_OUTCOME for run in runs)
     return won, len(runs) - won
 
 

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from pydantic import ValidationError
 
-from handcart.backends.can.bus.frame_log import NAMES
+from handcart.backends.can.bus.frame_log import FRAME_NAMES_FILE
 from handcart.backends.can.bus.frame_names import FrameNames
 from handcart.backends.can.bus.frame_words import FrameDescription, FrameWords
 
@@ -59,9 +59,9 @@ def frames_around(file: Path, run: Path, instant: float) -> FramesAround:
         OSError, ValueError: the log, or the file of node names next to the journal, cannot be read.
     """
     try:
-        names = FrameNames.model_validate_json((run / NAMES).read_bytes())
+        names = FrameNames.model_validate_json((run / FRAME_NAMES_FILE).read_bytes())
     except ValidationError as error:
-        raise ValueError(f"{run / NAMES} is damaged: {error.error_count()} faults") from None
+        raise ValueError(f"{run / FRAME_NAMES_FILE} is damaged: {error.error_count()} faults") from None
     frames = read_log(file)
     if not frames:
         return FramesAround(file, 0, (), 0, ())

@@ -13,7 +13,7 @@ from handcart.evaluation.drawing.figure_file import save_figure
 from handcart.evaluation.drawing.legend import add_legend
 from handcart.evaluation.drawing.palette import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION
 
-from .as_laid_report import NAME, AsLaid
+from .as_laid_report import REPORT_NAME, AsLaid
 from .laid_placement import Place, Placement
 from .total_station import TotalStation
 
@@ -24,10 +24,10 @@ Array = NDArray[np.float64]
 
 FIX, CLOUD, ODOMETRY, ESTIMATE, TRUTH = ORANGE, GREEN, BLUE, VERMILION, BLACK
 LAID, UNSEEN = PURPLE, GREY
-WIDE = 11.0  # [in]
-TALL = (1.9, 5.5)  # [in] of a panel with the course
-MOST = 1500  # points of a kind: more aren't seen, and make the file large
-INSIDE = 5.991  # squared distance in sigmas that 95 % keep, of two degrees of freedom
+PLOT_WIDTH_IN = 11.0  # [in]
+PLOT_HEIGHTS_IN = (1.9, 5.5)  # [in] of a panel with the course
+MAX_DRAWN_POINTS = 1500  # points of a kind: more aren't seen, and make the file large
+CHI2_95_2D = 5.991  # squared distance in sigmas that 95 % keep, of two degrees of freedom
 
 PAPER_MM = (("figure 9, straight", 58.0, 148.0, "--"), ("figure 10, zigzag", 283.0, 123.0, ":"))
 """Standard deviations in x and y of Ohki et al. (2012), section VI, and how they are drawn."""
@@ -49,7 +49,7 @@ def draw_as_laid(folder: Path, survey: Laying, sensors: list[AsLaid]) -> Path:
     from matplotlib.figure import Figure
 
     tall = _tall(survey)
-    figure = Figure(figsize=(WIDE, 2 * tall + 5.0), layout="constrained")
+    figure = Figure(figsize=(PLOT_WIDTH_IN, 2 * tall + 5.0), layout="constrained")
     axes = figure.subplot_mosaic(
         [["track", "track"], ["hand", "hand"], ["errors", "ellipses"]], height_ratios=[tall, tall, 5.0]
     )
@@ -58,7 +58,9 @@ def draw_as_laid(folder: Path, survey: Laying, sensors: list[AsLaid]) -> Path:
     _errors(axes["errors"], survey)
     _ellipses(axes["ellipses"], survey, sensors)
     for name, each in axes.items():
-        stretched = name in ("hand", "track") and tall <= TALL[0]  # a straight course: else nothing is seen
+        stretched = (
+            name in ("hand", "track") and tall <= PLOT_HEIGHTS_IN[0]
+        )  # a straight course: else nothing is seen
         each.set_ylabel(
             "y [m], stretched" if stretched else "y [m]" if name in ("hand", "track") else "y [mm]"
         )
@@ -68,7 +70,7 @@ def draw_as_laid(folder: Path, survey: Laying, sensors: list[AsLaid]) -> Path:
     axes["hand"].sharex(axes["track"])
     axes["hand"].set_xlabel("x [m]")
     _same_scale(axes["errors"], axes["ellipses"])
-    path = folder / f"{NAME}.svg"
+    path = folder / f"{REPORT_NAME}.svg"
     save_figure(figure, path)
     return path
 
@@ -83,14 +85,14 @@ def _same_scale(*axes: Axes) -> None:
 def _tall(survey: Laying) -> float:
     """Return the height of a panel with the whole course, in [in]."""
     if len(survey.tracks["truth"]) < 2:
-        return TALL[0]
+        return PLOT_HEIGHTS_IN[0]
     long, high = np.ptp(np.array(survey.tracks["truth"]), axis=0)
-    return float(np.clip(WIDE * (high + 2.0) / (long + 2.0), *TALL))
+    return float(np.clip(PLOT_WIDTH_IN * (high + 2.0) / (long + 2.0), *PLOT_HEIGHTS_IN))
 
 
 def _thinned(points: Sequence[Place] | Sequence[Array]) -> Array:
     """(2, n) not more than can be seen."""
-    return np.array(points[:: 1 + len(points) // MOST]).T
+    return np.array(points[:: 1 + len(points) // MAX_DRAWN_POINTS]).T
 
 
 def _track(axes: Axes, survey: Laying) -> None:
@@ -156,7 +158,7 @@ def _ellipses(axes: Axes, survey: Laying, sensors: list[AsLaid]) -> None:
     held = 0
     for sensor in known:
         off = sensor.place - lies[sensor.name]
-        inside = bool(off @ np.linalg.solve(sensor.covariance, off) < INSIDE)
+        inside = bool(off @ np.linalg.solve(sensor.covariance, off) < CHI2_95_2D)
         held += inside
         colour, wide = (UNSEEN, 0.4) if inside else (ESTIMATE, 0.9)
         axes.plot(*(1e3 * (sensor.outline - lies[sensor.name])).T, color=colour, lw=wide)

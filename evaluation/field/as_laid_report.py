@@ -21,9 +21,9 @@ from handcart.primitives.knowledge.world_model import WorldModel
 from handcart.robotics.geometry.earth_frame import EarthFrame
 from handcart.robotics.geometry.pose2 import Pose2
 
-SHARE = 0.95
-CORNERS = 36  # of an ellipse
-NAME = "as_laid"
+ELLIPSE_PROBABILITY = 0.95
+ELLIPSE_CORNERS = 36  # of an ellipse
+REPORT_NAME = "as_laid"
 Array = NDArray[np.float64]
 
 
@@ -40,7 +40,7 @@ class AsLaid(NamedTuple):
     def ellipse(self) -> tuple[float, float, float]:
         """Half axes in [m] of the ellipse that holds it with 95 %, and the first one's direction in [rad]."""
         values, axes = np.linalg.eigh(self.covariance)
-        scale = math.sqrt(-2.0 * math.log(1.0 - SHARE))  # of two degrees of freedom
+        scale = math.sqrt(-2.0 * math.log(1.0 - ELLIPSE_PROBABILITY))  # of two degrees of freedom
         small, large = (scale * math.sqrt(max(0.0, float(value))) for value in values)
         return large, small, math.atan2(float(axes[1, 1]), float(axes[0, 1]))
 
@@ -48,7 +48,7 @@ class AsLaid(NamedTuple):
     def outline(self) -> Array:
         """(n, 2) points of the ellipse, closed, in [m]."""
         large, small, turn = self.ellipse
-        angle = np.linspace(0.0, 2.0 * math.pi, CORNERS + 1)
+        angle = np.linspace(0.0, 2.0 * math.pi, ELLIPSE_CORNERS + 1)
         round_ = np.column_stack([large * np.cos(angle), small * np.sin(angle)])
         cos, sin = math.cos(turn), math.sin(turn)
         return np.asarray(self.place + round_ @ np.array([[cos, sin], [-sin, cos]]))
@@ -80,9 +80,11 @@ def write_as_laid(prepared: Prepared, folder: Path) -> list[AsLaid]:
     field, sensors = prepared.model.of(FieldWork).field, as_laid(prepared.robot, prepared.model)
     origin = None if field is None else field.origin
     earth = EarthFrame(origin.latitude_deg, origin.longitude_deg) if origin else None
-    write_whole(folder / f"{NAME}.csv", _csv(sensors, earth))
+    write_whole(folder / f"{REPORT_NAME}.csv", _csv(sensors, earth))
     if earth is not None:
-        write_whole(folder / f"{NAME}.geojson", orjson.dumps(_geojson(sensors, earth), option=_OPTIONS))
+        write_whole(
+            folder / f"{REPORT_NAME}.geojson", orjson.dumps(_geojson(sensors, earth), option=_OPTIONS)
+        )
     return sensors
 
 

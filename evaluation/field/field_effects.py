@@ -14,7 +14,7 @@ from handcart.evaluation.truth.survey import Claim, Effect, Survey
 from handcart.primitives.field.field_work import FieldWork
 
 LAID_MM = 30.0  # by which a sensor shifts while it is let go, on uneven ground
-DEPLOY = "DEPLOY"
+DEPLOY_NAME = "DEPLOY"
 
 
 def _deployed(survey: Survey, claim: Claim) -> list[str]:
@@ -41,5 +41,5 @@ def _deployed(survey: Survey, claim: Claim) -> list[str]:
     ]
 
 
-EFFECTS: Mapping[str, Effect] = {DEPLOY: _deployed}
+FIELD_EFFECTS: Mapping[str, Effect] = {DEPLOY_NAME: _deployed}
 """Effects by the primitive's name."""

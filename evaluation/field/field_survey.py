@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.backends.capabilities.gps import Gps
-from handcart.backends.description.ground_spec import OUTDOORS
+from handcart.backends.description.ground_spec import OUTDOOR_LOCALIZERS
 from handcart.backends.robot.robot import Robot
 from handcart.backends.simulation.field.field_props import FieldProps
 from handcart.evaluation.truth.survey import Survey, SurveyedRun
@@ -23,17 +23,17 @@ from handcart.primitives.field.target import Laid
 from handcart.robotics.navigation.outdoors.placement_errors import aligned_spread, nees
 
 from .as_laid_report import AsLaid
-from .field_effects import EFFECTS
+from .field_effects import FIELD_EFFECTS
 from .laid_placement import Place, Placement
 from .total_station import Sight, TotalStation
 
 LOOKS_BACK = 1.0  # [s] before a sensor is let go, in which the hand stands over it
-EVERY = 0.5  # [s] between points of the tracks that are drawn
-NOTES = "survey.jsonl"
-TRACKS = ("fixes", "particles", "odometry", "estimate", "truth")
+TRACK_PERIOD_S = 0.5  # [s] between points of the tracks that are drawn
+NOTES_FILE = "survey.jsonl"
+TRACK_NAMES = ("fixes", "particles", "odometry", "estimate", "truth")
 CLOUD_EVERY = 10.0  # [m] of the way between two clouds of particles that are drawn
-CLOUD = 64  # of their particles
-NOTED = 5.0  # [s] at most between two notes
+DRAWN_PARTICLES = 64  # of their particles
+MAX_NOTE_PERIOD_S = 5.0  # [s] at most between two notes
 Array = NDArray[np.float64]
 
 
@@ -55,7 +55,7 @@ class FieldSurvey(Survey):
     """
 
     name = "field"
-    effects = EFFECTS
+    effects = FIELD_EFFECTS
 
     def __init__(self, run: SurveyedRun) -> None:
         """See `Survey`; raises NotAState where the notes in the run's folder make no sense."""
@@ -66,7 +66,7 @@ class FieldSurvey(Survey):
         self.station = TotalStation(spec, run.world, run.seed) if spec is not None else None
         self._blocks: dict[str, str] = {}
         self._seen: dict[str, Place | None] = {}
-        self.tracks: dict[str, list[Place]] = {name: [] for name in TRACKS}
+        self.tracks: dict[str, list[Place]] = {name: [] for name in TRACK_NAMES}
         """Points (x, y) in [m], for plots."""
         self._as_laid: list[AsLaid] = []
         """Report of a run that has ended."""
@@ -75,7 +75,7 @@ class FieldSurvey(Survey):
         """Position of the robot at the last recorded cloud of particles."""
         self._held = ""
         simulated = run.folder is not None and run.scene is not None
-        self._notes = SurveyNotes(run.folder, NOTES) if run.folder is not None and simulated else None
+        self._notes = SurveyNotes(run.folder, NOTES_FILE) if run.folder is not None and simulated else None
         if run.scene is not None:
             self._go_on()
             self._noted, self._noted_lengths = run.world.time, self._lengths()
@@ -96,7 +96,7 @@ class FieldSurvey(Survey):
         for each in laid:
             self._blocks[each.name] = self._held
             self._seen[each.name] = self._measured()
-        if laid or self._scene.time >= self._noted + NOTED:
+        if laid or self._scene.time >= self._noted + MAX_NOTE_PERIOD_S:
             self._note([each.name for each in laid])
         held = self._scene.held
         self._held = "" if held is None else held.spec.name
@@ -111,7 +111,7 @@ class FieldSurvey(Survey):
                 self._blocks[laid.name], self._seen[laid.name] = self._nearest(laid), None
 
     def _take_up(self, note: FieldNote) -> None:
-        for name in TRACKS:
+        for name in TRACK_NAMES:
             self.tracks[name] += note.tracks.get(name, [])
         for name, (block, place) in note.laid.items():
             self._blocks[name], self._seen[name] = block, place
@@ -210,14 +210,14 @@ class FieldSurvey(Survey):
         return x, y
 
     def _follow(self, robot: Robot) -> None:
-        if robot.spec.localizer not in OUTDOORS:
+        if robot.spec.localizer not in OUTDOOR_LOCALIZERS:
             return
         gps = robot.backend.get(Gps)  # type: ignore[type-abstract]
         fix = gps.fix() if gps is not None else None
         if fix is not None:
             self.tracks["fixes"].append((float(fix.position[0]), float(fix.position[1])))
         if self._scene.time >= self._next:
-            self._next = self._scene.time + EVERY
+            self._next = self._scene.time + TRACK_PERIOD_S
             poses = {
                 "odometry": robot.localization.odometry_pose,
                 "estimate": robot.pose,
@@ -233,7 +233,7 @@ class FieldSurvey(Survey):
         if cloud is None or (self._cloud_at is not None and math.dist(here, self._cloud_at) < CLOUD_EVERY):
             return
         self._cloud_at = here
-        every = 1 + cloud.shape[1] // CLOUD
+        every = 1 + cloud.shape[1] // DRAWN_PARTICLES
         self.tracks["particles"] += [(x, y) for x, y in cloud[:2, ::every].T.tolist()]
 
 

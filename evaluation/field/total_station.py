@@ -13,7 +13,7 @@ from handcart.backends.simulation.keyed_noise import keyed
 from handcart.robotics.geometry.transform import inverse
 from handcart.robotics.kinematics.shapes import Box
 
-REFLECTOR = 0.06  # [m] above the frame `hand`
+REFLECTOR_HEIGHT_M = 0.06  # [m] above the frame `hand`
 Array = NDArray[np.float64]
 
 
@@ -54,7 +54,7 @@ class TotalStation:
             return
         self._count = count
         hand = self._scene.world_T("hand")
-        reflector = hand[:3, 3] - REFLECTOR * hand[:3, 0]
+        reflector = hand[:3, 3] - REFLECTOR_HEIGHT_M * hand[:3, 0]
         if self._hidden(reflector):
             self.hidden += 1
             return

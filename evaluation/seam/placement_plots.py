@@ -18,8 +18,8 @@ from handcart.robotics.manipulation.tracking.tool_path import ToolPath
 
 Floats = NDArray[np.float64]
 
-POSTURES = 7  # of the arm in a segment
-BODY = (0.9, 0.65)  # [m] length and width of the base that is drawn
+DRAWN_POSTURES = 7  # of the arm in a segment
+DRAWN_BASE_M = (0.9, 0.65)  # [m] length and width of the base that is drawn
 
 
 class DividedPath(NamedTuple):
@@ -45,7 +45,7 @@ def draw_planar_divisions(
             base, points = panel.bases[segment.placement], path.points[segment.first : segment.last + 1]
             ax.plot(points[:, 0], points[:, 1], color=colour, linewidth=3.0)
             ax.plot(*base[:2], "o", color=colour)
-            some = points[np.linspace(0, len(points) - 1, POSTURES).astype(int)]
+            some = points[np.linspace(0, len(points) - 1, DRAWN_POSTURES).astype(int)]
             for (first, both), tip in zip(np.cumsum(arm.joints(base, some), axis=1), some, strict=True):
                 elbow = base[:2] + arm.first * np.array((np.cos(first), np.sin(first)))
                 wrist = elbow + arm.second * np.array((np.cos(both), np.sin(both)))
@@ -109,7 +109,7 @@ def _label(ax: Any, panel: DividedPath, path: ToolPath) -> None:
 
 def _draw_base(ax: Any, base: Floats, colour: str) -> None:
     cos, sin = np.cos(base[2]), np.sin(base[2])
-    half = 0.5 * np.array(BODY)
+    half = 0.5 * np.array(DRAWN_BASE_M)
     corners = np.array([(1, 1), (-1, 1), (-1, -1), (1, -1), (1, 1)]) * half
     outline = corners @ np.array([[cos, sin], [-sin, cos]]) + base[:2]
     ax.plot(outline[:, 0], outline[:, 1], color=colour, linewidth=1.0)
@@ -120,7 +120,7 @@ def _draw_base(ax: Any, base: Floats, colour: str) -> None:
 
 
 def _draw_arm(ax: Any, arm: PitchArm, base: Floats, part: ToolPath, colour: str) -> None:
-    some = np.linspace(0, len(part.points) - 1, POSTURES).astype(int)
+    some = np.linspace(0, len(part.points) - 1, DRAWN_POSTURES).astype(int)
     shoulder = arm.shoulders(np.atleast_2d(base))[0]
     for angles in arm.joints(base, part)[some]:
         if np.isnan(angles).any():

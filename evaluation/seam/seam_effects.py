@@ -25,5 +25,5 @@ def _tracked(survey: Survey, _: Claim) -> list[str]:
     return wrong + at_most("the base is {:.1f} mm from any place of the division", 1e3 * far, TRACKED_MM)
 
 
-EFFECTS: Mapping[str, Effect] = {"DIVIDE": _divided, "TRACK": _tracked}
+SEAM_EFFECTS: Mapping[str, Effect] = {"DIVIDE": _divided, "TRACK": _tracked}
 """Effects by the primitive's name."""

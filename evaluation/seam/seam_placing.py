@@ -28,11 +28,11 @@ from handcart.robotics.navigation.routes.ways import ROOM_AT_GOAL
 
 from .placement_plots import DividedPath, draw_divisions
 
-RESOLUTION = 0.05  # [m] of the map
-BESIDE = 1.0  # [m] of floor beside what the arm reaches
-AWAY = 0.8  # [m] from the first place that the robot sets out
-SPARE = 1  # places more than needed, in case that one is taken
-LINE = 0.05  # [m] of floor on both sides of a seam that counts as occupied
+MAP_RESOLUTION_M = 0.05  # [m] of the map
+FLOOR_MARGIN_M = 1.0  # [m] of floor beside what the arm reaches
+START_DISTANCE_M = 0.8  # [m] from the first place that the robot sets out
+SPARE_PLACES = 1  # places more than needed, in case that one is taken
+OCCUPIED_MARGIN_M = 0.05  # [m] of floor on both sides of a seam that counts as occupied
 
 Floats = NDArray[np.float64]
 
@@ -109,14 +109,18 @@ def place_seam(
 
 def _floor(seam: ToolPath, placer: Placer, work_piece: WorkPiece | None) -> GridMap:
     bases = placer.candidates(seam)[:, :2]
-    low, high = bases.min(axis=0) - BESIDE, bases.max(axis=0) + BESIDE
+    low, high = bases.min(axis=0) - FLOOR_MARGIN_M, bases.max(axis=0) + FLOOR_MARGIN_M
     if work_piece is not None:
         taken = [_outline(box) for box in work_piece.boxes]
     else:
-        taken = [(x, y, 0.0, 2 * LINE, 2 * LINE) for x, y in seam.points[:, :2].tolist()]
-    low = np.floor(low / RESOLUTION) * RESOLUTION
+        taken = [
+            (x, y, 0.0, 2 * OCCUPIED_MARGIN_M, 2 * OCCUPIED_MARGIN_M) for x, y in seam.points[:, :2].tolist()
+        ]
+    low = np.floor(low / MAP_RESOLUTION_M) * MAP_RESOLUTION_M
     size = high - low
-    return from_boxes(taken, RESOLUTION, (float(low[0]), float(low[1])), (float(size[0]), float(size[1])))
+    return from_boxes(
+        taken, MAP_RESOLUTION_M, (float(low[0]), float(low[1])), (float(size[0]), float(size[1]))
+    )
 
 
 def _outline(box: WorkBox) -> tuple[float, float, float, float, float]:
@@ -125,7 +129,7 @@ def _outline(box: WorkBox) -> tuple[float, float, float, float, float]:
 
 def _corner(grid: GridMap, spec: RobotFile) -> Pose2:
     """Return a pose in a corner of the floor, which is free by construction."""
-    away = spec.footprint_radius_m + ROOM_AT_GOAL + 2 * RESOLUTION
+    away = spec.footprint_radius_m + ROOM_AT_GOAL + 2 * MAP_RESOLUTION_M
     return Pose2(grid.origin_x + away, grid.origin_y + away, 0.0)
 
 
@@ -134,7 +138,7 @@ def _start(placements: Placements, seam: ToolPath, room: StandingRoom) -> Pose2:
     base = placements.bases[placements.segments[0].placement]
     back = base[:2] - seam.points[0, :2]
     spot = base.copy()
-    spot[:2] += AWAY * back / max(1e-9, float(np.linalg.norm(back)))
+    spot[:2] += START_DISTANCE_M * back / max(1e-9, float(np.linalg.norm(back)))
     return Pose2(*(base if room.blocked(spot[None])[0] else spot).tolist())
 
 
@@ -180,9 +184,9 @@ def draw_placements(placed: PlacedSeam, target: Path) -> None:
 
 
 def _task(placed: PlacedSeam, robot: str) -> str:
-    left = list(range(len(placed.placements.segments) + SPARE, 0, -1))
+    left = list(range(len(placed.placements.segments) + SPARE_PLACES, 0, -1))
     piece = "  work_piece: work_piece.yaml\n" if placed.work_piece else ""
-    return TASK.format(length=placed.seam.length, robot=robot, left=left, piece=piece)
+    return TASK_TEMPLATE.format(length=placed.seam.length, robot=robot, left=left, piece=piece)
 
 
 def _world(placed: PlacedSeam) -> str:
@@ -194,7 +198,7 @@ def _world(placed: PlacedSeam) -> str:
 def _map(grid: GridMap) -> str:
     origin = f"[{grid.origin_x:.4f}, {grid.origin_y:.4f}, 0.0]"
     return (
-        f"image: map.png\nresolution: {RESOLUTION}\norigin: {origin}\n"
+        f"image: map.png\nresolution: {MAP_RESOLUTION_M}\norigin: {origin}\n"
         "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
     )
 
@@ -209,7 +213,7 @@ def _box(box: WorkBox) -> str:
     return f"{{name: {box.name!r}, {stands}, size_m: [{size}]}}"
 
 
-TASK = """\
+TASK_TEMPLATE = """\
 # Tracks a seam of {length:.2f} m; made by `handcart place`.
 format: handcart-task/1
 title: Track a seam of {length:.2f} m

@@ -20,12 +20,12 @@ from handcart.primitives.seam.track import MOST_OFF, Track
 from handcart.robotics.manipulation.tracking.tool_path import ToolPath
 from handcart.robotics.manipulation.tracking.tracking_limits import ArmLoad, LimitUse
 
-from .seam_effects import EFFECTS
+from .seam_effects import SEAM_EFFECTS
 
 Floats = NDArray[np.float64]
 
-ROUNDING = 1e-9
-SENSORS = 0.0015  # [m]: five sigma of positioning and arm, beyond what TRACK allows
+ROUNDING_M = 1e-9
+SENSOR_ERROR_M = 0.0015  # [m]: five sigma of positioning and arm, beyond what TRACK allows
 
 
 class Stretch:
@@ -55,9 +55,9 @@ class SeamSurvey(Survey):
     """Looks at a scene once a period while TRACK has the tool on the seam."""
 
     name = "seam"
-    effects = EFFECTS
+    effects = SEAM_EFFECTS
     noted = list[StretchNotes]
-    limits: ClassVar = {"tracking_error_mm_max": 1e3 * (MOST_OFF + SENSORS)}
+    limits: ClassVar = {"tracking_error_mm_max": 1e3 * (MOST_OFF + SENSOR_ERROR_M)}
 
     @override
     def __init__(self, run: SurveyedRun) -> None:
@@ -137,7 +137,9 @@ class SeamSurvey(Survey):
         left = seam.length - sum(each.part.length for each in self.stretches)
         found = [f"{left:.3f} m of the seam were not tracked"] if left > 1e-6 else []
         off = max((float(distance.max()) for _, distance in self.errors()), default=0.0)
-        return found + ([f"the tool was {1e3 * off:.1f} mm off the seam"] if off > MOST_OFF + SENSORS else [])
+        return found + (
+            [f"the tool was {1e3 * off:.1f} mm off the seam"] if off > MOST_OFF + SENSOR_ERROR_M else []
+        )
 
     @override
     def draw(self, folder: Path) -> None:
@@ -158,14 +160,14 @@ class SeamSurvey(Survey):
         """Periods and joints with an angle, a speed or a torque beyond its limit."""
         arm = self.run.robot.arm_model
         joints = np.vstack([each.joints for each in self.stretches])
-        beyond = np.abs(np.array([arm.clipped(row) for row in joints]) - joints) > ROUNDING
+        beyond = np.abs(np.array([arm.clipped(row) for row in joints]) - joints) > ROUNDING_M
         return sum(use.violations for use in self.uses()) + int(beyond.sum())
 
     def _use(self, stretch: Stretch) -> LimitUse:
         arm, tool = working_arm(self.run.robot.spec), self.run.robot.spec.tool
         load, joints = ArmLoad(arm), np.array(stretch.joints)
         ways = np.gradient(np.array([arm.forward(q)[:3, 3] for q in joints]), axis=0)
-        ways /= np.maximum(np.linalg.norm(ways, axis=1, keepdims=True), ROUNDING)
+        ways /= np.maximum(np.linalg.norm(ways, axis=1, keepdims=True), ROUNDING_M)
         force = 0.0 if tool is None else tool.force_n
         push = np.array([load.push(q, force * way) for q, way in zip(joints, ways, strict=True)])
         return load.use(joints, self.run.robot.period, load.torque, push)

@@ -9,7 +9,7 @@ import numpy as np
 from typing_extensions import override
 
 from handcart.backends.robot.robot import Robot
-from handcart.backends.simulation.body.arm_contact import HELD
+from handcart.backends.simulation.body.arm_contact import LOAD_NAME
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.contract.meant_contact import RobotPart
 from handcart.primitives.contract.outcome import Outcome, Success
@@ -109,7 +109,7 @@ class ContactSurvey(Survey):
             number, primitive = self._running
             do, means = primitive.label(), primitive.meant_contacts(self.run.model)
             meant = any(each.covers(part, other) for each in means)
-        name = f"held {self._held}" if body == HELD else body
+        name = f"held {self._held}" if body == LOAD_NAME else body
         touched = Touched(part, name, other, number, do, round(now, 3), now, None, meant)
         self.contacts.append(touched)
         return touched
@@ -158,7 +158,7 @@ class RobotLinks:
         """Return the part that a body belongs to, by its name in a contact; a structure on the base counts as
         base.
         """
-        if body == HELD:
+        if body == LOAD_NAME:
             return "held"
         if body in self._hand:
             return "hand"

@@ -30,7 +30,7 @@ from .true_changes import disturbed, not_restored
 
 GENERAL_SURVEYS = (PathSurvey, ContactSurvey, LocalisationSurvey, ArrivalSurvey)
 MOST_DISTURBED_MM = 10.0  # largest allowed motion of a body that a primitive does not move
-S = TypeVar("S", bound=Survey)
+SurveyT = TypeVar("SurveyT", bound=Survey)
 T = TypeVar("T")
 
 
@@ -88,7 +88,7 @@ class Surveys:
         except Exception as error:
             self.broken.append(_broke(kind, error))
 
-    def of(self, kind: type[S]) -> S | None:
+    def of(self, kind: type[SurveyT]) -> SurveyT | None:
         """Return the survey of a class; None if it does not apply to this run."""
         return next((each for each in self._every if isinstance(each, kind)), None)
 

@@ -15,14 +15,14 @@ from handcart.files.models.settings import with_settings
 from handcart.files.yaml.yaml_document import Document, read_document
 from handcart.files.yaml.yaml_node import KeyPath
 
-M = TypeVar("M")
+FileModelT = TypeVar("FileModelT")
 
 
 @dataclass(frozen=True)
-class Loaded(Generic[M]):
+class Loaded(Generic[FileModelT]):
     """Checked value together with its document, for checks that come later."""
 
-    value: M
+    value: FileModelT
     document: Document
 
     def finding(self, path: KeyPath, message: str, *, at_key: bool = False) -> Finding:
@@ -39,10 +39,10 @@ class Loaded(Generic[M]):
 
 def load(
     path: Path | str,
-    model: type[M] | TypeAdapter[M],
+    model: type[FileModelT] | TypeAdapter[FileModelT],
     overrides: Mapping[str, str] | None = None,
     context: object = None,
-) -> M:
+) -> FileModelT:
     """Return the value of type `model` in the YAML file `path`.
 
     Args:
@@ -59,14 +59,19 @@ def load(
     return load_document(with_settings(read_document(path), overrides or {}), model, context).value
 
 
-def load_document(document: Document, model: type[M] | TypeAdapter[M], context: object = None) -> Loaded[M]:
+def load_document(
+    document: Document, model: type[FileModelT] | TypeAdapter[FileModelT], context: object = None
+) -> Loaded[FileModelT]:
     """The whole of `document` as a `model`; raises `FileError` with every finding."""
     return Loaded(load_part(document, (), model, context), document)
 
 
 def load_part(
-    document: Document, path: KeyPath, model: type[M] | TypeAdapter[M], context: object = None
-) -> M:
+    document: Document,
+    path: KeyPath,
+    model: type[FileModelT] | TypeAdapter[FileModelT],
+    context: object = None,
+) -> FileModelT:
     """Return the value at `path` in `document` as a `model` (a class, or a TypeAdapter of any type).
 
     For parts whose type depends on another part of the file, such as the parameters of a primitive. Kinds
@@ -75,7 +80,7 @@ def load_part(
     Raises:
         FileError: with every finding.
     """
-    adapter: TypeAdapter[M] = model if isinstance(model, TypeAdapter) else TypeAdapter(model)
+    adapter: TypeAdapter[FileModelT] = model if isinstance(model, TypeAdapter) else TypeAdapter(model)
     node, there = document.root.deepest(path)
     if not there:
         raise FileError([document.finding(path, f"the key {path[-1]!r} is missing; needed: a value")])

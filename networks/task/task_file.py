@@ -41,7 +41,7 @@ from .unwritten import unwritten
 SPEED_MASK_KEYS = ("knowledge", "speed_limits", "mask")
 MAP_KEYS: tuple[KeyPath, ...] = (("world",), ("knowledge", "map"), ("knowledge", "keepout"), SPEED_MASK_KEYS)
 """Keys of files that may be maps, which may be in any folder."""
-M = TypeVar("M", bound=FileModel)
+FileModelT = TypeVar("FileModelT", bound=FileModel)
 Primitives = Callable[[str], type[ActionPrimitive]]
 
 
@@ -159,7 +159,7 @@ class _Reader:
         found = self._silently(("situations",), dict[str, dict[str, GivenFact] | None])
         return {name: facts or {} for name, facts in (found or {}).items()}
 
-    def _listed(self, key: str, kind: type[M]) -> dict[int, M]:
+    def _listed(self, key: str, kind: type[FileModelT]) -> dict[int, FileModelT]:
         listed = self._document.root.child(key)
         count = len(listed.content) if listed and isinstance(listed.content, list) else 0
         found = ((number, self._silently((key, number), kind)) for number in range(count))

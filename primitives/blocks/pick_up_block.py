@@ -22,7 +22,7 @@ from handcart.primitives.motions.arm_motion import move_straight, move_to_joints
 from handcart.primitives.motions.from_above import gripped, gripping, on_level
 from handcart.primitives.motions.grip import close, holds, open_to, width_off
 from handcart.primitives.motions.pushing import push
-from handcart.primitives.preconditions.hand_use import TAKES
+from handcart.primitives.preconditions.hand_use import TAKES_OBJECT
 from handcart.primitives.restoring.retrace import retrace
 from handcart.primitives.restoring.snapshot import MIN_HELD_WIDTH_M, Snapshot
 from handcart.primitives.restoring.trace import Trace
@@ -57,7 +57,7 @@ class PickUpBlock(ActionPrimitive):
     needs: ClassVar = (Arm, Gripper, Camera)
     reads: ClassVar = ("building", "fixed", "placed")
     writes: ClassVar = ("taken",)
-    hand: ClassVar = TAKES
+    hand: ClassVar = TAKES_OBJECT
 
     _held: bool = PrivateAttr(default=False)
     _touched: bool = PrivateAttr(default=False)

@@ -28,7 +28,7 @@ from handcart.primitives.contract.discrepancy import Discrepancy, Measured
 from handcart.primitives.knowledge.place_name import PlaceName
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.motions.arm_motion import move_straight, move_to_pose
-from handcart.primitives.preconditions.hand_use import CARRIES
+from handcart.primitives.preconditions.hand_use import CARRIES_OBJECT
 from handcart.robotics.geometry.transform import Transform, inverse, transform
 from handcart.robotics.kinematics.shapes import Box
 from handcart.robotics.perception.books.slots import Gap
@@ -62,7 +62,7 @@ class Approach(ActionPrimitive):
     needs: ClassVar = (Arm, Gripper, Camera, RangeSensor)
     reads: ClassVar = ("places", "book")
     writes: ClassVar = ("slot",)
-    hand: ClassVar = CARRIES
+    hand: ClassVar = CARRIES_OBJECT
 
     _held: Box | None = PrivateAttr(default=None)
     _around: tuple[Box, ...] = PrivateAttr(default=())

@@ -30,7 +30,7 @@ from handcart.primitives.motions.arm_motion import move_straight, move_to_joints
 from handcart.primitives.motions.grip import hand_to_tips
 from handcart.primitives.motions.pushing import Pushed, push, relax
 from handcart.primitives.motions.taught import taught_postures
-from handcart.primitives.preconditions.hand_use import CARRIES
+from handcart.primitives.preconditions.hand_use import CARRIES_OBJECT
 from handcart.primitives.restoring.retrace import retrace
 from handcart.primitives.restoring.snapshot import Snapshot
 from handcart.primitives.restoring.trace import Trace
@@ -87,7 +87,7 @@ class Insert(TreePrimitive):
 
     needs: ClassVar = (Arm, Gripper, RangeSensor)
     reads: ClassVar = ("places", "book")
-    hand: ClassVar = CARRIES
+    hand: ClassVar = CARRIES_OBJECT
 
     _course: _Course = PrivateAttr()
     _base_T_end: Transform | None = PrivateAttr(default=None)

@@ -39,7 +39,7 @@ from handcart.primitives.motions.arm_motion import (
 from handcart.primitives.motions.grip import open_to
 from handcart.primitives.motions.pushing import push
 from handcart.primitives.motions.taught import taught_postures
-from handcart.primitives.preconditions.hand_use import TAKES
+from handcart.primitives.preconditions.hand_use import TAKES_OBJECT
 from handcart.primitives.restoring.retrace import retrace
 from handcart.primitives.restoring.snapshot import Seen, Snapshot, settle
 from handcart.primitives.restoring.trace import Trace
@@ -68,7 +68,7 @@ class PickUp(TreePrimitive):
 
     needs: ClassVar = (Arm, Gripper, Camera)
     reads: ClassVar = ("book", "book_pose", "catalogue")
-    hand: ClassVar = TAKES
+    hand: ClassVar = TAKES_OBJECT
 
     _book: Book = PrivateAttr()
     _base_T_grip: Transform = PrivateAttr()

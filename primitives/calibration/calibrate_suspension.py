@@ -23,7 +23,7 @@ from handcart.primitives.contract.discrepancy import Discrepancy, Measured
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.motions.arm_motion import move_straight, move_to_pose
 from handcart.primitives.motions.from_above import gripped
-from handcart.primitives.preconditions.hand_use import CARRIES
+from handcart.primitives.preconditions.hand_use import CARRIES_OBJECT
 from handcart.robotics.geometry.transform import Transform, apply, inverse
 from handcart.robotics.kinematics.shapes import Box
 from handcart.robotics.manipulation.suspension.suspension_identification import (
@@ -74,7 +74,7 @@ class CalibrateSuspension(ActionPrimitive):
 
     needs: ClassVar = (Arm, Gripper, Camera)
     reads: ClassVar = ("building", "placed", "fixed", "taken")
-    hand: ClassVar = CARRIES
+    hand: ClassVar = CARRIES_OBJECT
 
     def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
         """Return that the hand holds no block of the plan: the base leans under its load."""

@@ -7,7 +7,7 @@ from collections.abc import Generator
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.description.ground_spec import OUTDOORS
+from handcart.backends.description.ground_spec import OUTDOOR_LOCALIZERS
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured
 from handcart.primitives.knowledge.bumps import avoided_points
@@ -127,7 +127,7 @@ class FieldObstacleMonitor:
         once it is near.
         """
         points = robot.without_hand(robot.range_sensor.scan().points())
-        if robot.spec.localizer in OUTDOORS:
+        if robot.spec.localizer in OUTDOOR_LOCALIZERS:
             points = points[~may_be_ground(points, robot.range_sensor_height, robot.localization.tilt)]
         return robot.pose.apply(points)
 

@@ -15,7 +15,7 @@ from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.robot.localization.determination import (
-    SURE,
+    DETERMINED_SIGMAS,
     PoseNeed,
     difference,
     room_left,
@@ -314,7 +314,10 @@ class MoveTo(ActionPrimitive):
         """Raise `Discrepancy` if the front does not determine the base's pose in front of it within the
         need.
         """
-        sizes = 1e3 * SURE * front.distance_std, math.degrees(SURE * front.angle_std)
+        sizes = (
+            1e3 * DETERMINED_SIGMAS * front.distance_std,
+            math.degrees(DETERMINED_SIGMAS * front.angle_std),
+        )
         limits = 1e3 * need.position, math.degrees(need.heading)
         for size, limit, unit in zip(sizes, limits, ("mm", "deg"), strict=True):
             if not size <= limit:

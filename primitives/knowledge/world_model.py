@@ -53,7 +53,7 @@ class Detour(NamedTuple):
     """(n, 2) on the map, in [m]."""
 
 
-S = TypeVar("S", bound=Section)
+SectionT = TypeVar("SectionT", bound=Section)
 
 
 @dataclass
@@ -110,7 +110,7 @@ class WorldModel:
         """(n, 3) x, y, radius in [m] of known obstacles for a base that plans without a map."""
         return np.vstack([np.empty((0, 3)), *(each.discs() for each in self.sections.values())])
 
-    def of(self, kind: type[S]) -> S:
+    def of(self, kind: type[SectionT]) -> SectionT:
         """A domain's section."""
         name = name_of(kind)
         section = self._section(name, kind)
@@ -262,10 +262,10 @@ class ModelView:
         object.__setattr__(self, "_primitive", primitive)
         object.__setattr__(self, "_part", model if part is None else part)
 
-    def of(self, kind: type[S]) -> S:
+    def of(self, kind: type[SectionT]) -> SectionT:
         """A domain's section, through the same eyes."""
         model = self.__dict__["_model"]
-        return cast(S, ModelView(model, self.__dict__["_primitive"], model.of(kind)))
+        return cast(SectionT, ModelView(model, self.__dict__["_primitive"], model.of(kind)))
 
     def companion(self, robot: Robot, place: str) -> Companion | None:
         """Return the companion that a section offers for a drive to a place, or None."""

@@ -31,7 +31,7 @@ USES_NO_FINGERS = HandUse(Hand.ANY, Hand.SAME)
 """The primitive moves no finger."""
 USE_UNDECLARED = HandUse(Hand.ANY, Hand.ANY)
 """The primitive moves the fingers and does not state what they hold."""
-TAKES = HandUse(Hand.EMPTY, Hand.FULL)
-CARRIES = HandUse(Hand.FULL, Hand.SAME)
+TAKES_OBJECT = HandUse(Hand.EMPTY, Hand.FULL)
+CARRIES_OBJECT = HandUse(Hand.FULL, Hand.SAME)
 LETS_GO = HandUse(Hand.FULL, Hand.EMPTY)
 NEEDS_EMPTY = HandUse(Hand.EMPTY, Hand.SAME)

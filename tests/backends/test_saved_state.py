@@ -81,10 +81,10 @@ def test_what_is_no_plain_data_is_not_kept(value: object) -> None:
 
 def sealed(text: bytes, blobs: bytes = b"") -> bytes:
     """Bytes with the right checksum about any JSON."""
-    from handcart.backends.saved_state import FORMAT, digest
+    from handcart.backends.saved_state import STATE_FORMAT, digest
 
     body = b"%d\n%b%b" % (len(text), text, blobs)
-    return b"%b %b\n%b" % (FORMAT.encode(), digest(body).encode(), body)
+    return b"%b %b\n%b" % (STATE_FORMAT.encode(), digest(body).encode(), body)
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from handcart.backends.description.robot_loading import load_robot
-from handcart.backends.robot.robot import LATEST, Robot
+from handcart.backends.robot.robot import MAX_STOP_PERIODS, Robot
 from handcart.evaluation.trials.running import resume_task, run_task
 from handcart.networks.coordination.events import Event, Started
 from handcart.networks.journal.journal_record import read_journal
@@ -79,7 +79,7 @@ def test_stopped_in_every_primitive_of_return_book(tmp_path: Path) -> None:
         waits.append((stop["sent_s"] - stop["asked_s"]) / period)
         assert last_motion(folder, stop["sent_s"]) <= stop["sent_s"] + ramp + period
     assert stopped == PRIMITIVES
-    assert max(waits) <= LATEST + 1e-6
+    assert max(waits) <= MAX_STOP_PERIODS + 1e-6
 
 
 def _stopping_ramp(robot: Robot) -> float:

@@ -21,7 +21,7 @@ def bus_of(robot: RobotFile) -> BusLoad | None:
 
 def bus_tables(load: BusLoad) -> Iterator[Any]:
     """Yield tables for people: a row for each frame, and the sum."""
-    from handcart.backends.can.bus.bus_load import ALLOWED
+    from handcart.backends.can.bus.bus_load import MAX_CYCLIC_LOAD
     from handcart.tools.terminal.tables import table_of
 
     rows = [
@@ -38,7 +38,7 @@ def bus_tables(load: BusLoad) -> Iterator[Any]:
     yield table_of("frame", "what", "bytes", "bits at worst", "every", "of the bus", rows=rows)
     yield (
         f"CAN bus: {load.share:.1%} of {load.bitrate / 1e3:g} kbit/s by cyclic frames, with all bits that "
-        f"stuffing can add; allowed: {ALLOWED:.0%}"
+        f"stuffing can add; allowed: {MAX_CYCLIC_LOAD:.0%}"
     )
     yield f"all of them once take {1e3 * load.burst_s:.2f} ms"
 

@@ -94,12 +94,12 @@ def _seldom(console: Console) -> Callable[[int, int], None]:
 
 def _chosen(parts: list[str], primitives: list[str], tasks: list[str]) -> tuple[str, ...]:
     """The parts that are named, or that what is named belongs to; raises `typer.BadParameter`."""
-    from handcart.evaluation.conformance.kit import PARTS
+    from handcart.evaluation.conformance.kit import KIT_PARTS
     from handcart.files.suggest import suggest
 
     for part in parts:
-        if part not in PARTS:
-            raise typer.BadParameter(f"unknown part {part!r}{suggest(part, PARTS)}")
+        if part not in KIT_PARTS:
+            raise typer.BadParameter(f"unknown part {part!r}{suggest(part, KIT_PARTS)}")
     if not parts:
         parts = ["faults"] * bool(primitives) + ["tasks"] * bool(tasks)
     return tuple(parts)

@@ -39,7 +39,7 @@ def bringup(
     from handcart.backends.can.can_backend import CanBackend
     from handcart.backends.description.robot_loading import load_robot
     from handcart.backends.registry import bench_class
-    from handcart.evaluation.bringup.ladder import RUNGS, Ladder
+    from handcart.evaluation.bringup.ladder import ALL_RUNGS, Ladder
     from handcart.evaluation.bringup.site import Site
     from handcart.evaluation.trials.rig import LIBRARY_FOLDER
     from handcart.tools.terminal.writing import check_folder
@@ -70,9 +70,9 @@ def bringup(
     if as_json:
         _print_json(ladder, done, climbed)
     else:
-        for each in RUNGS[len(done) :]:
+        for each in ALL_RUNGS[len(done) :]:
             print(f"  {each.name}: {each.summary}" + ("  <- next" if each is ladder.next else ""))
-        print(f"{len(done)} of {len(RUNGS)} rungs climbed; records in {site.folder}")
+        print(f"{len(done)} of {len(ALL_RUNGS)} rungs climbed; records in {site.folder}")
     sys.exit(4 if failed else 0)
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
 
-ALLOWED = 0.7
+MAX_CYCLIC_LOAD = 0.7
 """Share of the bus that cyclic frames may take; the rest is for SDOs, emergencies, repeated frames."""
 
 # ISO 11898-1, a data frame with an 11-bit identifier: 34 bits before the data's end that may be stuffed
@@ -48,7 +48,7 @@ class BusLoad:
     frames: tuple[CyclicFrame, ...]
     bitrate: int
     """Bit rate in [bit/s]."""
-    ALLOWED: ClassVar = ALLOWED
+    MAX_CYCLIC_LOAD: ClassVar = MAX_CYCLIC_LOAD
 
     @classmethod
     def of(cls, frames: Iterable[CyclicFrame], bitrate: int) -> BusLoad:
@@ -72,4 +72,4 @@ class BusLoad:
     @property
     def too_much(self) -> bool:
         """True if the load is more than allowed."""
-        return self.share > ALLOWED
+        return self.share > MAX_CYCLIC_LOAD

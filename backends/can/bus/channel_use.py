@@ -8,7 +8,7 @@ from collections.abc import Callable, Collection
 
 import can
 
-from .open_bus import MULTICAST
+from .open_bus import UDP_MULTICAST
 
 LISTEN_S = 0.4
 """Listening time on a channel, in [s]; a running master sends SYNC in each period."""
@@ -54,7 +54,7 @@ def own_channel(name: str) -> str:
 
 def other_channel_hint(interface: str, name: str) -> str:
     """Return what to do where a channel is taken."""
-    example = f", such as {own_channel(name)}" if interface == MULTICAST else ""
+    example = f", such as {own_channel(name)}" if interface == UDP_MULTICAST else ""
     return f"allowed: a channel for each robot or bench{example}, here and in the robot's file"
 
 

@@ -8,7 +8,7 @@ from handcart.backends.can.devices.lacks import left_out
 from handcart.backends.description.can_spec import AxisSpec, CanSpec, WheelDriveSpec
 
 from .bus_load import BusLoad, CyclicFrame
-from .pdo_layout import MODES, layout
+from .pdo_layout import CIA402_MODES, layout
 
 _SYNC, _HEARTBEAT = 0x080, 0x700
 
@@ -45,4 +45,4 @@ def _pdos(name: str, axis: AxisSpec, period: float) -> Iterator[CyclicFrame]:
 def mode_of(axis: AxisSpec) -> int:
     """Its mode of operation (6060h)."""
     kind = "velocity" if isinstance(axis, WheelDriveSpec) else "position"
-    return MODES[kind, getattr(axis, "mode", "profile")]
+    return CIA402_MODES[kind, getattr(axis, "mode", "profile")]

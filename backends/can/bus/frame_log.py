@@ -18,10 +18,10 @@ from handcart.files.whole_file import write_whole
 
 from .frame_names import FrameNames
 
-NAMES = "frames.json"
-SECONDS = 2.0  # before and after a mark, in files of their own
-PART = 16 * 2**20  # bytes of a file
-PARTS = 9  # files at most: the first, with the setting up, and the last ones
+FRAME_NAMES_FILE = "frames.json"
+MARK_MARGIN_S = 2.0  # before and after a mark, in files of their own
+PART_BYTES = 16 * 2**20  # bytes of a file
+MAX_PARTS = 9  # files at most: the first, with the setting up, and the last ones
 _OTHER_CLOCK = 60.0  # [s]: a stamp further off than that isn't of this clock
 _BEFORE = 100_000  # frames that are held until there is a folder
 
@@ -56,7 +56,11 @@ class FrameLog(Recording):
     suffix = "_frames.log"
 
     def __init__(
-        self, channel: str, clock: Callable[[], float], names: Callable[[], FrameNames], part: int = PART
+        self,
+        channel: str,
+        clock: Callable[[], float],
+        names: Callable[[], FrameNames],
+        part: int = PART_BYTES,
     ) -> None:
         """Create a log that writes nothing until it has a folder.
 
@@ -88,7 +92,7 @@ class FrameLog(Recording):
         line = self._line.text
         self._recent.append(_Noted(self._count, kept.timestamp, line))
         self._count += 1
-        while self._recent[0].time < now - SECONDS:
+        while self._recent[0].time < now - MARK_MARGIN_S:
             self._recent.popleft()
         if self._file is not None:
             self._write(line)
@@ -99,7 +103,7 @@ class FrameLog(Recording):
     def open(self, folder: Path) -> None:
         self._folder = folder
         try:
-            write_whole(folder / NAMES, self._names().model_dump_json(indent=1) + "\n", sync=False)
+            write_whole(folder / FRAME_NAMES_FILE, self._names().model_dump_json(indent=1) + "\n", sync=False)
             self._file = self._part_path(0).open("w", encoding="ascii")
         except OSError as error:
             self._give_up(error)
@@ -156,8 +160,8 @@ class FrameLog(Recording):
         assert self._file is not None
         self._file.close()
         self._number, self._size = self._number + 1, 0
-        if self._number >= PARTS:
-            self._part_path(self._number - PARTS + 1).unlink(missing_ok=True)
+        if self._number >= MAX_PARTS:
+            self._part_path(self._number - MAX_PARTS + 1).unlink(missing_ok=True)
         self._file = self._part_path(self._number).open("w", encoding="ascii")
 
     def _part_path(self, number: int) -> Path:

@@ -10,7 +10,7 @@ import can
 from handcart.backends.can.errors import NoInterface
 from handcart.backends.description.can_spec import CanSpec
 
-MULTICAST = "udp_multicast"
+UDP_MULTICAST = "udp_multicast"
 _UNDER_WAY = 4096  # own frames that are waited for at most
 
 
@@ -61,9 +61,9 @@ def open_interface(interface: str, channel: str, bitrate: int) -> can.BusABC:
     Raises:
         NoInterface: it is missing, down, or of another bit rate.
     """
-    options: dict[str, Any] = {} if interface == MULTICAST else {"bitrate": bitrate}
+    options: dict[str, Any] = {} if interface == UDP_MULTICAST else {"bitrate": bitrate}
     try:
         bus = can.Bus(interface=interface, channel=channel, **options)
     except (can.CanError, OSError, ImportError, ValueError, TypeError) as error:
         raise NoInterface(interface, channel, bitrate, str(error)) from error
-    return EchoFreeBus(bus) if interface == MULTICAST else bus
+    return EchoFreeBus(bus) if interface == UDP_MULTICAST else bus

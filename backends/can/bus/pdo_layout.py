@@ -9,14 +9,14 @@ AT_ONCE, ON_SYNC = 255, 1
 """Transmission types (CiA 301): when it comes; with the next SYNC."""
 PROFILE_POSITION, PROFILE_VELOCITY, CYCLIC_POSITION, CYCLIC_VELOCITY = 1, 3, 8, 9
 """Modes of operation (6060h)."""
-MODES = {
+CIA402_MODES = {
     ("velocity", "profile"): PROFILE_VELOCITY,
     ("velocity", "csv"): CYCLIC_VELOCITY,
     ("position", "profile"): PROFILE_POSITION,
     ("position", "csp"): CYCLIC_POSITION,
 }
 """Modes of operation, by the commanded quantity and the mode's name in the robot's file."""
-BITS = {
+OBJECT_BITS = {
     0x6040: 16,
     0x6041: 16,
     0x603F: 16,
@@ -42,7 +42,7 @@ class Pdo(NamedTuple):
     @property
     def length(self) -> int:
         """Length of the data in [bytes]."""
-        return sum(BITS[each] for each in self.objects) // 8
+        return sum(OBJECT_BITS[each] for each in self.objects) // 8
 
 
 class Layout(NamedTuple):

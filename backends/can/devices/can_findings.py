@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from handcart.backends.can.bus.cyclic_frames import bus_load
-from handcart.backends.description.can_spec import VIRTUAL
+from handcart.backends.description.can_spec import VIRTUAL_INTERFACE
 from handcart.files.suggest import suggest
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ def can_findings(robot: RobotFile, document: Document) -> list[Finding]:
 
 
 def _interface(spec: CanSpec) -> Iterator[tuple[Place, str]]:
-    if spec.interface == VIRTUAL:
+    if spec.interface == VIRTUAL_INTERFACE:
         return
     from can.interfaces import VALID_INTERFACES
 
@@ -61,7 +61,7 @@ def _load(robot: RobotFile, spec: CanSpec) -> Iterator[tuple[Place, str]]:
         words = (
             f"cyclic frames take {load.share:.0%} of the bus at this bit rate and {robot.period_s} s a period"
         )
-        yield ("bitrate_kbit_s",), f"{words}; allowed: at most {load.ALLOWED:.0%}"
+        yield ("bitrate_kbit_s",), f"{words}; allowed: at most {load.MAX_CYCLIC_LOAD:.0%}"
 
 
 def _eds_findings(robot: RobotFile, spec: CanSpec, document: Document) -> list[Finding]:

@@ -16,7 +16,7 @@ from handcart.backends.description.robot_file import RobotFile
 from handcart.files.errors import FileError, Finding
 
 from .eds_file import missing_objects, read_eds
-from .lacks import LACKS, lack_of, left_out
+from .lacks import DEVICE_LACKS, lack_of, left_out
 
 _ALWAYS = {
     0x1000: "device type",
@@ -72,7 +72,7 @@ def wrap_findings(robot: RobotFile, spec: CanSpec) -> Iterator[tuple[int, str]]:
 
 
 def _unaccepted(dictionary: ObjectDictionary, axis: AxisSpec, name: str) -> Iterator[str]:
-    for word, lack in LACKS.items():
+    for word, lack in DEVICE_LACKS.items():
         if word in axis.without or (lack.positioned and isinstance(axis, WheelDriveSpec)):
             continue
         missing = [f"{index:04X}h" for index in lack.objects if not _described(dictionary, index)]

@@ -10,7 +10,7 @@ from __future__ import annotations
 import codecs
 import re
 
-SECTIONS = (
+SECTION_NAMES = (
     "FileInfo",
     "DeviceInfo",
     "DummyUsage",
@@ -48,7 +48,7 @@ VALUE_KEYS = ("DefaultValue", "ParameterValue", "LowLimit", "HighLimit")
 OTHER_KEYS = ("ParameterName", "AccessType", "VendorName", "ProductName", "OrderCode", "StorageLocation")
 TEXT_TYPES = (0x09, 0x0A, 0x0B, 0x0F)
 """Data types whose values are text or bytes: visible, octet and Unicode string, domain."""
-_SECTION = {name.lower(): name for name in (*SECTIONS, "DeviceCommissioning")} | {
+_SECTION = {name.lower(): name for name in (*SECTION_NAMES, "DeviceCommissioning")} | {
     "devicecommissioning": "DeviceComissioning"
 }
 _KEY = {name.lower(): name for name in (*NUMBER_KEYS, *VALUE_KEYS, *OTHER_KEYS)}

@@ -19,7 +19,7 @@ class Lack(NamedTuple):
     """True if only drives under position control need them."""
 
 
-LACKS: Mapping[Without, Lack] = {
+DEVICE_LACKS: Mapping[Without, Lack] = {
     "consumer_heartbeat": Lack(
         (0x1016,),
         "consumer heartbeat time",
@@ -63,20 +63,24 @@ LACKS: Mapping[Without, Lack] = {
 
 def left_out(axis: AxisSpec) -> frozenset[int]:
     """The objects that an axis is used without."""
-    return frozenset(index for each in axis.without for index in LACKS[each].objects)
+    return frozenset(index for each in axis.without for index in DEVICE_LACKS[each].objects)
 
 
 def lack_of(index: int) -> Without | None:
     """Return the name of the lack that a missing object belongs to; None if the object is always needed."""
-    return next((word for word, lack in LACKS.items() if index in lack.objects), None)
+    return next((word for word, lack in DEVICE_LACKS.items() if index in lack.objects), None)
 
 
 def accepting(index: int) -> str:
     """Return how the robot's file can accept that an object is missing; "" if it can't."""
     word = lack_of(index)
-    return "" if word is None else f"; if it has none: {LACKS[word].then}; to accept that: without: [{word}]"
+    return (
+        ""
+        if word is None
+        else f"; if it has none: {DEVICE_LACKS[word].then}; to accept that: without: [{word}]"
+    )
 
 
 def not_watched(axis: AxisSpec) -> list[str]:
     """Return the lacks that an axis accepts, in words."""
-    return [f"without {LACKS[each].what}: {LACKS[each].then}" for each in axis.without]
+    return [f"without {DEVICE_LACKS[each].what}: {DEVICE_LACKS[each].then}" for each in axis.without]

@@ -9,11 +9,11 @@ from pathlib import Path
 from canopen.objectdictionary import ObjectDictionary
 
 from handcart.backends.can.bus.can_line import CanLine
-from handcart.backends.can.bus.pdo_layout import MODES
+from handcart.backends.can.bus.pdo_layout import CIA402_MODES
 from handcart.backends.description.can_spec import AxisSpec, CanSpec
 from handcart.backends.description.robot_file import RobotFile
 
-from .axis import HOLD, Axis
+from .axis import HOLD_COMMAND, Axis
 from .axis_check import AxisCheck
 from .axis_limits import AxisLimits, gripper_limits, joint_limits, wheel_limits
 from .axis_units import AxisUnits
@@ -132,7 +132,7 @@ class Axes(Mapping[str, Axis]):
     @property
     def holding(self) -> tuple[Axis, ...]:
         """Axes that keep their torque when the program ends."""
-        return tuple(axis for axis in self.values() if axis.spec.stop == HOLD)
+        return tuple(axis for axis in self.values() if axis.spec.stop == HOLD_COMMAND)
 
 
 def _each(acts: Iterable[Callable[[], None]]) -> None:
@@ -163,7 +163,7 @@ def planned_axes(robot: RobotFile, spec: CanSpec) -> Iterator[tuple[str, AxisSpe
 
 def _axis(name: str, spec: AxisSpec, units: AxisUnits, limits: AxisLimits, robot: RobotFile) -> Axis:
     kind = "velocity" if name.endswith("wheel") else "position"
-    mode = MODES[kind, getattr(spec, "mode", "profile")]
+    mode = CIA402_MODES[kind, getattr(spec, "mode", "profile")]
     return Axis(name, spec, mode, units, limits, _dictionary(spec, robot), robot.period_s)
 
 

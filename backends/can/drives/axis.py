@@ -27,10 +27,10 @@ from .axis_limits import AxisLimits
 from .axis_units import AxisUnits, unwrapped
 from .expected_motion import ExpectedMotion
 from .position_jumps import PositionJumps, encoder_bits
-from .position_range import WHOLE, PositionRange
+from .position_range import INTEGER32_RANGE, PositionRange
 
 ENABLED, FAULT, QUICK_STOP = "OPERATION ENABLED", "FAULT", "QUICK STOP ACTIVE"
-HOLD = "hold"
+HOLD_COMMAND = "hold"
 NEW_SETPOINT, AT_ONCE = 1 << 4, 1 << 5
 SETPOINT_TAKEN = 1 << 12
 _START, _PREPARE = 0x01, 0x80  # NMT commands (CiA 301)
@@ -91,7 +91,7 @@ class Axis(canopen.RemoteNode):
         self._fresh: set[int] = set()
         self._asked = self._answered = 0
         self._counts: int | None = None
-        self.counted: PositionRange = WHOLE
+        self.counted: PositionRange = INTEGER32_RANGE
         """In which the drive counts, by what it says itself."""
         self._jumps = PositionJumps(limits, units.scale, period)
         self._taken = 0
@@ -243,7 +243,7 @@ class Axis(canopen.RemoteNode):
 
     def disable(self) -> None:
         """Take its torque away, where it may lose it."""
-        if self.spec.stop != HOLD:
+        if self.spec.stop != HOLD_COMMAND:
             self._send(State402.CW_DISABLE_VOLTAGE, *self._standing())
 
     def _standing(self) -> tuple[int, int]:

@@ -10,7 +10,7 @@ from handcart.backends.can.errors import DriveNotReady, LostAnswers, OffDemand, 
 
 from .axis import ENABLED, Axis
 
-STALE = 0.1
+STATUS_TIMEOUT_S = 0.1
 """[s] for which a statusword counts at most; two periods where those are longer."""
 _NAMES = {
     0x6041: "statusword",
@@ -71,7 +71,7 @@ class AxisCheck:
     def _check_answers(self) -> None:
         axis = self._axis
         age = axis.unanswered * self._period
-        if age >= max(STALE, 2 * self._period) - 1e-9:
+        if age >= max(STATUS_TIMEOUT_S, 2 * self._period) - 1e-9:
             missing = " and no ".join(_names(pdo) for pdo in axis.missing)
             raise SilentDrive(axis.name, missing, age if axis.ever_answered else None)
         lost = sum(self._missed)

@@ -6,10 +6,10 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from handcart.backends.can.bus.pdo_layout import BITS, CYCLIC_POSITION, CYCLIC_VELOCITY
+from handcart.backends.can.bus.pdo_layout import CYCLIC_POSITION, CYCLIC_VELOCITY, OBJECT_BITS
 from handcart.backends.description.can_spec import CanSpec
 
-from .axis import HOLD, Axis
+from .axis import HOLD_COMMAND, Axis
 
 QUICK_STOP_AND_STAY, QUICK_STOP_AND_DISABLE = 6, 2
 """Quick stop option codes (605Ah): slow down on the quick stop ramp, then ..."""
@@ -54,7 +54,7 @@ def mapping(axis: Axis) -> Iterator[ObjectValue]:
             record = mapped + pdo.number - 1
             yield ObjectValue(record, 0, len(pdo.objects))
             for place, index in enumerate(pdo.objects, 1):
-                yield ObjectValue(record, place, index << 16 | BITS[index])
+                yield ObjectValue(record, place, index << 16 | OBJECT_BITS[index])
 
 
 def _communication(spec: CanSpec, period: float) -> Iterator[ObjectValue]:
@@ -67,7 +67,7 @@ def _communication(spec: CanSpec, period: float) -> Iterator[ObjectValue]:
 
 
 def _stopping(axis: Axis) -> Iterator[ObjectValue]:
-    stays = axis.spec.stop == HOLD
+    stays = axis.spec.stop == HOLD_COMMAND
     yield ObjectValue(0x6007, 0, _QUICK_STOP)
     yield ObjectValue(0x605A, 0, QUICK_STOP_AND_STAY if stays else QUICK_STOP_AND_DISABLE)
     yield ObjectValue(0x605E, 0, _SLOW_DOWN)

@@ -9,11 +9,11 @@ from canopen.objectdictionary import ObjectDictionary
 
 from handcart.backends.can.devices.eds_file import read_eds
 
-EDS = Path(__file__).parent / "drive.eds"
+DRIVE_EDS = Path(__file__).parent / "drive.eds"
 
 
 @cache
-def drive_dictionary(node: int, eds: Path = EDS) -> ObjectDictionary:
+def drive_dictionary(node: int, eds: Path = DRIVE_EDS) -> ObjectDictionary:
     """The objects of a drive with that node ID; without a file those of CiA 402 that are used here.
 
     Raises:

@@ -20,7 +20,7 @@ from handcart.backends.description.can_spec import CanSpec
 
 from .axis import Axis
 from .axis_settings import ObjectValue, mapping, settings
-from .position_range import RANGE_LIMIT, WHOLE, narrowed, wrap_inside_travel
+from .position_range import INTEGER32_RANGE, RANGE_LIMIT, narrowed, wrap_inside_travel
 
 _SERVO = 402  # low word of the device type (1000h)
 _SUPPORTED = {
@@ -98,7 +98,7 @@ def _check_range(axis: Axis) -> None:
     """Learn where the counts of a drive start over; raises `WrongDrive` if inside the travel."""
     if RANGE_LIMIT in axis.object_dictionary:
         ends = (_read(axis, ObjectValue(RANGE_LIMIT, each, 0)) for each in (1, 2))
-        axis.counted = narrowed(WHOLE, *ends)
+        axis.counted = narrowed(INTEGER32_RANGE, *ends)
     wrong = wrap_inside_travel(axis.units, axis.limits, axis.period, axis.counted, axis.positioned)
     if wrong:
         raise EncoderWraps(axis.name, wrong)

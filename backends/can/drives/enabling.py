@@ -14,7 +14,7 @@ from handcart.backends.can.bus.can_line import CanLine
 from handcart.backends.can.bus.fault_words import fault_words
 from handcart.backends.can.errors import DriveNotReady, WrongDrive
 
-from .axis import ENABLED, FAULT, HOLD, QUICK_STOP, Axis, state_of
+from .axis import ENABLED, FAULT, HOLD_COMMAND, QUICK_STOP, Axis, state_of
 
 _WITHIN = 2.0  # [s] that drives may take, brakes included
 _LOOKS = 20  # that simulated drives may take
@@ -68,7 +68,7 @@ def _enable(axes: Sequence[Axis], simulated: bool, beat: Callable[[], None]) -> 
 def _withdraw(axes: Sequence[Axis]) -> None:
     """Not all of them became ready: those that did stop, each in its own way, whatever the others do."""
     for axis in axes:
-        word = State402.CW_QUICK_STOP if axis.spec.stop == HOLD else State402.CW_DISABLE_VOLTAGE
+        word = State402.CW_QUICK_STOP if axis.spec.stop == HOLD_COMMAND else State402.CW_DISABLE_VOLTAGE
         with suppress(Exception):
             axis.leave()
             axis.order(word)
@@ -105,7 +105,9 @@ def _advance(axis: Axis) -> str:
 
 def _next(axis: Axis, state: str) -> int:
     if state == QUICK_STOP:  # an axis that holds isn't let go of: transition 16
-        return int(State402.CW_OPERATION_ENABLED if axis.spec.stop == HOLD else State402.CW_DISABLE_VOLTAGE)
+        return int(
+            State402.CW_OPERATION_ENABLED if axis.spec.stop == HOLD_COMMAND else State402.CW_DISABLE_VOLTAGE
+        )
     return int(_NEXT.get(state, State402.CW_DISABLE_VOLTAGE))
 
 

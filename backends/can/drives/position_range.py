@@ -27,13 +27,13 @@ class PositionRange(NamedTuple):
         return self.highest - self.lowest + 1
 
 
-WHOLE = PositionRange(-(2**31), 2**31 - 1)
+INTEGER32_RANGE = PositionRange(-(2**31), 2**31 - 1)
 """Of an INTEGER32, as CiA 402 has object 6064h."""
 
 
 def described_range(dictionary: ObjectDictionary) -> PositionRange:
     """Return the range that an EDS file states: the limits of 6064h, and the defaults of 607Bh."""
-    found = WHOLE
+    found = INTEGER32_RANGE
     position, limit = dictionary.get(POSITION), dictionary.get(RANGE_LIMIT)
     if isinstance(position, ODVariable):
         found = narrowed(found, position.min, position.max)
@@ -79,7 +79,7 @@ def wrap_inside_travel(
             return ""
         return f"{size} m of the rim); needed: more than {least:.3g} m, {_PERIODS:g} periods at full speed"
     if not (math.isfinite(limits.lower) and math.isfinite(limits.upper)):
-        if counted == WHOLE:
+        if counted == INTEGER32_RANGE:
             return ""
         return f"{size} m or rad), and the joint turns without end; needed: 32 bits (607Bh)"
     ends = sorted((units.counts(limits.lower), units.counts(limits.upper)))

@@ -10,7 +10,7 @@ from transitions import Machine
 OFF, READY, ON, ENABLED = "SWITCH ON DISABLED", "READY TO SWITCH ON", "SWITCHED ON", "OPERATION ENABLED"
 QUICK_STOP, REACTION, FAULT = "QUICK STOP ACTIVE", "FAULT REACTION ACTIVE", "FAULT"
 _WORKING = [OFF, READY, ON, ENABLED, QUICK_STOP]
-STATES = [*_WORKING, REACTION, FAULT]
+DRIVE_STATES = [*_WORKING, REACTION, FAULT]
 
 # CiA 402-2, figure of the finite state automaton; its numbers of transitions behind.
 _TRANSITIONS: list[dict[str, Any]] = [
@@ -25,7 +25,9 @@ _TRANSITIONS: list[dict[str, Any]] = [
     {"trigger": "_settle", "source": [REACTION], "dest": FAULT},  # 14
     {"trigger": "_reset", "source": [FAULT], "dest": OFF},  # 15
 ]
-_THERE = {(each["trigger"], state) for each in _TRANSITIONS for state in STATES if state in each["source"]}
+_THERE = {
+    (each["trigger"], state) for each in _TRANSITIONS for state in DRIVE_STATES if state in each["source"]
+}
 _STAYING = range(5, 9)  # quick stop option codes (605Ah) that end in QUICK STOP ACTIVE
 
 
@@ -39,7 +41,7 @@ class DriveLife:
         """605Ah."""
         self._machine = Machine(
             model=self,
-            states=STATES,
+            states=DRIVE_STATES,
             transitions=_TRANSITIONS,
             initial=OFF,
             auto_transitions=False,

@@ -11,7 +11,7 @@ from canopen.objectdictionary.datatypes import INTEGER_TYPES
 from canopen.pdo import PdoMap
 from canopen.sdo.exceptions import SdoAbortedError
 
-from handcart.backends.can.drives.position_range import RANGE_LIMIT, WHOLE, PositionRange, narrowed
+from handcart.backends.can.drives.position_range import INTEGER32_RANGE, RANGE_LIMIT, PositionRange, narrowed
 
 from .cyclic_modes import CyclicPosition, CyclicVelocity
 from .drive_faults import DriveFaults
@@ -23,7 +23,7 @@ from .homing import Homing
 from .profile_position import ProfilePosition
 from .profile_velocity import ProfileVelocity
 
-SYNCHRONOUS = 240  # transmission types up to here wait for a SYNC (CiA 301)
+MAX_SYNCHRONOUS_TYPE = 240  # transmission types up to here wait for a SYNC (CiA 301)
 _MODES: dict[int, type[DriveMode]] = {
     1: ProfilePosition,
     3: ProfileVelocity,
@@ -146,7 +146,7 @@ class DriveNode(canopen.LocalNode):
         values = [(each.index, each.subindex, int(each.raw)) for each in pdo]
         # A new set-point comes with the controlword that makes it count.
         values.sort(key=lambda each: each[0] == 0x6040)
-        if (pdo.trans_type or 0) <= SYNCHRONOUS:
+        if (pdo.trans_type or 0) <= MAX_SYNCHRONOUS_TYPE:
             self._waiting = values
         else:
             self._take_all(values)
@@ -287,7 +287,7 @@ class DriveNode(canopen.LocalNode):
         if not self.wrong.frozen:
             self._reported = self._position(), round(self.velocity)
         for pdo in self.tpdo.values():
-            if pdo.enabled and pdo.trans_type is not None and pdo.trans_type <= SYNCHRONOUS:
+            if pdo.enabled and pdo.trans_type is not None and pdo.trans_type <= MAX_SYNCHRONOUS_TYPE:
                 for variable in pdo:
                     variable.raw = self._value(variable.index) or 0
                 if self.wrong.short:
@@ -298,7 +298,7 @@ class DriveNode(canopen.LocalNode):
     def _position(self) -> int:
         if self.wrong.jumps_in_turn:
             self.wrong.jump = -self.wrong.jump
-        counted = narrowed(WHOLE, self.objects(RANGE_LIMIT, 1), self.objects(RANGE_LIMIT, 2))
+        counted = narrowed(INTEGER32_RANGE, self.objects(RANGE_LIMIT, 1), self.objects(RANGE_LIMIT, 2))
         reported = _wrapped(round(self.position + self.demand.home) + self.wrong.jump, counted)
         half = self.wrong.wraps // 2
         return _wrapped(reported, PositionRange(-half, half - 1)) if half else reported

@@ -8,7 +8,7 @@ from handcart.backends.can.drives.profile import ramp
 
 from .drive_mode import NEW_SETPOINT, SETPOINT_TAKEN, TARGET_REACHED, DriveMode
 
-HERE = (35, 37)
+HOME_HERE_METHODS = (35, 37)
 """Methods: where it stands is home."""
 NEGATIVE_SWITCH = 17
 """Method: towards the negative limit switch, and back until it opens: there is home."""
@@ -32,9 +32,9 @@ class Homing(DriveMode):
             return
         self.begin()
         method = self.objects(0x6098)
-        self._failed = method not in (*HERE, NEGATIVE_SWITCH)
+        self._failed = method not in (*HOME_HERE_METHODS, NEGATIVE_SWITCH)
         self._searching = method == NEGATIVE_SWITCH
-        if method in HERE:
+        if method in HOME_HERE_METHODS:
             self._arrived(self.demand.position)
 
     @override

@@ -13,7 +13,7 @@ from handcart.backends.can.bus.can_line import CanLine
 from .drive_node import DriveNode
 from .plant import IdealMotors, Plant
 
-SYNC = 0x80
+SYNC_COB_ID = 0x80
 
 
 class SimulatedDrives:
@@ -52,7 +52,7 @@ class SimulatedDrives:
         """Called at the beginning of each period."""
         for number, drive in self.nodes.items():
             self.line[number] = drive
-        self.line.subscribe(SYNC, self._on_sync)
+        self.line.subscribe(SYNC_COB_ID, self._on_sync)
 
     def open(self) -> can.BusABC:
         """Another end of their own virtual bus, for who talks to them."""

@@ -14,7 +14,7 @@ from .watch import Watch
 
 BUSIEST, WINDOW = 0.7, 0.1
 """Share of the bus, over that time in [s]."""
-NONSENSE = 10
+MAX_MALFORMED_PER_S = 10
 """Malformed frames a second."""
 _FRAME, _STUFFING = 47, 8  # bits around the data; every how manieth bit is stuffed on the whole
 _STUFFABLE = 34
@@ -61,5 +61,7 @@ class TrafficWatch(Watch):
             self._looked.popleft()
         before = self._looked[0][1] if self._looked else count
         self._looked.append((now, count))
-        if count - before >= NONSENSE:
-            raise Overloaded(f"{count - before} malformed frames within a second; allowed: {NONSENSE - 1}")
+        if count - before >= MAX_MALFORMED_PER_S:
+            raise Overloaded(
+                f"{count - before} malformed frames within a second; allowed: {MAX_MALFORMED_PER_S - 1}"
+            )

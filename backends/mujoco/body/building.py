@@ -9,7 +9,7 @@ from handcart.files.errors import InputError
 
 from .mujoco_urdf import read_robot
 
-ENGINE = "MuJoCo"
+ENGINE_NAME = "MuJoCo"
 
 
 def model_refusal(robot: RobotFile) -> InputError | None:
@@ -23,5 +23,5 @@ def model_refusal(robot: RobotFile) -> InputError | None:
     except InputError as error:
         return error
     except ValueError as error:
-        return refusal(ENGINE, error, robot.whole)
+        return refusal(ENGINE_NAME, error, robot.whole)
     return None

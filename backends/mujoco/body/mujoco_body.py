@@ -14,14 +14,14 @@ from handcart.backends.mujoco.mujoco_engine import MujocoEngine
 from handcart.backends.mujoco.mujoco_module import mujoco
 from handcart.backends.mujoco.rendering.robot_looks import PartLook, robot_looks
 from handcart.backends.mujoco.world_spec import (
-    HARD,
+    CONTACT_COMPLIANCE,
     HOLDS_ON_SOFT,
-    LINKAGE,
-    ROBOT,
+    LINKAGE_IMPEDANCE,
+    PAD_IMPEDANCE,
     ROBOT_GROUP,
-    SINKS,
-    STANDS,
-    STIFF,
+    ROBOT_PREFIX,
+    SOFT_GROUND_IMPEDANCE,
+    TYRE_IMPEDANCE,
     quaternion,
 )
 from handcart.backends.physics.body.robot_body import RobotBody
@@ -35,8 +35,8 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, inverse
 from handcart.robotics.kinematics.urdf_tree import joint_leaders
 
-from .building import ENGINE
-from .mujoco_joints import GIVING, MujocoJoints
+from .building import ENGINE_NAME
+from .mujoco_joints import YIELDING_DRIVE_NAME, MujocoJoints
 from .mujoco_urdf import read_robot
 
 TOP_ACCELERATION = 100.0  # of a drive that moves nothing but itself [rad/s²]
@@ -60,7 +60,7 @@ class MujocoBody(RobotBody):
         except InputError:
             raise
         except ValueError as error:
-            raise refusal(ENGINE, error, robot.whole, ROBOT) from error
+            raise refusal(ENGINE_NAME, error, robot.whole, ROBOT_PREFIX) from error
 
     def _load(self, engine: MujocoEngine, robot: RobotFile, base: Pose2) -> None:
         self._urdf = sound_urdf(robot)
@@ -70,22 +70,24 @@ class MujocoBody(RobotBody):
         self.effort = {joint.name: float(joint.actfrcrange[1]) for joint in child.joints}
         self._furnish(child, robot.arm.joints if robot.arm is not None else (), leaders)
         spec = engine.world.spec
-        spec.attach(child, prefix=ROBOT, frame=spec.worldbody.add_frame())
-        root = next(each for each in spec.bodies if each.name.startswith(ROBOT))
+        spec.attach(child, prefix=ROBOT_PREFIX, frame=spec.worldbody.add_frame())
+        root = next(each for each in spec.bodies if each.name.startswith(ROBOT_PREFIX))
         root.add_freejoint(name=f"{self.id}")
         root.sleep = mujoco().mjtSleepPolicy.mjSLEEP_NEVER
-        self._root_name, self._root = root.name, root.name.removeprefix(ROBOT)
-        names = [each.name.removeprefix(ROBOT) for each in spec.bodies if each.name.startswith(ROBOT)]
+        self._root_name, self._root = root.name, root.name.removeprefix(ROBOT_PREFIX)
+        names = [
+            each.name.removeprefix(ROBOT_PREFIX) for each in spec.bodies if each.name.startswith(ROBOT_PREFIX)
+        ]
         self.link_index = {name: number - 1 for number, name in enumerate(names)}
         self.link_names = {number: name for name, number in self.link_index.items()}
         self.wheels = driven_wheels(self.effort)
         self.wheels.check()
-        for wheel in (geometry for name in self.rolling for geometry in spec.body(ROBOT + name).geoms):
+        for wheel in (geometry for name in self.rolling for geometry in spec.body(ROBOT_PREFIX + name).geoms):
             engine.world.bulge(wheel)
         self._leave_out(robot)
         if "hand" in self.link_index:
-            engine.pins.prepare(spec, ROBOT + "hand", self._root_name)
-        engine.name_links(self.id, {ROBOT + name: number for name, number in self.link_index.items()})
+            engine.pins.prepare(spec, ROBOT_PREFIX + "hand", self._root_name)
+        engine.name_links(self.id, {ROBOT_PREFIX + name: number for name, number in self.link_index.items()})
         self._root_T_base = inverse(self.link_pose(self._root)) @ self.link_pose("base")
         for joint, (position, force) in held_still(robot).items():
             self.reset(joint, position)
@@ -99,9 +101,9 @@ class MujocoBody(RobotBody):
         Joints that mimic another have no drive: a linkage moves them.
         """
         for linkage in robot.equalities:
-            linkage.solref, linkage.solimp = STIFF, LINKAGE
+            linkage.solref, linkage.solimp = CONTACT_COMPLIANCE, LINKAGE_IMPEDANCE
         for geometry in robot.geoms:
-            geometry.group, geometry.solref = ROBOT_GROUP, STIFF
+            geometry.group, geometry.solref = ROBOT_GROUP, CONTACT_COMPLIANCE
             geometry.friction = (LINKS_RUB**2, 0.005, 0.0001)
         for joint in robot.joints:
             if self.effort[joint.name] <= 0.0 or joint.name in followers:
@@ -112,7 +114,7 @@ class MujocoBody(RobotBody):
             joint.actfrclimited = 0
             _add_drive(robot, joint.name, joint.name)
         for name in arm:
-            _add_drive(robot, GIVING.format(name), name)
+            _add_drive(robot, YIELDING_DRIVE_NAME.format(name), name)
 
     def _leave_out(self, robot: RobotFile) -> None:
         """Have links pass through those that carry them, that they can't move against, and that may touch."""
@@ -125,13 +127,13 @@ class MujocoBody(RobotBody):
             rolling = (*self.wheels.all, *self.casters)
             pairs |= {frozenset((name, each)) for name in rolling for each in self.link_index}
         for one, other in sorted(sorted(pair) for pair in pairs if len(pair) == 2):
-            spec.add_exclude(bodyname1=ROBOT + one, bodyname2=ROBOT + other)
+            spec.add_exclude(bodyname1=ROBOT_PREFIX + one, bodyname2=ROBOT_PREFIX + other)
 
     def _above(self, link: str) -> Iterator[str]:
         """Links that carry a link."""
-        body = self._engine.world.spec.body(ROBOT + link).parent
-        while body.name.startswith(ROBOT):
-            yield body.name.removeprefix(ROBOT)
+        body = self._engine.world.spec.body(ROBOT_PREFIX + link).parent
+        while body.name.startswith(ROBOT_PREFIX):
+            yield body.name.removeprefix(ROBOT_PREFIX)
             body = body.parent
 
     def looks(self) -> list[PartLook]:
@@ -174,23 +176,25 @@ class MujocoBody(RobotBody):
 
     @override
     def joints(self, names: Sequence[str]) -> MujocoJoints:
-        return MujocoJoints(self._engine, [ROBOT + name for name in names])
+        return MujocoJoints(self._engine, [ROBOT_PREFIX + name for name in names])
 
     @override
     def reset(self, joint: str, position: float) -> None:
-        found, data = self._engine.model.joint(ROBOT + joint), self._engine.data
+        found, data = self._engine.model.joint(ROBOT_PREFIX + joint), self._engine.data
         data.qpos[found.qposadr[0]], data.qvel[found.dofadr[0]] = position, 0.0
         self._engine.displaced()
 
     def cover(self, links: Iterable[str], surface: Surface) -> None:
-        """See `RobotBody`; MuJoCo's contacts give as `STIFF` says, and stick by themselves."""
+        """See `RobotBody`; MuJoCo's contacts give as `CONTACT_COMPLIANCE` says, and stick by themselves."""
         spec = self._engine.world.spec
-        for link, geometry in [(name, each) for name in links for each in spec.body(ROBOT + name).geoms]:
+        for link, geometry in [
+            (name, each) for name in links for each in spec.body(ROBOT_PREFIX + name).geoms
+        ]:
             if surface.friction is not None:
                 geometry.priority = 1  # it alone tells how a pair rubs
                 geometry.friction = (surface.friction * surface.against, 0.005, 0.0001)
             if surface.sticks:
-                geometry.solimp = STANDS if link in self.rolling else HARD
+                geometry.solimp = TYRE_IMPEDANCE if link in self.rolling else PAD_IMPEDANCE
             if surface.along_axle is not None:
                 self._engine.world.scrub(geometry, surface.along_axle)
         self._engine.changed()
@@ -198,30 +202,32 @@ class MujocoBody(RobotBody):
             self._soften(links, surface)
 
     def _soften(self, links: Iterable[str], surface: Surface) -> None:
-        """Make the ground under links compliant, as `SINKS` defines."""
+        """Make the ground under links compliant, as `SOFT_GROUND_IMPEDANCE` defines."""
         world, model = self._engine.world, self._engine.model
         world.spec.option.impratio = HOLDS_ON_SOFT
         for link in links:
-            easy = float(model.body(ROBOT + link).invweight0[0])  # [1/kg]: MuJoCo's stiffness is one for it
+            easy = float(
+                model.body(ROBOT_PREFIX + link).invweight0[0]
+            )  # [1/kg]: MuJoCo's stiffness is one for it
             assert surface.point_stiffness is not None
-            stiffness = surface.point_stiffness * (1.0 - SINKS[0]) * easy
-            for geometry in world.spec.body(ROBOT + link).geoms:
-                geometry.solimp, geometry.solref = SINKS, (-stiffness, -2.0 * stiffness**0.5)
+            stiffness = surface.point_stiffness * (1.0 - SOFT_GROUND_IMPEDANCE[0]) * easy
+            for geometry in world.spec.body(ROBOT_PREFIX + link).geoms:
+                geometry.solimp, geometry.solref = SOFT_GROUND_IMPEDANCE, (-stiffness, -2.0 * stiffness**0.5)
         self._engine.changed()
 
     @override
     def mirror(self, joints: tuple[str, str]) -> None:
-        one, other = (ROBOT + name for name in joints)
+        one, other = (ROBOT_PREFIX + name for name in joints)
         linkage = self._engine.world.spec.add_equality(name1=one, name2=other)
         linkage.type, linkage.objtype = mujoco().mjtEq.mjEQ_JOINT, mujoco().mjtObj.mjOBJ_JOINT
-        linkage.data[:5], linkage.solref = (0.0, 1.0, 0.0, 0.0, 0.0), STIFF
+        linkage.data[:5], linkage.solref = (0.0, 1.0, 0.0, 0.0, 0.0), CONTACT_COMPLIANCE
         self._engine.changed()
 
     @override
     def links_behind(self, joint: str) -> set[int]:
-        moved = self._engine.world.spec.joint(ROBOT + joint).parent
+        moved = self._engine.world.spec.joint(ROBOT_PREFIX + joint).parent
         names = [moved.name, *(each.name for each in moved.find_all("body"))]
-        return {self.link_index[name.removeprefix(ROBOT)] for name in names}
+        return {self.link_index[name.removeprefix(ROBOT_PREFIX)] for name in names}
 
 
 def _add_drive(robot: Any, name: str, joint: str) -> None:

@@ -9,10 +9,16 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.backends.mujoco.mujoco_engine import MujocoEngine
-from handcart.backends.physics.body.joint_group import BREAKAWAY, DAMPING, GIVES, JointGroup, Vector
+from handcart.backends.physics.body.joint_group import (
+    FULL_TORQUE_ERROR_RAD,
+    MIN_TORQUE_RATIO,
+    SPEED_ERROR_TIME_S,
+    JointGroup,
+    Vector,
+)
 
-UNBOUND = 1e6  # [Nm]
-GIVING = "{} gives"
+UNBOUND_TORQUE_NM = 1e6  # [Nm]
+YIELDING_DRIVE_NAME = "{} gives"
 """Name of a joint's second drive, where it has one."""
 _OFF = 1e-9  # [Nm] of a drive that does nothing: MuJoCo takes 0 for no limit
 
@@ -31,7 +37,7 @@ class MujocoJoints(JointGroup):
         self._at = _where([int(joint.qposadr[0]) for joint in joints])
         self._speed = _where([int(joint.dofadr[0]) for joint in joints])
         self._stiff = _Drives(engine, list(names))
-        giving = [GIVING.format(name) for name in names]
+        giving = [YIELDING_DRIVE_NAME.format(name) for name in names]
         there = {model.actuator(number).name for number in range(model.nu)}
         self._giving = _Drives(engine, giving) if there.issuperset(giving) else None
         self._step = float(model.opt.timestep)
@@ -55,14 +61,14 @@ class MujocoJoints(JointGroup):
         """Move compliantly; see `JointGroup`. An offset that would be corrected too fast is reduced."""
         if self._giving is None:
             raise ValueError("these joints have no drives that give")
-        damping = np.maximum(DAMPING, GIVES / fastest)
+        damping = np.maximum(SPEED_ERROR_TIME_S, FULL_TORQUE_ERROR_RAD / fastest)
         room = np.maximum(fastest - rates * np.sign(off), 0.0)
-        most = np.minimum(GIVES, damping * room)
+        most = np.minimum(FULL_TORQUE_ERROR_RAD, damping * room)
         begins = self._engine.data.qpos[self._at] + np.minimum(np.maximum(off, -most), most)
-        pull = effort / GIVES
-        self._stiff.serve(self._gain / catches_up, self._gain, BREAKAWAY * effort)
+        pull = effort / FULL_TORQUE_ERROR_RAD
+        self._stiff.serve(self._gain / catches_up, self._gain, MIN_TORQUE_RATIO * effort)
         self._stiff.set_out(begins + catches_up * rates, rates)
-        self._giving.serve(pull, pull * damping, (1.0 - BREAKAWAY) * effort)
+        self._giving.serve(pull, pull * damping, (1.0 - MIN_TORQUE_RATIO) * effort)
         self._giving.set_out(begins + damping * rates, rates)
 
     @override
@@ -75,7 +81,7 @@ class MujocoJoints(JointGroup):
 
     def spring(self, stiffness: float, damping: Vector, torques: Vector) -> None:
         """See `JointGroup`; solved implicitly: dampers as strong would shake a chassis in the air."""
-        self._stiff.serve(stiffness, damping, np.full(len(torques), UNBOUND), torques)
+        self._stiff.serve(stiffness, damping, np.full(len(torques), UNBOUND_TORQUE_NM), torques)
         self._stiff.set_out(np.zeros(len(torques)), np.zeros(len(torques)))
 
     @override

@@ -13,7 +13,7 @@ from handcart.backends.mujoco.mujoco_module import mujoco
 from handcart.backends.physics.urdf.sound_urdf import SoundUrdf
 from handcart.robotics.kinematics.coal_bodies import read_mesh
 
-READABLE = (".stl", ".obj")
+READABLE_SUFFIXES = (".stl", ".obj")
 """Mesh files that MuJoCo reads itself."""
 
 
@@ -34,7 +34,7 @@ def read_robot(urdf: SoundUrdf, visuals: bool = False) -> Any:
             mesh.uservert = urdf.hulls[mesh.file].points.ravel()
             mesh.file = ""
             mesh.inertia = mujoco().mjtMeshInertia.mjMESH_INERTIA_CONVEX
-        elif visuals and Path(mesh.file).suffix.lower() not in READABLE:
+        elif visuals and Path(mesh.file).suffix.lower() not in READABLE_SUFFIXES:
             mesh.uservert, mesh.userface = _triangles(mesh.file)
             mesh.file = ""
     return spec

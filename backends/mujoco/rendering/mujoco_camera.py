@@ -11,13 +11,13 @@ from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.sensor_specs import CameraSpec
 from handcart.backends.mujoco.body.mujoco_body import MujocoBody
 from handcart.backends.mujoco.mujoco_engine import MujocoEngine
-from handcart.backends.physics.sensors.engine_camera import SAMPLES, EngineCamera
+from handcart.backends.physics.sensors.engine_camera import SAMPLES_PER_SIDE, EngineCamera
 from handcart.backends.physics.world.world_bodies import WorldBodies
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.arm_model import ArmModel
 
 from .studio import Studio
-from .style import CAMERA
+from .style import CAMERA_STYLE
 
 
 class MujocoCamera(EngineCamera):
@@ -40,8 +40,8 @@ class MujocoCamera(EngineCamera):
     def studio(self) -> Studio:
         """Return the studio that takes its pictures."""
         width, height = self._lens.size
-        size = SAMPLES * width, SAMPLES * height
-        return Studio(self._engine, self._robot_body.looks(), CAMERA, size)
+        size = SAMPLES_PER_SIDE * width, SAMPLES_PER_SIDE * height
+        return Studio(self._engine, self._robot_body.looks(), CAMERA_STYLE, size)
 
     def _draw(
         self, world_T_camera: Transform, K: NDArray[np.float64], size: tuple[int, int]

@@ -13,7 +13,7 @@ from handcart.backends.simulation.world.thing import GreyImage
 
 from .looks import Looks
 from .robot_looks import PartLook
-from .stage_spec import LAMP, StageSpec
+from .stage_spec import LAMP_NAME, StageSpec
 from .style import Style
 
 LAMP_HEIGHT = 6.0  # [m] above what it shines on, along its beam
@@ -32,10 +32,10 @@ class Stage:
         self.model = spec.spec.compile()
         self.data = mujoco().MjData(self.model)
         self._style, self._shown = style, dict[int, GreyImage]()
-        names = [name for name in spec.moving if name != LAMP]
+        names = [name for name in spec.moving if name != LAMP_NAME]
         self._theirs = np.array([engine_model.body(name).id for name in names], dtype=int)
         self._mine = np.array([int(self.model.body(name).mocapid[0]) for name in names], dtype=int)
-        self._lamp = int(self.model.body(LAMP).mocapid[0])
+        self._lamp = int(self.model.body(LAMP_NAME).mocapid[0])
         self._drawn = np.zeros(0)
 
     def follow(self, engine_data: Any, middle: NDArray[np.float64]) -> bool:
@@ -45,7 +45,7 @@ class Stage:
         data.mocap_quat[self._mine] = engine_data.xquat[self._theirs]
         data.mocap_pos[self._lamp] = middle - LAMP_HEIGHT * np.array(self._style.beam)
         now = np.concatenate([data.mocap_pos.ravel(), data.mocap_quat.ravel()])
-        if now.shape == self._drawn.shape and np.abs(now - self._drawn).max() < STILL:
+        if now.shape == self._drawn.shape and np.abs(now - self._drawn).max() < VISIBLE_MOTION:
             return False
         self._drawn = now
         mujoco().mj_kinematics(self.model, data)
@@ -74,4 +74,4 @@ class Stage:
         return found
 
 
-STILL = 2e-5  # [m], or of a quaternion: less can't be seen
+VISIBLE_MOTION = 2e-5  # [m], or of a quaternion: less can't be seen

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.mujoco.mujoco_module import mujoco
-from handcart.backends.mujoco.world_spec import ROBOT, where
+from handcart.backends.mujoco.world_spec import ROBOT_PREFIX, where
 from handcart.backends.physics.thing_form import BOX_FACES, BOX_NORMALS, ThingForm, Uvs
 from handcart.backends.simulation.world.material import Material
 from handcart.backends.simulation.world.sheet import Sheet
@@ -20,9 +20,9 @@ from .looks import BoxLook, Looks, TileLook
 from .robot_looks import PartLook
 from .style import Style
 
-LAMP = "lamp"
+LAMP_NAME = "lamp"
 _DEEP = 18.0  # [m] from the lamp to the last thing that it shines on
-COARSER = 4  # rough ground is shown with one of so many points, along x and along y
+GROUND_THINNING = 4  # rough ground is shown with one of so many points, along x and along y
 _OFF = 4e-4  # [m] that a sheet lies above what it is painted on
 _FLOOR_GREY, _GROUND_GREY = 95, 95
 _SKY = (0.72, 0.82, 0.93), (0.93, 0.95, 0.97)
@@ -59,7 +59,7 @@ class StageSpec:
         reach = spec.visual.map  # in extents
         reach.shadowclip, reach.znear, reach.zfar = 1.0, 0.02, _DEEP / style.lit_m
         spec.visual.quality.shadowsize, spec.visual.quality.offsamples = style.shadow_px, style.samples
-        lamp = self._body(LAMP).add_light(name=LAMP)
+        lamp = self._body(LAMP_NAME).add_light(name=LAMP_NAME)
         lamp.type, lamp.dir = kinds.mjLIGHT_DIRECTIONAL, style.beam
         lamp.castshadow, lamp.active = style.shadow_px > 0, style.lamp > 0.0
         lamp.diffuse, lamp.specular, lamp.ambient = (style.lamp,) * 3, (0.3,) * 3, (0.0,) * 3
@@ -124,9 +124,9 @@ class StageSpec:
         floor.material = "floor"
 
     def _tile(self, number: int, tile: TileLook) -> None:
-        heights = tile.heights[::COARSER, ::COARSER]
+        heights = tile.heights[::GROUND_THINNING, ::GROUND_THINNING]
         low, span = float(heights.min()), max(float(np.ptp(heights)), 1e-6)
-        half = tile.cell * COARSER * (len(heights) - 1) / 2
+        half = tile.cell * GROUND_THINNING * (len(heights) - 1) / 2
         self.spec.add_hfield(
             name=f"{number}",
             size=(half, half, span, 0.01),
@@ -199,7 +199,9 @@ class StageSpec:
         self._shape(body, type=kind, meshname=name, material=name, **placed)
 
     def _robot(self, parts: Sequence[PartLook]) -> None:
-        bodies = {link: self._body(ROBOT + link) for link in dict.fromkeys(part.link for part in parts)}
+        bodies = {
+            link: self._body(ROBOT_PREFIX + link) for link in dict.fromkeys(part.link for part in parts)
+        }
         for number, part in enumerate(parts):
             shape = {"type": part.kind, "pos": part.position, "quat": part.quaternion}
             if part.mesh is None:

@@ -24,6 +24,6 @@ class Style(NamedTuple):
     """Direction of the lamp: of length 1, in the world."""
 
 
-FILM = Style(coloured=True, even=0.46, lamp=0.42, shadow_px=1024, lit_m=3.0, samples=0)
+FILM_STYLE = Style(coloured=True, even=0.46, lamp=0.42, shadow_px=1024, lit_m=3.0, samples=0)
 STILL_PICTURE = Style(coloured=True, even=0.46, lamp=0.42, shadow_px=4096, lit_m=8.0, samples=8)
-CAMERA = Style(coloured=False, even=1.0, lamp=0.0, shadow_px=0, lit_m=1.0, samples=4)
+CAMERA_STYLE = Style(coloured=False, even=1.0, lamp=0.0, shadow_px=0, lit_m=1.0, samples=4)

@@ -6,4 +6,4 @@ from handcart.backends.simulation.blocks.block import Block
 
 from .block_body import BlockBody
 
-BODIES = {Block: BlockBody}
+PROP_BODIES = {Block: BlockBody}

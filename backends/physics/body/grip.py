@@ -14,12 +14,12 @@ from handcart.backends.urdf.robot_shape import FingerShape
 from handcart.robotics.geometry.transform import inverse
 
 from .robot_body import RobotBody
-from .surface import PAD_FRICTION, PADS, Surface
+from .surface import PAD_FRICTION, PAD_SURFACE, Surface
 
 BEHIND_TIP = (0.01, 0.04)  # of the points along a finger [m]
-ACROSS = 0.375  # of a finger's height, above and below its middle
-SLIPS = 0.0005  # [m] by which a point that slips runs ahead of the pads
-FIRM = 500.0  # with which a constraint holds at each point [N]
+PAD_HEIGHT_RATIO = 0.375  # of a finger's height, above and below its middle
+SLIP_LEAD_M = 0.0005  # [m] by which a point that slips runs ahead of the pads
+CONSTRAINT_FORCE_N = 500.0  # with which a constraint holds at each point [N]
 
 
 class Grip:
@@ -35,9 +35,9 @@ class Grip:
         self._hand = body.link_index["hand"]
         self._kind: Literal["friction", "constraint"] = spec.grasp
         coulomb = (1.0 - engine.CONTACTS_CARRY) * PAD_FRICTION * THING_FRICTION * 2 * spec.force_n
-        up = ACROSS * finger.height
+        up = PAD_HEIGHT_RATIO * finger.height
         hand = np.array([(finger.tip - back, 0.0, z, 1.0) for back in BEHIND_TIP for z in (up, -up)])
-        self._force = coulomb / len(hand) if spec.grasp == "friction" else FIRM
+        self._force = coulomb / len(hand) if spec.grasp == "friction" else CONSTRAINT_FORCE_N
         middle_T_hand = inverse(body.middle_of_mass("hand")) @ body.link_pose("hand")
         self._points = (hand @ middle_T_hand.T)[:, :3]
 
@@ -53,7 +53,7 @@ class Grip:
         pinned = self._engine.pinned
         if pinned is not None and pinned.other == other:
             run = np.linalg.norm(there - np.array(pinned.other_points), axis=1).max()
-            if self._kind == "constraint" or run < SLIPS:
+            if self._kind == "constraint" or run < SLIP_LEAD_M:
                 return
         self._engine.pin(
             Pinned(self._body.id, self._hand, other, _tuples(self._points), _tuples(there), self._force)
@@ -72,7 +72,7 @@ class Grip:
 
 def pads_in(engine: Engine) -> Surface:
     """Return the surface of the fingers; `Grip` carries the rest of its friction."""
-    return PADS._replace(friction=engine.CONTACTS_CARRY * PAD_FRICTION)
+    return PAD_SURFACE._replace(friction=engine.CONTACTS_CARRY * PAD_FRICTION)
 
 
 def _tuples(points: NDArray[np.float64]) -> tuple[Point, ...]:

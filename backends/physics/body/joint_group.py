@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 Vector = NDArray[np.float64]
 
-GIVES = 0.03  # off its set-point by this, a drive that gives has all its torque [rad]
-DAMPING = 0.03  # a speed that is off counts as this much angle that is off [s]
-BREAKAWAY = 0.03  # share of its torque that such a drive always has to give
+FULL_TORQUE_ERROR_RAD = 0.03  # off its set-point by this, a drive that gives has all its torque [rad]
+SPEED_ERROR_TIME_S = 0.03  # a speed that is off counts as this much angle that is off [s]
+MIN_TORQUE_RATIO = 0.03  # share of its torque that such a drive always has to give
 
 
 class JointGroup(ABC):
@@ -53,8 +53,10 @@ class JointGroup(ABC):
             catches_up: time constant of catching up, in [s].
         """
         wanted = np.clip(rates + off / catches_up, -fastest, fastest)
-        strain = np.abs(off + DAMPING * (rates - self.states()[1]))
-        self.turn(wanted, effort * np.minimum(strain / GIVES + BREAKAWAY, 1.0))  # never negative
+        strain = np.abs(off + SPEED_ERROR_TIME_S * (rates - self.states()[1]))
+        self.turn(
+            wanted, effort * np.minimum(strain / FULL_TORQUE_ERROR_RAD + MIN_TORQUE_RATIO, 1.0)
+        )  # never negative
 
     @abstractmethod
     def stand(self, positions: Vector, most: Vector, share: float, rates: Vector | None = None) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from typing_extensions import override
 
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.physics.urdf.sound_urdf import HOLDS
+from handcart.backends.physics.urdf.sound_urdf import DEFAULT_HOLDING_EFFORT
 from handcart.backends.simulation.body.simulated_parts import SimulatedArm, Vector
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.kinematics.urdf_tree import followers_of
@@ -17,8 +17,10 @@ from handcart.robotics.kinematics.urdf_tree import followers_of
 from .robot_body import RobotBody
 
 CATCHES_UP = 0.02  # time constant of the position loop [s]
-HEADROOM = 1.2  # times as fast as it may go, a drive can catch up
-FOLLOWS = 0.1  # of the way to where it belongs that a joint that mimics another makes in a step of the solver
+CATCH_UP_SPEED_RATIO = 1.2  # times as fast as it may go, a drive can catch up
+MIMIC_STEP_RATIO = (
+    0.1  # of the way to where it belongs that a joint that mimics another makes in a step of the solver
+)
 
 
 class PhysicsArm(SimulatedArm):
@@ -50,7 +52,7 @@ class PhysicsArm(SimulatedArm):
         """
         self._drives = body.joints(model.joint_names)
         super().__init__(robot, model, self._drives.states()[0], seed)
-        self._fastest = HEADROOM * model.velocity
+        self._fastest = CATCH_UP_SPEED_RATIO * model.velocity
         self._effort = np.array([body.effort[name] for name in model.joint_names])
         self._followers = followers_of(robot.urdf_text(), model.joint_names)
         self._following = [] if body.COUPLES_MIMICS else [_Follower(body, name) for name in model.followers]
@@ -96,7 +98,7 @@ class PhysicsArm(SimulatedArm):
             led = self._model.joint_names.index(leader)
             rate = factor * float(rates[led])
             there = factor * float(angles[led]) + offset + 2 * self._ahead * rate
-            follower.joint.stand(np.array([there]), follower.most, FOLLOWS, np.array([rate]))
+            follower.joint.stand(np.array([there]), follower.most, MIMIC_STEP_RATIO, np.array([rate]))
             follower.joint.push(np.array([torque]))
         return torques
 
@@ -117,4 +119,4 @@ class _Follower:
         self.name = name
         self.joint = body.joints([name])
         effort = body.effort[name]
-        self.most = np.array([effort if effort > 0.0 else HOLDS])
+        self.most = np.array([effort if effort > 0.0 else DEFAULT_HOLDING_EFFORT])

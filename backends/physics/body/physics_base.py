@@ -10,7 +10,7 @@ from handcart.backends.simulation.body.simulated_parts import CommandedBase
 from handcart.backends.simulation.keyed_noise import keyed
 
 from .robot_body import RobotBody
-from .surface import SCRUBBING
+from .surface import SCRUBBING_SURFACE
 from .wheel_drives import WheelDrives
 
 
@@ -38,7 +38,7 @@ class PhysicsBase(CommandedBase):
         self._tread_scale = 1.0 + errors.tread_percent / 100 * float(tread)
         self.drives = WheelDrives(body, chunk, wheels.all)
         if len(wheels.all) > 2:
-            body.cover(wheels.all, SCRUBBING)
+            body.cover(wheels.all, SCRUBBING_SURFACE)
 
     def begin(self) -> None:
         """A period begins."""

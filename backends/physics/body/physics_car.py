@@ -10,7 +10,7 @@ import numpy as np
 from handcart.backends.capabilities.base import WheelTravel
 from handcart.backends.description.ground_spec import GroundSpec
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.physics.urdf.sound_urdf import ROCKERS
+from handcart.backends.physics.urdf.sound_urdf import ROCKER_JOINTS
 from handcart.backends.simulation.body.simulated_parts import CommandedBase
 from handcart.robotics.geometry.transform import inverse
 
@@ -19,9 +19,9 @@ from .surface import SOFT_TYRES
 from .wheel_drives import WheelDrives
 
 REAR, FRONT = ("left_wheel", "right_wheel"), ("front_left_wheel", "front_right_wheel")
-STEERING = ("left_steering", "right_steering")
+STEERING_JOINTS = ("left_steering", "right_steering")
 """Steering joints of the URDF; the rear wheels define the base's frame."""
-STEERS = 0.05  # time constant of the steering [s]
+STEERING_TIME_S = 0.05  # time constant of the steering [s]
 
 
 class PhysicsCar(CommandedBase):
@@ -39,14 +39,14 @@ class PhysicsCar(CommandedBase):
         """Take wheels and steering over; `chunk` in [s] is how often the drives act."""
         super().__init__(robot)
         wheels = (*REAR, *FRONT)
-        self._steering = body.joints(STEERING)
-        self._turns = np.array([body.effort[name] for name in STEERING])
+        self._steering = body.joints(STEERING_JOINTS)
+        self._turns = np.array([body.effort[name] for name in STEERING_JOINTS])
         base = inverse(body.base_pose())
         self._ahead, self._left = np.array([(base @ body.link_pose(name))[:2, 3] for name in wheels]).T
         self.drives = WheelDrives(body, chunk, wheels)
         body.cover(wheels, SOFT_TYRES._replace(sinks=ground.softness_mm_per_100n / 1e5))
-        if set(ROCKERS) <= set(body.effort):
-            body.mirror(ROCKERS)
+        if set(ROCKER_JOINTS) <= set(body.effort):
+            body.mirror(ROCKER_JOINTS)
         self._bend = 0.0
 
     def begin(self) -> None:
@@ -69,7 +69,7 @@ class PhysicsCar(CommandedBase):
             for ahead, left in zip(self._ahead[2:], self._left[2:], strict=True)
         ]
         off = np.array(wanted) - self._steering.states()[0]
-        self._steering.follow(off, np.zeros(len(off)), self._turns, STEERS)
+        self._steering.follow(off, np.zeros(len(off)), self._turns, STEERING_TIME_S)
 
     def read(self) -> None:
         """Take the encoders' readings at the end of a period."""

@@ -14,11 +14,13 @@ from handcart.backends.simulation.body.simulated_parts import SimulatedGripper
 from .robot_body import RobotBody
 from .surface import Surface
 
-FINGERS = ("left_finger", "right_finger")
-PRESSES = 3e-4  # commanded this far beyond where they stand, the fingers press [m]
-AHEAD = 2e-3  # [m] that the drive's set-point runs into what the fingers press on: they open at once
-STANDS = 3e-4  # [m] in a period: slower fingers stand
-CLOSES = 0.3  # of the way to where they belong that the fingers make in a step of the solver
+FINGER_JOINTS = ("left_finger", "right_finger")
+PRESSING_LEAD_M = 3e-4  # commanded this far beyond where they stand, the fingers press [m]
+MAX_SET_POINT_LEAD_M = (
+    2e-3  # [m] that the drive's set-point runs into what the fingers press on: they open at once
+)
+STILL_TRAVEL_M = 3e-4  # [m] in a period: slower fingers stand
+FINGER_STEP_RATIO = 0.3  # of the way to where they belong that the fingers make in a step of the solver
 
 
 class PhysicsGripper(SimulatedGripper):
@@ -32,14 +34,14 @@ class PhysicsGripper(SimulatedGripper):
         """Take the joints `left_finger` and `right_finger` over, cover them with `pads`, and open them."""
         opening = spec.opening_mm / 1e3
         super().__init__(spec, errors, opening, seed)
-        self._joints = body.joints(FINGERS)
-        self._most = np.full(len(FINGERS), spec.force_n)
+        self._joints = body.joints(FINGER_JOINTS)
+        self._most = np.full(len(FINGER_JOINTS), spec.force_n)
         self._step, self._period = spec.speed_mm_s / 1e3 * period, period
-        for name in FINGERS:
+        for name in FINGER_JOINTS:
             body.reset(name, opening / 2)
-        body.cover(FINGERS, pads)
+        body.cover(FINGER_JOINTS, pads)
         self._target = self._stood = opening
-        body.mirror(FINGERS)
+        body.mirror(FINGER_JOINTS)
 
     @override
     def true_width(self) -> float:
@@ -48,7 +50,7 @@ class PhysicsGripper(SimulatedGripper):
     @property
     def opening(self) -> bool:
         """True if it is commanded to open."""
-        return self._command > self._target + PRESSES
+        return self._command > self._target + PRESSING_LEAD_M
 
     def begin(self, period: int) -> None:
         """A period begins."""
@@ -59,13 +61,13 @@ class PhysicsGripper(SimulatedGripper):
         way = max(-self._step, min(self._step, self._command - self._target))
         goal = (self._target + share * way) / 2
         rate = way / (2 * self._period)
-        self._joints.stand(np.array([goal, goal]), self._most, CLOSES, np.array([rate, rate]))
+        self._joints.stand(np.array([goal, goal]), self._most, FINGER_STEP_RATIO, np.array([rate, rate]))
 
     def end(self) -> None:
         """A period has ended."""
         self._target += max(-self._step, min(self._step, self._command - self._target))
         width = self.true_width()
-        self._target = max(self._target, width - AHEAD)
-        stands = abs(width - self._stood) < STANDS
-        self._pressing = stands and (self._target < width - PRESSES or self._target <= 0.0)
+        self._target = max(self._target, width - MAX_SET_POINT_LEAD_M)
+        stands = abs(width - self._stood) < STILL_TRAVEL_M
+        self._pressing = stands and (self._target < width - PRESSING_LEAD_M or self._target <= 0.0)
         self._stood = width

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from typing import ClassVar
 
 from handcart.backends.physics.urdf.sound_urdf import casters
-from handcart.backends.physics.urdf.sprung import CHASSIS
+from handcart.backends.physics.urdf.sprung import CHASSIS_LINK
 from handcart.backends.physics.urdf.urdf_repairs import Repair
 from handcart.backends.urdf.driven_wheels import DrivenWheels
 from handcart.robotics.geometry.pose2 import Pose2
@@ -83,7 +83,7 @@ class RobotBody(ABC):
 
     def sprung_masses(self) -> dict[str, float]:
         """Masses in [kg] of all links that the suspension carries, by name."""
-        wheels = (CHASSIS, *self.wheels.all, *self.casters)
+        wheels = (CHASSIS_LINK, *self.wheels.all, *self.casters)
         return {name: self.mass(name) for name in self.link_index if name not in wheels}
 
     @property

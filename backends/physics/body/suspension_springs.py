@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.physics.engine import GRAVITY
+from handcart.backends.physics.engine import GRAVITY_M_S2
 from handcart.backends.physics.urdf.sprung import PITCH, ROLL
 from handcart.backends.simulation.keyed_noise import keyed
 from handcart.robotics.geometry.transform import Transform, inverse
@@ -93,7 +93,7 @@ def _load(body: RobotBody, pivot: float) -> tuple[Vector, float, Vector]:
     moment, topples, inertia = np.zeros(2), 0.0, np.zeros(2)
     for link, mass in body.sprung_masses().items():
         x, y, z = (base_T_world @ body.middle_of_mass(link))[:3, 3]
-        moment += mass * GRAVITY * np.array([-y, x])
-        topples += mass * GRAVITY * float(z - pivot)
+        moment += mass * GRAVITY_M_S2 * np.array([-y, x])
+        topples += mass * GRAVITY_M_S2 * float(z - pivot)
         inertia += mass * (np.array([y, x]) ** 2 + (z - pivot) ** 2)
     return moment, topples, inertia

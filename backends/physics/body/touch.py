@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 
 from handcart.backends.physics.engine import Engine, Touching
 from handcart.backends.physics.world.world_bodies import WorldBodies
-from handcart.backends.simulation.body.arm_contact import HELD
+from handcart.backends.simulation.body.arm_contact import LOAD_NAME
 
 from .robot_body import RobotBody
 
 Pairs = frozenset[tuple[str, str]]
 Asked = tuple[Collection[Touching], Collection[Touching], int | None, Collection[int]]
-FINGERS = ("left_finger", "right_finger")
+FINGER_LINKS = ("left_finger", "right_finger")
 _ACROSS = 0.7  # of a contact's normal; less is a push with the tips
 
 
@@ -26,7 +26,7 @@ class Touch:
         self._engine, self._body, self._world = engine, body, world
         self._hand = set() if last_joint is None else body.links_behind(last_joint)
         self._rolling = {*body.casters, *body.rolling}
-        self._fingers = [body.link_index[name] for name in FINGERS if name in body.link_index]
+        self._fingers = [body.link_index[name] for name in FINGER_LINKS if name in body.link_index]
         self._read: dict[int, Collection[Touching]] = {}
         self._asked: Asked | None = None
         """Inputs of the cached pairs; the next step of the engine usually leaves them unchanged."""
@@ -93,7 +93,7 @@ class Touch:
                 yield link, self._world.names[other]
         for point in its:
             if point.other != self._body.id:
-                yield HELD, self._world.names[point.other]
+                yield LOAD_NAME, self._world.names[point.other]
 
     def _touching(self, body: int) -> Collection[Touching]:
         if body not in self._read:

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .robot_body import RobotBody
-from .surface import TYRES
+from .surface import TYRE_SURFACE
 
-COUNTS = 65536  # of an encoder, a turn
+COUNTS_PER_TURN = 65536  # of an encoder, a turn
 CATCHES_UP = 0.02  # time constant of the drives' position loop [s]
 MOST_LAG = 0.05  # that a blocked wheel makes up for later [rad]
 
@@ -28,7 +28,7 @@ class WheelDrives:
         """Take the wheels at these joints over, each `chunk` in [s]; they rub on the floor as tyres do."""
         self._chunk, self._joints = chunk, body.joints(names)
         self._most = np.array([body.effort[name] for name in names])
-        body.cover(names, TYRES)
+        body.cover(names, TYRE_SURFACE)
         self.speeds = np.zeros(len(names))
         """(n,), wanted in this period, in [rad/s]."""
         self._first = self._goal = self._angles()
@@ -53,7 +53,9 @@ class WheelDrives:
             scale: (n,) or one for all: how much larger the wheels are than the encoders take them to be.
         """
         turned = (self._angles() - self._given - self._first) / scale
-        return np.asarray(np.round(turned * (COUNTS / (2 * math.pi))) * (2 * math.pi / COUNTS))
+        return np.asarray(
+            np.round(turned * (COUNTS_PER_TURN / (2 * math.pi))) * (2 * math.pi / COUNTS_PER_TURN)
+        )
 
     def rezero(self) -> None:
         """Count from here on."""

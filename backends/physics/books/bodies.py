@@ -6,4 +6,4 @@ from handcart.backends.simulation.books.book import Book
 
 from .book_body import BookBody
 
-BODIES = {Book: BookBody}
+PROP_BODIES = {Book: BookBody}

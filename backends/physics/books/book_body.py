@@ -11,7 +11,7 @@ from handcart.backends.physics.world.thing_body import ThingBody
 from handcart.backends.simulation.books.book import Book
 from handcart.backends.simulation.books.painted_books import spine_levels
 
-CHAMFER = 0.003  # of the leading edges of a book that is returned: covers are rounded [m]
+CHAMFER_M = 0.003  # of the leading edges of a book that is returned: covers are rounded [m]
 _COVER = 0.2  # of the spine's grey: no light falls between the books of a row
 _STRIP = 32  # width of the plain strips beside the spine in the picture [px]
 _PAGES = 60
@@ -40,8 +40,8 @@ class BookBody(ThingBody):
         depth, thickness, height = self.thing.size
         if self.thing.shelf is not None:
             return super().pieces()
-        core = Cuboid((depth - CHAMFER, thickness, height), -CHAMFER / 2)
-        return core, Wedge(depth / 2 - CHAMFER, depth / 2, thickness, height, CHAMFER)
+        core = Cuboid((depth - CHAMFER_M, thickness, height), -CHAMFER_M / 2)
+        return core, Wedge(depth / 2 - CHAMFER_M, depth / 2, thickness, height, CHAMFER_M)
 
     @override
     def uvs(self) -> tuple[Uvs, ...]:

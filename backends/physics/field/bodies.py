@@ -8,4 +8,4 @@ from handcart.backends.simulation.field.sensor import Sensor
 
 from .magazine import Magazine
 
-BODIES = {Sensor: BlockBody, FieldProps: Magazine}
+PROP_BODIES = {Sensor: BlockBody, FieldProps: Magazine}

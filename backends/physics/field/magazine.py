@@ -12,8 +12,8 @@ from handcart.backends.simulation.field.field_props import FieldProps
 from handcart.backends.simulation.field.sensor import Sensor
 from handcart.backends.simulation.world.thing import Rest
 
-CLOSED = 0.0005  # [m] between fingers and sensor, from where on they hold it
-FRESH = 8  # periods that they get to press on it
+HOLDING_GAP_M = 0.0005  # [m] between fingers and sensor, from where on they hold it
+PRESSING_PERIODS = 8  # periods that they get to press on it
 
 
 class Magazine(PropsBody):
@@ -24,12 +24,12 @@ class Magazine(PropsBody):
     def __init__(self, props: FieldProps, pieces: Pieces) -> None:
         super().__init__(props, pieces)
         self._field = props
-        self._given = FRESH
+        self._given = PRESSING_PERIODS
 
     @property
     def keeps_grip(self) -> bool:
         """See `PropsBody`: just given a sensor, the fingers needn't press on it yet."""
-        return self._given < FRESH
+        return self._given < PRESSING_PERIODS
 
     @override
     def step(self) -> None:
@@ -38,7 +38,7 @@ class Magazine(PropsBody):
         if sensor is None or gripper is None or grip is None:
             return
         body = world.bodies[sensor.name]
-        closed = not gripper.opening and gripper.true_width() < sensor.size[1] + CLOSED
+        closed = not gripper.opening and gripper.true_width() < sensor.size[1] + HOLDING_GAP_M
         engine.touches(body, closed)
         if closed:
             self.act()

@@ -17,7 +17,9 @@ from handcart.backends.simulation.sensors.simulated_camera import SimulatedCamer
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.arm_model import ArmModel
 
-SAMPLES = 2  # along each side of a pixel, which takes in light from all of its area: edges have no steps
+SAMPLES_PER_SIDE = (
+    2  # along each side of a pixel, which takes in light from all of its area: edges have no steps
+)
 
 
 class EngineCamera(SimulatedCamera):
@@ -60,7 +62,7 @@ class EngineCamera(SimulatedCamera):
         for each in self._world.things.values():
             each.look(world_T_camera[:3, 3])
         width, height = self._lens.size
-        K = self._lens.K * [[SAMPLES], [SAMPLES], [1.0]]
-        K[:2, 2] += (SAMPLES - 1) / 2
-        fine = self._draw(world_T_camera, K, (SAMPLES * width, SAMPLES * height))
+        K = self._lens.K * [[SAMPLES_PER_SIDE], [SAMPLES_PER_SIDE], [1.0]]
+        K[:2, 2] += (SAMPLES_PER_SIDE - 1) / 2
+        fine = self._draw(world_T_camera, K, (SAMPLES_PER_SIDE * width, SAMPLES_PER_SIDE * height))
         return np.asarray(cv2.resize(fine, (width, height), interpolation=cv2.INTER_AREA), dtype=np.uint8)

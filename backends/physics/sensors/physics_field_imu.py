@@ -7,7 +7,7 @@ import numpy as np
 from handcart.backends.simulation.sensors.field_imu import FieldImu
 from handcart.backends.simulation.sensors.simulated_imu import SimulatedImu
 
-STANDS = 2e-3  # [m/s]: slower, a base stands
+REST_SPEED_M_S = 2e-3  # [m/s]: slower, a base stands
 
 
 class PhysicsFieldImu(FieldImu):
@@ -20,6 +20,6 @@ class PhysicsFieldImu(FieldImu):
         now, before = self._scene.base, self._speed
         moved, self._place = now.relative_to(self._place), now
         speed = moved.x / self._period
-        self._speed = speed if abs(speed) > STANDS else 0.0
+        self._speed = speed if abs(speed) > REST_SPEED_M_S else 0.0
         speeding = (self._speed - before) / self._period
         self._felt = np.array([speeding, self._speed * moved.theta / self._period, 0.0])

@@ -16,9 +16,9 @@ from handcart.robotics.kinematics.urdf_contents import bodies_of
 from handcart.robotics.kinematics.urdf_frames import link_poses, triple
 from handcart.robotics.kinematics.urdf_reading import read_urdf
 
-WIDTH = 0.4
+WIDTH_RATIO = 0.4
 """Width of a disc as a share of its radius; a mesh's own width is unreliable, because some include motors."""
-UPRIGHT = 0.9
+MIN_AXLE_COSINE = 0.9
 """Least part of an axle along the base's y."""
 Vector = NDArray[np.float64]
 
@@ -66,7 +66,7 @@ def _disc(
     None for a wheel that is not upright.
     """
     across = float(base_T_wheel[1, :3] @ axis)
-    if abs(across) < UPRIGHT:
+    if abs(across) < MIN_AXLE_COSINE:
         return None
     low = min(bottom(_posed(each, base_T_wheel)) for each in hulls)
     radius = float(base_T_wheel[2, 3]) - low
@@ -95,4 +95,4 @@ def _put_disc(link: Element, middle: Vector, axis: Vector, radius: float) -> Non
     SubElement(collision, "origin", words)
     solid = SubElement(SubElement(collision, "geometry"), "cylinder")
     solid.set("radius", repr(radius))
-    solid.set("length", repr(WIDTH * radius))
+    solid.set("length", repr(WIDTH_RATIO * radius))

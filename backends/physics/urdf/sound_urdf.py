@@ -17,11 +17,13 @@ from .sprung import sprung
 from .urdf_repairs import Repair, repaired
 from .wheel_effort import with_wheel_efforts
 
-MOVED = ("left_finger", "right_finger", "left_steering", "right_steering")
+MOVED_JOINTS = ("left_finger", "right_finger", "left_steering", "right_steering")
 """Joints that are moved, besides the arm's and the wheels'."""
-ROCKERS = ("left_rocker", "right_rocker")
+ROCKER_JOINTS = ("left_rocker", "right_rocker")
 """Passive joints of a suspension, with opposite axes: a differential keeps them equal."""
-HOLDS = 1000.0  # what a joint that stands is held with, where the URDF doesn't say [Nm] or [N]
+DEFAULT_HOLDING_EFFORT = (
+    1000.0  # what a joint that stands is held with, where the URDF doesn't say [Nm] or [N]
+)
 
 
 class SoundUrdf(NamedTuple):
@@ -68,10 +70,10 @@ def held_still(robot: RobotFile) -> dict[str, tuple[float, float]]:
         Position that kinematics assumes, and holding effort in [Nm] or [N].
     """
     leaders = joint_leaders(robot.urdf_text())
-    moved: Collection[str] = {*(robot.arm.joints if robot.arm else ()), *MOVED, *ROCKERS}
+    moved: Collection[str] = {*(robot.arm.joints if robot.arm else ()), *MOVED_JOINTS, *ROCKER_JOINTS}
     found = {}
     for joint in joints_of(robot.urdf_text()):
         leader, _, offset = leaders.get(joint.name, (joint.name, 1.0, 0.0))
         if leader not in moved and joint.kind != "continuous":
-            found[joint.name] = (offset, HOLDS if joint.effort <= 0.0 else joint.effort)
+            found[joint.name] = (offset, DEFAULT_HOLDING_EFFORT if joint.effort <= 0.0 else joint.effort)
     return found

@@ -7,11 +7,11 @@ from collections.abc import Collection
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
-CHASSIS = "chassis"
+CHASSIS_LINK = "chassis"
 """Link that wheels and casters are on."""
 PITCH, ROLL = "suspension_pitch", "suspension_roll"
 """Joints by which the base leans on the chassis, pitch first."""
-UNSPRUNG = 0.2  # of the base's mass
+UNSPRUNG_MASS_RATIO = 0.2  # of the base's mass
 _PITCHED, _LEANING = "suspension_pitched", "suspension_leaning"
 _MASSES = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz", "value")
 
@@ -26,21 +26,21 @@ def sprung(urdf: str, pivot: float, rolling: Collection[str]) -> str:
     """
     robot = ElementTree.fromstring(urdf)
     base = next(link for link in robot.findall("link") if link.get("name") == "base")
-    chassis = SubElement(robot, "link", name=CHASSIS)
+    chassis = SubElement(robot, "link", name=CHASSIS_LINK)
     inertial = base.find("inertial")
     if inertial is not None:
-        chassis.append(_scaled(inertial, UNSPRUNG))
+        chassis.append(_scaled(inertial, UNSPRUNG_MASS_RATIO))
         base.remove(inertial)
-        base.append(_scaled(inertial, 1.0 - UNSPRUNG))
+        base.append(_scaled(inertial, 1.0 - UNSPRUNG_MASS_RATIO))
     for joint in robot.findall("joint"):
         parent, child = joint.find("parent"), joint.find("child")
         if parent is None or child is None or parent.get("link") != "base":
             continue
         if child.get("link") in rolling:
-            parent.set("link", CHASSIS)
+            parent.set("link", CHASSIS_LINK)
     for name in (_PITCHED, _LEANING):
         SubElement(robot, "link", name=name)
-    _join(robot, PITCH, (CHASSIS, _PITCHED), pivot, "0 1 0")
+    _join(robot, PITCH, (CHASSIS_LINK, _PITCHED), pivot, "0 1 0")
     _join(robot, ROLL, (_PITCHED, _LEANING), 0.0, "1 0 0")
     _join(robot, "suspension_mount", (_LEANING, "base"), -pivot, None)
     return ElementTree.tostring(robot, encoding="unicode")

@@ -10,8 +10,8 @@ import numpy as np
 
 from handcart.robotics.kinematics.urdf_contents import INERTIA_ROUNDED, LinkFacts, joints_of, links_of
 
-LIGHTEST = 1e-6  # of a link without mass [kg], and its inertia [kg m²]
-THINNEST = 1e-6
+MIN_MASS_KG = 1e-6  # of a link without mass [kg], and its inertia [kg m²]
+MIN_INERTIA_RATIO = 1e-6
 """Least share of its largest moment of inertia that each other moment has: engines reject what is thinner."""
 
 
@@ -42,12 +42,12 @@ def _repair(link: Element, facts: LinkFacts, matters: bool) -> str:
     if facts.mass is None or facts.mass <= 0.0:
         _make_light(link)
         has = "no mass" if facts.mass is None else f"a mass of {facts.mass:g} kg"
-        return f"{has}; given {LIGHTEST:g} kg and {LIGHTEST:g} kg m²" if matters else ""
+        return f"{has}; given {MIN_MASS_KG:g} kg and {MIN_MASS_KG:g} kg m²" if matters else ""
     small, middle, large = np.linalg.eigvalsh(facts.inertia)
-    if 0.0 < abs(small) < THINNEST * large:  # a needle, but for rounding
-        _widen(link, 2.0 * THINNEST * large)
-        small, middle, large = np.linalg.eigvalsh(facts.inertia + 2.0 * THINNEST * large * np.eye(3))
-    lacking = max(large - middle - small, LIGHTEST - small if small <= 0.0 else -large)
+    if 0.0 < abs(small) < MIN_INERTIA_RATIO * large:  # a needle, but for rounding
+        _widen(link, 2.0 * MIN_INERTIA_RATIO * large)
+        small, middle, large = np.linalg.eigvalsh(facts.inertia + 2.0 * MIN_INERTIA_RATIO * large * np.eye(3))
+    lacking = max(large - middle - small, MIN_MASS_KG - small if small <= 0.0 else -large)
     if lacking > -INERTIA_ROUNDED * large:
         _widen(link, lacking + INERTIA_ROUNDED * large)
     if lacking <= INERTIA_ROUNDED * large:
@@ -59,8 +59,8 @@ def _make_light(link: Element) -> None:
     for old in link.findall("inertial"):
         link.remove(old)
     inertial = SubElement(link, "inertial")
-    SubElement(inertial, "mass", value=repr(LIGHTEST))
-    moments = {f"i{axis}{axis}": repr(LIGHTEST) for axis in "xyz"}
+    SubElement(inertial, "mass", value=repr(MIN_MASS_KG))
+    moments = {f"i{axis}{axis}": repr(MIN_MASS_KG) for axis in "xyz"}
     SubElement(inertial, "inertia", {**moments, "ixy": "0", "ixz": "0", "iyz": "0"})
 
 

@@ -6,8 +6,8 @@ from collections.abc import Collection
 from xml.etree import ElementTree
 from xml.etree.ElementTree import SubElement
 
-from handcart.backends.physics.body.surface import TYRES
-from handcart.backends.physics.engine import GRAVITY
+from handcart.backends.physics.body.surface import TYRE_SURFACE
+from handcart.backends.physics.engine import GRAVITY_M_S2
 from handcart.robotics.kinematics.urdf_contents import joints_of, links_of
 
 
@@ -19,8 +19,8 @@ def slipping_torque(mass: float, radius: float, wheels: int) -> float:
         radius: of the wheels, in [m].
         wheels: number of driven wheels.
     """
-    assert TYRES.friction is not None
-    return TYRES.friction * mass * GRAVITY * radius / wheels
+    assert TYRE_SURFACE.friction is not None
+    return TYRE_SURFACE.friction * mass * GRAVITY_M_S2 * radius / wheels
 
 
 def with_wheel_efforts(urdf: str, wheels: Collection[str], radius: float) -> str:

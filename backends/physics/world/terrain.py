@@ -11,13 +11,15 @@ from handcart.backends.description.ground_spec import GroundSpec
 from handcart.backends.physics.engine import Engine
 from handcart.backends.simulation.keyed_noise import keyed
 
-CELL = 0.05  # [m] between points whose heights are given; of 0.25 a foot would stand on ridges of 27 degrees
-CELLS = 200  # of a tile's side
-AHEAD = 12.0  # [m] from the robot to ground that isn't there yet, at least
-WAVES = 48  # of which the ground is made
-LENGTHS = (2.0, 8.0)  # of them, in `roughness_length_m`
+CELL_M = (
+    0.05  # [m] between points whose heights are given; of 0.25 a foot would stand on ridges of 27 degrees
+)
+CELLS_PER_SIDE = 200  # of a tile's side
+MIN_GROUND_AHEAD_M = 12.0  # [m] from the robot to ground that isn't there yet, at least
+WAVE_COUNT = 48  # of which the ground is made
+WAVE_LENGTH_RATIOS = (2.0, 8.0)  # of them, in `roughness_length_m`
 STANDS_ON = 0.6  # [m]: length and width between the wheels over which roll and pitch are counted
-FRICTION = 1.0
+GROUND_FRICTION = 1.0
 
 Array = NDArray[np.float64]
 
@@ -32,11 +34,11 @@ class Terrain:
         """Nothing is there yet; see `reach`."""
         self._engine = engine
         rng = keyed(seed, "terrain")
-        low, high = (math.log(length * ground.roughness_length_m) for length in LENGTHS)
-        long = np.exp(rng.uniform(low, high, WAVES))
-        course = rng.uniform(0.0, 2.0 * math.pi, WAVES)
+        low, high = (math.log(length * ground.roughness_length_m) for length in WAVE_LENGTH_RATIOS)
+        long = np.exp(rng.uniform(low, high, WAVE_COUNT))
+        course = rng.uniform(0.0, 2.0 * math.pi, WAVE_COUNT)
         self._waves = 2.0 * math.pi / long * np.array([np.cos(course), np.sin(course)])
-        self._phases = rng.uniform(0.0, 2.0 * math.pi, WAVES)
+        self._phases = rng.uniform(0.0, 2.0 * math.pi, WAVE_COUNT)
         across = np.sin(0.5 * self._waves[0] * STANDS_ON) * np.cos(0.5 * self._waves[1] * STANDS_ON)
         slope = math.sqrt(float((across**2).sum()) / 2.0) * 2.0 / STANDS_ON
         self._size = math.tan(math.radians(ground.roughness_deg)) / max(slope, 1e-9)
@@ -55,17 +57,20 @@ class Terrain:
 
     def reach(self, x: float, y: float) -> list[tuple[int, int]]:
         """Return the missing tiles around a place, in [m]."""
-        side = CELLS * CELL
-        low, high = ([math.floor((value + off) / side) for value in (x, y)] for off in (-AHEAD, AHEAD))
+        side = CELLS_PER_SIDE * CELL_M
+        low, high = (
+            [math.floor((value + off) / side) for value in (x, y)]
+            for off in (-MIN_GROUND_AHEAD_M, MIN_GROUND_AHEAD_M)
+        )
         near = [(i, j) for i in range(low[0], high[0] + 1) for j in range(low[1], high[1] + 1)]
         return [tile for tile in near if tile not in self.tiles]
 
     def add(self, tile: tuple[int, int]) -> int:
         """Make a tile; gives its body."""
-        along = CELL * np.arange(CELLS + 1)
-        corner = np.array(tile) * CELLS * CELL
+        along = CELL_M * np.arange(CELLS_PER_SIDE + 1)
+        corner = np.array(tile) * CELLS_PER_SIDE * CELL_M
         heights = self.height(*np.meshgrid(corner[0] + along, corner[1] + along))  # a row each y
-        body = self._engine.add_tile(corner * 1.0, CELL, heights, FRICTION)
+        body = self._engine.add_tile(corner * 1.0, CELL_M, heights, GROUND_FRICTION)
         self.tiles.append(tile)
         self.bodies.append(body)
         return body

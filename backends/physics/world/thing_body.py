@@ -13,7 +13,7 @@ from handcart.backends.physics.thing_form import Cuboid, Portrait, Sticks, Thing
 from handcart.backends.simulation.world.thing import GreyImage, Side, Thing
 
 THING_FRICTION = 0.65  # squared, 0.42: paper on paper, paper on wood, wood on wood
-SIDES: tuple[Side, ...] = ("-x", "+x", "-y", "+y", "+z", "-z")
+BOX_SIDES: tuple[Side, ...] = ("-x", "+x", "-y", "+y", "+z", "-z")
 _SHADE = (0.6, 0.6, 0.75, 0.75, 1.1, 0.4)  # of the sides, as if light came from above
 _STRIP = 32  # of a picture, a side's part of it is as wide and high, if all of them are plain [px]
 _MOST = 512  # the same of one that is printed, at most
@@ -57,7 +57,7 @@ class ThingBody:
     def uvs(self) -> tuple[Uvs, ...]:
         """Return the places of its faces in its picture; see `ThingForm`."""
         faces = self.thing.faces()
-        return tuple(_part_of(number, side in faces) for number, side in enumerate(SIDES))
+        return tuple(_part_of(number, side in faces) for number, side in enumerate(BOX_SIDES))
 
     def first_picture(self) -> GreyImage:
         """Return the picture of its faces at its creation."""
@@ -74,7 +74,7 @@ class ThingBody:
             return None
         white = _picture(faces, 0)[..., None].repeat(3, axis=2)
         size = white.shape[0]
-        for number, side in enumerate(SIDES):
+        for number, side in enumerate(BOX_SIDES):
             if side not in faces:
                 white[:, number * size : (number + 1) * size] = [round(255 * each) for each in material[:3]]
         return white
@@ -99,8 +99,8 @@ def _part_of(number: int, printed: bool) -> Uvs:
     plain.
     """
     if not printed:
-        return (((number + 0.5) / len(SIDES), 0.5),) * 4
-    left, right = (number + _INSET) / len(SIDES), (number + 1 - _INSET) / len(SIDES)
+        return (((number + 0.5) / len(BOX_SIDES), 0.5),) * 4
+    left, right = (number + _INSET) / len(BOX_SIDES), (number + 1 - _INSET) / len(BOX_SIDES)
     return ((left, 0.0), (right, 0.0), (right, 1.0), (left, 1.0))
 
 
@@ -108,7 +108,9 @@ def _picture(faces: Mapping[Side, GreyImage], grey: int) -> GreyImage:
     """All sides beside each other, each as wide and high as the largest picture of one."""
     shades = [min(255, round(grey * share)) for share in _SHADE]
     size = min(_MOST, max((max(each.shape) for each in faces.values()), default=_STRIP))
-    return np.hstack([_part(faces.get(side), shade, size) for side, shade in zip(SIDES, shades, strict=True)])
+    return np.hstack(
+        [_part(faces.get(side), shade, size) for side, shade in zip(BOX_SIDES, shades, strict=True)]
+    )
 
 
 def _part(picture: GreyImage | None, shade: int, size: int) -> GreyImage:

@@ -11,7 +11,12 @@ from handcart.backends.physics.engine import Engine
 from handcart.backends.saved_state import NotAState
 from handcart.backends.simulation.bodies import Bodies
 from handcart.backends.simulation.scene import Scene
-from handcart.backends.simulation.world.material import LACQUER, PLASTER, WOOD, Material
+from handcart.backends.simulation.world.material import (
+    LACQUER_MATERIAL,
+    PLASTER_MATERIAL,
+    WOOD_MATERIAL,
+    Material,
+)
 from handcart.backends.simulation.world.solids import THE_GROUND, Solid
 from handcart.backends.simulation.world.thing import Thing
 from handcart.robotics.geometry.transform import Transform, inverse, transform
@@ -19,9 +24,9 @@ from handcart.robotics.geometry.transform import Transform, inverse, transform
 from .terrain import Terrain
 from .thing_body import ThingBody
 
-FLOOR = "floor"
-FARTHEST = 10_000  # tile of the ground
-MOST = 1000  # tiles and things that come after the beginning
+FLOOR_NAME = "floor"
+MAX_TILE_INDEX = 10_000  # tile of the ground
+MAX_LATE_BODIES = 1000  # tiles and things that come after the beginning
 FLOOR_FRICTION = 1.0
 SOLID_FRICTION = 0.65
 _AWAY = transform((0.0, 0.0, -50.0))
@@ -42,7 +47,7 @@ class WorldBodies:
         self._engine, self._scene, self._terrain = engine, scene, terrain
         self.names: dict[int, str] = {}
         if terrain is None:
-            self.names[engine.add_floor(FLOOR_FRICTION)] = FLOOR
+            self.names[engine.add_floor(FLOOR_FRICTION)] = FLOOR_NAME
         self._made: list[tuple[int, int] | str] = []
         self._weighed: list[ThingBody] = []
         """Those whose mass isn't a matter of their size alone: it may change."""
@@ -100,7 +105,7 @@ class WorldBodies:
     def made(self, wanted: Sequence[tuple[int, int] | str]) -> None:
         """Make what is missing of what another run had made, in its order; the scene has the things."""
         begun = list(wanted[: len(self._made)]) == self._made
-        if not begun or len(set(wanted)) != len(wanted) or len(wanted) > MOST:
+        if not begun or len(set(wanted)) != len(wanted) or len(wanted) > MAX_LATE_BODIES:
             raise NotAState("no saved state: its world was made in another order")
         for each in wanted[len(self._made) :]:
             if isinstance(each, str):
@@ -116,9 +121,9 @@ class WorldBodies:
         self.add(thing)
 
     def _add_tile(self, tile: tuple[int, int]) -> None:
-        if self._terrain is None or max(map(abs, tile)) > FARTHEST:
+        if self._terrain is None or max(map(abs, tile)) > MAX_TILE_INDEX:
             raise NotAState(f"no saved state: there is no ground at the tile {tile}")
-        self.names[self._terrain.add(tile)] = FLOOR
+        self.names[self._terrain.add(tile)] = FLOOR_NAME
         self._made.append(tile)
 
     def moved(self) -> Collection[int] | None:
@@ -146,5 +151,5 @@ def _grey(solid: Solid) -> int:
 
 def _material(solid: Solid) -> Material:
     if solid.box.name.startswith("wall"):
-        return PLASTER
-    return WOOD if " of " in solid.box.name else LACQUER
+        return PLASTER_MATERIAL
+    return WOOD_MATERIAL if " of " in solid.box.name else LACQUER_MATERIAL

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 
-SURE = 3.0  # sigmas that have to stay within a tolerance
-VERTICAL = 1e-9  # x of a unit vector, below which it points along y
+DETERMINED_SIGMAS = 3.0  # sigmas that have to stay within a tolerance
+MIN_DIRECTION_X = 1e-9  # x of a unit vector, below which it points along y
 
 
 class PoseNeed(NamedTuple):
@@ -100,13 +100,13 @@ def undetermined(
     if not np.isfinite(covariance).all():
         return Undetermined(0.0, math.inf, need.position)
     axes, limits = need.axes(covariance)
-    sizes = np.abs(np.array(off[:2]) @ axes) + SURE * sigmas_along(covariance, axes)
+    sizes = np.abs(np.array(off[:2]) @ axes) + DETERMINED_SIGMAS * sigmas_along(covariance, axes)
     worst = int(np.argmax(sizes / limits))
     if sizes[worst] > limits[worst]:
         x, y = axes[:, worst].tolist()
-        direction = math.atan(y / x) if abs(x) > VERTICAL else 0.5 * math.pi
+        direction = math.atan(y / x) if abs(x) > MIN_DIRECTION_X else 0.5 * math.pi
         return Undetermined(direction, float(sizes[worst]), float(limits[worst]))
-    turn = abs(off[2]) + SURE * math.sqrt(max(0.0, float(covariance[2, 2])))
+    turn = abs(off[2]) + DETERMINED_SIGMAS * math.sqrt(max(0.0, float(covariance[2, 2])))
     return Undetermined(None, turn, need.heading) if turn > need.heading else None
 
 
@@ -118,8 +118,8 @@ def room_left(covariance: NDArray[np.float64], need: PoseNeed) -> tuple[float, f
         need: of the pose.
     """
     axes, limits = need.axes(covariance)
-    room = float((limits - SURE * sigmas_along(covariance, axes)).min())
-    return room, need.heading - SURE * math.sqrt(max(0.0, float(covariance[2, 2])))
+    room = float((limits - DETERMINED_SIGMAS * sigmas_along(covariance, axes)).min())
+    return room, need.heading - DETERMINED_SIGMAS * math.sqrt(max(0.0, float(covariance[2, 2])))
 
 
 def sigmas_along(covariance: NDArray[np.float64], axes: NDArray[np.float64]) -> NDArray[np.float64]:

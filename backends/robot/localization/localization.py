@@ -31,10 +31,14 @@ from handcart.robotics.navigation.outdoors.watched_moment import Belief
 STILL_SCANS = 20  # periods at rest after which further scans tell nothing new
 LOOK_AGAIN = 10  # periods at rest between scans that tell whether somebody moved the base
 SCAN_REPEATABILITY = np.diag([0.004, 0.004, 0.0015]) ** 2  # [m², rad²]: scatter of scan matches at one place
-STANDS = 2e-4  # [m] by which encoders of wheels that stand differ, as an arm pulls at the base
-STALE = 1e-3  # [m], [rad] of motion in which a scan can't stay the same to the last bit
-RESTED = 4  # periods at rest after which a scan tells whether the base is where its wheels say
-UNANSWERED = 0.03  # [m] that wheels may be driven, by which alone it is reckoned, while they read the same
+MAX_REST_WHEEL_DIFFERENCE_M = (
+    2e-4  # [m] by which encoders of wheels that stand differ, as an arm pulls at the base
+)
+STALE_SCAN_MOTION = 1e-3  # [m], [rad] of motion in which a scan can't stay the same to the last bit
+REST_PERIODS = 4  # periods at rest after which a scan tells whether the base is where its wheels say
+MAX_COMMANDED_TRAVEL_M = (
+    0.03  # [m] that wheels may be driven, by which alone it is reckoned, while they read the same
+)
 
 
 class Lost(NamedTuple):
@@ -211,7 +215,7 @@ class Localization(ABC):
         left, right = travel.left - self.travel.left, travel.right - self.travel.right
         self.travel = travel
         self._predict(left, right)
-        if travel.away(self._stood) <= STANDS:
+        if travel.away(self._stood) <= MAX_REST_WHEEL_DIFFERENCE_M:
             self.still += 1
             if self.still == STILL_SCANS:
                 self._stood = travel  # it has come to rest
@@ -265,7 +269,7 @@ class Localization(ABC):
         scan = self._range_sensor.scan()
         if not np.array_equal(scan.ranges, self._ranges):
             self._ranges, self._seen_at = scan.ranges.copy(), self.travel
-        return np.empty((0, 2)) if self.travel.away(self._seen_at) > STALE else scan.points()
+        return np.empty((0, 2)) if self.travel.away(self._seen_at) > STALE_SCAN_MOTION else scan.points()
 
     # For a checkpoint
 
@@ -398,11 +402,11 @@ class WheelLocalization(Localization):
             share = "share of the scan that the map explains"
             why = "after the drive its scan fits the map nowhere near where its wheels say"
             return Lost(why, "RangeSensor", share, self._reckoning.explained, LEAST_INLIERS)
-        if self._unanswered <= UNANSWERED:
+        if self._unanswered <= MAX_COMMANDED_TRAVEL_M:
             return None
         why = "its wheels are driven, and read the same again and again"
         way = "way driven since the wheels read anything new"
-        return Lost(why, "Base", way, 1e3 * self._unanswered, 1e3 * UNANSWERED, "mm")
+        return Lost(why, "Base", way, 1e3 * self._unanswered, 1e3 * MAX_COMMANDED_TRAVEL_M, "mm")
 
     @property
     @override
@@ -416,12 +420,12 @@ class WheelLocalization(Localization):
 
     def look_again(self) -> None:
         """See `Localization`; after a drive, first compare the wheels' pose with a scan."""
-        if self._reckoning.unchecked and self.still >= RESTED and self._range_sensor is not None:
+        if self._reckoning.unchecked and self.still >= REST_PERIODS and self._range_sensor is not None:
             self._reckoning.check_drive(self._fresh_points())
         super().look_again()
 
     def _correct(self) -> None:
-        if self.still == RESTED:
+        if self.still == REST_PERIODS:
             self.look_again()
         super()._correct()
 

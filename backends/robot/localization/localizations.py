@@ -7,7 +7,7 @@ import numpy as np
 from handcart.backends.backend import Backend
 from handcart.backends.capabilities.positioning import Positioning
 from handcart.backends.capabilities.range_sensor import RangeSensor
-from handcart.backends.description.ground_spec import OUTDOORS
+from handcart.backends.description.ground_spec import OUTDOOR_LOCALIZERS
 from handcart.backends.description.robot_file import RobotFile
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.localization.localizer import OdometryLocalizer, ScanLocalizer
@@ -44,10 +44,10 @@ def localization_of(
         )
     noise = max(LEAST_RANGE, spec.range_sensor.sigma_mm / 1e3) if spec.range_sensor else LEAST_RANGE
     field = LikelihoodField(grid) if grid is not None and lidar is not None else None
-    if field is not None and spec.localizer not in ("odometry", *OUTDOORS):
+    if field is not None and spec.localizer not in ("odometry", *OUTDOOR_LOCALIZERS):
         matching = ScanLocalizer(field, start, tread, errors, START_SIGMA, noise)
         return ScanLocalization(backend, matching, lidar)
     wheels = OdometryLocalizer(start, tread, errors, START_SIGMA, field, noise)
-    if spec.localizer in OUTDOORS:
+    if spec.localizer in OUTDOOR_LOCALIZERS:
         return OutdoorLocalization(backend, wheels, field_localizer(spec, start, spec.antenna), lidar)
     return WheelLocalization(backend, wheels, lidar)

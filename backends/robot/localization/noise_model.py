@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from handcart.backends.description.ground_spec import GpsSpec
     from handcart.backends.description.robot_file import RobotFile
 
-START = 0.05  # [m] an axis: how well a task says where the robot starts
+START_SIGMA_M = 0.05  # [m] an axis: how well a task says where the robot starts
 LEAST_GPS = 0.003  # [m]: a receiver without errors is believed no better
 LEAST_RANGE = 0.005  # [m]: nor are beacons
 LEAST_GYRO = math.radians(1e-4)  # [rad/√s]
@@ -89,11 +89,11 @@ def field_localizer(robot: RobotFile, start: Pose2, antenna: tuple[float, float,
     if math.isinf(noise.start_heading):
         start = Pose2(start.x, start.y, 0.0)
     if robot.localizer == "gps_filter":
-        return GpsFilter(start, noise, START, record=True)
+        return GpsFilter(start, noise, START_SIGMA_M, record=True)
     if robot.localizer == "beacons":
         assert robot.beacons is not None, "checked when the file was read"
-        return BeaconFilter(start, noise, beacon_errors(robot.beacons), START)
+        return BeaconFilter(start, noise, beacon_errors(robot.beacons), START_SIGMA_M)
     if robot.localizer == "particle":
         errors = ParticleErrors(gps=max(noise.gps_white, 0.05), start_heading=noise.start_heading)
         return ParticleFilter(start, errors)
-    return GyroOnly(start, noise, START)
+    return GyroOnly(start, noise, START_SIGMA_M)

@@ -25,7 +25,7 @@ from .localization import Localization, Lost, Sensed
 Array = NDArray[np.float64]
 
 
-BLIND = 0.15  # [m] that the wheels may roll while the gyros tell nothing new
+MAX_TRAVEL_WITHOUT_GYRO_M = 0.15  # [m] that the wheels may roll while the gyros tell nothing new
 
 
 class OutdoorLocalization(Localization):
@@ -112,10 +112,17 @@ class OutdoorLocalization(Localization):
     def lost(self) -> Lost | None:
         """See `Localization`: by its wheels alone the base doesn't know how it turns."""
         rolled = self.travel.away(self._felt_at)
-        if rolled <= BLIND:
+        if rolled <= MAX_TRAVEL_WITHOUT_GYRO_M:
             return None
         why = "its gyros read nothing, or the same again and again"
-        return Lost(why, "Imu", "way since a gyro read anything new", 1e3 * rolled, 1e3 * BLIND, "mm")
+        return Lost(
+            why,
+            "Imu",
+            "way since a gyro read anything new",
+            1e3 * rolled,
+            1e3 * MAX_TRAVEL_WITHOUT_GYRO_M,
+            "mm",
+        )
 
     @property
     @override

@@ -9,7 +9,7 @@ from typing_extensions import override
 from handcart.backends.simulation.world.material import Material
 from handcart.backends.simulation.world.placed_thing import PlacedSpec, PlacedThing
 
-BRICK = Material(0.76, 0.40, 0.28, 0.05)
+BRICK_MATERIAL = Material(0.76, 0.40, 0.28, 0.05)
 
 
 class BlockSpec(PlacedSpec):
@@ -30,4 +30,4 @@ class Block(PlacedThing):
     @property
     @override
     def material(self) -> Material:
-        return BRICK
+        return BRICK_MATERIAL

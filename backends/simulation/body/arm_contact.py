@@ -19,9 +19,9 @@ from handcart.robotics.kinematics.shapes import Box, Shape, radius_about, top
 from .near_pairs import Boxes, Pairs, near_boxes, near_spheres
 from .rigid_body import RigidBody, meet
 
-HELD = "load"
-FINGERS = ("left_finger", "right_finger")
-_HANDS = (HELD, *FINGERS, "hand", "camera_body")
+LOAD_NAME = "load"
+FINGER_LINKS = ("left_finger", "right_finger")
+_HANDS = (LOAD_NAME, *FINGER_LINKS, "hand", "camera_body")
 _GIVE = 0.0005  # bodies that only touch count as free [m]
 
 Skip = Callable[[str, str], bool]
@@ -74,7 +74,7 @@ class Touch(NamedTuple):
     """Contact point in the world, in [m]."""
 
 
-FREE = Touch(0.0, "", "")
+NO_TOUCH = Touch(0.0, "", "")
 
 
 class ArmContact:
@@ -98,12 +98,12 @@ class ArmContact:
         self._geometry = [RigidBody.of(shape) for shape in shapes]
         self._radius = np.array([radius_about(shape) for shape in shapes])
         self._moved_links, self._mounted_links = self._some(self._links), self._some(self._mounted)
-        self._fingers = [(g, i) for g, i in enumerate(self._links) if self._names[i] in FINGERS]
+        self._fingers = [(g, i) for g, i in enumerate(self._links) if self._names[i] in FINGER_LINKS]
         self._own_radii = self._radius[self._own]
         self._hands = [g for g, i in enumerate(self._links) if self._names[i] in _HANDS]
         out = [float(np.hypot(*shapes[i].pose[:2, 3]) + self._radius[i]) for i in self._mounted]
         self._mounted_reach = max(out, default=0.0)
-        self._on_hand = {HELD, *FINGERS, *_fixed_on_tip(arm, self._names)}
+        self._on_hand = {LOAD_NAME, *FINGER_LINKS, *_fixed_on_tip(arm, self._names)}
         self._fixed = [solid.box for solid in scene.solids]
         self._boxes: list[Box] = []
         self._stood: dict[str, tuple[Transform, Box]] = {}
@@ -118,7 +118,7 @@ class ArmContact:
         scene = self._scene
         reach = max(self._extent(joints), self._extent_on_base())
         if scene.full_plan.clearance(base.x, base.y, scene.time)[0] > reach:
-            return FREE
+            return NO_TOUCH
         self._refresh()
         world_T_base = scene.leaning_at(base)
         riding = self._riding(world_T_base)
@@ -141,7 +141,7 @@ class ArmContact:
         self._refresh()
         poses = scene.world_T_base @ self._link_poses(joints)
         bodies = self._moved(scene.world_T_base, poses, joints)
-        near, worst = self._near(bodies), FREE
+        near, worst = self._near(bodies), NO_TOUCH
         if len(near) and (scene.open_ground or scene.riding() or not self._far(scene.base, joints)):
             worst = self._deepest(bodies, near, skip)
         return max(worst, self._against_robot(bodies, poses))
@@ -205,7 +205,7 @@ class ArmContact:
         """Return the moved links, the fingers at their opening, and the held object."""
         links = self._moved_links.posed(poses)
         for g, i in self._fingers:
-            side = 1.0 if self._names[i] == FINGERS[0] else -1.0
+            side = 1.0 if self._names[i] == FINGER_LINKS[0] else -1.0
             links.poses[g, :3, 3] += side * self._scene.width / 2 * links.poses[g, :3, 1]
         held = self._held(world_T_base, joints)
         return links if held is None else links.and_more(held)
@@ -225,7 +225,9 @@ class ArmContact:
             return None
         pose = world_T_base @ self._arm.forward(joints) @ self._scene.hand_T_held @ thing.thing_T_middle
         size = np.array(thing.size) - 2 * _GIVE
-        return _Bodies([HELD], [RigidBody.box(size)], pose[None], np.array([float(np.linalg.norm(size)) / 2]))
+        return _Bodies(
+            [LOAD_NAME], [RigidBody.box(size)], pose[None], np.array([float(np.linalg.norm(size)) / 2])
+        )
 
     def _near(self, bodies: _Bodies) -> Pairs:
         """Bodies, and the numbers of those boxes that may be in their way."""
@@ -234,7 +236,7 @@ class ArmContact:
 
     def _deepest(self, bodies: _Bodies, near: Pairs, skip: Skip | None) -> Touch:
         """The deepest overlap among those pairs of bodies and boxes."""
-        worst = FREE
+        worst = NO_TOUCH
         for g, n in near.tolist():
             name, box = bodies.names[g], self._boxes[n]
             if skip is not None and skip(name, box.name):
@@ -248,7 +250,7 @@ class ArmContact:
         """The deepest overlap of the hand and what it holds with what of the robot the arm doesn't move."""
         hands = self._hands + list(range(len(self._links), len(bodies.names)))
         near = near_spheres(bodies.poses[hands], bodies.radii[hands], poses[self._own], self._own_radii)
-        worst = FREE
+        worst = NO_TOUCH
         for g, k in near.tolist():
             i, hand = self._own[k], hands[g]
             met = meet(bodies.geometry[hand], bodies.poses[hand], self._geometry[i], poses[i])

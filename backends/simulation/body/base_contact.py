@@ -5,7 +5,7 @@ from __future__ import annotations
 from handcart.backends.simulation.scene import Scene
 from handcart.robotics.geometry.pose2 import Pose2
 
-from .arm_contact import FREE
+from .arm_contact import NO_TOUCH
 from .hand import Hand
 
 _HALVINGS = 8
@@ -25,7 +25,7 @@ def move_base(scene: Scene, motion: Pose2, hand: Hand | None) -> frozenset[tuple
     if clearance < radius and clearance < scene.body_plan.clearance(start.x, start.y, scene.time)[0]:
         end = _nearest_free(scene, start, end)
         touches = frozenset({("base", other)})
-    met = FREE if hand is None else hand.met_at(end)
+    met = NO_TOUCH if hand is None else hand.met_at(end)
     if met.depth > 0.0:
         return touches | {(met.body, met.other)}
     scene.move_base(end)

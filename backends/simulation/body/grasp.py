@@ -11,8 +11,8 @@ from handcart.backends.simulation.world.thing import Thing
 from handcart.backends.urdf.robot_shape import FingerShape
 from handcart.robotics.geometry.transform import Transform, inverse
 
-PAD = 0.05  # of the fingers' length that is padded, up to the tips [m]
-BITE = 0.005  # a thing must reach this deep between the pads to be held [m]
+PAD_LENGTH_M = 0.05  # of the fingers' length that is padded, up to the tips [m]
+MIN_BITE_M = 0.005  # a thing must reach this deep between the pads to be held [m]
 _SQUARE = np.cos(np.radians(15.0))  # turned further than this against the pads, a box isn't gripped
 
 
@@ -38,11 +38,11 @@ def thickness(thing: Thing, pads: Pads) -> float:
 def fits(thing: Thing, pads: Pads) -> bool:
     """Return whether closing pads meet a box squarely, on both sides."""
     finger = pads.finger
-    reach = np.array([PAD / 2, pads.outer(), finger.height / 2])
+    reach = np.array([PAD_LENGTH_M / 2, pads.outer(), finger.height / 2])
     middle = inverse(pads.world_T_hand) @ thing.pose @ thing.thing_T_middle
     axis = _across(thing, pads)
     half = np.abs(middle[:3, :3]) @ np.array(thing.size) / 2
-    near = np.abs(middle[:3, 3] - (finger.tip - PAD / 2, 0.0, 0.0)) < reach + half - BITE
+    near = np.abs(middle[:3, 3] - (finger.tip - PAD_LENGTH_M / 2, 0.0, 0.0)) < reach + half - MIN_BITE_M
     inside = abs(middle[1, 3]) + thing.size[axis] / 2 < pads.outer()
     return bool(abs(float(middle[1, axis])) > _SQUARE and near[0] and near[2] and inside)
 
@@ -52,7 +52,7 @@ def aside_at_pads(thing: Thing, pads: Pads) -> float:
     middle = inverse(pads.world_T_hand) @ thing.pose @ thing.thing_T_middle
     along = int(np.argmax(np.abs(middle[0, :3])))
     half = abs(middle[0, along]) * thing.size[along] / 2
-    ahead = np.clip(pads.finger.tip - PAD / 2 - middle[0, 3], -half, half)
+    ahead = np.clip(pads.finger.tip - PAD_LENGTH_M / 2 - middle[0, 3], -half, half)
     return float(middle[1, 3] + ahead * middle[1, along] / middle[0, along])
 
 

@@ -10,8 +10,8 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import inverse
 from handcart.robotics.kinematics.arm_model import ArmModel
 
-from .arm_contact import FREE, HELD, ArmContact, Touch
-from .hand_rule import FORCE_CAP, STIFFNESS, HandRule
+from .arm_contact import LOAD_NAME, NO_TOUCH, ArmContact, Touch
+from .hand_rule import ARM_STIFFNESS_N_M, FORCE_CAP, HandRule
 from .sliding import push_out, slide
 
 _STEP = 0.02  # that a link goes between two looks: panels and boards are as thick [m]
@@ -65,7 +65,7 @@ class Hand:
         if wrenched:
             scene.joints = posture = start
             drag = self.carry(start)
-            pairs |= {(HELD, rule.strained_by) for rule in wrenched}
+            pairs |= {(LOAD_NAME, rule.strained_by) for rule in wrenched}
         scene.hand_force = self._reaction(target, posture, 0.0 if rigid else pushed) + drag
         return pairs
 
@@ -76,9 +76,9 @@ class Hand:
         """
         there = self.contact.deepest_of_robot(base, self.scene.joints, self._skip)
         if there.depth == 0.0:
-            return FREE
+            return NO_TOUCH
         here = self.contact.deepest_of_robot(self.scene.base, self.scene.joints, self._skip)
-        return FREE if there.depth <= here.depth else there
+        return NO_TOUCH if there.depth <= here.depth else there
 
     def follow_base(self) -> None:
         """Take along what is held after the base was moved."""
@@ -141,7 +141,7 @@ class Hand:
             there = self.contact.deepest_of_arm(start + share * (target - start), self._skip)
             if there.depth > (0.0 if number == steps else _GRAZES):
                 return share - 1.0 / steps, share, there
-        return 0.0, 1.0, FREE
+        return 0.0, 1.0, NO_TOUCH
 
     def _skip(self, body: str, other: str) -> bool:
         """Pairs that a rule decides instead of rigid geometry."""
@@ -153,7 +153,7 @@ class Hand:
             return np.zeros(3)
         base_T_hand = self.arm.forward(posture)
         beyond = self.arm.forward(target)[:3, 3] - base_T_hand[:3, 3]
-        force = -STIFFNESS * (base_T_hand[:3, :3].T @ beyond)
+        force = -ARM_STIFFNESS_N_M * (base_T_hand[:3, :3].T @ beyond)
         if pushed > 0.0:
             force[0] = -pushed
         size = float(np.linalg.norm(force))

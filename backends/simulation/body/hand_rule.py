@@ -11,7 +11,7 @@ from handcart.backends.plain_values import Kinds
 from handcart.backends.simulation.world.thing import Thing
 from handcart.robotics.geometry.transform import Transform
 
-STIFFNESS = 2000.0  # of the arm under position control [N/m]
+ARM_STIFFNESS_N_M = 2000.0  # of the arm under position control [N/m]
 FORCE_CAP = 60.0  # what the hand can press with before its drives give way [N]
 
 Vector = NDArray[np.float64]

@@ -14,7 +14,7 @@ from handcart.robotics.kinematics.coal_bodies import coal_body
 from handcart.robotics.kinematics.libraries import fcl, pin
 from handcart.robotics.kinematics.shapes import Box, Cylinder, Hull, Shape, Sphere
 
-BARELY = 1e-9  # [m]
+MIN_DEPTH_M = 1e-9  # [m]
 
 
 class RigidBody(NamedTuple):
@@ -49,21 +49,23 @@ class Meeting(NamedTuple):
     """Contact point, in [m]."""
 
 
-APART = Meeting(0.0)
+NO_MEETING = Meeting(0.0)
 
 
 def meet(one: RigidBody, pose: Transform, other: RigidBody, other_pose: Transform) -> Meeting:
     """Return the overlap of two bodies at these poses (4, 4)."""
     if not touch(one.judging, pose, other.judging, other_pose):
-        return APART
+        return NO_MEETING
     request, result = pin.coal.CollisionRequest(), pin.coal.CollisionResult()
     if not pin.coal.collide(
         one.measuring, _for_coal(pose), other.measuring, _for_coal(other_pose), request, result
     ):
-        return Meeting(BARELY)
+        return Meeting(MIN_DEPTH_M)
     contact = result.getContact(0)
     (x, y, z), point = (-contact.normal).tolist(), contact.pos.tolist()
-    return Meeting(max(BARELY, -float(contact.penetration_depth)), (x, y, z), (point[0], point[1], point[2]))
+    return Meeting(
+        max(MIN_DEPTH_M, -float(contact.penetration_depth)), (x, y, z), (point[0], point[1], point[2])
+    )
 
 
 def overlap(one: RigidBody, pose: Transform, other: RigidBody, other_pose: Transform) -> float:

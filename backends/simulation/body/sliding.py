@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from handcart.robotics.kinematics.arm_model import ArmModel
 
-FRICTION = 0.4
+HAND_FRICTION = 0.4
 """Coulomb's coefficient between the hand, or what it holds, and what it meets."""
 _ROUNDS = 3  # of Newton's method
 _DAMPING = 1e-6
@@ -37,9 +37,9 @@ def slide(arm: ArmModel, stands: Vector, target: Vector, point: Vector, normal: 
     depth = -float(normal @ way)
     along = way + depth * normal
     far = float(np.linalg.norm(along))
-    if depth <= 0.0 or far <= FRICTION * depth:
+    if depth <= 0.0 or far <= HAND_FRICTION * depth:
         return None
-    goal = point + (1.0 - FRICTION * depth / far) * along
+    goal = point + (1.0 - HAND_FRICTION * depth / far) * along
     joints = target.copy()
     for _ in range(_ROUNDS):
         off = goal - (arm.forward(joints) @ tip_point)[:3]

@@ -14,7 +14,7 @@ from handcart.robotics.geometry.transform import Transform
 
 from .spec import BookSpec
 
-CLOTHS = (
+CLOTH_MATERIALS = (
     Material(0.55, 0.20, 0.17),
     Material(0.16, 0.32, 0.47),
     Material(0.22, 0.41, 0.30),
@@ -59,7 +59,7 @@ class Book(Thing):
     @property
     def material(self) -> Material:
         """See `Thing`: cloth, in a colour of its own."""
-        return CLOTHS[self.accession % len(CLOTHS)]
+        return CLOTH_MATERIALS[self.accession % len(CLOTH_MATERIALS)]
 
     @property
     def size(self) -> tuple[float, float, float]:

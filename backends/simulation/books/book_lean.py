@@ -11,7 +11,7 @@ from .book import Book
 from .row import Member
 from .standing_book import leaned
 
-LIES = math.radians(45.0)  # a book that leans further slides down and lies
+MAX_LEAN_RAD = math.radians(45.0)  # a book that leans further slides down and lies
 
 
 def lean_in_row(book: Book, S_T_foot: Transform, row: Sequence[Member], wish: float) -> Transform | None:
@@ -32,7 +32,7 @@ def lean_in_row(book: Book, S_T_foot: Transform, row: Sequence[Member], wish: fl
     stopped = _until_met(book, float(S_T_foot[1, 3]), row, side)
     tips = abs(wish) > math.atan2(book.thickness, book.height)
     angle = stopped if tips else min(abs(wish), stopped)
-    if angle > LIES:
+    if angle > MAX_LEAN_RAD:
         return None
     return leaned(S_T_foot, book.thickness, side * angle)
 

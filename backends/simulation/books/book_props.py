@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from handcart.backends.simulation.body.grasp import BITE, PAD, Pads
+from handcart.backends.simulation.body.grasp import MIN_BITE_M, PAD_LENGTH_M, Pads
 from handcart.backends.simulation.keyed_noise import keyed
 from handcart.backends.simulation.rendering.painting import Painted
 from handcart.backends.simulation.scene import Scene
@@ -25,7 +25,7 @@ from .putting_down import put_down
 from .row_rule import RowRule
 from .spec import BooksSection
 
-AWAKE = 1.3  # books of shelves further from the hand than this sleep in physics [m]
+AWAKE_DISTANCE_M = 1.3  # books of shelves further from the hand than this sleep in physics [m]
 
 
 class BookProps(BooksThere):
@@ -92,7 +92,7 @@ class BookProps(BooksThere):
         pose = inverse(pads.world_T_hand) @ thing.pose
         depth, thick, height = thing.size
         x, y, z = pose[:3, 3]
-        inside = x < finger.tip - BITE and x + depth > finger.tip - PAD and pose[0, 0] > 0.9
+        inside = x < finger.tip - MIN_BITE_M and x + depth > finger.tip - PAD_LENGTH_M and pose[0, 0] > 0.9
         level = z < finger.height / 2 and z + height > -finger.height / 2
         return bool(inside and level and abs(y) + thick / 2 < pads.outer())
 
@@ -119,7 +119,7 @@ class BookProps(BooksThere):
     def awake(self, hand: NDArray[np.float64]) -> Iterable[Book]:
         """See `Props`: the rows within reach, and what is in none."""
         away = np.linalg.norm(self._places - hand, axis=1)
-        near = {name for name, far in zip(self.shelves, away.tolist(), strict=True) if far < AWAKE}
+        near = {name for name, far in zip(self.shelves, away.tolist(), strict=True) if far < AWAKE_DISTANCE_M}
         return [book for book in self.books.values() if book.rest is not Rest.TABLE or book.shelf in near]
 
     @override

@@ -9,24 +9,26 @@ from handcart.robotics.geometry.transform import inverse
 
 from .book import Book
 from .books_there import BooksThere
-from .shelf import DEPTH
+from .shelf import SHELF_DEPTH_M
 
-ON = 0.03  # [m] that a book's foot may be off the board or tray
-BESIDE = 0.01  # [m] that its middle may be beside the tray
-UPRIGHT = np.radians(45.0)
-FALLEN = 0.5  # [m] above the floor
+MAX_FOOT_GAP_M = 0.03  # [m] that a book's foot may be off the board or tray
+MAX_TRAY_OFFSET_M = 0.01  # [m] that its middle may be beside the tray
+MAX_UPRIGHT_TILT_RAD = np.radians(45.0)
+MAX_FALLEN_HEIGHT_M = 0.5  # [m] above the floor
 
 
 def book_rest(books: BooksThere, book: Book) -> tuple[Rest, str | None]:
     """Return the support of a book that is not held, and the name of the shelf if it is one."""
     for name, shelf in books.shelves.items():
         x, y, z = (shelf.inverse_pose @ book.pose)[:3, 3]
-        on_board = -book.depth / 2 < x < DEPTH and abs(y) < shelf.half_width and abs(z) < ON
-        if on_board and book.tilt() < UPRIGHT:
+        on_board = (
+            -book.depth / 2 < x < SHELF_DEPTH_M and abs(y) < shelf.half_width and abs(z) < MAX_FOOT_GAP_M
+        )
+        if on_board and book.tilt() < MAX_UPRIGHT_TILT_RAD:
             return Rest.TABLE, name
     if _on_tray(books, book):
         return Rest.TRAY, None
-    if book.pose[2, 3] < FALLEN or book.rest is not Rest.HAND:
+    if book.pose[2, 3] < MAX_FALLEN_HEIGHT_M or book.rest is not Rest.HAND:
         return Rest.FLOOR, None
     return book.rest, None
 
@@ -39,4 +41,6 @@ def _on_tray(books: BooksThere, book: Book) -> bool:
     x, y, z = (inverse(books.scene.world_T_base) @ book.pose @ book.thing_T_middle)[:3, 3]
     from_middle = np.abs(np.array((x, y)) - tray.middle)
     above = z - book.height / 2 - tray.top
-    return bool((from_middle < np.array(tray.size[:2]) / 2 + BESIDE).all() and abs(above) < ON)
+    return bool(
+        (from_middle < np.array(tray.size[:2]) / 2 + MAX_TRAY_OFFSET_M).all() and abs(above) < MAX_FOOT_GAP_M
+    )

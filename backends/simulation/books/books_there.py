@@ -24,7 +24,7 @@ from .spec import BookSpec, BooksSection
 from .standing_book import StandingBook, leaned
 
 SPINE_ON_TRAY = 0.02  # from the tray's rear to the book's spine, as a person sets it down [m]
-PROTRUSION = 0.003  # spines stand this much before or behind the board's front edge at most [m]
+MAX_SPINE_OFFSET_M = 0.003  # spines stand this much before or behind the board's front edge at most [m]
 
 
 class Waiting(NamedTuple):
@@ -62,7 +62,7 @@ class BooksThere(Props[BooksSection]):
         for shelf in self.shelves.values():
             rng = keyed(self.seed, f"row of {shelf.name}")
             for spec, y in shelf.standing():
-                stands = transform((rng.uniform(-PROTRUSION, PROTRUSION), y, 0.0))
+                stands = transform((rng.uniform(-MAX_SPINE_OFFSET_M, MAX_SPINE_OFFSET_M), y, 0.0))
                 pose = shelf.pose @ leaned(stands, spec.thickness_mm / 1e3, math.radians(spec.lean_deg))
                 self.books[spec.accession] = Book(pose, Rest.TABLE, spec, shelf.name)
         if self.spec.tray is not None and self.scene.robot.has_tray:

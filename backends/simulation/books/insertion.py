@@ -11,10 +11,10 @@ from handcart.backends.simulation.keyed_noise import keyed
 from .row import FreeInterval, Member, slots
 from .shelf import Shelf
 
-CHAMFER = 0.003
-MARGIN = 0.001
-FALL = 0.004  # from certain to never [m]
-STEEPEST = math.radians(8.0)  # with more yaw no book fits its slot
+CHAMFER_M = 0.003
+MARGIN_M = 0.001
+FALL_OFF_M = 0.004  # from certain to never [m]
+MAX_YAW_RAD = math.radians(8.0)  # with more yaw no book fits its slot
 _OUT = 0.002  # withdrawn this far, a book enters anew [m]
 LEAST_CLEARANCE = 0.0003
 
@@ -39,8 +39,8 @@ def entry_chance(error: float, clearance: float) -> float:
     """
     if clearance < LEAST_CLEARANCE:
         return 0.0
-    certain = clearance / 2 + CHAMFER - MARGIN
-    return min(1.0, max(0.0, 1.0 - (error - certain) / FALL))
+    certain = clearance / 2 + CHAMFER_M - MARGIN_M
+    return min(1.0, max(0.0, 1.0 - (error - certain) / FALL_OFF_M))
 
 
 class Entrance:
@@ -76,4 +76,4 @@ class Entrance:
         self.count += 1
         chance = entry_chance(abs(y - nearest.middle), nearest.width - thickness)
         lucky = keyed(self._seed, "entry", self.count).random() < chance
-        return Entry(shelf, nearest, bool(lucky and abs(yaw) < STEEPEST))
+        return Entry(shelf, nearest, bool(lucky and abs(yaw) < MAX_YAW_RAD))

@@ -12,21 +12,30 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.simulation.rendering.canvas import Canvas
-from handcart.backends.simulation.rendering.painting import CORNERS, NORMALS, Painted, paint_box
+from handcart.backends.simulation.rendering.painting import SIDE_CORNERS, SIDE_NORMALS, Painted, paint_box
 from handcart.backends.simulation.world.thing import GreyImage, Rest
 from handcart.robotics.geometry.transform import transform
 from handcart.robotics.kinematics.shapes import Box
 
 from .book import Book
 from .books_there import BooksThere
-from .shelf import DEPTH, HEIGHT, WOOD, Shelf
+from .shelf import PANEL_HEIGHT_M, SHELF_DEPTH_M, WOOD_GREY, Shelf
 from .spec import BookSpec
 from .textures import PX_PER_MM, draw_spine
 
 _BOARD, _PAGES, _METAL = 70, 200, 90
 _COVER = 0.75  # of a cover's grey beside its spine's: light comes from before it
 _DIMS = 0.03  # [m] into a shelf after which 1/e of the room's light is left
-_BANDS = (0.0, 0.004, 0.01, 0.02, 0.035, 0.06, 0.1, DEPTH)  # [m] into a shelf, each painted in one shade
+_BANDS = (
+    0.0,
+    0.004,
+    0.01,
+    0.02,
+    0.035,
+    0.06,
+    0.1,
+    SHELF_DEPTH_M,
+)  # [m] into a shelf, each painted in one shade
 _WINDOW = (-2.0, 1.2)  # x, y in S of what glossy spines mirror, in [m]
 _BOW = 0.25  # [rad] by which a spine's sides are turned away from its middle
 _STREAK, _STREAK_GREY = 0.12, 200.0  # width of a mirrored window as a share of the spine's; of full gloss
@@ -58,7 +67,7 @@ def _shelf(canvas: Canvas, books: BooksThere, shelf: Shelf) -> None:
     eye = shelf.inverse_pose[:3, :3] @ canvas.eye + shelf.inverse_pose[:3, 3]
     if eye[0] >= 0.0 or np.linalg.norm(eye) > _SEES:
         for part in ("plinth", "board", "left panel", "right panel", "back"):
-            paint_box(canvas, parts[part], WOOD)
+            paint_box(canvas, parts[part], WOOD_GREY)
         return
     _inside(canvas, shelf)
     bodies: list[tuple[float, Book | tuple[Box, int]]] = [
@@ -83,7 +92,7 @@ def _shelf(canvas: Canvas, books: BooksThere, shelf: Shelf) -> None:
             paint_box(canvas, *body)
     # Faces that look into the shelf are painted already, and books stand before them.
     for part, faces in (("plinth", (0,)), ("left panel", (0, 3, 5)), ("right panel", (0, 2, 5))):
-        paint_box(canvas, parts[part], WOOD, faces)
+        paint_box(canvas, parts[part], WOOD_GREY, faces)
     _board_edge(canvas, shelf)
 
 
@@ -99,18 +108,28 @@ def _held_inside(books: BooksThere, shelf: Shelf) -> Book | None:
 
 def _reaches_in(book: Book, shelf: Shelf) -> bool:
     fore = shelf.inverse_pose @ book.pose @ np.array([book.depth, 0.0, 0.0, 1.0])
-    return bool(0.0 < fore[0] < DEPTH and abs(fore[1]) < shelf.half_width and -0.1 < fore[2] < 0.3)
+    return bool(0.0 < fore[0] < SHELF_DEPTH_M and abs(fore[1]) < shelf.half_width and -0.1 < fore[2] < 0.3)
 
 
 def _inside(canvas: Canvas, shelf: Shelf) -> None:
     half = shelf.half_width
-    back = ((DEPTH, -half, 0), (DEPTH, half, 0), (DEPTH, half, HEIGHT), (DEPTH, -half, HEIGHT))
-    canvas.polygon(_in_world(shelf, back), round(WOOD * _light(shelf, DEPTH)))
+    back = (
+        (SHELF_DEPTH_M, -half, 0),
+        (SHELF_DEPTH_M, half, 0),
+        (SHELF_DEPTH_M, half, PANEL_HEIGHT_M),
+        (SHELF_DEPTH_M, -half, PANEL_HEIGHT_M),
+    )
+    canvas.polygon(_in_world(shelf, back), round(WOOD_GREY * _light(shelf, SHELF_DEPTH_M)))
     for near, far in pairwise(_BANDS):
         light = _light(shelf, (near + far) / 2)
         for side in (half, -half):
-            panel = ((near, side, 0), (far, side, 0), (far, side, HEIGHT), (near, side, HEIGHT))
-            canvas.polygon(_in_world(shelf, panel), round(_COVER * WOOD * light))
+            panel = (
+                (near, side, 0),
+                (far, side, 0),
+                (far, side, PANEL_HEIGHT_M),
+                (near, side, PANEL_HEIGHT_M),
+            )
+            canvas.polygon(_in_world(shelf, panel), round(_COVER * WOOD_GREY * light))
         board = ((near, -half, 0), (far, -half, 0), (far, half, 0), (near, half, 0))
         canvas.polygon(_in_world(shelf, board), round(_BOARD * light))
 
@@ -118,7 +137,7 @@ def _inside(canvas: Canvas, shelf: Shelf) -> None:
 def _board_edge(canvas: Canvas, shelf: Shelf) -> None:
     half = shelf.half_width
     corners = ((0, -half, -0.02), (0, half, -0.02), (0, half, 0), (0, -half, 0))
-    canvas.polygon(_in_world(shelf, corners), WOOD + 20)
+    canvas.polygon(_in_world(shelf, corners), WOOD_GREY + 20)
 
 
 def _in_world(shelf: Shelf, corners: tuple[tuple[float, float, float], ...]) -> NDArray[np.float64]:
@@ -128,7 +147,7 @@ def _in_world(shelf: Shelf, corners: tuple[tuple[float, float, float], ...]) -> 
 def _book(canvas: Canvas, book: Book, shelf: Shelf | None) -> None:
     """Paint covers and head, darker with their depth inside a shelf, then the spine."""
     box = book.box()
-    if canvas.shows_none((CORNERS.reshape(-1, 3) * box.size) @ box.pose[:3, :3].T + box.pose[:3, 3]):
+    if canvas.shows_none((SIDE_CORNERS.reshape(-1, 3) * box.size) @ box.pose[:3, :3].T + box.pose[:3, 3]):
         return
     front = 0.0 if shelf is None else float((shelf.inverse_pose @ book.pose)[0, 3])
     if shelf is None:
@@ -176,8 +195,8 @@ def _part(canvas: Canvas, book: Book, span: tuple[float, float], light: float) -
     """The book from one depth to another, in one shade."""
     middle = book.pose @ transform(((span[0] + span[1]) / 2, 0.0, book.height / 2))
     size = np.array([span[1] - span[0], book.thickness, book.height])
-    normals = NORMALS @ middle[:3, :3].T
-    corners = (CORNERS * size) @ middle[:3, :3].T + middle[:3, 3]
+    normals = SIDE_NORMALS @ middle[:3, :3].T
+    corners = (SIDE_CORNERS * size) @ middle[:3, :3].T + middle[:3, 3]
     cover = round(book.spec.grey * _COVER * light)
     for i, grey in (
         (1, round(_PAGES * light)),

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from .books_there import BooksThere, Waiting
 
-NEAR = 0.5  # [m] from where the robot started, within a person's reach
-STILL = 1e-3  # [m], [rad]: motors that hold a robot still let it move less
-AFTER = 1.0  # [s] that the robot stands there with an empty tray and hand before the next book comes
+REACH_M = 0.5  # [m] from where the robot started, within a person's reach
+STILL_MOTION = 1e-3  # [m], [rad]: motors that hold a robot still let it move less
+WAITING_TIME_S = 1.0  # [s] that the robot stands there with an empty tray and hand before the next book comes
 
 
 class Person:
@@ -24,9 +24,11 @@ class Person:
         if not books.to_come or not scene.robot.has_tray:
             return
         idle = scene.held is None and books.tray_book() is None
-        stands = scene.base.distance(waits.stood) < STILL and scene.base.turn(waits.stood) < STILL
-        if not (idle and stands) or scene.base.distance(self._start) > NEAR:
+        stands = (
+            scene.base.distance(waits.stood) < STILL_MOTION and scene.base.turn(waits.stood) < STILL_MOTION
+        )
+        if not (idle and stands) or scene.base.distance(self._start) > REACH_M:
             books.waits = Waiting(waits.given, scene.base, scene.time)
-        elif scene.time >= waits.since + AFTER:
+        elif scene.time >= waits.since + WAITING_TIME_S:
             books.waits = waits._replace(given=waits.given + 1)
             books.set_on_tray(books.to_come.pop(0), books.waits.given)

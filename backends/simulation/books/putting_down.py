@@ -13,7 +13,7 @@ from .book import Book
 from .book_lean import lean_in_row
 from .books_there import BooksThere
 from .row import FreeInterval, members, slots
-from .shelf import DEPTH, Shelf
+from .shelf import SHELF_DEPTH_M, Shelf
 
 HIGHEST_DROP = 0.020  # onto a support; from higher up a book falls over and off [m]
 _BELOW = 0.003
@@ -52,7 +52,7 @@ def _carries(books: BooksThere, shelf: Shelf, book: Book, slot: FreeInterval | N
     pose = shelf.inverse_pose @ book.pose
     x, y, z = pose[:3, 3]
     middle = x + pose[0, 0] * book.depth / 2
-    if not (0.0 < middle < DEPTH and -_BELOW < z < HIGHEST_DROP and pose[0, 0] > 0.9):
+    if not (0.0 < middle < SHELF_DEPTH_M and -_BELOW < z < HIGHEST_DROP and pose[0, 0] > 0.9):
         return False
     half = book.thickness / 2 - 1e-4
     free = [slot] if slot is not None else slots(members(books, shelf, book))

@@ -7,12 +7,12 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
-from handcart.backends.simulation.body.hand_rule import FORCE_CAP, STIFFNESS
+from handcart.backends.simulation.body.hand_rule import ARM_STIFFNESS_N_M, FORCE_CAP
 from handcart.backends.simulation.world.thing import Thing
 
 from .book import Book
 from .books_there import BooksThere
-from .shelf import DEPTH, Shelf
+from .shelf import SHELF_DEPTH_M, Shelf
 
 PUSH_FRICTION = 3.0  # of a standing book pushed on its spine [N]
 JAM_FRICTION = 10.0  # of a book pushed back by an edge that jams against it [N]
@@ -105,14 +105,14 @@ def push(books: BooksThere, shelf: Shelf, row: Sequence[Member], pusher: Pusher,
             break
         moved.append(member)
         resist += pusher.friction if member.book is not None else math.inf
-        lead = max(member.front, pusher.lead - resist / STIFFNESS)
-        ends = [DEPTH - m.book.depth for m in moved if m.book is not None]
+        lead = max(member.front, pusher.lead - resist / ARM_STIFFNESS_N_M)
+        ends = [SHELF_DEPTH_M - m.book.depth for m in moved if m.book is not None]
         lead = min([lead, *(max(end, m.front) for end, m in zip(ends, moved, strict=False))])
     if not moved:
         return Push(lead, 0.0, ())
     _move(books, shelf, moved, lead)
     names = tuple(f"book {m.book.accession}" if m.book else f"panel of {shelf.name}" for m in moved)
-    return Push(lead, min(FORCE_CAP, STIFFNESS * (pusher.lead - lead)), names)
+    return Push(lead, min(FORCE_CAP, ARM_STIFFNESS_N_M * (pusher.lead - lead)), names)
 
 
 def _meets(member: Member, pusher: Pusher, start: float) -> bool:

@@ -9,8 +9,8 @@ from typing_extensions import override
 
 from handcart.backends.plain_values import Kinds
 from handcart.backends.saved_state import NotAState
-from handcart.backends.simulation.body.arm_contact import FINGERS, HELD
-from handcart.backends.simulation.body.hand_rule import FORCE_CAP, STIFFNESS, HandRule, Met, Vector
+from handcart.backends.simulation.body.arm_contact import FINGER_LINKS, LOAD_NAME
+from handcart.backends.simulation.body.hand_rule import ARM_STIFFNESS_N_M, FORCE_CAP, HandRule, Met, Vector
 from handcart.backends.simulation.world.thing import Rest, Thing
 from handcart.robotics.geometry.transform import Transform, transform
 from handcart.robotics.kinematics.arm_model import ArmModel
@@ -84,10 +84,10 @@ class RowRule(HandRule):
 
     @override
     def decides(self, body: str, other: str) -> bool:
-        if body in FINGERS:
+        if body in FINGER_LINKS:
             tray = self._books.tray_book()
             return other.startswith("book ") and (tray is None or other != f"book {tray.accession}")
-        if body != HELD or self.entry is None:
+        if body != LOAD_NAME or self.entry is None:
             return False
         return other.startswith(("book ", "left panel", "right panel"))
 
@@ -108,9 +108,11 @@ class RowRule(HandRule):
         )
         thing.pose = shelf.pose @ transform((rigid[0, 3], lateral, max(0.0, rigid[2, 3])))
         beside, turned = abs(lateral - rigid[1, 3]), float(np.arccos(np.clip(rigid[0, 0], -1.0, 1.0)))
-        self.strain = float(max(beside / (FORCE_CAP / STIFFNESS), turned / _WRENCH))
+        self.strain = float(max(beside / (FORCE_CAP / ARM_STIFFNESS_N_M), turned / _WRENCH))
         moved = self._arm.forward(self._scene.joints)[0, 3] - self._arm.forward(start)[0, 3]
-        force = np.array([-SLOT_FRICTION if moved > 1e-4 else 0.0, STIFFNESS * (lateral - rigid[1, 3]), 0.0])
+        force = np.array(
+            [-SLOT_FRICTION if moved > 1e-4 else 0.0, ARM_STIFFNESS_N_M * (lateral - rigid[1, 3]), 0.0]
+        )
         force[1] = np.clip(force[1], -FORCE_CAP, FORCE_CAP)
         return np.asarray(world_T_hand[:3, :3].T @ shelf.pose[:3, :3] @ force)
 
@@ -206,7 +208,7 @@ class RowRule(HandRule):
             span = (float(ends[0][1]), float(ends[1][1]))
             found.append(("fingers", Pusher(lead, *span, low, high, PUSH_FRICTION)))
         if isinstance(scene.held, Book) and self.entry is not None and not self.entry.admitted:
-            found.append((HELD, self._jammed(S_T_hand, scene.held)))
+            found.append((LOAD_NAME, self._jammed(S_T_hand, scene.held)))
         return found
 
     def _jammed(self, S_T_hand: Transform, book: Book) -> Pusher:

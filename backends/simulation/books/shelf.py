@@ -14,13 +14,13 @@ from handcart.robotics.kinematics.shapes import Box
 
 from .spec import BookSpec, GapSpec, ObjectSpec, ShelfSpec
 
-DEPTH = 0.25
-PANEL = 0.02
-BOARD = 0.02
-BACK = 0.005
-HEIGHT = 0.35  # of the side panels above the board [m]
-WOOD = 130  # grey
-INSIDE = ("back", "board", "left panel", "right panel")
+SHELF_DEPTH_M = 0.25
+PANEL_THICKNESS_M = 0.02
+BOARD_THICKNESS_M = 0.02
+BACK_THICKNESS_M = 0.005
+PANEL_HEIGHT_M = 0.35  # of the side panels above the board [m]
+WOOD_GREY = 130  # grey
+INNER_PARTS = ("back", "board", "left panel", "right panel")
 _BOOK_END_HEIGHT = 0.16
 _BOOK_END_FRONT = 0.03  # behind the board's front edge
 
@@ -56,19 +56,19 @@ class Shelf:
 
     def parts(self) -> dict[str, Box]:
         """All that is solid but the books, posed in the world, by the part's name."""
-        half, outer = self.half_width, self.half_width + PANEL
-        low = min(self.spec.closed_from_m - self.spec.board_m, -BOARD - BACK)
+        half, outer = self.half_width, self.half_width + PANEL_THICKNESS_M
+        low = min(self.spec.closed_from_m - self.spec.board_m, -BOARD_THICKNESS_M - BACK_THICKNESS_M)
         bounds = {
-            "board": ((0.0, -half, -BOARD), (DEPTH, half, 0.0)),
-            "plinth": ((0.0, -half, low), (DEPTH, half, -BOARD)),
-            "back": ((DEPTH, -outer, low), (DEPTH + BACK, outer, HEIGHT)),
-            "left panel": ((0.0, half, low), (DEPTH, outer, HEIGHT)),
-            "right panel": ((0.0, -outer, low), (DEPTH, -half, HEIGHT)),
+            "board": ((0.0, -half, -BOARD_THICKNESS_M), (SHELF_DEPTH_M, half, 0.0)),
+            "plinth": ((0.0, -half, low), (SHELF_DEPTH_M, half, -BOARD_THICKNESS_M)),
+            "back": ((SHELF_DEPTH_M, -outer, low), (SHELF_DEPTH_M + BACK_THICKNESS_M, outer, PANEL_HEIGHT_M)),
+            "left panel": ((0.0, half, low), (SHELF_DEPTH_M, outer, PANEL_HEIGHT_M)),
+            "right panel": ((0.0, -outer, low), (SHELF_DEPTH_M, -half, PANEL_HEIGHT_M)),
         }
         if self.book_end_left > -half + 1e-3:
             bounds["book end"] = (
                 (_BOOK_END_FRONT, -half, 0.0),
-                (DEPTH, self.book_end_left, _BOOK_END_HEIGHT),
+                (SHELF_DEPTH_M, self.book_end_left, _BOOK_END_HEIGHT),
             )
         bounds |= {f"object {i + 1}": self._object_ends(each) for i, each in enumerate(self.spec.objects)}
         return {part: self._box(part, *ends) for part, ends in bounds.items()}
@@ -76,8 +76,8 @@ class Shelf:
     def solids(self) -> list[Solid]:
         """Return the solids of the shelf for a world, darker inside."""
         greys = {part: each.grey for part, each in zip(self.objects(), self.spec.objects, strict=True)}
-        greys |= dict.fromkeys(INSIDE, round(WOOD * self.spec.light))
-        return [Solid(box, grey=greys.get(part, WOOD)) for part, box in self.parts().items()]
+        greys |= dict.fromkeys(INNER_PARTS, round(WOOD_GREY * self.spec.light))
+        return [Solid(box, grey=greys.get(part, WOOD_GREY)) for part, box in self.parts().items()]
 
     def objects(self) -> list[str]:
         """Return the names of the parts that are not furniture, as in the file."""
@@ -98,7 +98,7 @@ class Shelf:
     def fixed_intervals(self) -> list[tuple[float, float, float]]:
         """Return the immovable bounds of the row: (right, left, front) in S, in [m]."""
         half = self.half_width
-        walls = [(half, half + PANEL, 0.0), (-half - PANEL, -half, 0.0)]
+        walls = [(half, half + PANEL_THICKNESS_M, 0.0), (-half - PANEL_THICKNESS_M, -half, 0.0)]
         if self.book_end_left > -half + 1e-3:
             walls.append((-half, self.book_end_left, _BOOK_END_FRONT))
         for each in self.spec.objects:

@@ -16,7 +16,7 @@ from handcart.robotics.perception.landmarks.landmark import INK, PAPER, draw_lan
 
 from .spec import MarkSpec
 
-MARGIN = 0.01  # of paper about what is painted [m]
+PAPER_MARGIN_M = 0.01  # of paper about what is painted [m]
 M_PER_PX = 1.25e-4
 
 GreyImage = NDArray[np.uint8]
@@ -33,7 +33,9 @@ class Mark(Sheet):
 @lru_cache(maxsize=64)
 def _levels(kind: str, size_mm: float, board: BoardLayout) -> list[tuple[GreyImage, float]]:
     picture = (
-        draw_landmark(size_mm / 1e3, MARGIN, M_PER_PX) if kind == "landmark" else _other(kind, size_mm, board)
+        draw_landmark(size_mm / 1e3, PAPER_MARGIN_M, M_PER_PX)
+        if kind == "landmark"
+        else _other(kind, size_mm, board)
     )
     picture = _smooth(picture)
     half = cv2.resize(picture, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA).astype(np.uint8)
@@ -49,7 +51,7 @@ def _smooth(picture: GreyImage) -> GreyImage:
 
 def _other(kind: str, size_mm: float, board: BoardLayout) -> GreyImage:
     """A calibration board, a full square, a disc, or a square's outline."""
-    margin = round(MARGIN / M_PER_PX)
+    margin = round(PAPER_MARGIN_M / M_PER_PX)
     if kind == "board":
         return np.pad(board.board(size_mm).draw(M_PER_PX), margin, constant_values=PAPER)
     side = round(size_mm / 1e3 / M_PER_PX)

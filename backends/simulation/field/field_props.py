@@ -18,8 +18,10 @@ from handcart.robotics.geometry.transform import Transform, inverse, transform
 from .sensor import Sensor
 from .spec import FieldSection, SensorSpec
 
-NEAR = 0.01  # [rad], [m] of each joint from the posture `home`, at which the magazine meets the hand
-BITE = 0.035  # [m] of a sensor's height that stands between the fingers
+HOME_TOLERANCE = (
+    0.01  # [rad], [m] of each joint from the posture `home`, at which the magazine meets the hand
+)
+SENSOR_BITE_M = 0.035  # [m] of a sensor's height that stands between the fingers
 
 
 class FieldProps(Props[FieldSection]):
@@ -83,7 +85,7 @@ class FieldProps(Props[FieldSection]):
             super().rested(thing)
 
     def _at_home(self) -> bool:
-        return float(np.abs(self.scene.joints - self._home).max()) < NEAR
+        return float(np.abs(self.scene.joints - self._home).max()) < HOME_TOLERANCE
 
     def _seat(self, sensor: Sensor) -> None:
         """Bring it between the fingers."""
@@ -96,5 +98,5 @@ class FieldProps(Props[FieldSection]):
         """Return the pose of a sensor that hangs upright between the fingers: its z is opposite to the hand's
         x.
         """
-        ahead = self.scene.robot.finger_shape.tip - BITE + sensor.size[2]
+        ahead = self.scene.robot.finger_shape.tip - SENSOR_BITE_M + sensor.size[2]
         return transform((ahead, 0.0, 0.0), (0.0, -np.pi / 2, 0.0))

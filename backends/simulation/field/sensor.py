@@ -9,7 +9,7 @@ from typing_extensions import override
 from handcart.backends.simulation.world.material import Material
 from handcart.backends.simulation.world.placed_thing import PlacedThing
 
-ORANGE = Material(0.93, 0.45, 0.10, 0.3)
+ORANGE_MATERIAL = Material(0.93, 0.45, 0.10, 0.3)
 
 
 @dataclass(eq=False, repr=False)
@@ -21,4 +21,4 @@ class Sensor(PlacedThing):
     @property
     @override
     def material(self) -> Material:
-        return ORANGE
+        return ORANGE_MATERIAL

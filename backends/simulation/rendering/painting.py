@@ -17,9 +17,9 @@ from handcart.robotics.kinematics.shapes import Box
 
 from .canvas import Canvas
 
-SIDES: tuple[Side, ...] = ("-x", "+x", "-y", "+y", "-z", "+z")
-NORMALS = np.array([(-1, 0, 0), (1, 0, 0), (0, -1, 0), (0, 1, 0), (0, 0, -1), (0, 0, 1)], dtype=float)
-"""(6, 3) of a box's sides, as in `SIDES`."""
+BOX_SIDES: tuple[Side, ...] = ("-x", "+x", "-y", "+y", "-z", "+z")
+SIDE_NORMALS = np.array([(-1, 0, 0), (1, 0, 0), (0, -1, 0), (0, 1, 0), (0, 0, -1), (0, 0, 1)], dtype=float)
+"""(6, 3) of a box's sides, as in `BOX_SIDES`."""
 _CORNERS = (
     ((-1, -1, -1), (-1, 1, -1), (-1, 1, 1), (-1, -1, 1)),
     ((1, -1, -1), (1, 1, -1), (1, 1, 1), (1, -1, 1)),
@@ -28,7 +28,7 @@ _CORNERS = (
     ((-1, -1, -1), (1, -1, -1), (1, 1, -1), (-1, 1, -1)),
     ((-1, -1, 1), (1, -1, 1), (1, 1, 1), (-1, 1, 1)),
 )
-CORNERS = np.array(_CORNERS, dtype=float) / 2
+SIDE_CORNERS = np.array(_CORNERS, dtype=float) / 2
 """(6, 4, 3) corners of the unit box around its middle."""
 _SHADE = (1.0, 0.6, 0.8, 0.85, 0.4, 1.1)  # light comes from above and from before the robot's docking places
 _PICTURES: dict[Side, tuple[int, int, float, float, float]] = {
@@ -57,8 +57,8 @@ def paint_thing(thing: Thing) -> Painted:
 
 def paint_box(canvas: Canvas, box: Box, grey: int, sides: tuple[int, ...] = (0, 1, 2, 3, 4, 5)) -> None:
     """Those sides of a box that the camera sees, each in its shade."""
-    normals = NORMALS @ box.pose[:3, :3].T
-    corners = (CORNERS * np.array(box.size)) @ box.pose[:3, :3].T + box.pose[:3, 3]
+    normals = SIDE_NORMALS @ box.pose[:3, :3].T
+    corners = (SIDE_CORNERS * np.array(box.size)) @ box.pose[:3, :3].T + box.pose[:3, 3]
     for i in sides:
         if canvas.seen_from_front(corners[i][0], normals[i]):
             canvas.polygon(corners[i], min(255, round(grey * _SHADE[i])))
@@ -66,7 +66,7 @@ def paint_box(canvas: Canvas, box: Box, grey: int, sides: tuple[int, ...] = (0, 
 
 def _thing(canvas: Canvas, thing: Thing) -> None:
     box, faces = thing.box(), thing.faces()
-    plain = tuple(i for i, side in enumerate(SIDES) if side not in faces)
+    plain = tuple(i for i, side in enumerate(BOX_SIDES) if side not in faces)
     paint_box(canvas, box, thing.grey, plain)
     for side, picture in faces.items():
         face, (width, height) = picture_frame(side, box)
@@ -81,7 +81,7 @@ def picture_frame(side: Side, box: Box) -> tuple[Transform, tuple[float, float]]
     """
     along, down, *turn = _PICTURES[side]
     size = (box.size[along], box.size[down])
-    out = NORMALS[SIDES.index(side)] * np.array(box.size) / 2
+    out = SIDE_NORMALS[BOX_SIDES.index(side)] * np.array(box.size) / 2
     middle = transform(tuple(out.tolist()), tuple(turn))
     return box.pose @ middle @ transform((-size[0] / 2, -size[1] / 2, 0.0)), size
 

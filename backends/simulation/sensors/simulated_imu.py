@@ -15,7 +15,7 @@ from handcart.backends.simulation.keyed_noise import keyed, keyed_normal
 from handcart.backends.simulation.scene import Scene
 from handcart.robotics.kinematics.libraries import pin
 
-GRAVITY = 9.81  # [m/s²]
+GRAVITY_M_S2 = 9.81  # [m/s²]
 
 Vector = NDArray[np.float64]
 
@@ -66,4 +66,4 @@ class SimulatedImu(Imu):
 
     def _carried(self) -> Vector:
         """The acceleration (3,) in [m/s²], in the world, with which the robot is kept from falling freely."""
-        return np.array([0.0, 0.0, GRAVITY])
+        return np.array([0.0, 0.0, GRAVITY_M_S2])

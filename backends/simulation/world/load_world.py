@@ -18,7 +18,7 @@ from handcart.robotics.navigation.maps.map_walls import map_walls
 from .world_file import Furniture, WorldFile, floor_pose
 from .world_model import world_model
 
-HEIGHT = 2.0  # of what stands on a map [m]
+MAP_WALL_HEIGHT_M = 2.0  # of what stands on a map [m]
 
 
 def load_world(path: Path) -> WorldFile:
@@ -75,7 +75,11 @@ def _standing(grid: GridMap) -> list[Furniture]:
     walls[:, 2] = np.degrees(walls[:, 2])
     return [
         Furniture.model_construct(
-            name="wall on the map", x_m=x, y_m=y, heading_deg=heading, size_m=(length, width, HEIGHT)
+            name="wall on the map",
+            x_m=x,
+            y_m=y,
+            heading_deg=heading,
+            size_m=(length, width, MAP_WALL_HEIGHT_M),
         )
         for x, y, heading, length, width in walls.tolist()
     ]

@@ -16,7 +16,7 @@ class Material(NamedTuple):
     """Share of a lamp's light that it mirrors, 0 to 1."""
 
 
-PLASTER = Material(0.86, 0.84, 0.80, 0.0)
-WOOD = Material(0.66, 0.47, 0.31, 0.15)
+PLASTER_MATERIAL = Material(0.86, 0.84, 0.80, 0.0)
+WOOD_MATERIAL = Material(0.66, 0.47, 0.31, 0.15)
 PALE_WOOD = Material(0.80, 0.66, 0.47, 0.15)
-LACQUER = Material(0.36, 0.43, 0.50, 0.3)
+LACQUER_MATERIAL = Material(0.36, 0.43, 0.50, 0.3)

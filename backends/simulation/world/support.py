@@ -14,12 +14,12 @@ from handcart.robotics.kinematics.shapes import Box
 from .thing import Rest, Thing
 
 HIGHEST_DROP = 0.01  # onto a support; from higher up a box topples [m]
-BELOW = 0.003  # by which arm and suspension may have pressed it into its support [m]
-LEVEL = 0.001  # supports at most this much apart in height carry together [m]
-UPRIGHT = np.cos(np.radians(10.0))
-TOPPLED = np.radians(10.0)
-SUNK = 0.005  # [m] by which a foot may lie below its support, in physics
-TRAY = "tray"
+MAX_PRESSED_DEPTH_M = 0.003  # by which arm and suspension may have pressed it into its support [m]
+LEVEL_TOLERANCE_M = 0.001  # supports at most this much apart in height carry together [m]
+MIN_UPRIGHT_COSINE = np.cos(np.radians(10.0))
+TOPPLED_TILT_RAD = np.radians(10.0)
+MAX_SUNK_DEPTH_M = 0.005  # [m] by which a foot may lie below its support, in physics
+TRAY_LINK = "tray"
 
 Points = NDArray[np.float64]
 
@@ -35,8 +35,10 @@ def put_down(scene: Scene, thing: Thing) -> None:
     thing.rest = Rest.FLOOR
     supports = _supports(scene, thing)
     top = max((height for height, _, _ in supports), default=-np.inf)
-    carrying = [(area, own) for height, area, own in supports if height > top - LEVEL]
-    if thing.pose[2, 2] < UPRIGHT or not _within(thing.pose[:2, 3], [area for area, _ in carrying]):
+    carrying = [(area, own) for height, area, own in supports if height > top - LEVEL_TOLERANCE_M]
+    if thing.pose[2, 2] < MIN_UPRIGHT_COSINE or not _within(
+        thing.pose[:2, 3], [area for area, _ in carrying]
+    ):
         thing.pose = _upright(thing.pose, 0.0)
         return
     thing.pose = _upright(thing.pose, top)
@@ -53,17 +55,17 @@ def rest_of(scene: Scene, thing: Thing) -> Rest:
     A box on another box has the support of that one. A toppled box is lost to the robot, wherever it lies;
     on sloping ground it is upright if it is aligned with the ground.
     """
-    toppled = thing.tilt() > TOPPLED
+    toppled = thing.tilt() > TOPPLED_TILT_RAD
     if not toppled and scene.robot.has_tray:
         tray = scene.robot.tray_shape
         x, y, z = (inverse(scene.world_T_base) @ thing.pose)[:3, 3]
         beside = np.abs(np.array((x, y)) - tray.middle) - np.array(tray.size[:2]) / 2
-        if (beside < 0.0).all() and z > tray.top - SUNK:
+        if (beside < 0.0).all() and z > tray.top - MAX_SUNK_DEPTH_M:
             return Rest.TRAY
     for solid in [] if toppled else scene.solids:
         x, y, z = (inverse(solid.box.pose) @ thing.pose)[:3, 3]
         length, width, height = solid.box.size
-        if abs(x) < length / 2 and abs(y) < width / 2 and z > height / 2 - SUNK:
+        if abs(x) < length / 2 and abs(y) < width / 2 and z > height / 2 - MAX_SUNK_DEPTH_M:
             return Rest.TABLE
     return Rest.TABLE if scene.open_ground and _stands_on_ground(scene, thing) else Rest.FLOOR
 
@@ -78,7 +80,9 @@ def _stands_on_ground(scene: Scene, thing: Thing) -> bool:
     )
     normal = np.array([behind - ahead, right - left, 2.0 * half])
     upright = float(thing.pose[:3, 2] @ normal / np.linalg.norm(normal))
-    return upright > float(np.cos(TOPPLED)) and bool(z > scene.ground_height(x, y) - SUNK)
+    return upright > float(np.cos(TOPPLED_TILT_RAD)) and bool(
+        z > scene.ground_height(x, y) - MAX_SUNK_DEPTH_M
+    )
 
 
 def _supports(scene: Scene, thing: Thing) -> list[tuple[float, Points, bool]]:
@@ -94,11 +98,11 @@ def _supports(scene: Scene, thing: Thing) -> list[tuple[float, Points, bool]]:
     if scene.robot.has_tray:
         tray = scene.robot.tray_shape
         pose = scene.base.compose(Pose2(*tray.middle, 0.0)).lift(tray.top - tray.size[2] / 2)
-        boxes.append((Box(pose, tray.size, TRAY), True))
+        boxes.append((Box(pose, tray.size, TRAY_LINK), True))
     found = []
     for box, own in boxes:
         top = float(box.pose[2, 3]) + box.size[2] / 2
-        if -HIGHEST_DROP <= top - foot <= BELOW:
+        if -HIGHEST_DROP <= top - foot <= MAX_PRESSED_DEPTH_M:
             area = cv2.intersectConvexConvex(outline.astype(np.float32), _outline(box).astype(np.float32))[1]
             if area is not None and len(area) >= 3:
                 found.append((top, area.reshape(-1, 2).astype(np.float64), own))

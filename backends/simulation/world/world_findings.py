@@ -22,11 +22,11 @@ if TYPE_CHECKING:
 
     from .world_file import WorldFile
 
-SIGMAS = 5.0
+MAX_SIGMAS = 5.0
 ASTRAY_M = 0.3  # between where the robot is put and where it is told to be: scan matching pulls that in
 ASTRAY_DEG = 15.0
-SAME = 0.3  # [m] from what the map shows to what stands there
-ALIKE = 0.5  # of what the map shows stands in a world of its own
+MAX_MAP_DISTANCE_M = 0.3  # [m] from what the map shows to what stands there
+MIN_MAP_SHARE = 0.5  # of what the map shows stands in a world of its own
 
 
 def world_findings(
@@ -76,8 +76,8 @@ def _elsewhere(loaded: Loaded[WorldFile], robot: RobotFile, initial_pose: Pose2)
     start = loaded.value.start
     away = math.hypot(start.x_m - initial_pose.x, start.y_m - initial_pose.y)
     turned = abs(math.remainder(start.heading_deg - math.degrees(initial_pose.theta), 360.0))
-    most = ASTRAY_M + SIGMAS * robot.errors.start_mm / 1e3
-    widest = ASTRAY_DEG + SIGMAS * robot.errors.start_deg
+    most = ASTRAY_M + MAX_SIGMAS * robot.errors.start_mm / 1e3
+    widest = ASTRAY_DEG + MAX_SIGMAS * robot.errors.start_deg
     if away > most or turned > widest:
         there = f"({initial_pose.x:.2f}, {initial_pose.y:.2f}) m, {math.degrees(initial_pose.theta):.0f} deg"
         wrong = f"the robot is put {away:.2f} m and {turned:.0f} deg from where it is told to start, {there}"
@@ -92,9 +92,11 @@ def _off_its_map(loaded: Loaded[WorldFile], grid: GridMap, solids: list[Solid]) 
         yield loaded.finding(("start",), "the robot starts off the map that it is given; allowed: on it")
         return
     share = _alike(grid, solids)
-    if share < ALIKE:
-        wrong = f"of what the robot's map shows only {share:.0%} stands in this world (within {SAME} m)"
-        yield loaded.finding((), f"{wrong}; allowed: {ALIKE:.0%} at least, of a world and its own map")
+    if share < MIN_MAP_SHARE:
+        wrong = f"only {share:.0%} of the robot's map is found in this world (within {MAX_MAP_DISTANCE_M} m)"
+        yield loaded.finding(
+            (), f"{wrong}; allowed: {MIN_MAP_SHARE:.0%} at least, of a world and its own map"
+        )
 
 
 def _alike(grid: GridMap, solids: list[Solid]) -> float:
@@ -104,7 +106,7 @@ def _alike(grid: GridMap, solids: list[Solid]) -> float:
     boxes = [_outline(solid) for solid in solids]
     stands = from_boxes(boxes, grid.resolution, (grid.origin_x, grid.origin_y), size).occupied
     away = cv2.distanceTransform((~stands).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
-    near = away[: shape[0], : shape[1]] * grid.resolution <= SAME + grid.resolution
+    near = away[: shape[0], : shape[1]] * grid.resolution <= MAX_MAP_DISTANCE_M + grid.resolution
     return float(np.mean(near[grid.occupied]))
 
 

@@ -21,7 +21,7 @@ from . import (
 )
 from .check import Check
 
-MODULES = (
+CHECK_MODULES = (
     capability_checks,
     command_checks,
     time_checks,
@@ -37,6 +37,6 @@ MODULES = (
 @cache
 def checks() -> Mapping[str, Check]:
     """The framework's, then those of the domains."""
-    own = [check for module in MODULES for check in module.CHECKS]
+    own = [check for module in CHECK_MODULES for check in module.CHECKS]
     others = [check for domain in domains() if domain.checks for check in imported(domain.checks)]
     return MappingProxyType({check.name: check for check in (*own, *others)})

@@ -15,9 +15,9 @@ from handcart.evaluation.truth.survey import simulated_world
 
 from .check import Check, CheckResult
 
-TIMES = 30
-SPEED = 0.2  # [m/s]
-SIGMAS = 5.0
+READING_COUNT = 30
+DRIVE_SPEED_M_S = 0.2  # [m/s]
+MAX_SIGMAS = 5.0
 
 
 def beacons(bench: Bench, finding: CheckResult) -> None:
@@ -29,18 +29,20 @@ def beacons(bench: Bench, finding: CheckResult) -> None:
             raise Skipped("no beacon's true place is known")
         base, tag = needed(backend, Base), np.array([*spec.tag_m, 1.0])
         places, off = np.array(list(spec.places_m.values())), list[np.ndarray]()
-        periods = math.ceil(TIMES * spec.period_s / backend.period)
+        periods = math.ceil(READING_COUNT * spec.period_s / backend.period)
         for number in range(periods):
             if number < periods // 2:
-                base.drive(SPEED, 0.0)
+                base.drive(DRIVE_SPEED_M_S, 0.0)
             backend.step()
             heard = radio.ranges()
             if heard is not None:
                 finding.expect(heard.distances.shape == (len(places),), f"ranges {heard.distances.shape}")
                 true = np.linalg.norm(places - (scene.world_T_base @ tag)[:3], axis=1)
                 off.append(np.abs(heard.distances - true)[true < spec.reach_m])
-        finding.expect(abs(len(off) - TIMES) <= 1, f"{len(off)} times, not {TIMES}")
-        most = SIGMAS * math.hypot(spec.sigma_m, spec.bias_m, spec.scale_percent / 100 * spec.reach_m) + 1e-3
+        finding.expect(abs(len(off) - READING_COUNT) <= 1, f"{len(off)} times, not {READING_COUNT}")
+        most = (
+            MAX_SIGMAS * math.hypot(spec.sigma_m, spec.bias_m, spec.scale_percent / 100 * spec.reach_m) + 1e-3
+        )
         finding.at_most("off", float(np.concatenate(off).max(initial=0.0)) if off else math.inf, most, "m")
 
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.capabilities.all_kinds import CAPABILITIES
+from handcart.backends.capabilities.all_kinds import ALL_CAPABILITIES
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.camera import Camera
@@ -20,7 +20,7 @@ from handcart.backends.robot.mounted_camera import known_camera
 from handcart.evaluation.conformance.rig.bench import Bench
 from handcart.evaluation.conformance.rig.parts import needed, part_of
 from handcart.evaluation.conformance.rig.periods import (
-    STEERING,
+    STEERING_PERIODS,
     all_readings,
     beside,
     changing_readings,
@@ -35,19 +35,21 @@ from handcart.evaluation.conformance.rig.skipped import Skipped
 
 from .check import Check, CheckResult
 
-NEAR = 0.10  # share by which a simulated robot may differ from its file: radii, tread, slip, starting up
+MAX_FILE_DIFFERENCE = (
+    0.10  # share by which a simulated robot may differ from its file: radii, tread, slip, starting up
+)
 FORCE_AT_REST = 3.0  # [N]
-SHORT = 0.1  # [m] from a joint to the hand: what the hand is off is an angle there
-STEERS = 0.7  # share of a car's turn that is lost while it steers
+MIN_LEVER_M = 0.1  # [m] from a joint to the hand: what the hand is off is an angle there
+STEERING_LOSS_RATIO = 0.7  # share of a car's turn that is lost while it steers
 BEAM_DEG = 0.1  # by which a beam may be off where the robot's file has it
-FLIPS = 0.02  # [rad] that a joint is moved for its sign
+SIGN_TEST_MOVE_RAD = 0.02  # [rad] that a joint is moved for its sign
 
 
 def declared(bench: Bench, finding: CheckResult) -> None:
     """The capabilities that the robot's file promises are there, and no others of these kinds."""
     spec = bench.spec()
     with bench.rig() as rig:
-        for kind in CAPABILITIES:
+        for kind in ALL_CAPABILITIES:
             wanted = kind.FILE_KEY is None or getattr(spec, kind.FILE_KEY) is not None
             there = rig.backend.get(kind) is not None
             finding.expect(there or not wanted, f"the robot's file has a {kind.__name__}, the backend none")
@@ -103,9 +105,9 @@ def signs_of_the_base(bench: Bench, finding: CheckResult) -> None:
         curve = speed if car else 0.0  # there and back: rooms are small
         ways = [(speed, 0.0), (-speed, 0.0), (curve, turn_rate), (-curve, -turn_rate)]
         for forward, turn in (drivable(spec, *way) for way in ways):
-            periods = STEERING if car and turn else 20
+            periods = STEERING_PERIODS if car and turn else 20
             seconds = periods * spec.period_s
-            steers = STEERS * abs(turn) * seconds if car else 0.0
+            steers = STEERING_LOSS_RATIO * abs(turn) * seconds if car else 0.0
             before = rig.backend.ground_truth()
             left, right = driven(rig.backend, forward, turn, periods)
             far, round_ = 0.5 * (left + right), (right - left) / tread
@@ -143,7 +145,7 @@ def signs_of_the_joints(bench: Bench, finding: CheckResult) -> None:
         worst = truly = 0.0
         for number in range(len(start)):
             for sign in (1.0, -1.0):
-                goal = beside(bench.spec(), start, number, sign * (FLIPS + 2.0 * gives))
+                goal = beside(bench.spec(), start, number, sign * (SIGN_TEST_MOVE_RAD + 2.0 * gives))
                 move_joints(rig.backend, arm, goal)
                 worst = max(worst, float(np.abs(arm.joints() - goal).max()))
                 truth = rig.backend.ground_truth()
@@ -157,7 +159,7 @@ def signs_of_the_joints(bench: Bench, finding: CheckResult) -> None:
 def _gives(errors: Errors) -> float:
     """Return the largest allowed difference between a joint's true angle and its encoder, in [rad]."""
     off = errors.hand_systematic_mm + 3.0 * errors.hand_repeat_mm + errors.hand_uniform_mm
-    return off / 1e3 / SHORT
+    return off / 1e3 / MIN_LEVER_M
 
 
 def fingers(bench: Bench, finding: CheckResult) -> None:
@@ -244,7 +246,7 @@ def best_turn(before: NDArray[np.float64], after: NDArray[np.float64], angles: N
 
 
 def _near(finding: CheckResult, what: str, found: float, wanted: float, room: float, unit: str) -> None:
-    allowed = max(room, NEAR * abs(wanted))
+    allowed = max(room, MAX_FILE_DIFFERENCE * abs(wanted))
     finding.expect(
         abs(found - wanted) <= allowed,
         f"{what}: {found:.3g} {unit}; allowed: {wanted:.3g} give or take {allowed:.2g}",

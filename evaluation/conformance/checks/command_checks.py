@@ -14,13 +14,19 @@ from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.description.robot_file import RobotFile
 from handcart.evaluation.conformance.rig.bench import Bench
 from handcart.evaluation.conformance.rig.parts import needed, part_of
-from handcart.evaluation.conformance.rig.periods import SETTLES, all_readings, beside, drivable, steps
-from handcart.evaluation.conformance.rig.standing import HELD, TrueState
+from handcart.evaluation.conformance.rig.periods import (
+    SETTLING_PERIODS,
+    all_readings,
+    beside,
+    drivable,
+    steps,
+)
+from handcart.evaluation.conformance.rig.standing import MAX_REST_MOTION, TrueState
 
 from .check import Check, CheckResult
 
-BAD = (math.nan, math.inf, -math.inf, 1e308, -1e308)
-COASTS = 0.02  # [m] that a base may roll on after its last command
+REFUSED_NUMBERS = (math.nan, math.inf, -math.inf, 1e308, -1e308)
+MAX_COASTING_M = 0.02  # [m] that a base may roll on after its last command
 
 
 def limits(bench: Bench, finding: CheckResult) -> None:
@@ -47,8 +53,8 @@ def _bad_commands(bench: Bench, backend: Backend) -> list[tuple[str, Callable[[]
     spec, result = bench.spec(), list[tuple[str, Callable[[], None]]]()
     base = needed(backend, Base)
     top, turn = spec.drive.top_speed_m_s, math.radians(spec.drive.top_turn_deg_s)
-    drives = [(bad, 0.0) for bad in (*BAD, 1.01 * top, -1.01 * top)]
-    drives += [(0.0, bad) for bad in (*BAD, 1.01 * turn, -1.01 * turn)]
+    drives = [(bad, 0.0) for bad in (*REFUSED_NUMBERS, 1.01 * top, -1.01 * top)]
+    drives += [(0.0, bad) for bad in (*REFUSED_NUMBERS, 1.01 * turn, -1.01 * turn)]
     for speed, rate in drives:
         result.append((f"drive({speed:g}, {rate:g})", lambda v=speed, w=rate: base.drive(v, w)))  # type: ignore[misc]
     arm, gripper = part_of(backend, Arm), part_of(backend, Gripper)
@@ -56,13 +62,13 @@ def _bad_commands(bench: Bench, backend: Backend) -> list[tuple[str, Callable[[]
         held = arm.command()
         for number, top_rate in enumerate(spec.joint_speeds()):
             step = 1.5 * float(top_rate) * spec.period_s
-            for bad in (*BAD, 10.0, -10.0, held[number] + step, held[number] - step):
+            for bad in (*REFUSED_NUMBERS, 10.0, -10.0, held[number] + step, held[number] - step):
                 joints = held.copy()
                 joints[number] = bad
                 result.append((f"joint {number + 1} to {bad:g}", lambda q=joints: arm.move(q)))  # type: ignore[misc]
         result.append(("a joint too few", lambda: arm.move(held[:-1])))
     if gripper is not None and spec.gripper is not None:
-        for bad in (*BAD, -0.001, spec.gripper.opening_mm / 1e3 + 0.001):
+        for bad in (*REFUSED_NUMBERS, -0.001, spec.gripper.opening_mm / 1e3 + 0.001):
             result.append((f"a width of {bad:g}", lambda w=bad: gripper.move(w)))  # type: ignore[misc]
     return result
 
@@ -78,7 +84,7 @@ def after_a_step(bench: Bench, finding: CheckResult) -> None:
         changed = [name for name in now if not np.array_equal(now[name], before[name], equal_nan=True)]
         finding.wrong += [f"{name} changes without a step" for name in changed]
         finding.wrong += [f"without a step {each}" for each in standing.truly_moved(TrueState.of(backend))]
-        for _ in range(SETTLES):
+        for _ in range(SETTLING_PERIODS):
             _command_all(bench.spec(), backend)
             backend.step()
         after = all_readings(backend)
@@ -86,25 +92,28 @@ def after_a_step(bench: Bench, finding: CheckResult) -> None:
         for name, reading in moving.items():
             if reading in after:
                 far = float(np.abs(after[reading] - before[reading]).max())
-                finding.expect(far > 2 * HELD[name], f"{name} don't follow a command of {SETTLES} periods")
+                finding.expect(
+                    far > 2 * MAX_REST_MOTION[name],
+                    f"{name} don't follow a command of {SETTLING_PERIODS} periods",
+                )
 
 
 def one_period(bench: Bench, finding: CheckResult) -> None:
     """Not renewed, the base stops; arm and gripper hold."""
     with bench.rig() as rig:
         backend = rig.backend
-        for _ in range(SETTLES):
+        for _ in range(SETTLING_PERIODS):
             _command_all(bench.spec(), backend)
             backend.step()
         last = needed(backend, Base).wheel_travel()
-        steps(backend, SETTLES)
+        steps(backend, SETTLING_PERIODS)
         coasted = float(np.abs(np.subtract(needed(backend, Base).wheel_travel(), last)).max())
-        finding.at_most("rolled on without a command", 1e3 * coasted, 1e3 * COASTS, "mm")
+        finding.at_most("rolled on without a command", 1e3 * coasted, 1e3 * MAX_COASTING_M, "mm")
         if (gripper := part_of(backend, Gripper)) is not None:
             gripper.move(gripper.width())
-            steps(backend, SETTLES)
+            steps(backend, SETTLING_PERIODS)
         before = TrueState.of(backend)
-        steps(backend, 2 * SETTLES)
+        steps(backend, 2 * SETTLING_PERIODS)
         finding.wrong += [f"without a command {each}" for each in before.moved(TrueState.of(backend))]
 
 
@@ -116,13 +125,13 @@ def stop(bench: Bench, finding: CheckResult) -> None:
             backend = rig.backend
             steps(backend, 1)
             before = TrueState.of(backend)
-            for _ in range(1 if when == "before its step" else SETTLES):
+            for _ in range(1 if when == "before its step" else SETTLING_PERIODS):
                 _command_all(bench.spec(), backend)
                 if when == "in motion":
                     backend.step()
             backend.stop()
             if when == "in motion":
-                steps(backend, SETTLES)
+                steps(backend, SETTLING_PERIODS)
                 before = TrueState.of(backend)
             steps(backend, round(seconds / backend.period))
             wrong = before.moved(TrueState.of(backend))

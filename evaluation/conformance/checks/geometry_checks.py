@@ -20,10 +20,10 @@ from handcart.robotics.kinematics.arm_model import ArmModel
 
 from .check import Check, CheckResult
 
-SCANS = 30
+SCAN_COUNT = 30
 RANGE_MM, OUTLIERS = 10.0, 0.05  # beams further off may be a share of all: those that graze an edge
-MOSTLY = 0.5  # of the scans in which a beam returns, at least, to be compared
-SAME = 1e-6  # [m] and of matrix elements
+MIN_RETURN_RATIO = 0.5  # of the scans in which a beam returns, at least, to be compared
+POSE_TOLERANCE = 1e-6  # [m] and of matrix elements
 
 
 def ranges(bench: Bench, finding: CheckResult) -> None:
@@ -34,13 +34,13 @@ def ranges(bench: Bench, finding: CheckResult) -> None:
         if scene is None or spec is None:
             raise Skipped("no world's true shape is known")
         taken = []
-        for _ in range(SCANS):
+        for _ in range(SCAN_COUNT):
             steps(backend, 1)
             taken.append(lidar.scan().ranges)
         read = np.array(taken)
         true = _true_ranges(rig, spec.reach_m)
         read[~np.isfinite(read)] = np.nan
-        met = np.isfinite(true) & (np.isfinite(read).mean(axis=0) >= MOSTLY)
+        met = np.isfinite(true) & (np.isfinite(read).mean(axis=0) >= MIN_RETURN_RATIO)
         off = 1e3 * np.abs(np.nanmean(read[:, met], axis=0) - true[met])
         grazing = float((off > RANGE_MM).mean())
         finding.at_most("median of beams off", float(np.median(off)), 0.5 * RANGE_MM, "mm")
@@ -76,7 +76,7 @@ def frames(bench: Bench, finding: CheckResult) -> None:
             move_joints(backend, arm, goal)
             expected = scene.world_T_base @ model.forward(scene.joints)
             worst = max(worst, float(np.abs(link_pose("hand") - expected).max()))
-        finding.at_most("hand off", worst, SAME)
+        finding.at_most("hand off", worst, POSE_TOLERANCE)
 
 
 CHECKS = (

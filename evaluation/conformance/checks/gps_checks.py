@@ -15,9 +15,11 @@ from handcart.evaluation.truth.survey import simulated_world
 
 from .check import Check, CheckResult
 
-FIXES = 30
-SPEED = 0.2  # [m/s]
-OFF = 3.0  # sigmas that the median of fixes may be off, of two axes; outliers and reflections come beside
+FIX_COUNT = 30
+DRIVE_SPEED_M_S = 0.2  # [m/s]
+MAX_MEDIAN_SIGMAS = (
+    3.0  # sigmas that the median of fixes may be off, of two axes; outliers and reflections come beside
+)
 
 
 def gps(bench: Bench, finding: CheckResult) -> None:
@@ -29,17 +31,17 @@ def gps(bench: Bench, finding: CheckResult) -> None:
         if scene is None or spec is None:
             raise Skipped("no antenna's true place is known")
         base, antenna, off = needed(backend, Base), np.array([*robot.antenna, 1.0]), list[float]()
-        periods = math.ceil(FIXES * spec.period_s / backend.period)
+        periods = math.ceil(FIX_COUNT * spec.period_s / backend.period)
         for number in range(periods):
             if number < periods // 2:
-                base.drive(SPEED, 0.0)
+                base.drive(DRIVE_SPEED_M_S, 0.0)
             backend.step()
             fix = receiver.fix()
             if fix is not None:
                 finding.expect(fix.position.shape == (2,), f"a position {fix.position.shape}")
                 off.append(math.dist(fix.position, (scene.world_T_base @ antenna)[:2]))
-        finding.expect(abs(len(off) - FIXES) <= 1, f"{len(off)} fixes, not {FIXES}")
-        most = OFF * math.hypot(spec.white_m, spec.drift_m) + 1e-3
+        finding.expect(abs(len(off) - FIX_COUNT) <= 1, f"{len(off)} fixes, not {FIX_COUNT}")
+        most = MAX_MEDIAN_SIGMAS * math.hypot(spec.white_m, spec.drift_m) + 1e-3
         finding.at_most("off, median", float(np.median(off)) if off else math.inf, most, "m")
 
 

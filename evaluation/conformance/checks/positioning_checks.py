@@ -13,9 +13,9 @@ from handcart.evaluation.truth.survey import simulated_world
 
 from .check import Check, CheckResult
 
-PERIODS = 60
+DRIVE_PERIODS = 60
 SPEED, TURN_RATE = 0.2, 0.3  # [m/s], [rad/s]
-SIGMAS = 5.0
+MAX_SIGMAS = 5.0
 
 
 def positioning(bench: Bench, finding: CheckResult) -> None:
@@ -27,8 +27,8 @@ def positioning(bench: Bench, finding: CheckResult) -> None:
         if scene is None or spec is None:
             raise Skipped("no base's true place is known")
         poses, taken = [scene.base], list[tuple[float, PoseReading]]()
-        for number in range(1, PERIODS + 1):
-            if number <= PERIODS // 2:
+        for number in range(1, DRIVE_PERIODS + 1):
+            if number <= DRIVE_PERIODS // 2:
                 needed(backend, Base).drive(SPEED, TURN_RATE)
             backend.step()
             poses.append(scene.base)
@@ -40,13 +40,13 @@ def positioning(bench: Bench, finding: CheckResult) -> None:
         off = [each.pose.distance(pose) for (_, each), pose in zip(taken, true, strict=True)]
         turned = [each.pose.turn(pose) for (_, each), pose in zip(taken, true, strict=True)]
         finding.at_most(
-            "off", 1e3 * max(off, default=0.0), SIGMAS * math.sqrt(2.0) * spec.sigma_mm + 1.0, "mm"
+            "off", 1e3 * max(off, default=0.0), MAX_SIGMAS * math.sqrt(2.0) * spec.sigma_mm + 1.0, "mm"
         )
-        most = SIGMAS * spec.heading_sigma_mrad + 1.0
+        most = MAX_SIGMAS * spec.heading_sigma_mrad + 1.0
         finding.at_most("turned", 1e3 * max(turned, default=0.0), most, "mrad")
         oldest = spec.latency_s + 2.0 * period
         finding.at_most("age", max((each.age for _, each in taken), default=0.0), oldest, "s")
-        wanted = min(spec.rate_hz, 1.0 / period) * PERIODS * period
+        wanted = min(spec.rate_hz, 1.0 / period) * DRIVE_PERIODS * period
         finding.expect(
             abs(len(taken) - wanted) <= 0.1 * wanted + 2.0, f"{len(taken)} readings, not {wanted:.0f}"
         )

@@ -19,7 +19,7 @@ from handcart.primitives.restoring.snapshot import Snapshot, limits, residuals, 
 
 from .check import Check, CheckResult
 
-LOOKS = 20  # readings of what stands
+REST_READINGS = 20  # readings of what stands
 FAILS, FAILS_QUICK = 100, 20
 
 
@@ -27,7 +27,7 @@ def covers(bench: Bench, finding: CheckResult) -> None:
     """Whatever is moved beyond its tolerance is seen: base, each joint, fingers."""
     with bench.rig() as rig:
         backend = rig.backend
-        _wait(rig, LOOKS)
+        _wait(rig, REST_READINGS)
         start = take_snapshot(rig.robot, {})
         truth = backend.ground_truth()
         if truth is not None:
@@ -51,10 +51,10 @@ def covers(bench: Bench, finding: CheckResult) -> None:
         if gripper is not None:
             before = gripper.command()
             gripper.move(max(0.0, before - 3e-3 * tolerance.gripper_mm))
-            steps(backend, LOOKS)
+            steps(backend, REST_READINGS)
             finding.expect("gripper_mm" in _beyond(rig, start), "the fingers move unseen")
             gripper.move(before)
-            steps(backend, LOOKS)
+            steps(backend, REST_READINGS)
         speed = 0.1
         drive_seen(rig, speed, 2e-3 * tolerance.base_mm / speed)
         finding.expect("base_mm" in _beyond(rig, start), "the base moves unseen")
@@ -65,7 +65,7 @@ def drive_seen(rig: Rig, speed: float, seconds: float) -> None:
     for _ in range(math.ceil(seconds / rig.robot.period)):
         rig.robot.base.drive(speed, 0.0)
         rig.robot.step()
-    _wait(rig, LOOKS)
+    _wait(rig, REST_READINGS)
 
 
 def tolerances(bench: Bench, finding: CheckResult) -> None:
@@ -74,7 +74,7 @@ def tolerances(bench: Bench, finding: CheckResult) -> None:
         drive_seen(rig, 0.1, 0.5)
         first = take_snapshot(rig.robot, {})
         spread: dict[str, list[float]] = {}
-        for _ in range(LOOKS):
+        for _ in range(REST_READINGS):
             _wait(rig, 1)
             for name, size in _plain(rig, first).items():
                 spread.setdefault(name, []).append(size)

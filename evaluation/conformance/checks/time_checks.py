@@ -17,7 +17,7 @@ from handcart.backends.capabilities.gripper import Gripper
 from handcart.evaluation.conformance.rig.bench import Bench
 from handcart.evaluation.conformance.rig.parts import needed, part_of
 from handcart.evaluation.conformance.rig.periods import (
-    SETTLES,
+    SETTLING_PERIODS,
     all_readings,
     beside,
     changing_readings,
@@ -29,8 +29,8 @@ from handcart.evaluation.truth.survey import simulated_world
 from .check import Check, CheckResult
 
 Record = list[dict[str, NDArray[np.float64]]]
-LONG = 40  # periods of the script
-DAYS = 1e6  # [s] by which a clock is put forward at each look
+SCRIPT_PERIODS = 40  # periods of the script
+CLOCK_JUMP_S = 1e6  # [s] by which a clock is put forward at each look
 
 
 def period(bench: Bench, finding: CheckResult) -> None:
@@ -82,7 +82,7 @@ def same_seed(bench: Bench, finding: CheckResult) -> None:
     if _different(first, other):
         return
     with bench.rig(3) as rig:
-        noisy = changing_readings(rig.backend, SETTLES)
+        noisy = changing_readings(rig.backend, SETTLING_PERIODS)
     finding.expect(not noisy, f"another seed gives the same readings, noise and all: {sorted(noisy)}")
     finding.measured.append("without noise: seeds make no difference")
 
@@ -129,8 +129,8 @@ def _script(
     with bench.rig(seed) as rig:
         backend = rig.backend
         arm, gripper = part_of(backend, Arm), part_of(backend, Gripper)
-        for number in range(LONG):
-            if number < LONG // 2:
+        for number in range(SCRIPT_PERIODS):
+            if number < SCRIPT_PERIODS // 2:
                 needed(backend, Base).drive(*drivable(bench.spec(), 0.1, 0.2))
                 if arm is not None:
                     arm.move(beside(bench.spec(), arm.command(), 0, 0.005))
@@ -158,7 +158,7 @@ def _other_clocks() -> Iterator[None]:
     count = iter(range(10**9))
 
     def leap() -> float:
-        return DAYS * next(count)
+        return CLOCK_JUMP_S * next(count)
 
     names = ("time", "monotonic", "perf_counter", "process_time")
     patches = [mock.patch.object(time, name, leap) for name in names]

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .fault import EVERYWHERE, NOTHING, SENSORS, Fault, FaultKind, faults_of, variant
+from .fault import NO_FAULT, PRIMITIVE_FAULTS, SENSOR_NAMES, Fault, FaultKind, faults_of, variant
 from .forked import Died, Hung, forkable, forked
 from .rehearsal import Rehearsal, Solo
 from .underway import Ending, Underway
@@ -46,7 +46,7 @@ class Batch:
     """Over the whole run of the action."""
     part: int = 0
     parts: int = 1
-    kinds: tuple[FaultKind, ...] = EVERYWHERE
+    kinds: tuple[FaultKind, ...] = PRIMITIVE_FAULTS
     seconds: float = 120.0
     """Limit of a trial's CPU time, in [s]; a longer trial counts as hanging."""
 
@@ -70,7 +70,7 @@ class Batch:
         nominal = self._tried(underway, None)
         if nominal.outcome != "Success" or nominal.wrong:
             wrong = nominal.wrong or ("nothing is broken, yet it doesn't succeed",)
-            yield FaultTrial(name, self.action, 0, NOTHING, NOTHING, replace(nominal, wrong=wrong))
+            yield FaultTrial(name, self.action, 0, NO_FAULT, NO_FAULT, replace(nominal, wrong=wrong))
             return
         period = 0
         for number, instant in enumerate(spread(self.instants, nominal.periods)):
@@ -79,7 +79,7 @@ class Batch:
             while period < instant:
                 underway.advance()
                 period += 1
-            for fault in self.faults(name, number, nominal.sensors or SENSORS):
+            for fault in self.faults(name, number, nominal.sensors or SENSOR_NAMES):
                 ending = self._tried(underway, fault)
                 yield FaultTrial(name, self.action, period, str(fault), fault.kind.value, ending)
 
@@ -87,7 +87,7 @@ class Batch:
         """Return the faults to inject at an instant, by its number: one of each kind, and all of the domain's
         own.
         """
-        own = faults_of(name) if self.kinds == EVERYWHERE else ()
+        own = faults_of(name) if self.kinds == PRIMITIVE_FAULTS else ()
         general = [variant(kind, number + at + self.action, sensors) for at, kind in enumerate(self.kinds)]
         return [*general, *own]
 

@@ -7,14 +7,16 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Any
 
-from handcart.backends.capabilities.all_kinds import CAPABILITIES
+from handcart.backends.capabilities.all_kinds import ALL_CAPABILITIES
 from handcart.tasks.domain import domains, imported
 
-NOTHING = "nothing"
+NO_FAULT = "nothing"
 """The kind of a trial in which no fault is injected."""
 FOR_GOOD = 1_000_000
 """Periods: longer than anything lasts."""
-SENSORS = tuple(dict.fromkeys(each.sensor for kind in CAPABILITIES for each in kind.READINGS.values()))
+SENSOR_NAMES = tuple(
+    dict.fromkeys(each.sensor for kind in ALL_CAPABILITIES for each in kind.READINGS.values())
+)
 """Names of the sensors of all capabilities."""
 
 
@@ -43,10 +45,10 @@ class FaultKind(Enum):
     """Something happens to what a domain's primitives work on: see `Domain.faults`."""
 
 
-EVERYWHERE = tuple(kind for kind in FaultKind if kind is not FaultKind.WORLD)
+PRIMITIVE_FAULTS = tuple(kind for kind in FaultKind if kind is not FaultKind.WORLD)
 """Kinds that are tried in any primitive."""
 
-HARMLESS = (
+HARMLESS_FAULTS = (
     FaultKind.EXCEPTION,
     FaultKind.REFUSED,
     FaultKind.CANCEL,
@@ -76,7 +78,7 @@ class Fault:
 
     def __str__(self) -> str:
         what = f"{self.kind.value} {self.sensor}".rstrip()
-        if self.kind in HARMLESS:
+        if self.kind in HARMLESS_FAULTS:
             return what
         return f"{what} for good" if self.periods >= FOR_GOOD else f"{what} for {self.periods} periods"
 
@@ -85,7 +87,7 @@ _STUCK, _STALE, _NAN = (20, FOR_GOOD, 5), (20, FOR_GOOD, 60), (1, 10, FOR_GOOD)
 _SLIDES = ((0.1, 0.0), (-0.1, 0.0), (0.0, 0.12), (0.0, -0.12))
 
 
-def variant(kind: FaultKind, number: int, sensors: Sequence[str] = SENSORS) -> Fault:
+def variant(kind: FaultKind, number: int, sensors: Sequence[str] = SENSOR_NAMES) -> Fault:
     """One of the ways in which that kind of fault comes; `number` goes through them all.
 
     Args:

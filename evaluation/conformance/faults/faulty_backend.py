@@ -21,14 +21,14 @@ from handcart.backends.simulation.sensors.range_faults import RangeFaults
 from handcart.evaluation.conformance.rig.layered_backend import Kind, LayeredBackend
 from handcart.evaluation.conformance.rig.numbers import broken
 from handcart.evaluation.conformance.rig.parts import part_of
-from handcart.evaluation.conformance.rig.periods import SETTLES
+from handcart.evaluation.conformance.rig.periods import SETTLING_PERIODS
 from handcart.evaluation.truth.survey import simulated_world
 
-from .fault import SENSORS, Fault, FaultKind
+from .fault import SENSOR_NAMES, Fault, FaultKind
 
-SLIPS = 0.5  # share of the wheels' roll that is lost
+LOST_ROLL_RATIO = 0.5  # share of the wheels' roll that is lost
 LIDAR_FAULTS = RangeFaults(zero=0.05, nan=0.05, too_close=0.05, own_body=0.05)
-SLIDE = 0.1  # [m/s] of a standing car, see `Fault.speed`
+SLIDING_SPEED_M_S = 0.1  # [m/s] of a standing car, see `Fault.speed`
 Vector = NDArray[np.float64]
 
 
@@ -66,21 +66,23 @@ class FaultyBackend(LayeredBackend):
     @property
     def sensors_read(self) -> tuple[str, ...]:
         """Names of the sensors that were read so far."""
-        return tuple(name for name in SENSORS if name in self._read_once)
+        return tuple(name for name in SENSOR_NAMES if name in self._read_once)
 
     def _slide(self, base: Base, fault: Fault) -> None:
         """Slide a base at rest; a base that cannot turn on the spot slides ahead or back instead."""
         try:
             base.drive(fault.speed, fault.turn_rate)
         except CommandError:
-            base.drive(math.copysign(SLIDE, fault.turn_rate), 0.0)
+            base.drive(math.copysign(SLIDING_SPEED_M_S, fault.turn_rate), 0.0)
 
     def stay(self) -> bool:
         """Keep the fault from moving anything from now on; return whether the base has just slid.
 
         Stuck parts stay stuck.
         """
-        slid = self._fault is not None and self._fault.kind is FaultKind.SLIP and self._left > -SETTLES
+        slid = (
+            self._fault is not None and self._fault.kind is FaultKind.SLIP and self._left > -SETTLING_PERIODS
+        )
         self._left = min(0, self._left) if slid else self._left
         self._joints = self._width = None
         return slid
@@ -99,7 +101,7 @@ class FaultyBackend(LayeredBackend):
         self.inner.step()
         if base:
             went = np.subtract(base.wheel_travel(), before)
-            shown = went / (1.0 - SLIPS) if self._driven else 0.0
+            shown = went / (1.0 - LOST_ROLL_RATIO) if self._driven else 0.0
             self._hidden += shown - went
             self.bitten += bool(went.any())
         self._driven = False
@@ -129,7 +131,7 @@ class FaultyBackend(LayeredBackend):
         if self._sticks(base):
             base.drive(0.0, 0.0)
         elif self._is(FaultKind.SLIP):
-            base.drive((1.0 - SLIPS) * speed, (1.0 - SLIPS) * turn_rate)
+            base.drive((1.0 - LOST_ROLL_RATIO) * speed, (1.0 - LOST_ROLL_RATIO) * turn_rate)
         else:
             base.drive(speed, turn_rate)
 

@@ -18,9 +18,9 @@ from handcart.backends.plain_values import from_plain, to_plain
 from handcart.backends.saved_state import pack, unpack
 
 T = TypeVar("T")
-EGL = "eglRenderer"
-ASLEEP = 10.0  # times as long on the wall as in CPU time: others may load the machine
-NEARLY = 0.9  # of that CPU time has passed at its end: the system counts in ticks
+EGL_PLUGIN = "eglRenderer"
+WALL_TIME_RATIO = 10.0  # times as long on the wall as in CPU time: others may load the machine
+CPU_LIMIT_RATIO = 0.9  # of that CPU time has passed at its end: the system counts in ticks
 
 
 class Hung(Exception):
@@ -53,7 +53,7 @@ def forked(work: Callable[[], T], kind: type[T], seconds: float) -> T:
         _tell(theirs, work, kind)
     os.close(theirs)
     try:
-        received = _listen(ours, time.monotonic() + ASLEEP * seconds)
+        received = _listen(ours, time.monotonic() + WALL_TIME_RATIO * seconds)
     except Hung:
         os.kill(child, signal.SIGKILL)
         raise
@@ -61,7 +61,7 @@ def forked(work: Callable[[], T], kind: type[T], seconds: float) -> T:
         os.close(ours)
         _, status, used = os.wait4(child, 0)
     if not received:
-        if used.ru_utime + used.ru_stime >= NEARLY * seconds:
+        if used.ru_utime + used.ru_stime >= CPU_LIMIT_RATIO * seconds:
             raise Hung
         raise Died(f"the process ended with status {status}")
     answer = unpack(received)
@@ -77,14 +77,14 @@ def forkable() -> Iterator[None]:
 
     Bullet's EGL renderer has threads; while it is hidden, Bullet uses its own renderer, which has none.
     """
-    hidden = sys.modules.pop(EGL, None)
-    sys.modules[EGL] = None  # type: ignore[assignment]
+    hidden = sys.modules.pop(EGL_PLUGIN, None)
+    sys.modules[EGL_PLUGIN] = None  # type: ignore[assignment]
     try:
         yield
     finally:
-        del sys.modules[EGL]
+        del sys.modules[EGL_PLUGIN]
         if hidden is not None:
-            sys.modules[EGL] = hidden
+            sys.modules[EGL_PLUGIN] = hidden
 
 
 def _limit(seconds: float) -> None:

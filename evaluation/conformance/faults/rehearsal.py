@@ -19,8 +19,8 @@ from handcart.primitives.contract.outcome import Success
 from .faulty_backend import FaultyBackend
 from .underway import Underway
 
-TASKS = Path(__file__).parents[3] / "tasks"
-DRIVE_MAP = TASKS / "drive_map" / "task.yaml"
+TASKS_FOLDER = Path(__file__).parents[3] / "tasks"
+DRIVE_MAP = TASKS_FOLDER / "drive_map" / "task.yaml"
 
 
 class NoRehearsal(Exception):

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.robot.robot import Robot
-from handcart.evaluation.conformance.rig.periods import SETTLES, steps
+from handcart.evaluation.conformance.rig.periods import SETTLING_PERIODS, steps
 from handcart.evaluation.conformance.rig.standing import TrueState
 from handcart.evaluation.truth.survey import SurveyedRun, simulated_world
 from handcart.evaluation.truth.surveys import Surveys
@@ -17,11 +17,11 @@ from handcart.primitives.contract.discrepancy import Discrepancy
 from handcart.primitives.contract.outcome import Fail, GiveUp, Outcome, Success
 from handcart.primitives.knowledge.world_model import WorldModel
 
-from .fault import HARMLESS, Fault, FaultKind
+from .fault import HARMLESS_FAULTS, Fault, FaultKind
 from .faulty_backend import FaultyBackend
 
-QUIET = 2.0  # [s] in which nothing may move after the end
-PATIENCE = 2 * LONGEST_RESTORE  # [s] of the robot's time that an attempt gets after the fault
+QUIET_TIME_S = 2.0  # [s] in which nothing may move after the end
+MAX_TIME_AFTER_FAULT_S = 2 * LONGEST_RESTORE  # [s] of the robot's time that an attempt gets after the fault
 
 
 class Endless(Exception):
@@ -97,7 +97,9 @@ class Underway:
         try:
             outcome = self._to_the_end(fault, count)
         except Endless:
-            return self._ended("none", f"no end after {PATIENCE:.0f} s", count[0], ("it doesn't end",))
+            return self._ended(
+                "none", f"no end after {MAX_TIME_AFTER_FAULT_S:.0f} s", count[0], ("it doesn't end",)
+            )
         except Exception as error:
             message = f"{type(error).__name__}: {error}"
             return self._ended("Error", message, count[0], (f"an exception came through: {message}",))
@@ -117,7 +119,7 @@ class Underway:
         if fault is not None:
             self.backend.inject(fault)
         error = _thrown(fault)
-        end = self.robot.time + PATIENCE
+        end = self.robot.time + MAX_TIME_AFTER_FAULT_S
         if error is not None:
             self.backend.bitten += 1
             try:
@@ -150,16 +152,16 @@ class Underway:
     def _unquiet(self, outcome: Outcome) -> list[str]:
         """Return the parts that move although the attempt has ended."""
         if self.backend.stay():
-            steps(self.backend, SETTLES)  # a slide of the kit's own that a drive brakes
+            steps(self.backend, SETTLING_PERIODS)  # a slide of the kit's own that a drive brakes
         ended = TrueState.of(self.backend.inner)
-        for _ in range(round(QUIET / self.robot.period)):
+        for _ in range(round(QUIET_TIME_S / self.robot.period)):
             self.backend.step()
         word = type(outcome).__name__
         moving = ended.moved(TrueState.of(self.backend.inner))
         return [f"after {word} it doesn't stand still: {each}" for each in moving]
 
     def _whole(self, fault: Fault | None) -> bool:
-        return not self._no_return and (fault is None or fault.kind in HARMLESS)
+        return not self._no_return and (fault is None or fault.kind in HARMLESS_FAULTS)
 
 
 def _thrown(fault: Fault | None) -> Exception | None:

@@ -22,7 +22,7 @@ from handcart.backends.description.robot_file import RobotFile
 from handcart.evaluation.conformance.rig.layered_backend import LayeredBackend
 from handcart.evaluation.conformance.rig.parts import part_of
 
-LATE = 10  # periods by which a queued command comes late
+QUEUE_DELAY_PERIODS = 10  # periods by which a queued command comes late
 Vector = NDArray[np.float64]
 
 
@@ -66,13 +66,13 @@ class QueuesCommands(LayeredBackend):
     def stop(self) -> None:
         """Doesn't empty the queue."""
         self.inner.stop()
-        self._due = LATE
+        self._due = QUEUE_DELAY_PERIODS
 
     def step(self) -> None:
         """Sends it when it is due."""
         base = part_of(self.inner, Base)
         self._due -= 1
-        if base is not None and 0 <= self._due < LATE // 2:
+        if base is not None and 0 <= self._due < QUEUE_DELAY_PERIODS // 2:
             base.drive(*self._command)
         self.inner.step()
 
@@ -212,7 +212,7 @@ class FixInMillimetres(LayeredBackend):
         return None if fix is None else fix._replace(position=1e3 * fix.position)
 
 
-LIARS: Mapping[str, Callable[[Backend, RobotFile], Backend]] = {
+BACKEND_LIARS: Mapping[str, Callable[[Backend, RobotFile], Backend]] = {
     kind.__name__: kind
     for kind in (
         KeepsDriving,

@@ -19,8 +19,8 @@ from handcart.primitives.restoring.retrace import reach_pose, retrace
 from handcart.primitives.restoring.snapshot import Snapshot
 from handcart.primitives.restoring.trace import Trace
 
-LATER = 20  # periods: a quarter of a second for the verdict, then some
-CREEP = 0.005  # [m] that an undo leaves each time
+DELAY_PERIODS = 20  # periods: a quarter of a second for the verdict, then some
+UNDO_ERROR_M = 0.005  # [m] that an undo leaves each time
 
 
 class NotRestored(Reach):
@@ -48,7 +48,7 @@ class MovesLater(Reach):
 
         def later() -> None:
             periods[0] += 1
-            if periods[0] > LATER:
+            if periods[0] > DELAY_PERIODS:
                 robot.base.drive(0.1, 0.0)
             step()
 
@@ -61,7 +61,7 @@ class RelativeUndo(Reach):
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
         yield from retrace(robot, start, trace)
         for _ in range(5):
-            robot.base.drive(CREEP / (5 * robot.period), 0.0)
+            robot.base.drive(UNDO_ERROR_M / (5 * robot.period), 0.0)
             yield
         object.__setattr__(start, "pose", robot.pose)
 

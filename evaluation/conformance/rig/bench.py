@@ -12,7 +12,7 @@ from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.robot.robot import Robot
 from handcart.evaluation.trials.rig import Rig, RigFiles, build_rig
 
-C = TypeVar("C", bound=Capability)
+CapabilityT = TypeVar("CapabilityT", bound=Capability)
 
 
 @dataclass(frozen=True)
@@ -45,6 +45,6 @@ class Bench:
 
 def liar_around(name: str, backend: Backend, spec: RobotFile) -> Backend:
     """The liar with that name around a backend."""
-    from handcart.evaluation.conformance.planted.backend_liars import LIARS
+    from handcart.evaluation.conformance.planted.backend_liars import BACKEND_LIARS
 
-    return LIARS[name](backend, spec)
+    return BACKEND_LIARS[name](backend, spec)

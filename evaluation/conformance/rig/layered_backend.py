@@ -10,7 +10,7 @@ from typing import Any
 from typing_extensions import override
 
 from handcart.backends.backend import Backend
-from handcart.backends.capabilities.all_kinds import CAPABILITIES
+from handcart.backends.capabilities.all_kinds import ALL_CAPABILITIES
 from handcart.backends.capabilities.capability import Capability
 from handcart.backends.description.robot_file import RobotFile
 
@@ -23,7 +23,7 @@ class LayeredBackend(Backend):
     Each capability gets a layer of its own kind, which asks this object. A method `arm_move(arm, joints)` of
     a subclass is asked instead of `Arm.move(joints)`, `range_sensor_scan(sensor)` instead of
     `RangeSensor.scan()` and so on; it gets the capability inside. Those of kinds that aren't among
-    `CAPABILITIES` are handed out as they are.
+    `ALL_CAPABILITIES` are handed out as they are.
     """
 
     def __init__(self, inner: Backend) -> None:
@@ -37,7 +37,7 @@ class LayeredBackend(Backend):
         return self._inner
 
     def _layer(self, part: Capability) -> Capability:
-        kind = next((kind for kind in CAPABILITIES if isinstance(part, kind)), None)
+        kind = next((kind for kind in ALL_CAPABILITIES if isinstance(part, kind)), None)
         if kind is None:
             return part
         layer: Capability = _layered(kind)(self, part)

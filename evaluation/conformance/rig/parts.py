@@ -10,19 +10,19 @@ from handcart.backends.capabilities.capability import Capability
 
 from .skipped import Skipped
 
-C = TypeVar("C", bound=Capability)
+CapabilityT = TypeVar("CapabilityT", bound=Capability)
 
 
-def part_of(backend: Backend, kind: Callable[..., C]) -> C | None:
+def part_of(backend: Backend, kind: Callable[..., CapabilityT]) -> CapabilityT | None:
     """Return the capability as `Backend.get` does, also for an abstract `kind`; None if the robot lacks
     it.
     """
-    return backend.get(cast("type[C]", kind))
+    return backend.get(cast("type[CapabilityT]", kind))
 
 
-def needed(backend: Backend, kind: Callable[..., C]) -> C:
+def needed(backend: Backend, kind: Callable[..., CapabilityT]) -> CapabilityT:
     """The part; raises `Skipped` where the robot has none."""
     part = part_of(backend, kind)
     if part is None:
-        raise Skipped(f"the robot has no {cast('type[C]', kind).words()}")
+        raise Skipped(f"the robot has no {cast('type[CapabilityT]', kind).words()}")
     return part

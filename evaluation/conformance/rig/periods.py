@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.backend import Backend, CommandError
-from handcart.backends.capabilities.all_kinds import CAPABILITIES
+from handcart.backends.capabilities.all_kinds import ALL_CAPABILITIES
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.capability import Capability
@@ -15,10 +15,10 @@ from handcart.backends.description.robot_file import RobotFile
 from .numbers import as_numbers
 from .parts import needed
 
-SETTLES = 10  # periods within which a robot comes to rest
-SLOW = 0.3  # [rad/s], [m/s] at which checks move joints
+SETTLING_PERIODS = 10  # periods within which a robot comes to rest
+CHECK_SPEED = 0.3  # [rad/s], [m/s] at which checks move joints
 CAR_SPEED = 0.2  # [m/s] at which a car turns
-STEERING = 120  # periods within which it has steered from one side to the other and turned
+STEERING_PERIODS = 120  # periods within which it has steered from one side to the other and turned
 
 
 def steps(backend: Backend, count: int) -> None:
@@ -33,7 +33,7 @@ def drive(backend: Backend, speed: float, turn_rate: float, periods: int) -> Non
     for _ in range(periods):
         base.drive(speed, turn_rate)
         backend.step()
-    steps(backend, SETTLES)
+    steps(backend, SETTLING_PERIODS)
 
 
 def driven(backend: Backend, speed: float, turn_rate: float, periods: int) -> tuple[float, float]:
@@ -65,7 +65,7 @@ def beside(spec: RobotFile, joints: NDArray[np.float64], number: int, way: float
     return goal
 
 
-def move_joints(backend: Backend, arm: Arm, goal: NDArray[np.float64], speed: float = SLOW) -> None:
+def move_joints(backend: Backend, arm: Arm, goal: NDArray[np.float64], speed: float = CHECK_SPEED) -> None:
     """Move to joint angles (n,) in [rad] within the joints' speeds, and wait until they are at rest."""
     start = arm.command()
     count = max(1, int(np.ceil(float(np.abs(goal - start).max()) / (speed * backend.period))))
@@ -73,12 +73,12 @@ def move_joints(backend: Backend, arm: Arm, goal: NDArray[np.float64], speed: fl
         try:
             arm.move(start + share * (goal - start))
         except CommandError:
-            if speed < SLOW / 64:
+            if speed < CHECK_SPEED / 64:
                 raise
             move_joints(backend, arm, goal, 0.5 * speed)
             return
         backend.step()
-    steps(backend, SETTLES)
+    steps(backend, SETTLING_PERIODS)
 
 
 def all_readings(backend: Backend) -> dict[str, NDArray[np.float64]]:
@@ -114,5 +114,5 @@ def noisy_readings(backend: Backend) -> set[str]:
 
 def reading_name(part: Capability, method: str) -> str:
     """Return the name of a reading for messages."""
-    kind = next((each for each in CAPABILITIES if isinstance(part, each)), type(part))
+    kind = next((each for each in ALL_CAPABILITIES if isinstance(part, each)), type(part))
     return f"{kind.words()} {method}"

@@ -22,9 +22,9 @@ from .parts import part_of
 from .periods import beside
 
 SPEED, CREEP, SWINGS = 0.2, 0.02, 0.3  # [m/s], [m/s], [rad/s]
-CLOSE = 0.002  # [m] left that count as nothing
-SHARE = 0.8  # of what was to be reached that must be
-PATIENCE = 3.0  # [s] that the fingers get
+NEGLIGIBLE_M = 0.002  # [m] left that count as nothing
+MIN_REACHED_RATIO = 0.8  # of what was to be reached that must be
+FINGER_TIMEOUT_S = 3.0  # [s] that the fingers get
 
 
 class Reach(ActionPrimitive):
@@ -54,7 +54,7 @@ class Reach(ActionPrimitive):
     def _drive(self, robot: Robot) -> Periods:
         """Speeding up and slowing down as the robot may."""
         left, speed, rate = self.ahead_m, 0.0, robot.drive_limits.acceleration
-        while left > CLOSE:
+        while left > NEGLIGIBLE_M:
             speed = min(SPEED, speed + rate * robot.period, max(CREEP, math.sqrt(rate * left)))
             robot.base.drive(speed, 0.0)
             left -= speed * robot.period
@@ -76,7 +76,7 @@ class Reach(ActionPrimitive):
             return
         goal = max(0.0, gripper.command() - self.grip_m)
         gripper.move(goal)
-        end = robot.time + PATIENCE
+        end = robot.time + FINGER_TIMEOUT_S
         while abs(gripper.width() - goal) > 5e-4 and not gripper.closed_on_something():
             if robot.time > end:
                 raise Discrepancy("the fingers don't close")
@@ -84,11 +84,13 @@ class Reach(ActionPrimitive):
 
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
         """The base has gone ahead, by the estimate of its pose."""
-        return self._pose is not None and robot.pose.relative_to(self._pose).x > SHARE * self.ahead_m
+        return (
+            self._pose is not None and robot.pose.relative_to(self._pose).x > MIN_REACHED_RATIO * self.ahead_m
+        )
         yield
 
     def false_effect(self, scene: Any, before: GroundTruth) -> list[str]:
         """Return promises of a Success that do not hold."""
         went = scene.base.relative_to(before.base).x
-        least = SHARE * self.ahead_m - 0.02  # what the estimate of the pose may be off
+        least = MIN_REACHED_RATIO * self.ahead_m - 0.02  # what the estimate of the pose may be off
         return [] if went > least else [f"the base went {went:.3f} m of {self.ahead_m} m"]

@@ -16,7 +16,7 @@ from handcart.evaluation.truth.true_changes import not_still
 
 from .parts import part_of
 
-HELD = {"wheels": 2e-3, "joints": 2e-3, "width": 5e-4}
+MAX_REST_MOTION = {"wheels": 2e-3, "joints": 2e-3, "width": 5e-4}
 """Allowed apparent motion at rest, in [m], [rad] and [m]."""
 
 
@@ -43,7 +43,7 @@ class TrueState:
     def moved(self, after: TrueState) -> list[str]:
         """Describe the parts whose readings moved until `after`."""
         wrong = []
-        for name, room in HELD.items():
+        for name, room in MAX_REST_MOTION.items():
             if name in self.readings:
                 far = float(np.abs(after.readings[name] - self.readings[name]).max(initial=0.0))
                 if not far <= room:

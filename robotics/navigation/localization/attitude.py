@@ -12,7 +12,7 @@ from handcart.robotics.geometry.pose2 import wrap
 
 BIAS_TIME = 5.0  # over which a gyro's bias is averaged at rest [s]
 TILT_TIME = 0.5  # over which the direction of gravity is averaged [s]
-TURNING = 0.002  # [rad/s] beside its bias: more is no rest
+MAX_REST_TURN_RATE = 0.002  # [rad/s] beside its bias: more is no rest
 
 Vector = NDArray[np.float64]
 
@@ -50,7 +50,9 @@ class Attitude:
             at_rest: neither wheels nor arm were commanded to move.
         """
         rate = float(rates[2])
-        steady = at_rest and abs(rate - self._bias) < max(TURNING, 1.0 if self._known == 0.0 else 0.0)
+        steady = at_rest and abs(rate - self._bias) < max(
+            MAX_REST_TURN_RATE, 1.0 if self._known == 0.0 else 0.0
+        )
         if steady:
             self._known = min(self._known + period, BIAS_TIME)
             self._bias += period / self._known * (rate - self._bias)

@@ -8,10 +8,10 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-GATE = 25.0  # squared sigmas, two degrees of freedom: 4 in a million good ones are beyond
-BACK = 9.0  # squared sigmas of a mean that is good again
-LONGEST = 24  # fixes in a row that are tested together
-AGAIN = 5  # fixes in a row that must be good before one is believed again
+MAX_SQUARED_SIGMAS = 25.0  # squared sigmas, two degrees of freedom: 4 in a million good ones are beyond
+RECOVERED_SQUARED_SIGMAS = 9.0  # squared sigmas of a mean that is good again
+MAX_TESTED_FIXES = 24  # fixes in a row that are tested together
+RECOVERY_FIX_COUNT = 5  # fixes in a row that must be good before one is believed again
 Array = NDArray[np.float64]
 
 
@@ -42,13 +42,13 @@ class FixMonitor:
             covariance: (2, 2) expected covariance of the residual, in [m²].
         """
         white = whitened(residual, covariance)
-        if float(white @ white) > GATE:
+        if float(white @ white) > MAX_SQUARED_SIGMAS:
             return 1
         self._sums.append(white)
-        del self._sums[:-LONGEST]
+        del self._sums[:-MAX_TESTED_FIXES]
         sums = np.cumsum(np.array(self._sums)[::-1], axis=0)
         worst = (sums**2).sum(axis=1) / np.arange(1, len(sums) + 1)
-        if worst.max() <= GATE:
+        if worst.max() <= MAX_SQUARED_SIGMAS:
             return 0
         count = int(np.argmax(worst)) + 1
         del self._sums[len(self._sums) - count :]
@@ -63,14 +63,14 @@ class FixMonitor:
         `forecast` (2, 2) is the filter's own share of the residual's covariance, common to all of them.
         """
         self._doubted.append(residual)
-        del self._doubted[:-AGAIN]
-        if len(self._doubted) < AGAIN:
+        del self._doubted[:-RECOVERY_FIX_COUNT]
+        if len(self._doubted) < RECOVERY_FIX_COUNT:
             return False
         mean = np.mean(self._doubted, axis=0)
         whole = forecast + variance * np.eye(2)
         singles = [float(one @ np.linalg.solve(whole, one)) for one in self._doubted]
-        together = float(mean @ np.linalg.solve(forecast + variance / AGAIN * np.eye(2), mean))
-        if max(singles) > GATE or together > BACK:
+        together = float(mean @ np.linalg.solve(forecast + variance / RECOVERY_FIX_COUNT * np.eye(2), mean))
+        if max(singles) > MAX_SQUARED_SIGMAS or together > RECOVERED_SQUARED_SIGMAS:
             return False
         self.reset()
         return True

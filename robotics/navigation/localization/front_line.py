@@ -10,10 +10,12 @@ from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 
-FEWEST = 12  # points: fewer don't make a line
-ROUNDS = 8
-TRIED = 24  # points whose pairs are tried as a first line
-TUKEY = 3.5  # sigmas beyond which a point counts nothing: a thing 50 mm before the front must not tilt it
+MIN_LINE_POINTS = 12  # points: fewer don't make a line
+FIT_ITERATIONS = 8
+SEED_POINT_COUNT = 24  # points whose pairs are tried as a first line
+TUKEY_SIGMAS = (
+    3.5  # sigmas beyond which a point counts nothing: a thing 50 mm before the front must not tilt it
+)
 
 
 class FrontLine(NamedTuple):
@@ -56,13 +58,13 @@ def fit_front(
     local = np.column_stack([(points - expected[0]) @ along, (points - expected[0]) @ normal])
     length = float(np.linalg.norm(expected[1] - expected[0]))
     chosen = points[(np.abs(local[:, 1]) < gate) & (local[:, 0] > margin) & (local[:, 0] < length - margin)]
-    if len(chosen) < FEWEST:
+    if len(chosen) < MIN_LINE_POINTS:
         return None
     centre, normal = _first_line(chosen, along, normal, sigma)
-    for _ in range(ROUNDS):
-        ratio = (chosen - centre) @ normal / (TUKEY * sigma)
+    for _ in range(FIT_ITERATIONS):
+        ratio = (chosen - centre) @ normal / (TUKEY_SIGMAS * sigma)
         weights = np.where(np.abs(ratio) < 1.0, (1.0 - ratio**2) ** 2, 0.0)
-        if np.count_nonzero(weights) < FEWEST:
+        if np.count_nonzero(weights) < MIN_LINE_POINTS:
             return None
         centre, normal = _weighted_line(chosen, weights, normal)
     return _front(chosen, weights, centre, normal, sigma)
@@ -80,7 +82,7 @@ def _first_line(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """A point and the normal of the line through two far points that explains most of the points (MSAC)."""
     ordered = points[np.argsort(points @ along, kind="stable")]
-    some = ordered[np.linspace(0, len(points) - 1, min(TRIED, len(points))).astype(np.int64)]
+    some = ordered[np.linspace(0, len(points) - 1, min(SEED_POINT_COUNT, len(points))).astype(np.int64)]
     first, second = np.triu_indices(len(some), k=max(1, len(some) // 4))
     rays = some[second] - some[first]
     normals = np.column_stack([-rays[:, 1], rays[:, 0]]) / np.maximum(np.hypot(*rays.T), 1e-9)[:, None]

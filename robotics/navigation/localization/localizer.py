@@ -25,19 +25,26 @@ from handcart.robotics.navigation.localization.way_monitor import WayMonitor
 
 FEWEST_POINTS = 20
 LEAST_INLIERS = 0.4  # share of a scan's points that the map must explain for a match to be believed
-ROUGH = np.diag([0.3, 0.3, 0.17]) ** 2  # [m², rad²] of a pose that is looked for
-NUDGED = (
+SEARCH_COVARIANCE = np.diag([0.3, 0.3, 0.17]) ** 2  # [m², rad²] of a pose that is looked for
+NUDGE_COVARIANCE = (
     np.diag([0.0125, 0.0125, 0.005]) ** 2
 )  # [m², rad²] by which somebody may have moved a base that stands
 SCANS_TELL = 0.3  # share of the heading's error that a scan leaves, at most, to be held against the wheels
-LESS = 0.9  # share of the points explained so far; fewer, and the pose is looked for farther away
-DISPLACED = (0.010, 0.010)  # [m], [rad] by which scans of one place never differ: eight times their spread
-SURE = 3.0  # sigmas of a match by which its pose then lies elsewhere
-ROLLS = 0.02  # [m] of the wheels, after which a base drives, and is not where it stood
+MIN_SHARE_KEPT_AT_REST = (
+    0.9  # share of the points explained so far; fewer, and the pose is looked for farther away
+)
+MAX_REST_SPREAD = (
+    0.010,
+    0.010,
+)  # [m], [rad] by which scans of one place never differ: eight times their spread
+DISPLACED_SIGMAS = 3.0  # sigmas of a match by which its pose then lies elsewhere
+DRIVING_WHEEL_TRAVEL_M = 0.02  # [m] of the wheels, after which a base drives, and is not where it stood
 UNCHECKED_WAY_M = 1e9  # farther than anything drives, and finite: checkpoints hold finite numbers
 UNKNOWN_VARIANCE_M2 = 1e9  # more than any pose has, and finite as well
-SLIPPED = 4.0  # sigmas between a drive by its wheels and the scan after it that no chance explains
-HARDLY = 0.5  # share of the points explained before a drive; fewer after it, and the base is elsewhere
+SLIPPED_SIGMAS = 4.0  # sigmas between a drive by its wheels and the scan after it that no chance explains
+MIN_SHARE_KEPT_BY_DRIVE = (
+    0.5  # share of the points explained before a drive; fewer after it, and the base is elsewhere
+)
 SHARE_OF_CELL = 0.2  # by which they never differ on large cells, where several places fit alike
 
 
@@ -141,7 +148,7 @@ class OdometryLocalizer(Localizer):
         super().predict(left, right)
         self._rolled += max(abs(left), abs(right))
         self._driven += max(abs(left), abs(right))
-        if self._rolled > ROLLS:
+        if self._rolled > DRIVING_WHEEL_TRAVEL_M:
             self._stands = None
         elif self._stands is not None:
             self._stands = self._stands.compose(self.pose.relative_to(before))
@@ -153,7 +160,7 @@ class OdometryLocalizer(Localizer):
     @property
     def unchecked(self) -> bool:
         """True if it has driven since a scan was last compared with the wheels' pose."""
-        return self._field is not None and self._driven > ROLLS
+        return self._field is not None and self._driven > DRIVING_WHEEL_TRAVEL_M
 
     @property
     def added_sigma(self) -> float:
@@ -178,9 +185,12 @@ class OdometryLocalizer(Localizer):
         self._driven, self._then = 0.0, _worst_variance(self.covariance)
 
     def _correct_at_rest(self, field: LikelihoodField, points: NDArray[np.float64]) -> None:
-        prior, best = np.asarray(self.covariance + ROUGH), HARDLY * self.explained
+        prior, best = (
+            np.asarray(self.covariance + SEARCH_COVARIANCE),
+            MIN_SHARE_KEPT_BY_DRIVE * self.explained,
+        )
         match = match_scan(field, points, self.pose, prior, self._sigma)
-        if match.inliers < LESS * self.explained:
+        if match.inliers < MIN_SHARE_KEPT_AT_REST * self.explained:
             match = match_scan(field, points, self.pose, prior, self._sigma, anneal=True)
         if match.inliers < LEAST_INLIERS:
             self.astray = match.inliers < best
@@ -188,7 +198,7 @@ class OdometryLocalizer(Localizer):
         self.astray, self.explained = False, match.inliers
         off, own = _between(self.pose, match.pose), self.covariance
         gain = np.linalg.solve(own + match.covariance, own).T
-        if float(off @ np.linalg.solve(own + match.covariance, off)) > SLIPPED**2:
+        if float(off @ np.linalg.solve(own + match.covariance, off)) > SLIPPED_SIGMAS**2:
             self.slips += 1
             self._odometry.reset(match.pose, match.covariance)
             return
@@ -204,7 +214,7 @@ class OdometryLocalizer(Localizer):
         if self._field is None or len(points) < FEWEST_POINTS:
             return False
         before, near = self._stands, self._stands or self.pose
-        covariance = np.asarray(self.covariance + ROUGH)
+        covariance = np.asarray(self.covariance + SEARCH_COVARIANCE)
         match = match_scan(self._field, points, near, covariance, self._sigma)
         if match.inliers < LEAST_INLIERS:
             return False
@@ -256,7 +266,7 @@ class ScanLocalizer(Localizer):
             least_inliers: share of points that the map must explain for a match to be believed.
             patience: poor matches in a row after which the robot counts as lost and searches wider.
         """
-        super().__init__(start, tread, errors, NUDGED if covariance is None else covariance)
+        super().__init__(start, tread, errors, NUDGE_COVARIANCE if covariance is None else covariance)
         self._field = field
         self._sigma = sigma
         self._least_inliers = least_inliers
@@ -365,10 +375,10 @@ class ScanLocalizer(Localizer):
         """See `Localizer`; up to about 0.3 m and 10 degrees away."""
         if len(points) < FEWEST_POINTS:
             return False
-        near = np.asarray(self.covariance + NUDGED)
+        near = np.asarray(self.covariance + NUDGE_COVARIANCE)
         match = match_scan(self._field, points, self.pose, near, self._sigma)
-        if self.last_match is None or match.inliers < LESS * self.last_match.inliers:
-            match = match_scan(self._field, points, self.pose, ROUGH, self._sigma, anneal=True)
+        if self.last_match is None or match.inliers < MIN_SHARE_KEPT_AT_REST * self.last_match.inliers:
+            match = match_scan(self._field, points, self.pose, SEARCH_COVARIANCE, self._sigma, anneal=True)
         if not _apart(self.pose, match, self._field) or match.inliers < self._least_inliers:
             return False
         self.relocalize(self.pose, points)
@@ -376,7 +386,7 @@ class ScanLocalizer(Localizer):
 
     def relocalize(self, near: Pose2, points: NDArray[np.float64]) -> ScanMatch:
         """Start again from a rough pose, up to about 0.3 m and 10 degrees off, by a scan (n, 2)."""
-        match = match_scan(self._field, points, near, ROUGH, self._sigma, anneal=True)
+        match = match_scan(self._field, points, near, SEARCH_COVARIANCE, self._sigma, anneal=True)
         self._odometry.reset(match.pose, match.covariance)
         self.last_match, self._poor, self._map_error = match, 0, match.map_error
         return match
@@ -384,11 +394,11 @@ class ScanLocalizer(Localizer):
 
 def _apart(before: Pose2, after: ScanMatch, field: LikelihoodField) -> bool:
     """Return True if two poses by scans are different places, beyond the uncertainty of the scans."""
-    most = max(DISPLACED[0], SHARE_OF_CELL * field.map.resolution)
-    if before.distance(after.pose) <= most and before.turn(after.pose) <= DISPLACED[1]:
+    most = max(MAX_REST_SPREAD[0], SHARE_OF_CELL * field.map.resolution)
+    if before.distance(after.pose) <= most and before.turn(after.pose) <= MAX_REST_SPREAD[1]:
         return False
     off = _between(before, after.pose)
-    return float(off @ np.linalg.solve(after.spread, off)) > SURE**2
+    return float(off @ np.linalg.solve(after.spread, off)) > DISPLACED_SIGMAS**2
 
 
 def _between(before: Pose2, after: Pose2) -> NDArray[np.float64]:

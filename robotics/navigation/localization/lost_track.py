@@ -10,12 +10,14 @@ from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 
-LONGEST = 300  # fixes that are looked back on
-SHORTEST = 10  # fixes to judge by
-TURNED = 6.0  # sigmas of a turn that can't be chance
+MAX_REVIEWED_FIXES = 300  # fixes that are looked back on
+MIN_REVIEWED_FIXES = 10  # fixes to judge by
+TURNED_SIGMAS = 6.0  # sigmas of a turn that can't be chance
 LEAST_TURN = math.radians(5.0)
-AGREE = 1.4  # root mean square of the fixes about the odometry's track, in sigmas: more is no agreement
-SLIPS = 0.02  # of the way: what odometry itself may be off
+MAX_AGREEING_RMS_SIGMAS = (
+    1.4  # root mean square of the fixes about the odometry's track, in sigmas: more is no agreement
+)
+ODOMETRY_ERROR_RATIO = 0.02  # of the way: what odometry itself may be off
 Array = NDArray[np.float64]
 
 
@@ -47,7 +49,7 @@ class LostTrack:
         `reckoned`.
         """
         self._tracks.append((*reckoned, float(position[0]), float(position[1]), float(believed)))
-        del self._tracks[:-LONGEST]
+        del self._tracks[:-MAX_REVIEWED_FIXES]
 
     def doubt(self, count: int) -> None:
         """The last `count` believed fixes aren't any more."""
@@ -64,7 +66,7 @@ class LostTrack:
         tracks = np.array(self._tracks)
         believed = np.flatnonzero(tracks[:, 5])
         refused = tracks[believed[-1] + 1 :] if len(believed) else tracks
-        if len(refused) < SHORTEST:
+        if len(refused) < MIN_REVIEWED_FIXES:
             return None
         found = _turned(refused, sigma, estimate)
         if found is None and len(refused) >= self._patience:
@@ -80,7 +82,7 @@ def _turned(refused: Array, sigma: float, estimate: Pose2) -> FoundTrack | None:
     if found is None:
         return None
     away = abs(wrap(found.pose.theta - estimate.theta))
-    sure = away > max(LEAST_TURN, TURNED * math.sqrt(float(found.covariance[2, 2])))
+    sure = away > max(LEAST_TURN, TURNED_SIGMAS * math.sqrt(float(found.covariance[2, 2])))
     return found if sure else None
 
 
@@ -91,7 +93,7 @@ def _shifted(refused: Array, sigma: float, estimate: Pose2, heading_sigma: float
     away = refused[:, 3:5] - np.array(moved)[:, :2]
     shift = np.median(away, axis=0)
     spread = float(np.sqrt(np.mean((away - shift) ** 2)))
-    if spread > AGREE * sigma + SLIPS * _length(refused):
+    if spread > MAX_AGREEING_RMS_SIGMAS * sigma + ODOMETRY_ERROR_RATIO * _length(refused):
         return None
     variance = sigma**2 + spread**2
     pose = Pose2(estimate.x + float(shift[0]), estimate.y + float(shift[1]), estimate.theta)
@@ -115,13 +117,13 @@ def _fit(tracks: Array, sigma: float) -> FoundTrack | None:
     cos, sin = math.cos(turn), math.sin(turn)
     rotation = np.array([[cos, -sin], [sin, cos]])
     residual = float(np.sqrt(np.mean((b - a @ rotation.T) ** 2)))
-    if residual > AGREE * sigma + SLIPS * _length(tracks):
+    if residual > MAX_AGREEING_RMS_SIGMAS * sigma + ODOMETRY_ERROR_RATIO * _length(tracks):
         return None
     noise = max(sigma, residual)
     last = rotation @ (reckoned[-1] - reckoned_middle)
     x, y = (seen_middle + last).tolist()
     pose = Pose2(x, y, wrap(float(tracks[-1, 2]) + turn))
     by_turn = np.array([-last[1], last[0], 1.0])
-    heading = 4.0 * noise**2 / reach + SLIPS**2
+    heading = 4.0 * noise**2 / reach + ODOMETRY_ERROR_RATIO**2
     place = 4.0 * noise**2 / len(tracks) + 1e-4
     return FoundTrack(pose, heading * np.outer(by_turn, by_turn) + np.diag([place, place, 0.0]))

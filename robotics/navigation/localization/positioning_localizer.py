@@ -13,10 +13,10 @@ from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.localization.localizer import Localizer
 from handcart.robotics.navigation.localization.odometry import OdometryErrors
 
-REMEMBERED = 64  # periods of wheel travel: readings may be as late
-UNEXPLAINED = 25.0  # squared Mahalanobis distance beyond which a reading isn't explained
+KEPT_PERIODS = 64  # periods of wheel travel: readings may be as late
+MAX_SQUARED_MAHALANOBIS = 25.0  # squared Mahalanobis distance beyond which a reading isn't explained
 IN_A_ROW = 3  # of them: a single reading may be broken
-DRIFT = np.diag([2e-5, 2e-5, 1e-5]) ** 2  # [m², rad²] a reading: a standing base creeps
+REST_DRIFT_COVARIANCE = np.diag([2e-5, 2e-5, 1e-5]) ** 2  # [m², rad²] a reading: a standing base creeps
 
 
 class PositioningLocalizer(Localizer):
@@ -51,7 +51,7 @@ class PositioningLocalizer(Localizer):
             covariance: (3, 3) of the start, in [m, m, rad]; certain if None.
         """
         super().__init__(start, tread, errors, covariance)
-        self._noise = np.diag([sigma[0], sigma[0], sigma[1]]) ** 2 + DRIFT
+        self._noise = np.diag([sigma[0], sigma[0], sigma[1]]) ** 2 + REST_DRIFT_COVARIANCE
         self._number, self._strange = 0, 0
         self._poses: tuple[Pose2, ...] = (start,)  # as they were believed first
         self._shifts: tuple[tuple[Pose2, ...], ...] = ((),)  # in each of their periods: of all until then
@@ -59,8 +59,8 @@ class PositioningLocalizer(Localizer):
     def predict(self, left: float, right: float) -> None:
         """See `Localizer`; once a period."""
         super().predict(left, right)
-        self._poses = (*self._poses[-REMEMBERED:], self.pose)
-        self._shifts = (*self._shifts[-REMEMBERED:], ())
+        self._poses = (*self._poses[-KEPT_PERIODS:], self.pose)
+        self._shifts = (*self._shifts[-KEPT_PERIODS:], ())
 
     def correct(self, points: NDArray[np.float64]) -> bool:
         """Scans are not looked at."""
@@ -81,10 +81,10 @@ class PositioningLocalizer(Localizer):
             return False
         self._number = number
         now = measured.compose(self.pose.relative_to(self._remembered(periods)))
-        prior = self.covariance + DRIFT
+        prior = self.covariance + REST_DRIFT_COVARIANCE
         off = np.array([now.x - self.pose.x, now.y - self.pose.y, wrap(now.theta - self.pose.theta)])
         spread = prior + self._noise
-        if float(off @ np.linalg.solve(spread, off)) > UNEXPLAINED:
+        if float(off @ np.linalg.solve(spread, off)) > MAX_SQUARED_MAHALANOBIS:
             return self._not_explained(now)
         self._strange = 0
         gain = np.linalg.solve(spread, prior).T

@@ -20,19 +20,19 @@ from handcart.robotics.numerics.compiled import compiled_fast
 
 from .likelihood_field import Reading
 
-SHIFTS = np.array([2.6, 3.3, 4.3, 5.2])  # cells, each way: more than one, and no multiples of each other
+SHIFT_CELLS = np.array([2.6, 3.3, 4.3, 5.2])  # cells, each way: more than one, and no multiples of each other
 MIN_SHARE = 0.12  # of the rise that the slopes claim; less is grain: up to 0.10 along a diagonal wall
 PLAIN_SHARE = 0.8  # of it; no less, and there is no need to look closer
 FAN_STEP = math.radians(2.0)
-FAN = FAN_STEP * np.arange(-8, 9)  # [rad] from the direction that the slopes give: grain turns it
-FAN_COS_SIN = np.column_stack([np.cos(FAN), np.sin(FAN)])
-FAN_ACROSS = np.column_stack([-np.sin(FAN), np.cos(FAN)])
+FAN_ANGLES = FAN_STEP * np.arange(-8, 9)  # [rad] from the direction that the slopes give: grain turns it
+FAN_COS_SIN = np.column_stack([np.cos(FAN_ANGLES), np.sin(FAN_ANGLES)])
+FAN_ACROSS = np.column_stack([-np.sin(FAN_ANGLES), np.cos(FAN_ANGLES)])
 FIT_PARABOLA = np.linalg.pinv(np.vander(FAN_STEP * np.arange(-2, 3), 3))  # (3, 5): squares, slope, constant
 FAN_POINTS = 120  # points by which those directions are compared
 MIN_POINTS = 5.0  # points on a wall across the direction that the cost has to rise by
-FAR = 1e3  # scales: as far as a point beyond the map
+OFF_MAP_SCALES = 1e3  # scales: as far as a point beyond the map
 NO_SLOPES = np.empty((0, 2))
-SAME = 0.7  # cosine of two directions that are about the same
+MIN_SAME_DIRECTION_COSINE = 0.7  # cosine of two directions that are about the same
 
 Array = NDArray[np.float64]
 
@@ -128,10 +128,10 @@ class _Shifted(NamedTuple):
         x, y = direction.tolist()
         rays = FAN_COS_SIN * x + FAN_ACROSS * y
         rises = self._rises(rays, max(1, len(self.points) // FAN_POINTS), NO_SLOPES)[:, :, 0].sum(axis=1)
-        least = min(max(int(rises.argmin()), 2), len(FAN) - 3)
+        least = min(max(int(rises.argmin()), 2), len(FAN_ANGLES) - 3)
         bend, slope, _ = (FIT_PARABOLA @ rises[least - 2 : least + 3]).tolist()
         off = min(FAN_STEP, max(-FAN_STEP, -0.5 * slope / bend)) if bend > 0.0 else 0.0
-        turned = FAN[least] + off
+        turned = FAN_ANGLES[least] + off
         return np.array(
             [math.cos(turned) * x - math.sin(turned) * y, math.sin(turned) * x + math.cos(turned) * y]
         )
@@ -139,7 +139,7 @@ class _Shifted(NamedTuple):
     def _rises(self, rays: Array, every: int, slopes: Array) -> Array:
         """See `rises`: along directions (k, 2), by every so manieth point."""
         grid = self.grid
-        steps, corner = SHIFTS * grid.resolution, (grid.origin_x, grid.origin_y)
+        steps, corner = SHIFT_CELLS * grid.resolution, (grid.origin_x, grid.origin_y)
         where = rays, steps, every, corner, grid.resolution, self.distance, self.points, self.distances
         return rises(*where, slopes, self.middle, self.lever, self.scale)
 
@@ -185,7 +185,7 @@ def rises(
     for i in range(count):
         at[0, i] = (points[i * every, 0] - origin[0]) * per - 0.5
         at[1, i] = (points[i * every, 1] - origin[1]) * per - 0.5
-        before += _cost(min(distances[i * every], FAR * scale) ** 2, scale)
+        before += _cost(min(distances[i * every], OFF_MAP_SCALES * scale) ** 2, scale)
     for k in range(len(rays)):
         turn = lever[0] * rays[k, 0] + lever[1] * rays[k, 1]
         for i in range(count):  # cells moved by, for each metre of the base
@@ -214,7 +214,7 @@ def _shifted_cost(distance: NDArray[np.float32], at: Array, moved: Array, step: 
     height, width = distance.shape
     cells, total = distance.reshape(-1), 0.0
     if height < 2 or width < 2:
-        return float(at.shape[1] * _cost((FAR * scale) ** 2, scale))
+        return float(at.shape[1] * _cost((OFF_MAP_SCALES * scale) ** 2, scale))
     for i in range(at.shape[1]):
         u, v = at[0, i] + step * moved[0, i], at[1, i] + step * moved[1, i]
         inside = (u >= 0.0) & (u < width - 1.0) & (v >= 0.0) & (v < height - 1.0)
@@ -226,7 +226,7 @@ def _shifted_cost(distance: NDArray[np.float32], at: Array, moved: Array, step: 
         a, b = cells[np.uint32(cell)], cells[np.uint32(cell + 1)]
         c, d = cells[np.uint32(cell + width)], cells[np.uint32(cell + width + 1)]
         low, high = a + (b - a) * u, c + (d - c) * u
-        total += _cost((low + (high - low) * v) ** 2 if inside else (FAR * scale) ** 2, scale)
+        total += _cost((low + (high - low) * v) ** 2 if inside else (OFF_MAP_SCALES * scale) ** 2, scale)
     return total
 
 
@@ -241,7 +241,9 @@ def confirmed(seen: Evidence, before: Evidence | None) -> Evidence:
     if before is None or before.share > 0.0:
         return seen
     return (
-        seen._replace(share=0.0, more=0.0) if abs(float(seen.direction @ before.direction)) > SAME else seen
+        seen._replace(share=0.0, more=0.0)
+        if abs(float(seen.direction @ before.direction)) > MIN_SAME_DIRECTION_COSINE
+        else seen
     )
 
 

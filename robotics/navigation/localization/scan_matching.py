@@ -16,12 +16,18 @@ from .likelihood_field import LikelihoodField as LikelihoodField
 from .likelihood_field import read_field
 from .scan_evidence import Evidence, confirmed, unrelated, weakest_evidence
 
-INLIER = 3.0  # scales within which a point counts as explained by the map
+INLIER_SCALES = 3.0  # scales within which a point counts as explained by the map
 OF_SIGMA = 0.6745  # of a normal error's sigma: half of the errors are smaller
 CELL_SIGMA = 0.3  # of a cell: spread of a surface that lies anywhere in its cell
 CELL_BIAS = 0.25  # of a cell: what a pose is wrong by because surfaces lie anywhere in their cells
-LEAST = 1e-6  # of an information: what is seen may not tell all of a pose
-ANNEALED = (0.5, 0.35, 0.25, 0.17, 0.12)  # scales in [m] tried before the final one from a bad start
+MIN_INFORMATION_SHARE = 1e-6  # of an information: what is seen may not tell all of a pose
+ANNEALING_SCALES_M = (
+    0.5,
+    0.35,
+    0.25,
+    0.17,
+    0.12,
+)  # scales in [m] tried before the final one from a bad start
 
 
 class ScanMatch(NamedTuple):
@@ -124,7 +130,7 @@ def match_scan(
             field.distance, grid.occupied, points, found, near, trust, *seen[:2], *where, scale, noise
         )
 
-    for scale in (*ANNEALED, final) if anneal else (3.0 * final, final):
+    for scale in (*ANNEALING_SCALES_M, final) if anneal else (3.0 * final, final):
         found, hessian = descend(information if scale <= final or not anneal else 0.0 * information, scale)
     pose, residuals = Pose2(*found.tolist()), np.empty(0)
     if len(points):
@@ -141,7 +147,7 @@ def match_scan(
             pose = Pose2(*found.tolist())
             residuals = field.read(pose.apply(points))
         hessian[:2, :2] += seen.more * seen.direction[:, None] * seen.direction
-    inliers = np.count_nonzero(residuals < INLIER * noise) / len(points) if len(points) else 0.0
+    inliers = np.count_nonzero(residuals < INLIER_SCALES * noise) / len(points) if len(points) else 0.0
     fit = _inverse(hessian, 1e-9)
     kept = fit @ information
     covariance, error = _posterior(fit, kept, _cells(points, field.map.resolution), map_error)
@@ -267,11 +273,11 @@ def _wrapped(angle: float) -> float:
 def _solved(matrix: NDArray[np.float64], right: NDArray[np.float64]) -> tuple[float, float, float]:
     """The x of (matrix + LEAST) x = right, the matrix (3, 3) symmetric: Cholesky, by hand because numba takes
     two seconds to compile a call of LAPACK."""
-    a = math.sqrt(matrix[0, 0] + LEAST)
+    a = math.sqrt(matrix[0, 0] + MIN_INFORMATION_SHARE)
     b, c = matrix[1, 0] / a, matrix[2, 0] / a
-    d = math.sqrt(matrix[1, 1] + LEAST - b * b)
+    d = math.sqrt(matrix[1, 1] + MIN_INFORMATION_SHARE - b * b)
     e = (matrix[2, 1] - b * c) / d
-    f = math.sqrt(matrix[2, 2] + LEAST - c * c - e * e)
+    f = math.sqrt(matrix[2, 2] + MIN_INFORMATION_SHARE - c * c - e * e)
     x = right[0] / a
     y = (right[1] - b * x) / d
     z = (right[2] - c * x - e * y) / f / f
@@ -283,7 +289,7 @@ def _excess(residuals: NDArray[np.float64], noise: float) -> float:
     """By how much a scan varies more than it should, at least 1: a sensor may be noisier than is supposed."""
     if not len(residuals):
         return 1.0
-    middle = min(_median(residuals), INLIER * noise)
+    middle = min(_median(residuals), INLIER_SCALES * noise)
     return max(1.0, (middle / OF_SIGMA / noise) ** 2)
 
 

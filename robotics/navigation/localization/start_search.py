@@ -12,24 +12,24 @@ from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.numerics.compiled import compiled
 
 from .likelihood_field import LikelihoodField
-from .scan_matching import INLIER, match_scan
+from .scan_matching import INLIER_SCALES, match_scan
 
 PLAIN_FIT = 0.93  # share of the beams that the map explains; no less, and no other place is looked for
 SURE_FIT = 0.9  # share from which a place is believed that nobody stated
-BETTER = 0.04  # of the beams that another place has to explain beyond the stated one
+MIN_SHARE_GAIN = 0.04  # of the beams that another place has to explain beyond the stated one
 MUCH_BETTER = 0.15  # the same of a place that is not sure itself
 NEAR_M, NEAR_RAD = 0.25, math.radians(10.0)  # within which two poses are the same place
 CLEAR_M = 0.15  # of a base from what the map shows
 MAX_POSES = 400_000
 MIN_STRIDE_M = 0.1
-HEADINGS = 72
+HEADING_COUNT = 72
 COARSE_M = 0.15  # scale of the first search
 COARSE_POINTS = 60
 MAX_CANDIDATES = 240  # along a corridor many poses are nearly equal, and crowd out a better one at its end
 PLAUSIBLE_M = 5.0  # from the stated start; farther off, a place that looks alike may have been missed
 AT_SURFACE = 0.2  # cells from a surface, where a beam ends
 SHORT_OF_REACH = 0.9  # of the reach: what the map shows nearer has to return
-ROUGH = np.diag([0.3, 0.3, 0.17]) ** 2  # [m², rad²] of a candidate
+CANDIDATE_COVARIANCE = np.diag([0.3, 0.3, 0.17]) ** 2  # [m², rad²] of a candidate
 
 Array = NDArray[np.float64]
 
@@ -79,7 +79,7 @@ def explained_share(field: LikelihoodField, beams: Beams, pose: Pose2, noise: fl
     known = ~np.isnan(beams.ranges)
     if not known.any():
         return 0.0
-    hits = int((field.read(pose.apply(beams.points)) < INLIER * noise).sum())
+    hits = int((field.read(pose.apply(beams.points)) < INLIER_SCALES * noise).sum())
     silent = beams.angles[np.isinf(beams.ranges)]
     x, y = pose.apply(beams.origin[None])[0]
     clear = map_ranges(field, Pose2(float(x), float(y), pose.theta), silent, beams.reach)
@@ -101,7 +101,7 @@ def check_start(field: LikelihoodField, beams: Beams, pose: Pose2, noise: float)
         return StartFit(share)
     found: list[tuple[float, Pose2]] = []
     for rough in _candidates(field, beams.points):
-        match = match_scan(field, beams.points, rough, ROUGH, anneal=True)
+        match = match_scan(field, beams.points, rough, CANDIDATE_COVARIANCE, anneal=True)
         if not any(_same(match.pose, other) for _, other in found):
             found.append((explained_share(field, beams, match.pose, noise), match.pose))
     others = sorted(
@@ -111,9 +111,9 @@ def check_start(field: LikelihoodField, beams: Beams, pose: Pose2, noise: float)
         return StartFit(share)
     best, where = others[0]
     more = best - share
-    if more <= BETTER or (best < SURE_FIT and more <= MUCH_BETTER):
+    if more <= MIN_SHARE_GAIN or (best < SURE_FIT and more <= MUCH_BETTER):
         return StartFit(share)
-    alone = len(others) == 1 or others[1][0] < best - BETTER
+    alone = len(others) == 1 or others[1][0] < best - MIN_SHARE_GAIN
     is_sure = best >= SURE_FIT and alone and where.distance(pose) < PLAUSIBLE_M
     return StartFit(share, where, best, is_sure)
 
@@ -150,16 +150,16 @@ def _candidates(field: LikelihoodField, points: Array) -> list[Pose2]:
     grid = field.map
     free = ~grid.occupied & (field.distance > CLEAR_M)
     area = float(free.sum()) * grid.resolution**2
-    stride = max(MIN_STRIDE_M, math.sqrt(area * HEADINGS / MAX_POSES))
+    stride = max(MIN_STRIDE_M, math.sqrt(area * HEADING_COUNT / MAX_POSES))
     every = max(1, round(stride / grid.resolution))
     cells = np.argwhere(free[::every, ::every]) * every
     some = np.ascontiguousarray(points[np.linspace(0, len(points) - 1, COARSE_POINTS).astype(np.int64)])
-    turns = np.linspace(-math.pi, math.pi, HEADINGS, endpoint=False)
+    turns = np.linspace(-math.pi, math.pi, HEADING_COUNT, endpoint=False)
     scores = _scored(field.distance, cells, turns, some / grid.resolution, COARSE_M)
     order = np.argsort(scores, axis=None)[::-1][: 40 * MAX_CANDIDATES]
     kept: list[Pose2] = []
     for index in order:
-        cell, heading = divmod(int(index), HEADINGS)
+        cell, heading = divmod(int(index), HEADING_COUNT)
         x, y = grid.to_point(cells[cell][None].astype(np.float64))[0]
         pose = Pose2(float(x), float(y), wrap(float(turns[heading])))
         if not any(pose.distance(each) < 2.0 * NEAR_M and pose.turn(each) < 2.0 * NEAR_RAD for each in kept):

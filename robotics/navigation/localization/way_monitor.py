@@ -7,7 +7,7 @@ from typing import ClassVar
 
 TEST_EVERY_M = 0.5
 MAX_WAY_M = 10.0  # after which a new window begins
-SURE = 3.0  # sigmas beyond which what is claimed is wrong
+WRONG_SIGMAS = 3.0  # sigmas beyond which what is claimed is wrong
 
 
 class WayMonitor:
@@ -45,7 +45,7 @@ class WayMonitor:
             return 0.0
         self._next += TEST_EVERY_M
         claimed = 2.0 * map_sigma**2 + self._claimed + scale_variance * way**2
-        found = abs(self._missed) / way if abs(self._missed) > SURE * math.sqrt(claimed) else 0.0
+        found = abs(self._missed) / way if abs(self._missed) > WRONG_SIGMAS * math.sqrt(claimed) else 0.0
         if found or way > MAX_WAY_M:
             self.begin()
         return found

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
-from handcart.robotics.navigation.localization.fix_monitor import LONGEST, FixMonitor, whitened
+from handcart.robotics.navigation.localization.fix_monitor import MAX_TESTED_FIXES, FixMonitor, whitened
 from handcart.robotics.navigation.localization.lost_track import FoundTrack, LostTrack
 from handcart.robotics.navigation.outdoors import field_model as states
 from handcart.robotics.navigation.outdoors.field_model import (
@@ -238,7 +238,7 @@ class FieldKalman:
         self._lost.take(odometry.pose, position - lever, believed)
         if believed:
             self._past.append((self._moment(), []))
-            del self._past[:-LONGEST]
+            del self._past[:-MAX_TESTED_FIXES]
             self._take_in(skies, rows, variance)
             self._refused = np.zeros(3)
             return Fixed(True, likely, square)

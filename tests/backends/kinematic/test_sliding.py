@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from handcart.backends.simulation.body.sliding import FRICTION
+from handcart.backends.simulation.body.sliding import HAND_FRICTION
 from handcart.robotics.geometry.pose2 import Pose2
 from tests.backends.kinematic.conftest import Puppet
 
@@ -42,10 +42,10 @@ def test_wiping_hand_follows_the_surface_against_friction(at_desk: Puppet, furth
     at_desk.to(0.45, 0.10, surface - pressed)
     at_desk.to(0.45, 0.10 + further, surface - pressed)
     wiped, force = hand(at_desk), at_desk.scene.hand_force
-    assert wiped[1] - touched[1] == pytest.approx(0.15 + further - FRICTION * pressed, abs=7e-4)
+    assert wiped[1] - touched[1] == pytest.approx(0.15 + further - HAND_FRICTION * pressed, abs=7e-4)
     assert wiped[2] == pytest.approx(touched[2], abs=5e-4)
     assert force[2] == pytest.approx(2000.0 * pressed, rel=0.1)
-    assert force[1] == pytest.approx(-FRICTION * 2000.0 * pressed, rel=0.15)
+    assert force[1] == pytest.approx(-HAND_FRICTION * 2000.0 * pressed, rel=0.15)
     assert {contact.other for contact in at_desk.scene.contacts} == {"desk"}
 
 
@@ -62,7 +62,7 @@ def test_hand_sticks_within_the_cone_of_friction(at_desk: Puppet) -> None:
     surface = lowered(at_desk)
     at_desk.to(0.45, -0.05, surface - 0.010)
     touched = hand(at_desk)
-    at_desk.to(0.45, -0.05 + 0.9 * FRICTION * 0.010, surface - 0.010)
+    at_desk.to(0.45, -0.05 + 0.9 * HAND_FRICTION * 0.010, surface - 0.010)
     assert hand(at_desk) == pytest.approx(touched, abs=3e-4)
     at_desk.to(0.45, -0.05, surface + 0.05)
     assert hand(at_desk) == pytest.approx((0.45, -0.05, surface + 0.05), abs=2e-3)

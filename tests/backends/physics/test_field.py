@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from handcart.backends.description.ground_spec import GroundSpec
 from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.physics.body.physics_car import FRONT, REAR
-from handcart.backends.physics.engine import GRAVITY
+from handcart.backends.physics.engine import GRAVITY_M_S2
 from handcart.backends.physics.physics_backend import PhysicsBackend
 from handcart.backends.physics.world.terrain import Terrain
 from handcart.backends.simulation.field.field_props import FieldProps
@@ -192,7 +192,7 @@ def stands(physics: type[PhysicsBackend], softness: float, seconds: float = 4.0)
         for _ in range(round(seconds / backend.period)):
             backend.step()
         heights = [backend.link_pose(name)[2, 3] for name in (*REAR, *FRONT)]
-        weight = GRAVITY * sum(backend._body.mass(link) for link in backend._body.link_index)
+        weight = GRAVITY_M_S2 * sum(backend._body.mass(link) for link in backend._body.link_index)
         return float(np.mean(heights)), weight
     finally:
         backend.close()

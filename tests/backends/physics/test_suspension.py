@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.physics.physics_backend import PhysicsBackend
-from handcart.backends.physics.urdf.sprung import CHASSIS, sprung
+from handcart.backends.physics.urdf.sprung import CHASSIS_LINK, sprung
 from handcart.backends.simulation.world.world_model import world_model
 
 EMPTY = world_model().model_validate({"format": "handcart-world/1", "start": {"x_m": 0.0, "y_m": 0.0}})
@@ -70,7 +70,7 @@ def test_a_chassis_takes_its_mass_and_wheels_from_the_base() -> None:
         parent = joint.find("parent")
         assert parent is not None
         parents[joint.get("name")] = parent.get("link")
-    assert parents["left_wheel"] == CHASSIS
+    assert parents["left_wheel"] == CHASSIS_LINK
     assert parents["right_wheel"] == parents["column_mount"] == "base"
 
 

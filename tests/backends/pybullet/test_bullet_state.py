@@ -10,7 +10,7 @@ import pytest
 pytest.importorskip("pybullet", reason="PyBullet has no wheel for this Python")
 
 from handcart.backends.pybullet.bullet_engine import BulletEngine
-from handcart.backends.pybullet.bullet_state import CONTACTS, _chunks, check_state
+from handcart.backends.pybullet.bullet_state import CONTACT_CODE, _chunks, check_state
 from handcart.backends.saved_state import NotAState
 from handcart.robotics.geometry.transform import transform
 from handcart.robotics.kinematics.shapes import Box
@@ -43,7 +43,7 @@ def _falling(physics: BulletEngine, number: int) -> None:
 
 def test_a_later_state_of_the_same_world_is_taken(states: tuple[bytes, bytes, bytes]) -> None:
     before, after, _ = states
-    assert any(each.code == CONTACTS for each in _chunks(after))
+    assert any(each.code == CONTACT_CODE for each in _chunks(after))
     check_state(after, before)
     check_state(before, after)
 
@@ -73,7 +73,7 @@ def changed(content: bytes, code: bytes, offset: int, value: bytes) -> bytes:
         (lambda c: changed(c, b"MBDY", 168, struct.pack("<i", 9999)), "another one"),
         (lambda c: changed(c, b"MBDY", -8, struct.pack("<q", 0x41414141)), "points elsewhere"),
         (lambda c: changed(c, b"SHAP", 8, struct.pack("<i", 31)), "another one"),
-        (lambda c: changed(c, CONTACTS, -8, struct.pack("<q", 0x41414141)), "isn't there"),
+        (lambda c: changed(c, CONTACT_CODE, -8, struct.pack("<q", 0x41414141)), "isn't there"),
     ],
 )
 def test_anything_else_is_refused(
@@ -86,12 +86,12 @@ def test_anything_else_is_refused(
 
 def test_a_contact_of_more_points_than_bullet_has_room_for(states: tuple[bytes, bytes, bytes]) -> None:
     before, after, _ = states
-    chunk = next(each for each in _chunks(after) if each.code == CONTACTS)
+    chunk = next(each for each in _chunks(after) if each.code == CONTACT_CODE)
     counts = [at for at in range(0, len(chunk.data) - 4, 4) if chunk.data[at : at + 4] != b"\0" * 4]
     refused = 0
     for at in counts:
         try:
-            check_state(changed(after, CONTACTS, at, struct.pack("<i", 500)), before)
+            check_state(changed(after, CONTACT_CODE, at, struct.pack("<i", 500)), before)
         except NotAState as error:
             refused += "more than 4 points" in str(error)
     assert refused == 1

@@ -13,7 +13,7 @@ from handcart.backends.capabilities.base import Base, WheelTravel
 from handcart.backends.capabilities.range_sensor import Scan
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.robot_loading import load_robot
-from handcart.backends.robot.guarded_base import BESIDE, GuardedBase, steady_points
+from handcart.backends.robot.guarded_base import SIDE_MARGIN_M, GuardedBase, steady_points
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.bump_area import bump_fronts
 from handcart.robotics.navigation.maps.grid_map import GridMap
@@ -63,7 +63,7 @@ def test_it_is_never_faster_than_it_can_brake_from(spec: RobotFile) -> None:
     top, speeds = spec.drive.top_speed_m_s, []
     for _ in range(200):
         speeds.append(rolling.drive(top)[0])
-        left = WALL_AT - rolling.pose.x - spec.footprint_radius_m - BESIDE
+        left = WALL_AT - rolling.pose.x - spec.footprint_radius_m - SIDE_MARGIN_M
         assert speeds[-1] ** 2 / (2.0 * braking) <= left + 1e-6
     assert speeds[0] == top
     assert left < 0.03  # and it gets near
@@ -178,7 +178,7 @@ def test_it_is_slowed_to_the_largest_share_that_can_brake(
     spec: RobotFile, way: float, room: float, share: float
 ) -> None:
     """From 0.6 m/s it stops after 30 mm in this period and 360 mm of braking; 5 mm beside it stay free."""
-    wall = np.array([[way * (spec.footprint_radius_m + BESIDE + room), 0.0]])
+    wall = np.array([[way * (spec.footprint_radius_m + SIDE_MARGIN_M + room), 0.0]])
     rolling = Rolling(spec, 1.0 if way > 0.0 else 2.5, lambda _: wall)
     rolling.base.drive(0.0, 0.0)
     assert rolling.drive(way * 0.6)[0] == pytest.approx(way * share * 0.6)

@@ -14,7 +14,7 @@ from handcart.evaluation.campaign_report.claim import Settling
 from handcart.evaluation.campaign_report.comparison import compare
 from handcart.evaluation.campaign_report.divergence import first_difference
 from handcart.evaluation.campaign_report.junit import write_junit
-from handcart.evaluation.campaign_report.tally import WORST, Blame, Tally, in_general
+from handcart.evaluation.campaign_report.tally import WORST_TRIAL_COUNT, Blame, Tally, in_general
 from handcart.evaluation.campaigns.trial import ActionEnd, Trial
 
 DRIVE, PUSH = "MOVE_TO (a to b)", "INSERT (b to c)"
@@ -82,7 +82,7 @@ def test_untrue_trials_are_named_first_then_fails_then_detours() -> None:
     assert [each.seed for each in report.worst(2)] == [3, 5]
     many = [trial(seed, status=3, fails=seed % 3) for seed in range(40)]
     named = [each.seed for each in CampaignReport(many).worst()]
-    assert named == [seed for seed in range(40) if seed % 3 == 2][:WORST]
+    assert named == [seed for seed in range(40) if seed % 3 == 2][:WORST_TRIAL_COUNT]
 
 
 def test_spreads_have_the_quantiles_of_their_metric() -> None:

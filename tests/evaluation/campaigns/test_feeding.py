@@ -135,4 +135,4 @@ def test_processes_that_never_begin_end_the_campaign(played: type[Played]) -> No
     played.answer = lambda process: None
     with pytest.raises(TrialFault, match="die before they begin, at last by signal 9"):
         seeds_of(Workers(work, 1).trials(range(4)))
-    assert len(played.made) == module.STILLBORN + 1 == 21
+    assert len(played.made) == module.MAX_FAILED_STARTS + 1 == 21

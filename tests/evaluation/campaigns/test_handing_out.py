@@ -170,7 +170,7 @@ def test_at_most_four_workers_have_one_trial(
 
     on_nap(monkeypatch, end_at_last)
     assert [len(batch) for batch in cluster.trials([1])] == [1]
-    assert len(scheduler.given) == module.COPIES == 4
+    assert len(scheduler.given) == module.MAX_WORKERS_PER_TRIAL == 4
     assert scheduler.cancelled == scheduler.given[1:]
 
 

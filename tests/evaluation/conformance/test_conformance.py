@@ -16,8 +16,8 @@ from handcart.evaluation.conformance.checks.check import CheckResult
 from handcart.evaluation.conformance.faults import fault
 from handcart.evaluation.conformance.faults.fail_is_true import Batch, FaultTrial
 from handcart.evaluation.conformance.faults.fault import (
-    EVERYWHERE,
-    SENSORS,
+    PRIMITIVE_FAULTS,
+    SENSOR_NAMES,
     Fault,
     FaultKind,
     faults_of,
@@ -25,7 +25,7 @@ from handcart.evaluation.conformance.faults.fault import (
 )
 from handcart.evaluation.conformance.faults.faulty_backend import FaultyBackend
 from handcart.evaluation.conformance.faults.forked import Died, Hung, forked
-from handcart.evaluation.conformance.faults.rehearsal import DRIVE_MAP, TASKS, Rehearsal, Solo
+from handcart.evaluation.conformance.faults.rehearsal import DRIVE_MAP, TASKS_FOLDER, Rehearsal, Solo
 from handcart.evaluation.conformance.faults.underway import Ending
 from handcart.evaluation.conformance.kit import KitSetting, jobs_of, run_kit
 from handcart.evaluation.conformance.planted.mutants import mutants, try_mutant
@@ -144,15 +144,15 @@ def test_a_robot_with_an_indoor_positioning() -> None:
 @pytest.mark.slow
 def test_an_honest_primitive_is_true_whatever_goes_wrong() -> None:
     trials = Batch(Solo(BENCH, Reach()), 0, 2)()
-    assert len(trials) == 2 * len(EVERYWHERE)
+    assert len(trials) == 2 * len(PRIMITIVE_FAULTS)
     assert [str(each) for each in trials if each.ending.wrong] == []
     assert {each.ending.outcome for each in trials} >= {"Success", "Fail"}
 
 
 def test_a_rehearsal_has_every_primitive_of_the_task() -> None:
-    rehearsal = Rehearsal(TASKS / "return_book" / "task.yaml", "kinematic")
+    rehearsal = Rehearsal(TASKS_FOLDER / "return_book" / "task.yaml", "kinematic")
     assert {each.do for each in rehearsal.actions()} == {
-        each.do for each in load_task(TASKS / "return_book" / "task.yaml").network.actions
+        each.do for each in load_task(TASKS_FOLDER / "return_book" / "task.yaml").network.actions
     }
 
 
@@ -167,12 +167,14 @@ def test_full_mode_injects_over_2500_faults_on_kinematic() -> None:
     batches = KitSetting("kinematic").batches()
     assert {each.instants for each in batches} == {40}
     moving = {each.action for each in batches} - {3, 9}  # MODIFY takes a few periods
-    assert len(moving) * 40 * len(EVERYWHERE) >= 2500
+    assert len(moving) * 40 * len(PRIMITIVE_FAULTS) >= 2500
 
 
 def test_each_kind_of_fault_goes_through_its_ways() -> None:
-    assert {variant(FaultKind.STALE, number).sensor for number in range(len(SENSORS))} == set(SENSORS)
-    assert {"wheels", "joints", "width", "positioning", "imu", "gps"} < set(SENSORS)
+    assert {variant(FaultKind.STALE, number).sensor for number in range(len(SENSOR_NAMES))} == set(
+        SENSOR_NAMES
+    )
+    assert {"wheels", "joints", "width", "positioning", "imu", "gps"} < set(SENSOR_NAMES)
     assert len({variant(FaultKind.SLIP, number) for number in range(8)}) == 4
     assert str(Fault(FaultKind.NAN, "joints", 10)) == "NaN joints for 10 periods"
 
@@ -265,7 +267,7 @@ def test_a_primitive_of_somebody_else_is_found_by_its_name() -> None:
 def test_the_fixture_tries_a_backend(conformance: Any) -> None:
     report = conformance("kinematic", robot="cart", parts=("faults",), primitives=("REACH",), instants=1)
     assert report.ok
-    assert report.injected == len(EVERYWHERE)
+    assert report.injected == len(PRIMITIVE_FAULTS)
 
 
 @pytest.mark.slow
@@ -288,8 +290,11 @@ def test_a_domain_declares_what_may_happen_in_its_world(monkeypatch: pytest.Monk
     monkeypatch.setattr(fault, "imported", {"lamps:FAULTS": [PUSH]}.__getitem__)
     assert faults_of("MOVE_TO") == ()
     batch = Batch(Solo(BENCH, Reach()), 0, 1)
-    assert [each.kind for each in batch.faults("REACH", 0, SENSORS)] == [*EVERYWHERE, FaultKind.WORLD]
-    assert [each.kind for each in batch.faults("STAND", 0, SENSORS)] == [*EVERYWHERE]
+    assert [each.kind for each in batch.faults("REACH", 0, SENSOR_NAMES)] == [
+        *PRIMITIVE_FAULTS,
+        FaultKind.WORLD,
+    ]
+    assert [each.kind for each in batch.faults("STAND", 0, SENSOR_NAMES)] == [*PRIMITIVE_FAULTS]
 
 
 def test_a_fault_in_the_world_happens_for_its_periods() -> None:

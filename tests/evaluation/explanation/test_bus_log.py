@@ -7,7 +7,7 @@ from pathlib import Path
 import can
 import pytest
 
-from handcart.backends.can.bus.frame_log import NAMES
+from handcart.backends.can.bus.frame_log import FRAME_NAMES_FILE
 from handcart.backends.can.bus.frame_names import FrameNames
 from handcart.evaluation.explanation.bus_log import LOG_SUFFIXES, UnreadableLog, read_log
 from handcart.evaluation.explanation.frames_around import frames_around
@@ -35,7 +35,7 @@ def test_what_python_can_writes_is_read(tmp_path: Path, kind: str) -> None:
     read = read_log(path)
     assert [each.arbitration_id for each in read] == [each.arbitration_id for each in FRAMES]
     assert [bytes(each.data) for each in read] == [bytes(each.data) for each in FRAMES]
-    (tmp_path / NAMES).write_text(
+    (tmp_path / FRAME_NAMES_FILE).write_text(
         FrameNames(time="unix", nodes={1: "the left drive"}, pdos={}).model_dump_json(), encoding="utf-8"
     )
     excerpt = frames_around(path, tmp_path, float("inf"))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from handcart.backends.simulation.field.spec import StationSpec
-from handcart.evaluation.field.total_station import REFLECTOR, TotalStation
+from handcart.evaluation.field.total_station import REFLECTOR_HEIGHT_M, TotalStation
 from handcart.networks.task.preparing import prepare
 
 TASK = Path(__file__).parents[3] / "tasks" / "deploy_straight" / "task.yaml"
@@ -26,7 +26,7 @@ def sights(tmp_path: Path, side: float, crate: tuple[float, float] = (50.0, 50.0
             station.look()
         hand = scene.world_T("hand")
         station_sees = np.array([each.place for each in station.sights]).reshape(-1, 3)
-        off = station_sees - (hand[:3, 3] - REFLECTOR * hand[:3, 0])
+        off = station_sees - (hand[:3, 3] - REFLECTOR_HEIGHT_M * hand[:3, 0])
         assert np.abs(off).max(initial=0.0) < 5.0 * station.sigma
     return station
 

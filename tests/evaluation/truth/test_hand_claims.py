@@ -19,9 +19,9 @@ from handcart.primitives.blocks.fixate import Fixate
 from handcart.primitives.blocks.pick_up_block import PickUpBlock
 from handcart.primitives.contract.outcome import Success
 from handcart.primitives.preconditions.hand_use import (
-    CARRIES,
+    CARRIES_OBJECT,
     LETS_GO,
-    TAKES,
+    TAKES_OBJECT,
     USE_UNDECLARED,
     USES_NO_FINGERS,
     HandUse,
@@ -54,11 +54,11 @@ MODEL: Any = SimpleNamespace(view=lambda primitive: None)
 @pytest.mark.parametrize(
     ("use", "before", "after", "thing", "wrong"),
     [
-        (TAKES, (), ("block 2",), "block 2", []),
-        (TAKES, (), ("block 1",), "block 2", ["the hand holds block 1, not block 2"]),
-        (TAKES, (), (), "", ["the hand holds nothing, not something"]),
-        (CARRIES, ("block 1",), ("block 1",), "block 1", []),
-        (CARRIES, ("block 1",), (), "", ["the hand holds nothing, not block 1"]),
+        (TAKES_OBJECT, (), ("block 2",), "block 2", []),
+        (TAKES_OBJECT, (), ("block 1",), "block 2", ["the hand holds block 1, not block 2"]),
+        (TAKES_OBJECT, (), (), "", ["the hand holds nothing, not something"]),
+        (CARRIES_OBJECT, ("block 1",), ("block 1",), "block 1", []),
+        (CARRIES_OBJECT, ("block 1",), (), "", ["the hand holds nothing, not block 1"]),
         (LETS_GO, ("block 1",), ("block 1",), "block 1", ["the hand holds block 1, not nothing"]),
         (USES_NO_FINGERS, ("block 1",), ("block 2",), "", ["the hand holds block 2, not block 1"]),
         (USE_UNDECLARED, ("block 1",), (), "", []),
@@ -74,7 +74,7 @@ def test_what_a_taking_primitive_drops_is_not_its_own() -> None:
     run: Any = SimpleNamespace(model=MODEL, world=None)
     surveys = Surveys.__new__(Surveys)
     surveys.run, surveys._every = run, []
-    dropped = surveys._false_effect(claim(TAKES, ("block 1",), ("block 2",), "block 2"))
+    dropped = surveys._false_effect(claim(TAKES_OBJECT, ("block 1",), ("block 2",), "block 2"))
     assert dropped == ["it moved block 1 mm inf mm (at most 10)"]
 
 

@@ -10,14 +10,14 @@ from typing import Any
 import pytest
 
 from handcart.backends.description.robot_loading import load_robot
-from handcart.evaluation.bringup.ladder import RUNGS, BenchFirst, Ladder
+from handcart.evaluation.bringup.ladder import ALL_RUNGS, BenchFirst, Ladder
 from handcart.evaluation.bringup.operator import BenchOperator, ScriptedOperator
 from handcart.evaluation.bringup.record import read
 from handcart.evaluation.bringup.site import Site
 from handcart.evaluation.trials.rig import LIBRARY_FOLDER
 from tests.tools.conftest import Said
 
-NAMES = [each.name for each in RUNGS]
+NAMES = [each.name for each in ALL_RUNGS]
 CART = Path(__file__).resolve().parents[3] / "backends" / "robots" / "cart"
 ANSWERS = {
     "pressed": True,
@@ -77,7 +77,7 @@ def test_none_is_left_out_and_it_goes_on_where_it_was(site: Site) -> None:
     again = Ladder(site)
     assert [each.rung for each in again.records()] == NAMES[:2]
     (site.folder / "01_interface.yaml").unlink()
-    assert again.next is RUNGS[0]
+    assert again.next is ALL_RUNGS[0]
 
 
 def test_another_robots_file_has_to_be_tried_anew(site: Site) -> None:

@@ -10,7 +10,7 @@ import can
 import pytest
 from can.io.canutils import CanutilsLogReader
 
-from handcart.backends.can.bus.frame_log import NAMES, PARTS, SECONDS, FrameLog
+from handcart.backends.can.bus.frame_log import FRAME_NAMES_FILE, MARK_MARGIN_S, MAX_PARTS, FrameLog
 from handcart.backends.can.bus.frame_names import FrameNames, PdoField, PdoNames
 from handcart.backends.can.bus.frame_words import FrameWords
 
@@ -62,7 +62,7 @@ def test_all_frames_are_kept_with_those_before_the_folder(tmp_path: Path, clock:
     assert (first.arbitration_id, first.is_rx, first.timestamp) == (0x601, False, 0.0)
     assert (second.data.hex(), second.is_rx, second.timestamp) == ("3702feffffff", True, 0.05)
     assert third.timestamp == 0.04  # its own clock's
-    assert FrameNames.model_validate_json((tmp_path / NAMES).read_bytes()) == NAMED
+    assert FrameNames.model_validate_json((tmp_path / FRAME_NAMES_FILE).read_bytes()) == NAMED
 
 
 def test_it_doesnt_touch_what_it_notes(tmp_path: Path, clock: Any, make_log: Make) -> None:
@@ -79,7 +79,7 @@ def test_it_is_bounded(tmp_path: Path, clock: Any, make_log: Make) -> None:
         log.note(frame(number), sent=True)
     log.close()
     files = sorted(each.name for each in tmp_path.glob("frames_*.log"))
-    assert len(files) == PARTS
+    assert len(files) == MAX_PARTS
     assert files[0] == "frames_000.log"  # how the drives were set up
     assert read(tmp_path / files[-2])[-1].arbitration_id >= 190
     assert all((tmp_path / each).stat().st_size < 300 for each in files)
@@ -96,7 +96,7 @@ def test_the_seconds_around_a_mark(tmp_path: Path, clock: Any, make_log: Make) -
             log.note(frame(0x7FF), sent=False)
     log.keep(tmp_path / "evidence" / "003_MOVE_TO_Fail")
     ids = [each.arbitration_id for each in read(tmp_path / "evidence" / "003_MOVE_TO_Fail_frames.log")]
-    around = round(SECONDS / 0.1)
+    around = round(MARK_MARGIN_S / 0.1)
     assert ids[: around + 1] == list(range(50 - around, 51))
     assert ids[-around - 1 :] == list(range(99 - around, 100))
     assert len(ids) == len(set(ids))

@@ -7,7 +7,7 @@ from canopen.objectdictionary import datatypes
 
 from handcart.backends.can.bus.fault_words import fault_words
 from handcart.backends.can.bus.heartbeat import Heartbeat
-from handcart.backends.can.bus.pdo_layout import MODES, layout
+from handcart.backends.can.bus.pdo_layout import CIA402_MODES, layout
 from handcart.backends.can.devices.eds_file import SIGNED_BITS
 from tests.conftest import Clock
 
@@ -44,7 +44,7 @@ def test_heartbeat_has_our_node_and_comes_a_tenth_early(clock: Clock) -> None:
 def test_frames_of_each_mode_hold_its_objects(
     commanded: str, kind: str, mode: int, objects: tuple[int, ...], transmission: int
 ) -> None:
-    assert MODES[commanded, kind] == mode
+    assert CIA402_MODES[commanded, kind] == mode
     planned = layout(mode)
     first, *more = planned.commands
     assert (first.number, first.objects, first.transmission, first.length) == (1, objects, transmission, 6)

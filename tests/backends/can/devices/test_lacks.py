@@ -16,7 +16,7 @@ from handcart.backends.can.bench.bench import Bench
 from handcart.backends.can.bench.bench_bus import BenchBus
 from handcart.backends.can.bus.cyclic_frames import cyclic_frames
 from handcart.backends.can.can_backend import CanBackend
-from handcart.backends.can.devices.lacks import LACKS, not_watched
+from handcart.backends.can.devices.lacks import DEVICE_LACKS, not_watched
 from handcart.backends.can.errors import Emergency, ReadBackDiffers
 from handcart.backends.can.simulated.drive_node import DriveNode
 from handcart.backends.can.simulated.simulated_drives import SimulatedDrives
@@ -68,10 +68,10 @@ def without(*words: str, brake: bool = False) -> str:
     return f"without: [{', '.join(words)}], " + ("brake: true, " if brake else "")
 
 
-LEFT_OUT = {word: lack.objects for word, lack in LACKS.items()}
+LEFT_OUT = {word: lack.objects for word, lack in DEVICE_LACKS.items()}
 
 
-@pytest.mark.parametrize("word", LACKS)
+@pytest.mark.parametrize("word", DEVICE_LACKS)
 def test_what_a_drive_lacks_is_told_until_it_is_accepted(tmp_path: Path, word: Without) -> None:
     """C9 C10: at the drive's place in the robot's file, with what follows, and how that is accepted."""
     eds, brake = maker_eds(*LEFT_OUT[word]), "brake: true, "
@@ -80,7 +80,7 @@ def test_what_a_drive_lacks_is_told_until_it_is_accepted(tmp_path: Path, word: W
     (finding,) = error.value.findings
     assert finding.file.endswith("robot.yaml")
     assert finding.line > 1
-    lack = LACKS[word]
+    lack = DEVICE_LACKS[word]
     assert f"maker.eds describes no {lack.objects[0]:04X}h" in finding.message
     assert lack.then in finding.message
     assert finding.message.endswith(f"to accept that: without: [{word}]")
@@ -113,7 +113,7 @@ def test_an_axis_that_may_fall_at_a_stop_is_refused(tmp_path: Path) -> None:
         load_robot(written(tmp_path, maker_eds(0x605A), (JOINT_1,), without("quick_stop_option")))
 
 
-ALL = tuple(index for lack in LACKS.values() for index in lack.objects)
+ALL = tuple(index for lack in DEVICE_LACKS.values() for index in lack.objects)
 SILENT = (0x1006, 0x1029, "1400sub5", 0x6080, 0x6084)
 """What is done without, and needn't be accepted."""
 
@@ -122,7 +122,7 @@ SILENT = (0x1006, 0x1029, "1400sub5", 0x6080, 0x6084)
 def bare(tmp_path: Path, make: Make) -> Any:
     """A robot all of whose drives lack all that can be lacked."""
     eds = maker_eds(*ALL, *SILENT)
-    accepted = without(*LACKS, brake=True)
+    accepted = without(*DEVICE_LACKS, brake=True)
     robot = load_robot(written(tmp_path, eds, (1, 2, *JOINTS, 21), accepted))
     return make(robot=robot, room=False)
 
@@ -219,13 +219,16 @@ def test_real_drive_lacking_a_feature_names_the_key_to_accept_it(
     first, second = str(error.value).splitlines()
     assert first.endswith("wanted: 8323222")
     assert "(1016h:1) is refused: Code 0x06090011" in first
-    assert f"if it has none: {LACKS['consumer_heartbeat'].then}; to accept that: without: [consumer" in first
+    assert (
+        f"if it has none: {DEVICE_LACKS['consumer_heartbeat'].then}; to accept that: without: [consumer"
+        in first
+    )
     assert "without: [quick_stop_option]" in second
 
 
 def test_check_and_bring_up_say_what_is_not_watched(tmp_path: Path) -> None:
     robot = load_robot(written(tmp_path, maker_eds(0x1016), (LEFT,), without("consumer_heartbeat")))
-    words = f"left wheel: without consumer heartbeat time: {LACKS['consumer_heartbeat'].then}"
+    words = f"left wheel: without consumer heartbeat time: {DEVICE_LACKS['consumer_heartbeat'].then}"
     assert words in report_of(robot, tried=False).warnings
     said: list[str] = []
     site = Site(

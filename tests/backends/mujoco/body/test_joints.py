@@ -10,7 +10,7 @@ import pytest
 
 from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.mujoco.mujoco_backend import MujocoBackend
-from handcart.backends.physics.body.joint_group import BREAKAWAY
+from handcart.backends.physics.body.joint_group import MIN_TORQUE_RATIO
 from handcart.backends.physics.body.physics_arm import CATCHES_UP
 from handcart.backends.simulation.world.world_model import world_model
 
@@ -53,7 +53,7 @@ def test_a_joint_that_was_held_back_comes_back_no_faster_than_it_may(backend: An
     assert abs(drives.states()[0][0] - goal[0]) < 1e-3
 
 
-@pytest.mark.parametrize(("off", "share"), [(0.0, 0.0), (0.015, 0.5 + BREAKAWAY), (0.5, 1.0)])
+@pytest.mark.parametrize(("off", "share"), [(0.0, 0.0), (0.015, 0.5 + MIN_TORQUE_RATIO), (0.5, 1.0)])
 def test_what_is_in_the_way_of_a_joint_feels_a_spring(backend: Any, off: float, share: float) -> None:
     arm, engine = backend._arm, backend._engine
     goal, nowhere = arm.true_joints(), np.zeros(len(arm._effort))

@@ -11,7 +11,7 @@ import pytest
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.physics.physics_backend import PhysicsBackend
-from handcart.backends.physics.urdf.urdf_repairs import LIGHTEST, repaired
+from handcart.backends.physics.urdf.urdf_repairs import MIN_MASS_KG, repaired
 from handcart.backends.simulation.world.world_file import WorldFile
 from handcart.robotics.kinematics.urdf_contents import LinkFacts, links_of
 
@@ -61,13 +61,13 @@ def test_a_body_gets_mass_and_inertia_that_bodies_have(
 
 def test_frames_are_light_and_only_those_that_move_are_told() -> None:
     mended, repairs = repaired(base_with(2.0, 0.02, 0.03, 0.04))
-    assert [each.mass for each in links_of(mended)] == [2.0, LIGHTEST, LIGHTEST]
+    assert [each.mass for each in links_of(mended)] == [2.0, MIN_MASS_KG, MIN_MASS_KG]
     assert [each.link for each in repairs] == ["turns"]
 
 
 def test_a_mass_without_inertia_is_given_one() -> None:
     mended, repairs = repaired(ROBOT.format(inertial='<inertial><mass value="2"/></inertial>'))
-    assert base_of(mended).inertia == pytest.approx(np.diag([LIGHTEST] * 3))
+    assert base_of(mended).inertia == pytest.approx(np.diag([MIN_MASS_KG] * 3))
     assert repairs[0].link == "base"
 
 
