@@ -18,7 +18,12 @@ from handcart.primitives.contract.action_primitive import ActionPrimitive, Perio
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured, NeedsPerson
 from handcart.primitives.contract.meant_contact import MeantContact
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
-from handcart.primitives.motions.arm_motion import move_straight, move_to_joints, move_to_pose
+from handcart.primitives.motions.arm_motion import (
+    move_straight,
+    move_to_joints,
+    move_to_pose,
+    move_to_posture,
+)
 from handcart.primitives.motions.from_above import gripped, gripping, on_level
 from handcart.primitives.motions.grip import close, holds, open_to, width_off
 from handcart.primitives.motions.pushing import push
@@ -53,6 +58,8 @@ class PickUpBlock(ActionPrimitive):
     """Location of the block: the supply, or the robot's own table."""
     look: bool = False
     """Measure the pose of the block with the camera first."""
+    stow: bool = False
+    """Move the arm home in the end, as it must be before the base drives away."""
 
     needs: ClassVar = (Arm, Gripper, Camera)
     reads: ClassVar = ("building", "fixed", "placed")
@@ -100,7 +107,10 @@ class PickUpBlock(ActionPrimitive):
         if not _grips(robot, plan):
             raise Discrepancy("the fingers don't hold a block", measured=_opening(robot, plan))
         self._held = True
-        yield from move_straight(robot, above, gripped(robot, plan.block))
+        held = gripped(robot, plan.block)
+        yield from move_straight(robot, above, held)
+        if self.stow:
+            yield from move_to_posture(robot, "home", held, surroundings(robot, model))
         if self.at == "supply":
             model.of(Blocks).taken = (*model.of(Blocks).taken, self.number)
         self.found(width_mm=round(1e3 * robot.gripper.width(), 2))

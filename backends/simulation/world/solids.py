@@ -29,6 +29,16 @@ class Solid:
     grey: int | None = None
     """Grey of its sides, 0 to 255; None: that of furniture."""
 
+    @property
+    def outline(self) -> tuple[float, float, float, float, float]:
+        """Outline on the floor: x, y in [m], yaw in [rad], length and width in [m]."""
+        pose, (length, width, _) = self.box.pose, self.box.size
+        return float(pose[0, 3]), float(pose[1, 3]), math.atan2(pose[1, 0], pose[0, 0]), length, width
+
+    def reaches(self, height: float) -> bool:
+        """Return whether it cuts the level plane at a height, in [m]."""
+        return abs(float(self.box.pose[2, 3]) - height) <= self.box.size[2] / 2
+
 
 THE_GROUND = Solid(Box(Pose2(0.0, 0.0, 0.0).lift(-0.5), (_WIDE, _WIDE, 1.0), "the ground"))
 """Outdoors: its top is at height 0."""

@@ -103,13 +103,8 @@ def _alike(grid: GridMap, solids: list[Solid]) -> float:
     """The share of the occupied cells with something of the world near them."""
     shape = grid.occupied.shape
     size = shape[1] * grid.resolution, shape[0] * grid.resolution
-    boxes = [_outline(solid) for solid in solids]
+    boxes = [solid.outline for solid in solids]
     stands = from_boxes(boxes, grid.resolution, (grid.origin_x, grid.origin_y), size).occupied
     away = cv2.distanceTransform((~stands).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
     near = away[: shape[0], : shape[1]] * grid.resolution <= MAX_MAP_DISTANCE_M + grid.resolution
     return float(np.mean(near[grid.occupied]))
-
-
-def _outline(solid: Solid) -> tuple[float, float, float, float, float]:
-    pose, (length, width, _) = solid.box.pose, solid.box.size
-    return float(pose[0, 3]), float(pose[1, 3]), math.atan2(pose[1, 0], pose[0, 0]), length, width

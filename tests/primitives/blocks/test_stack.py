@@ -20,6 +20,7 @@ from handcart.primitives.blocks.stack import Stack
 from handcart.primitives.contract.attempt import attempt
 from handcart.primitives.contract.discrepancy import Discrepancy
 from handcart.primitives.contract.outcome import Fail, GiveUp, Success
+from handcart.primitives.driving.move_to import MoveTo
 from handcart.robotics.geometry.transform import inverse, transform
 
 from .stacking import at_the_wall, do_with, scene_of, with_block
@@ -70,6 +71,15 @@ def test_looking_first_a_missing_block_is_a_fail_with_the_arm_back() -> None:
         assert isinstance(outcome, Fail)
         assert "block 3 isn't seen at its planned place" in outcome.reason
         assert rig.robot.arm.joints() == pytest.approx(before, abs=1e-3)
+
+
+def test_block_picked_with_stow_is_carried_inside_the_footprint() -> None:
+    with at_the_wall() as rig:
+        rig.do(Fixate(landmark="stacking"))
+        assert isinstance(rig.do(PickUpBlock(number=2, at="robot", stow=True)), Success)
+        assert rig.robot.arm.joints() == pytest.approx(rig.robot.spec.posture("home"), abs=5e-3)
+        assert isinstance(rig.do(MoveTo(place="stacking")), Success)
+        assert scene_of(rig).held is scene_of(rig).of(BlockProps).blocks["2"]
 
 
 def test_the_gyros_tell_how_far_the_base_turned() -> None:

@@ -1,0 +1,72 @@
+"""Pictures of the tutorials: `python scripts/pictures_of_tutorials.py [NAME ...]` (a minute each).
+
+Writes docs/pictures/NAME.jpg, from the files that the tutorial's page shows: of those that are named, or all.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import sys
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import NamedTuple
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(ROOT), str(ROOT / "scripts")]
+
+from pictures_of_physics import Moment, Photo  # noqa: E402
+
+from handcart.evaluation.trials.running import run_task  # noqa: E402
+from handcart.networks.run_options import RunOptions  # noqa: E402
+from handcart.tools.main import main as handcart  # noqa: E402
+from tests.tutorials.tutorial_steps import steps, write_file  # noqa: E402
+
+
+class Still(NamedTuple):
+    """A page, the commands of it that make files, and a moment in a run of its task."""
+
+    page: str
+    makes: tuple[str, ...]
+    moment: Moment
+
+
+STILLS: Mapping[str, Still] = {
+    "room": Still(
+        "room.md",
+        ("handcart make-map",),
+        Moment("room/task.yaml", "MOVE_TO", 1, 18.0, (-0.9, -1.3, 8.0), (-0.7, 1.0, 0.2), 1300.0),
+    ),
+}
+
+
+def take(name: str) -> Path:
+    """Take one picture; return its file."""
+    page, makes, moment = STILLS[name]
+    path = ROOT / "docs" / "pictures" / f"{name}.jpg"
+    with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
+        for file, text in steps(page):
+            if file:
+                write_file(Path(folder), file, text)
+            elif text.startswith(makes):
+                with contextlib.suppress(SystemExit):
+                    handcart(text.split()[1:])
+        photo = Photo(moment, path)
+        options = RunOptions(backend="mujoco", settings=moment.settings, observers=(photo,))
+        run_task(Path(folder) / moment.task, Path(folder) / "runs", options)
+        os.chdir(ROOT)
+    if not photo.taken:
+        sys.exit(f"{name}: {moment.action} wasn't begun {moment.times} times")
+    return path
+
+
+def main() -> None:
+    """Take those that are asked for, or all."""
+    for name in sys.argv[1:] or STILLS:
+        path = take(name)
+        print(f"written: {path}, {path.stat().st_size // 1000} kB")
+
+
+if __name__ == "__main__":
+    main()

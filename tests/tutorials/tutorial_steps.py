@@ -1,0 +1,64 @@
+"""Files and commands of a tutorial's page, and how a test carries them out as a reader would."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+FOLDER = Path(__file__).resolve().parents[2] / "docs" / "tutorials"
+TUTORIALS = sorted(page.name for page in FOLDER.glob("*.md") if page.name != "index.md")
+BLOCK = re.compile(
+    r"```(?:\{code-block\} \w+\n:caption: (?P<file>\S+)\n\n?|(?P<kind>bash)\n)(?P<text>.*?)```", re.S
+)
+INSTALL = ("pip", "install", "-e")
+
+
+def steps(page: str) -> Iterator[tuple[str, str]]:
+    """Yield the files and commands of a page: (path, text) of a file, ("", line) of a command."""
+    for block in BLOCK.finditer((FOLDER / page).read_text(encoding="utf-8")):
+        if block["file"]:
+            yield block["file"], block["text"]
+        else:
+            yield from (("", line) for line in block["text"].splitlines() if line.strip())
+
+
+def write_file(folder: Path, path: str, text: str) -> None:
+    """Write a file that a page shows."""
+    (folder / path).parent.mkdir(parents=True, exist_ok=True)
+    (folder / path).write_text(text, encoding="utf-8")
+
+
+def carry_out(line: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[int, int]:
+    """Run a command line in a folder; return its exit status and the status that the page states.
+
+    `handcart` runs in this process, until the page has installed a package of its own: `pip install -e
+    FOLDER` installs that package into a folder `site`, which only later processes see. `python` and
+    `pytest` are programs of this environment.
+    """
+    line, _, expected = line.partition(" # status ")
+    program, *words = shlex.split(line)
+    site = folder / "site"
+    if (program, *words[:-1]) == INSTALL:
+        command = [sys.executable, "-m", "pip", "install", "-q", "--no-deps", "--no-build-isolation"]
+        subprocess.run([*command, "--target", str(site), str(folder / words[-1])], check=True)
+        monkeypatch.setenv("PYTHONPATH", str(site))
+        return 0, 0
+    if program == "handcart" and not site.exists():
+        return _in_this_process(words), int(expected or 0)
+    start = [sys.executable] if program == "python" else [sys.executable, "-m", program]
+    assert program in ("handcart", "python", "pytest"), line
+    return subprocess.run([*start, *words], cwd=folder, check=False).returncode, int(expected or 0)
+
+
+def _in_this_process(words: list[str]) -> int:
+    from handcart.tools.main import main
+
+    with pytest.raises(SystemExit) as end:
+        main(words)
+    return int(end.value.code or 0)
