@@ -11,16 +11,16 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-HERE = Path(__file__).parent
+BENCHMARKS_FOLDER = Path(__file__).parent
 
 
 def listed(word: str = "") -> Iterator[tuple[str, str]]:
     """Name and first sentence of each module here that is a command and has the word in either."""
-    for path in sorted(HERE.rglob("*.py")):
+    for path in sorted(BENCHMARKS_FOLDER.rglob("*.py")):
         text = path.read_text(encoding="utf-8")
         if '__name__ == "__main__"' not in text or path == Path(__file__):
             continue
-        name = ".".join(path.relative_to(HERE.parent).with_suffix("").parts)
+        name = ".".join(path.relative_to(BENCHMARKS_FOLDER.parent).with_suffix("").parts)
         about = re.split(r":\s+`?python", (ast.get_docstring(ast.parse(text)) or "").split("\n\n")[0])[0]
         if word.lower() in f"{name} {about}".lower():
             yield name, " ".join(about.split()).rstrip(".")

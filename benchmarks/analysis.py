@@ -18,7 +18,7 @@ from handcart.networks.graph.network import Action, ActionNetwork, Binding, Situ
 from handcart.primitives.driving.modify import Modify
 
 Row = tuple[str, str, float, int, str | None]
-BOUND = Binding.of(Modify(place="x"))
+BOUND_ACTION = Binding.of(Modify(place="x"))
 
 
 def chain(size: int, rng: random.Random) -> Iterator[Row]:
@@ -86,7 +86,7 @@ def tireworld(size: int, rng: random.Random) -> Iterator[Row]:
         yield f"towed{i}", f"at{max(0, i - 1)}", 30.0, 1, None
 
 
-SHAPES: dict[str, tuple[Callable[[int, random.Random], Iterator[Row]], str]] = {
+NETWORK_SHAPES: dict[str, tuple[Callable[[int, random.Random], Iterator[Row]], str]] = {
     "chain": (chain, "s{last}"),
     "ladder": (ladder, "a{half}"),
     "detours": (detours, "s{third}"),
@@ -99,13 +99,13 @@ SHAPES: dict[str, tuple[Callable[[int, random.Random], Iterator[Row]], str]] = {
 
 def network(shape: str, size: int, seed: int = 0) -> ActionNetwork:
     """A network of that shape and about that many situations."""
-    made, goal = SHAPES[shape]
+    made, goal = NETWORK_SHAPES[shape]
     rows = list(made(size, random.Random(seed)))
     names = dict.fromkeys(name for s, t, _, _, f in rows for name in (s, t, f) if name)
     side = max(2, round(size**0.5)) - 1
     places = {"last": size - 1, "half": size // 2 - 1, "third": size // 3, "side": side}
     there = goal.format(**places, quarter=max(3, size // 4) - 1)
-    actions = [Action(s, t, BOUND, cost, tries, fail) for s, t, cost, tries, fail in rows]
+    actions = [Action(s, t, BOUND_ACTION, cost, tries, fail) for s, t, cost, tries, fail in rows]
     every = [*names, *({there} - names.keys())]
     return ActionNetwork.build(map(Situation, every), actions, every[0], there)
 
@@ -116,7 +116,7 @@ def main() -> None:
     words.add_argument("size", nargs="*", type=int, default=[100, 1000, 8670])
     sizes: list[int] = words.parse_args().size
     print(f"{'shape':<12}{'situations':>11}{'actions':>9}{'worst cases':>14}{'figures':>14}  what is known")
-    for shape in SHAPES:
+    for shape in NETWORK_SHAPES:
         for size in sizes:
             made = network(shape, size)
             took, known = zip(*(_timed(each, made) for each in (worst_cases, _figures)), strict=True)

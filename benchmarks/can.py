@@ -31,9 +31,9 @@ from handcart.backends.capabilities.base import Base
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.robot_loading import load_robot
 
-FAULTS = ("emergency", "collision", "two-nodes", "stranger", "stranger-command", "reboot")
+BUS_FAULTS = ("emergency", "collision", "two-nodes", "stranger", "stranger-command", "reboot")
 """Those that one frame shows."""
-PERIOD = 0.05
+PERIOD_S = 0.05
 LOOP_PERIOD, LOOP_S = 0.01, 20.0
 ALLOWED_MS = 10.0
 """Beyond a period, for 99 of 100 stops."""
@@ -83,7 +83,7 @@ def served(robot: RobotFile) -> Iterator[tuple[Bench, threading.Lock]]:
 
 def stop_after(fault: str, wait_s: float, number: int) -> float:
     """How long after a fault the last quick stop has left, in [ms]."""
-    robot = on_bus(f"stops {number}", PERIOD)
+    robot = on_bus(f"stops {number}", PERIOD_S)
     stops: list[float] = []
 
     def sent(frame: can.Message, ours: bool) -> None:
@@ -92,7 +92,7 @@ def stop_after(fault: str, wait_s: float, number: int) -> float:
 
     with served(robot) as (bench, lock):
         backend = CanBackend(robot, None)
-        backend._pace = Patient(PERIOD, sleep=backend._listen)
+        backend._pace = Patient(PERIOD_S, sleep=backend._listen)
         backend._line.listen(sent)
         shown: list[float] = []
 
@@ -147,14 +147,14 @@ def stops(count: int, say: Callable[[str], None]) -> dict[str, float]:
     drawn = random.Random(0)
     delays = []
     for number in range(count):
-        fault = FAULTS[number % len(FAULTS)]
-        delays.append(stop_after(fault, drawn.uniform(0.1, 0.1 + PERIOD), number))
+        fault = BUS_FAULTS[number % len(BUS_FAULTS)]
+        delays.append(stop_after(fault, drawn.uniform(0.1, 0.1 + PERIOD_S), number))
         if number % 20 == 19:
             say(f"{number + 1} faults")
     p50, p99 = np.percentile(delays, (50, 99))
     return {
         "faults": count,
-        "period_ms": 1e3 * PERIOD,
+        "period_ms": 1e3 * PERIOD_S,
         "p50_ms": round(float(p50), 2),
         "p99_ms": round(float(p99), 2),
         "max_ms": round(max(delays), 2),
@@ -177,7 +177,7 @@ def main() -> None:
     p50, p99, most = (stopping[each] for each in ("p50_ms", "p99_ms", "max_ms"))
     latency = f"a stop has left {p50} ms (p50), {p99} ms (p99), {most} ms (max) after the fault shows"
     ends = "holds" if within else "does not hold"
-    print(f"{latency}; {given.faults} faults, period {1e3 * PERIOD:g} ms: {ends}")
+    print(f"{latency}; {given.faults} faults, period {1e3 * PERIOD_S:g} ms: {ends}")
     print(f"{cost['drives']} drives at 100 Hz: {cost['cpu_percent']} % of one core, {cost}")
 
 

@@ -26,7 +26,7 @@ import orjson
 from handcart.networks.operator.socket_path import STOP_SOCKET, socket_path
 from tests.browser import DESK, browsing
 
-ROOT = Path(__file__).parents[1]
+REPOSITORY_ROOT = Path(__file__).parents[1]
 PERMITS, STOPS, PAGES = 20, 200, 50
 PERIOD_S = 0.05
 
@@ -41,7 +41,7 @@ def main() -> None:
             stdout=subprocess.PIPE,
             text=True,
         )
-        task = ROOT / "tasks" / "stack_blocks" / "task.yaml"
+        task = REPOSITORY_ROOT / "tasks" / "stack_blocks" / "task.yaml"
         words = ["run", str(task), "--step", "--no-report", "--runs", str(runs)]
         run = subprocess.Popen(
             [sys.executable, "-m", "handcart", *words],

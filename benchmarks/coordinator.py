@@ -33,7 +33,7 @@ from handcart.primitives.knowledge.world_model import ModelView, WorldModel
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.grid_map import GridMap
 
-DRIVE = {
+DRIVE_SPEC = {
     "wheel_radius_m": 0.1,
     "tread_m": 0.4,
     "top_speed_m_s": 1.0,
@@ -41,15 +41,15 @@ DRIVE = {
     "acceleration_m_s2": 1.0,
     "turn_acceleration_deg_s2": 180.0,
 }
-TOLERANCE = {"base_mm": 25, "base_deg": 1.5, "joints_deg": 0.3, "gripper_mm": 1, "object_mm": 8}
-ROBOT = {
+TOLERANCE_SPEC = {"base_mm": 25, "base_deg": 1.5, "joints_deg": 0.3, "gripper_mm": 1, "object_mm": 8}
+ROBOT_SPEC = {
     "format": "handcart-robot/1",
     "urdf": "none.urdf",
     "period_s": 0.05,
     "footprint_radius_m": 0.3,
     "localizer": "odometry",
-    "drive": DRIVE,
-    "tolerance": TOLERANCE,
+    "drive": DRIVE_SPEC,
+    "tolerance": TOLERANCE_SPEC,
 }
 
 
@@ -113,7 +113,7 @@ def coordinator_round(network: ActionNetwork, journal: Journal | None) -> float:
     """Seconds for one run through the network."""
     nothing = np.zeros((1, 1), dtype=np.bool_)
     model = WorldModel(GridMap(nothing, nothing, 0.05, 0.0, 0.0), {})
-    robot = Robot(Nothing(), RobotFile.model_validate(ROBOT), Pose2(0.0, 0.0, 0.0))
+    robot = Robot(Nothing(), RobotFile.model_validate(ROBOT_SPEC), Pose2(0.0, 0.0, 0.0))
     coordinator = Coordinator(network, robot, model, journal)
     began = process_time()
     for _ in coordinator.run():

@@ -15,7 +15,7 @@ from inspect import CO_OPTIMIZED
 from pathlib import Path
 from types import FrameType
 
-ROOT = Path(__file__).resolve().parents[1]
+REPOSITORY_ROOT = Path(__file__).resolve().parents[1]
 
 
 class There(BaseException):
@@ -28,7 +28,7 @@ def files() -> list[str]:
     from handcart.tools.main import main
 
     seen: set[str] = set()
-    goal, top = MoveTo.motion.__code__, str(ROOT)
+    goal, top = MoveTo.motion.__code__, str(REPOSITORY_ROOT)
 
     def watch(frame: FrameType, event: str, _: object) -> None:
         code = frame.f_code
@@ -38,14 +38,20 @@ def files() -> list[str]:
                 raise There
 
     with tempfile.TemporaryDirectory() as folder:
-        sys.argv = ["handcart", "run", str(ROOT / "tasks" / "drive_map" / "task.yaml"), "--runs", folder]
+        sys.argv = [
+            "handcart",
+            "run",
+            str(REPOSITORY_ROOT / "tasks" / "drive_map" / "task.yaml"),
+            "--runs",
+            folder,
+        ]
         sys.setprofile(watch)
         try:
             with suppress(There):
                 main()
         finally:
             sys.setprofile(None)
-    inside = (Path(name).relative_to(ROOT) for name in seen if "site-packages" not in name)
+    inside = (Path(name).relative_to(REPOSITORY_ROOT) for name in seen if "site-packages" not in name)
     return sorted(str(each) for each in inside if each.parts[0] not in ("benchmarks", ".venv"))
 
 

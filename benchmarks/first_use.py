@@ -19,9 +19,12 @@ from pathlib import Path
 from threading import Thread
 from typing import IO, NamedTuple
 
-ROOT = Path(__file__).resolve().parents[1]
-BEGINS = ("stops the base", "1. DIVIDE")  # what `run` says before the first motion; DIVIDE only thinks
-COMMANDS = {
+REPOSITORY_ROOT = Path(__file__).resolve().parents[1]
+FIRST_MOTION_WORDS = (
+    "stops the base",
+    "1. DIVIDE",
+)  # what `run` says before the first motion; DIVIDE only thinks
+TIMED_COMMANDS = {
     "check": ("check", "stack_blocks"),
     "check seam": ("check", "track_seam"),
     "check robot": ("check", "backends/robots/librarian/robot.yaml"),
@@ -49,16 +52,16 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument(
-        "commands", nargs="*", metavar="COMMAND", help=f"of {', '.join(COMMANDS)} (default: all)"
+        "commands", nargs="*", metavar="COMMAND", help=f"of {', '.join(TIMED_COMMANDS)} (default: all)"
     )
-    chosen = parser.parse_args().commands or list(COMMANDS)
-    if unknown := sorted(set(chosen) - set(COMMANDS)):
-        parser.error(f"{', '.join(unknown)}: not known; there are {', '.join(COMMANDS)}")
+    chosen = parser.parse_args().commands or list(TIMED_COMMANDS)
+    if unknown := sorted(set(chosen) - set(TIMED_COMMANDS)):
+        parser.error(f"{', '.join(unknown)}: not known; there are {', '.join(TIMED_COMMANDS)}")
     late = False
     limits = f"  (allowed: {MAX_FIRST_LINE_S:g}, {MAX_RESULT_S:g})"
     print(f"{'first use of':14}{'first line s':>14}{'result s':>10}{limits}")
     for name in chosen:
-        took = first_use(COMMANDS[name])
+        took = first_use(TIMED_COMMANDS[name])
         late |= took.first_line > MAX_FIRST_LINE_S or took.result > MAX_RESULT_S
         print(f"{name:14}{took.first_line:14.1f}{took.result:10.1f}", flush=True)
     sys.exit(1 if late else 0)
@@ -76,7 +79,7 @@ def first_use(words: Sequence[str]) -> Times:
         env = {**os.environ, "NUMBA_CACHE_DIR": f"{folder}/code", "OMP_NUM_THREADS": "1"}
         begun, said = time.monotonic(), list[tuple[float, str]]()
         process = subprocess.Popen(
-            command, cwd=ROOT, env=env, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+            command, cwd=REPOSITORY_ROOT, env=env, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
         )
         assert process.stdout is not None and process.stderr is not None
         pipes = process.stdout, process.stderr
@@ -107,7 +110,7 @@ def write_log(path: Path) -> None:
 
 
 def _begins(line: str) -> bool:
-    return any(words in line for words in BEGINS)
+    return any(words in line for words in FIRST_MOTION_WORDS)
 
 
 def _note(pipe: IO[str], begun: float, said: list[tuple[float, str]]) -> None:

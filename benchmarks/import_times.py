@@ -13,10 +13,10 @@ import sys
 from collections.abc import Callable, Sequence
 from statistics import median
 
-REPEATS = 20
+REPEAT_COUNT = 20
 MOST_MS = {"import handcart": 60.0, "handcart --help": 150.0}
 """What either may take, in [ms]."""
-CODE = {
+TIMED_CODE = {
     "bare": "pass",
     "import handcart": "import handcart",
     "handcart --help": "from handcart.tools.main import main; main(['--help'])",
@@ -34,15 +34,15 @@ def cpu_ms(words: Sequence[str]) -> float:
 
 
 def beyond_bare_ms(
-    repeats: int = REPEATS, middle: Callable[[Sequence[float]], float] = median
+    repeats: int = REPEAT_COUNT, middle: Callable[[Sequence[float]], float] = median
 ) -> dict[str, float]:
     """By what is run, in [ms]; the three take turns, so that a busy machine is busy for all.
 
     With `min` for the middle, what a crowded processor adds to CPU times is left out.
     """
-    times: dict[str, list[float]] = {name: [] for name in CODE}
+    times: dict[str, list[float]] = {name: [] for name in TIMED_CODE}
     for _ in range(repeats):
-        for name, code in CODE.items():
+        for name, code in TIMED_CODE.items():
             times[name].append(cpu_ms([sys.executable, "-c", code]))
     bare = middle(times.pop("bare"))
     return {name: middle(each) - bare for name, each in times.items()}

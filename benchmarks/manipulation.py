@@ -18,9 +18,9 @@ from handcart.robotics.manipulation.motions.collision_model import CollisionMode
 from handcart.robotics.manipulation.motions.motion_planner import plan_motion, plan_straight
 from handcart.robotics.manipulation.motions.trajectory import time_path
 
-ROBOT = Path(__file__).resolve().parents[1] / "backends" / "robots" / "librarian" / "librarian.urdf"
-READY = np.array([-0.941, -0.9967, 2.3301, -0.9545, -1.4318, 0.1931])
-PILLAR = Box(transform((0.3, 0.0, 1.1)), (0.05, 0.3, 0.6), "pillar")
+ROBOT_FILE = Path(__file__).resolve().parents[1] / "backends" / "robots" / "librarian" / "librarian.urdf"
+READY_POSTURE = np.array([-0.941, -0.9967, 2.3301, -0.9545, -1.4318, 0.1931])
+PILLAR_BOX = Box(transform((0.3, 0.0, 1.1)), (0.05, 0.3, 0.6), "pillar")
 
 
 def books(count: int) -> list[Box]:
@@ -44,7 +44,7 @@ def report(name: str, work: Callable[[Any], object], inputs: Sequence[Any]) -> N
 def main() -> None:
     """Prints the table."""
     argparse.ArgumentParser(description=__doc__).parse_args()
-    arm = ArmModel(ROBOT.read_text(), [f"joint_{number}" for number in range(1, 7)])
+    arm = ArmModel(ROBOT_FILE.read_text(), [f"joint_{number}" for number in range(1, 7)])
     rng = np.random.default_rng(1)
     postures = rng.uniform(arm.lower, arm.upper, (1000, 6))
     print(f"{'[us]':46s} {'mean':>10s} {'median':>10s} {'95 %':>10s} results")
@@ -60,7 +60,7 @@ def main() -> None:
         name = f"{count} books, {collision.pairs} pairs"
         report(f"collision check, {name}", collision.in_collision, list(postures))
         report(f"distance, {name}", collision.distance, list(postures[:200]))
-    collision = CollisionModel(arm, [*books(30), PILLAR], margin=0.005)
+    collision = CollisionModel(arm, [*books(30), PILLAR_BOX], margin=0.005)
     free = [q for q in postures if not collision.in_collision(q)][:101]
     pairs = list(pairwise(free))
     report(
@@ -68,10 +68,10 @@ def main() -> None:
         lambda pair: plan_motion(arm, collision, pair[0], pair[1], seed=1),
         pairs,
     )
-    line = plan_straight(arm, READY, transform((0.14, 0.42, 0.79)))
+    line = plan_straight(arm, READY_POSTURE, transform((0.14, 0.42, 0.79)))
     report(
         "plan_straight, 0.5 m",
-        lambda goal: plan_straight(arm, READY, goal),
+        lambda goal: plan_straight(arm, READY_POSTURE, goal),
         [transform((0.14, 0.42, 0.79))] * 20,
     )
     limits = (np.full(6, 1.5), np.full(6, 3.0), 0.05)

@@ -19,7 +19,7 @@ from handcart.backends.physics.physics_backend import PhysicsBackend
 from handcart.backends.registry import backend_class
 from handcart.backends.simulation.world.world_model import world_model
 
-ENGINES = ("mujoco", "pybullet")
+ENGINE_NAMES = ("mujoco", "pybullet")
 BOXES, ROUNDS, PERIODS = (0, 10, 40), 7, 20
 
 
@@ -42,8 +42,8 @@ def main() -> None:
     periods = words.parse_args().periods
     print("loose boxes  engine     ms a period   us a step   wrapper")
     for boxes in BOXES:
-        backends = {name: _build(name, boxes) for name in ENGINES}
-        spent: dict[str, list[tuple[float, float]]] = {name: [] for name in ENGINES}
+        backends = {name: _build(name, boxes) for name in ENGINE_NAMES}
+        spent: dict[str, list[tuple[float, float]]] = {name: [] for name in ENGINE_NAMES}
         for _ in range(ROUNDS):
             for name, backend in backends.items():
                 spent[name].append(_round(backend, periods))

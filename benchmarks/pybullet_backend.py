@@ -22,7 +22,7 @@ from handcart.backends.pybullet.bullet_engine import BulletEngine
 from handcart.backends.pybullet.pybullet_backend import PyBulletBackend
 from handcart.backends.simulation.world.load_world import load_world
 
-WORLD = Path(__file__).resolve().parents[1] / "tasks" / "return_book" / "world.yaml"
+WORLD_FILE = Path(__file__).resolve().parents[1] / "tasks" / "return_book" / "world.yaml"
 PERIODS, ROUNDS = 100, 9
 
 
@@ -41,7 +41,7 @@ class Clock:
 def main() -> None:
     """Print the ratio, and how many times faster than real time both are."""
     argparse.ArgumentParser(description=__doc__).parse_args()
-    backend = PyBulletBackend(load_robot("librarian"), load_world(WORLD), 0)
+    backend = PyBulletBackend(load_robot("librarian"), load_world(WORLD_FILE), 0)
     engine: Any = backend._engine
     base, arm = backend.capabilities()[:2]
     assert isinstance(base, Base)

@@ -17,9 +17,9 @@ from typing import Any
 import orjson
 from rich.progress import track
 
-HERE = Path(__file__).resolve().parents[1]
+REPOSITORY_ROOT = Path(__file__).resolve().parents[1]
 OTHER_FILES = ("tower.yaml", "unload.yaml")
-TIMES = {"wall", "h", "p", "handcart", "task_path", "task_text", "task_sha256", "robot_sha256"}
+TIME_KEYS = {"wall", "h", "p", "handcart", "task_path", "task_text", "task_sha256", "robot_sha256"}
 
 
 def tasks(checkout: Path, only: list[str]) -> list[Path]:
@@ -56,7 +56,7 @@ def run(checkout: Path, task: Path, seed: int, folder: Path) -> Path:
 def plain(value: Any) -> Any:
     """Without what differs between two runs of one seed, and between two versions."""
     if isinstance(value, dict):
-        return {key: plain(each) for key, each in value.items() if key not in TIMES}
+        return {key: plain(each) for key, each in value.items() if key not in TIME_KEYS}
     return [plain(each) for each in value] if isinstance(value, list) else value
 
 
@@ -93,10 +93,10 @@ def main() -> int:
     parser.add_argument("--only", nargs="*", default=[], help="folders of tasks")
     wanted = parser.parse_args()
     before, kept = wanted.before.resolve(), wanted.kept.resolve()
-    pairs = [(task, seed) for task in tasks(HERE, wanted.only) for seed in range(wanted.seeds)]
+    pairs = [(task, seed) for task in tasks(REPOSITORY_ROOT, wanted.only) for seed in range(wanted.seeds)]
     others = set(tasks(before, wanted.only))
     version = subprocess.run(
-        ["git", "rev-parse", "HEAD"], cwd=HERE, capture_output=True, text=True, check=False
+        ["git", "rev-parse", "HEAD"], cwd=REPOSITORY_ROOT, capture_output=True, text=True, check=False
     )
     now = kept / f"now-{version.stdout.strip()[:8] or 'here'}"
     differ = 0
@@ -104,7 +104,7 @@ def main() -> int:
         if task not in others:
             print(f"{task}: it isn't there before")
             continue
-        wrong = difference(run(before, task, seed, kept / "before"), run(HERE, task, seed, now))
+        wrong = difference(run(before, task, seed, kept / "before"), run(REPOSITORY_ROOT, task, seed, now))
         differ += bool(wrong)
         if wrong:
             print(f"{task}, seed {seed}: {wrong}", flush=True)

@@ -19,9 +19,9 @@ import tempfile
 from pathlib import Path
 from typing import NamedTuple
 
-HERE = Path(__file__).parents[1]
-TASKS = ("return_book", "stack_blocks", "track_seam", "deploy_straight")
-ROUNDS = 2
+REPOSITORY_ROOT = Path(__file__).parents[1]
+TASK_NAMES = ("return_book", "stack_blocks", "track_seam", "deploy_straight")
+ROUND_COUNT = 2
 
 
 class Speed(NamedTuple):
@@ -44,7 +44,9 @@ def _campaign(python: Path, checkout: Path, task: str, trials: int) -> float:
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     with tempfile.TemporaryDirectory() as folder:
         subprocess.run(
-            [python, "-m", "handcart", *words] if checkout == HERE else [python.parent / "handcart", *words],
+            [python, "-m", "handcart", *words]
+            if checkout == REPOSITORY_ROOT
+            else [python.parent / "handcart", *words],
             cwd=checkout,
             env={**os.environ, "OMP_NUM_THREADS": "1", "TMPDIR": folder},
             check=True,
@@ -58,7 +60,7 @@ def _campaign(python: Path, checkout: Path, task: str, trials: int) -> float:
 def simulated_s(task: str) -> float:
     """How long a run takes of the robot's time."""
     with tempfile.TemporaryDirectory() as folder:
-        file = str(HERE / "tasks" / task / "task.yaml")
+        file = str(REPOSITORY_ROOT / "tasks" / task / "task.yaml")
         words = [file, "--json", "--runs", folder, "--no-report"]
         done = subprocess.run(
             [sys.executable, "-m", "handcart", "run", *words],
@@ -73,7 +75,7 @@ def simulated_s(task: str) -> float:
 def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
-    parser.add_argument("tasks", nargs="*", default=TASKS)
+    parser.add_argument("tasks", nargs="*", default=TASK_NAMES)
     parser.add_argument("--against", type=Path)
     parser.add_argument("--trials", type=int, default=3)
     given = parser.parse_args()
@@ -81,13 +83,13 @@ def main() -> None:
         f"{'CPU s':18}{'start':>8}{'trial':>8}{'x real time':>13}{'other start':>13}{'trial':>8}{'ratio':>8}"
     )
     for task in given.tasks:
-        sides = [(Path(sys.executable), HERE)]
+        sides = [(Path(sys.executable), REPOSITORY_ROOT)]
         if given.against is not None:
             other = given.against.resolve()
             sides.append((other / ".venv" / "bin" / "python", other))
         for side in sides:
             _campaign(*side, task, 1)  # compiles what hasn't been
-        found = [[measured(*side, task, given.trials) for side in sides] for _ in range(ROUNDS)]
+        found = [[measured(*side, task, given.trials) for side in sides] for _ in range(ROUND_COUNT)]
         best = [Speed(*map(min, zip(*side, strict=True))) for side in zip(*found, strict=True)]
         start, trial = best[0]
         line = f"{task:18}{start:8.2f}{trial:8.2f}{simulated_s(task) / trial:13.1f}"

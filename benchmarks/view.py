@@ -24,9 +24,9 @@ import numpy as np
 from handcart.evaluation.playback.part import PLAYBACK_FOLDER
 from handcart.evaluation.playback.playback import Playback
 
-TIMES = 5
-FRAMES = 300
-PERIOD = 1.0 / 25.0  # [s] of a frame that doesn't stutter
+REPEAT_COUNT = 5
+FRAME_COUNT = 300
+FRAME_PERIOD_S = 1.0 / 25.0  # [s] of a frame that doesn't stutter
 
 
 def main() -> None:
@@ -51,7 +51,7 @@ def cost(task: Path) -> None:
     size, lasted = 0, 0.0
     with TemporaryDirectory() as there:
         run_task(task, Path(there), RunOptions())  # what is compiled at first counts for neither
-        for _ in range(TIMES):
+        for _ in range(REPEAT_COUNT):
             for playback in (False, True):
                 before = time.process_time()
                 summary, _ = run_task(task, Path(there), RunOptions(playback=playback))
@@ -76,7 +76,7 @@ def opening(run: Path) -> None:
         f"{run}: {playback.end - playback.start:.0f} s, {len(rows.time)} rows, {len(rows.scan_time)} scans, "
         f"{pictures} pictures, {len(playback.things)} things"
     )
-    for _ in range(TIMES):
+    for _ in range(REPEAT_COUNT):
         before = time.perf_counter()
         command = [sys.executable, "-m", "handcart", "view", str(run), "--port", "0"]
         with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
@@ -116,7 +116,7 @@ def scrubbing(run: Path) -> None:
     from handcart.evaluation.view.serving.server import open_server
 
     playback = Playback.read(run)
-    times = np.random.default_rng(0).uniform(playback.start, playback.end, FRAMES)
+    times = np.random.default_rng(0).uniform(playback.start, playback.end, FRAME_COUNT)
     with open_server(0, "benchmark") as (server, _):
         replay = Replay(server, playback)
         took = []
@@ -126,10 +126,10 @@ def scrubbing(run: Path) -> None:
             replay.step(0.0)
             took.append(time.perf_counter() - before)
     half, most, worst = 1e3 * np.percentile(took, [50, 99, 100])
-    late = np.mean(np.array(took) > PERIOD)
+    late = np.mean(np.array(took) > FRAME_PERIOD_S)
     print(
-        f"  scrubbed to {FRAMES} random times: a frame in {half:.1f} ms (median), {most:.1f} ms (99 %), "
-        f"{worst:.1f} ms (worst); {100 * late:.1f} % took more than {1e3 * PERIOD:.0f} ms"
+        f"  scrubbed to {FRAME_COUNT} random times: a frame in {half:.1f} ms (median), {most:.1f} ms (99 %), "
+        f"{worst:.1f} ms (worst); {100 * late:.1f} % took more than {1e3 * FRAME_PERIOD_S:.0f} ms"
     )
 
 

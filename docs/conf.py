@@ -38,7 +38,7 @@ html_show_sphinx = False
 html_theme_options = {"navigation_with_keys": True}
 
 
-LINK = re.compile(r"(?<!!)\[([^\]]+)\]\(((?:\.\./)+[^)#\s]*)[^)]*\)")
+MARKDOWN_LINK = re.compile(r"(?<!!)\[([^\]]+)\]\(((?:\.\./)+[^)#\s]*)[^)]*\)")
 
 
 def setup(app):
@@ -57,4 +57,4 @@ def name_files(app, page, source):
             return link[0]
         return link[1] if path in link[1] else f"{link[1]} (`{path}`)"
 
-    source[0] = LINK.sub(name, source[0])
+    source[0] = MARKDOWN_LINK.sub(name, source[0])

@@ -14,13 +14,13 @@ from pathlib import Path
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
-ROOT = Path(__file__).resolve().parents[1]
-HEAD = "# Written by scripts/constraints.py: versions that passed the tests (Python 3.11, Linux).\n"
+REPOSITORY_ROOT = Path(__file__).resolve().parents[1]
+FILE_HEADER = "# Written by scripts/constraints.py: versions that passed the tests (Python 3.11, Linux).\n"
 
 
 def main() -> None:
     """Write the file beside pyproject.toml."""
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    project = tomllib.loads((REPOSITORY_ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     extras = project["optional-dependencies"]
     pending = [
         Requirement(text)
@@ -46,7 +46,7 @@ def main() -> None:
             or any(part.marker.evaluate({"extra": extra}) for extra in (*requirement.extras, ""))
         ]
     lines = "".join(f"{name}=={version}\n" for name, version in sorted(versions.items()))
-    (ROOT / "constraints.txt").write_text(HEAD + lines, encoding="utf-8")
+    (REPOSITORY_ROOT / "constraints.txt").write_text(FILE_HEADER + lines, encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -10,8 +10,8 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[1]
-DOCUMENT = ROOT / "docs" / "reference" / "faults.md"
+REPOSITORY_ROOT = Path(__file__).resolve().parents[1]
+FAULTS_PAGE = REPOSITORY_ROOT / "docs" / "reference" / "faults.md"
 _ROW = re.compile(r"\b([TNABSCDKU][1-9]\d?)\b")
 _IN_NAME = re.compile(r"^test_([tnabscdku])0?([1-9]\d?)_")
 _TOLD = re.compile(r"^\| ([TNABSCDKU][1-9]\d?) \|", re.M)
@@ -19,16 +19,16 @@ _TOLD = re.compile(r"^\| ([TNABSCDKU][1-9]\d?) \|", re.M)
 
 def rows() -> list[str]:
     """The rows that the document claims."""
-    return _TOLD.findall(DOCUMENT.read_text(encoding="utf-8"))
+    return _TOLD.findall(FAULTS_PAGE.read_text(encoding="utf-8"))
 
 
 def tests_by_row() -> dict[str, list[str]]:
     """For each row the tests that name it, as pytest calls them."""
     found: dict[str, list[str]] = {}
-    for path in sorted((ROOT / "tests").rglob("test_*.py")):
+    for path in sorted((REPOSITORY_ROOT / "tests").rglob("test_*.py")):
         for test in _tests(ast.parse(path.read_text(encoding="utf-8"))):
             for row in _named(test):
-                found.setdefault(row, []).append(f"{path.relative_to(ROOT)}::{test.name}")
+                found.setdefault(row, []).append(f"{path.relative_to(REPOSITORY_ROOT)}::{test.name}")
     return found
 
 

@@ -10,18 +10,21 @@ import sys
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-ROOT = Path(__file__).resolve().parents[1]
-STEPS = 4
+REPOSITORY_ROOT = Path(__file__).resolve().parents[1]
+STEP_COUNT = 4
 
 
 def main() -> None:
     """Run, step, take the pictures."""
-    sys.path.insert(0, str(ROOT))  # for what tests have of browsers
+    sys.path.insert(0, str(REPOSITORY_ROOT))  # for what tests have of browsers
     from tests.browser import DESK, PHONE, browsing
 
     with TemporaryDirectory() as name:
         runs = ["--runs", f"{name}/runs", "--no-report"]
-        handcart, task = [sys.executable, "-m", "handcart"], str(ROOT / "tasks" / "return_book" / "task.yaml")
+        handcart, task = (
+            [sys.executable, "-m", "handcart"],
+            str(REPOSITORY_ROOT / "tasks" / "return_book" / "task.yaml"),
+        )
         subprocess.run([*handcart, "run", task, "--seed", "3", *runs], check=True, stdout=subprocess.DEVNULL)
         console = subprocess.Popen([*handcart, "console", f"{name}/runs"], stdout=subprocess.PIPE, text=True)
         words = [*handcart, "run", task, "--seed", "5", "--step", *runs]
@@ -35,13 +38,13 @@ def main() -> None:
                 page.locator("[data-name=return_book-5] button").click(timeout=60_000)
                 page.get_by_label("Your name").fill("Ada")
                 page.get_by_role("button", name="Take the command").click()
-                for number in range(1, STEPS + 2):
+                for number in range(1, STEP_COUNT + 2):
                     page.wait_for_function(
                         "n => { const run = current(); return run && run.asks && run.asks.ask === n; }",
                         arg=number,
                         timeout=120_000,
                     )
-                    if number <= STEPS:
+                    if number <= STEP_COUNT:
                         page.get_by_role("button", name="Permit").click()
                 page.get_by_role("button", name="Break point at in_slot").click()
                 page.wait_for_timeout(3000)
@@ -50,7 +53,7 @@ def main() -> None:
                     top = "document.getElementById('run').scrollIntoView()"
                     page.evaluate(top if size == "phone" else "scrollTo(0, 0)")
                     page.wait_for_timeout(1000)
-                    path = ROOT / "docs" / "pictures" / f"console_{size}.png"
+                    path = REPOSITORY_ROOT / "docs" / "pictures" / f"console_{size}.png"
                     page.screenshot(path=path)
                     print(f"written: {path}")
         finally:

@@ -24,9 +24,9 @@ from handcart.networks.coordination.events import Event, Started
 from handcart.networks.run_observer import RunObserver
 from handcart.networks.run_options import RunOptions
 
-ROOT = Path(__file__).resolve().parents[1]
-SIZE = (1280, 720)  # [px]
-QUALITY = 86
+REPOSITORY_ROOT = Path(__file__).resolve().parents[1]
+SIZE_PX = (1280, 720)  # [px]
+JPEG_QUALITY = 86
 Point = tuple[float, float, float]
 
 
@@ -48,7 +48,7 @@ class Moment(NamedTuple):
     """Of the task."""
 
 
-SYSTEMS = {
+PICTURED_MOMENTS = {
     "librarian": Moment("return_book", "INSERT", 1, 3.0, (-1.0, 2.1, 1.9), (0.35, -0.05, 0.68), 1100.0),
     "toyama": Moment("stack_blocks", "STACK", 8, 3.0, (-1.6, 1.75, 1.7), (0.02, 0.2, 0.62), 1100.0),
     "atrv": Moment("track_seam", "TRACK", 1, 12.0, (-2.7, -1.5, 1.8), (0.45, 0.3, 0.55), 1200.0),
@@ -90,21 +90,23 @@ def take(backend: MujocoBackend, moment: Moment, path: Path) -> None:
     """The picture of a robot as it stands."""
     base = backend.scene.base.lift(float(backend._body.standing_pose()[2, 3]))
     eye, at = ((base @ (*point, 1.0))[:3] for point in (moment.eye, moment.at))
-    K = np.array([[moment.focal, 0, (SIZE[0] - 1) / 2], [0, moment.focal, (SIZE[1] - 1) / 2], [0, 0, 1]])
-    studio = Studio(backend._engine, backend._body.looks(), STILL_PICTURE, SIZE)
+    K = np.array(
+        [[moment.focal, 0, (SIZE_PX[0] - 1) / 2], [0, moment.focal, (SIZE_PX[1] - 1) / 2], [0, 0, 1]]
+    )
+    studio = Studio(backend._engine, backend._body.looks(), STILL_PICTURE, SIZE_PX)
     picture = studio.take(looking(eye, at), K, at)
     studio.close()
-    cv2.imwrite(str(path), picture[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, QUALITY])
+    cv2.imwrite(str(path), picture[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])
 
 
 def main() -> None:
     """Take those that are asked for, or all."""
-    for name in sys.argv[1:] or SYSTEMS:
-        moment, path = SYSTEMS[name], ROOT / "docs" / "pictures" / f"{name}.jpg"
+    for name in sys.argv[1:] or PICTURED_MOMENTS:
+        moment, path = PICTURED_MOMENTS[name], REPOSITORY_ROOT / "docs" / "pictures" / f"{name}.jpg"
         photo = Photo(moment, path)
         options = RunOptions(backend="mujoco", settings=moment.settings, observers=(photo,))
         with tempfile.TemporaryDirectory() as runs:
-            run_task(ROOT / "tasks" / moment.task / "task.yaml", Path(runs), options)
+            run_task(REPOSITORY_ROOT / "tasks" / moment.task / "task.yaml", Path(runs), options)
         if not photo.taken:
             sys.exit(f"{name}: {moment.action} wasn't begun {moment.times} times")
         print(f"written: {path}, {path.stat().st_size // 1000} kB")

@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from playwright.sync_api import Page
 
-ROOT = Path(__file__).resolve().parents[1]
-HIGH = {"desk": 1500, "phone": 1300}  # [px]
+REPOSITORY_ROOT = Path(__file__).resolve().parents[1]
+HEIGHTS_PX = {"desk": 1500, "phone": 1300}  # [px]
 
 
 def main() -> None:
@@ -25,7 +25,7 @@ def main() -> None:
     words.add_argument("run", type=Path)
     words.add_argument("campaign", type=Path, nargs="?")
     wanted = words.parse_args()
-    sys.path.insert(0, str(ROOT))  # for what tests have of browsers
+    sys.path.insert(0, str(REPOSITORY_ROOT))  # for what tests have of browsers
     with TemporaryDirectory() as folder:
         of_run(wanted.run, Path(folder) / "report.html")
         if wanted.campaign is not None:
@@ -39,7 +39,7 @@ def of_run(run: Path, page: Path) -> None:
 
     write_report(run, page)
     for size, (width, _) in (("desk", DESK), ("phone", PHONE)):
-        with browsing((width, HIGH[size])) as seen:
+        with browsing((width, HEIGHTS_PX[size])) as seen:
             seen.page.goto(page.as_uri())
             for part, where in (("", "h1"), ("_fail", "details[open]")):
                 seen.page.locator(where).first.evaluate("each => each.scrollIntoView()")
@@ -60,7 +60,7 @@ def of_campaign(campaign: Path, page: Path) -> None:
 
 def take(page: Page, name: str) -> None:
     """A picture of what is seen now."""
-    path = ROOT / "docs" / "pictures" / f"{name}.png"
+    path = REPOSITORY_ROOT / "docs" / "pictures" / f"{name}.png"
     page.screenshot(path=path, timeout=120_000)
     print(f"written: {path}")
 

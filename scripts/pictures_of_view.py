@@ -9,13 +9,13 @@ import sys
 import threading
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[1]
-DRAWN = 9000  # [ms] until a browser without a GPU has drawn all of it
+REPOSITORY_ROOT = Path(__file__).resolve().parents[1]
+DRAWING_TIME_MS = 9000  # [ms] until a browser without a GPU has drawn all of it
 
 
 def main() -> None:
     """Draw a run at a time, both sizes."""
-    sys.path.insert(0, str(ROOT))  # for what tests have of browsers
+    sys.path.insert(0, str(REPOSITORY_ROOT))  # for what tests have of browsers
     from handcart.evaluation.playback.playback import Playback
     from handcart.evaluation.view.replay import Replay
     from handcart.evaluation.view.serving.server import open_server
@@ -32,12 +32,12 @@ def main() -> None:
         for name, size in (("desk", DESK), ("phone", PHONE)):
             with browsing(size) as seen:
                 seen.page.goto(address)
-                seen.page.wait_for_timeout(DRAWN)
+                seen.page.wait_for_timeout(DRAWING_TIME_MS)
                 notice = seen.page.get_by_text("Software WebGL rendering detected")
                 if notice.count():  # where it is drawn without a GPU, the library says so
                     seen.page.locator("button.mantine-Notification-closeButton").first.click()
                     seen.page.wait_for_timeout(2000)
-                path = ROOT / "docs" / "pictures" / f"view_{name}.png"
+                path = REPOSITORY_ROOT / "docs" / "pictures" / f"view_{name}.png"
                 seen.page.screenshot(path=path)
                 print(f"written: {path}")
         stop.set()

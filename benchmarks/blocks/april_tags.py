@@ -23,12 +23,12 @@ from rich.progress import track
 from handcart.robotics.perception.landmarks.tag_family import TagFamily, dictionary, modules_of, tags_of
 from handcart.robotics.perception.landmarks.tag_reader import read_tags
 
-FAMILY: TagFamily = "apriltag_36h11"
+TAG_FAMILY: TagFamily = "apriltag_36h11"
 HEIGHT, WIDTH = 960, 1280
-TAGS = 12
-CELL = 10  # [px] of a drawn tag
-SIDES = (30.0, 160.0)  # [px] of a tag with its white rim
-FRAMES = 6  # with random bits, in a picture without tags
+TAG_COUNT = 12
+CELL_PX = 10  # [px] of a drawn tag
+TAG_SIDES_PX = (30.0, 160.0)  # [px] of a tag with its white rim
+FRAME_COUNT = 6  # with random bits, in a picture without tags
 Image = NDArray[np.uint8]
 Grey = NDArray[np.float64]
 Reader = Callable[[Image], set[int]]
@@ -61,7 +61,7 @@ def tagged(seed: int, damaged_bits: int) -> Picture:
     ground = np.asarray(
         cv2.GaussianBlur(rng.normal(120.0, 25.0, (HEIGHT, WIDTH)), (0, 0), 3.0) + light, np.float64
     )
-    ids = rng.choice(tags_of(FAMILY), TAGS, replace=False)
+    ids = rng.choice(tags_of(TAG_FAMILY), TAG_COUNT, replace=False)
     for place, number in enumerate(ids):
         _paste(ground, _marker(int(number), damaged_bits, rng), place, rng)
     return Picture(_taken(ground, rng), set(ids.tolist()))
@@ -72,22 +72,22 @@ def untagged(seed: int) -> Picture:
     rng = np.random.default_rng(seed)
     draw = (_smoothed_noise, _stripes, _rectangles)[seed % 3]
     ground = draw(rng)
-    for place in rng.choice(TAGS, FRAMES, replace=False).tolist():
-        inner = modules_of(FAMILY) - 2
+    for place in rng.choice(TAG_COUNT, FRAME_COUNT, replace=False).tolist():
+        inner = modules_of(TAG_FAMILY) - 2
         bits = rng.integers(0, 2, (inner, inner)) * 255.0
-        cells = np.kron(np.pad(bits, 1), np.ones((CELL, CELL)))
-        _paste(ground, np.pad(cells, CELL, constant_values=255.0), place, rng)
+        cells = np.kron(np.pad(bits, 1), np.ones((CELL_PX, CELL_PX)))
+        _paste(ground, np.pad(cells, CELL_PX, constant_values=255.0), place, rng)
     return Picture(_taken(ground, rng), set())
 
 
 def ours(image: Image) -> set[int]:
     """Read the tags of a picture as handcart does."""
-    return {tag.id for tag in read_tags(image, family=FAMILY)}
+    return {tag.id for tag in read_tags(image, family=TAG_FAMILY)}
 
 
 def stock() -> Reader:
     """Return OpenCV's detector as it comes."""
-    detector = cv2.aruco.ArucoDetector(dictionary(FAMILY))
+    detector = cv2.aruco.ArucoDetector(dictionary(TAG_FAMILY))
 
     def read(image: Image) -> set[int]:
         _, ids, _ = detector.detectMarkers(image)
@@ -97,19 +97,19 @@ def stock() -> Reader:
 
 
 def _marker(number: int, damaged_bits: int, rng: np.random.Generator) -> Grey:
-    inner = modules_of(FAMILY) - 2
-    cells = dictionary(FAMILY).generateImageMarker(number, CELL * (inner + 2)).astype(np.float64)
+    inner = modules_of(TAG_FAMILY) - 2
+    cells = dictionary(TAG_FAMILY).generateImageMarker(number, CELL_PX * (inner + 2)).astype(np.float64)
     for where in rng.choice(inner * inner, damaged_bits, replace=False).tolist():
-        row, column = CELL * (1 + where // inner), CELL * (1 + where % inner)
-        cells[row : row + CELL, column : column + CELL] = (
-            255.0 - cells[row : row + CELL, column : column + CELL]
+        row, column = CELL_PX * (1 + where // inner), CELL_PX * (1 + where % inner)
+        cells[row : row + CELL_PX, column : column + CELL_PX] = (
+            255.0 - cells[row : row + CELL_PX, column : column + CELL_PX]
         )
-    return np.pad(cells, CELL, constant_values=255.0)
+    return np.pad(cells, CELL_PX, constant_values=255.0)
 
 
 def _paste(ground: Grey, cells: Grey, place: int, rng: np.random.Generator) -> None:
     """Put a tag into one of twelve places of a picture, in perspective and in its own light."""
-    half, drawn = rng.uniform(*SIDES) / 2.0, float(len(cells))
+    half, drawn = rng.uniform(*TAG_SIDES_PX) / 2.0, float(len(cells))
     middle = np.array([160.0 + 320.0 * (place % 4), 160.0 + 320.0 * (place // 4)])
     corners = half * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) + middle
     seen = (corners + rng.normal(0.0, 0.14 * half, (4, 2))).astype(np.float32)

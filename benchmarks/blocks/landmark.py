@@ -28,21 +28,23 @@ from handcart.robotics.perception.landmarks.landmark import INK, PAPER, draw_lan
 from handcart.robotics.perception.landmarks.landmark_finder import find_landmarks
 from handcart.robotics.perception.landmarks.landmark_pose import facing, planar_pose
 
-CAMERA = CameraModel(
+CAMERA_MODEL = CameraModel(
     np.array([[800.0, 0.0, 319.5], [0.0, 800.0, 239.5], [0.0, 0.0, 1.0]]),
     np.array([-0.28, 0.09, 0.0, 0.0, 0.0]),
     640,
     480,
 )
 HEIGHT, M_PER_PX, TABLE_PX, FINE = 0.3, 1.25e-4, 2400, 3
-OFFSETS = (0.0004, 0.03, 0.06)
+OFFSETS_M = (0.0004, 0.03, 0.06)
 Finder = Callable[[GreyImage], Floats | None]  # corners as rays (4, 2), from the upper left
 
 
 def rays() -> NDArray[np.float64]:
     """Some rays in each pixel (n, 3)."""
-    u, v = ((np.arange(count * FINE) + 0.5) / FINE - 0.5 for count in (CAMERA.width, CAMERA.height))
-    flat = CAMERA.undistort(np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 2))
+    u, v = (
+        (np.arange(count * FINE) + 0.5) / FINE - 0.5 for count in (CAMERA_MODEL.width, CAMERA_MODEL.height)
+    )
+    flat = CAMERA_MODEL.undistort(np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 2))
     return np.column_stack([flat, np.ones(len(flat))])
 
 
@@ -53,11 +55,13 @@ def photograph(
     camera_T_table = facing(HEIGHT) @ pose.lift()
     plane = np.column_stack([camera_T_table[:3, 0], camera_T_table[:3, 1], camera_T_table[:3, 3]])
     points = looking @ np.linalg.inv(plane).T
-    grid, middle = (CAMERA.height * FINE, CAMERA.width * FINE), (TABLE_PX - 1) / 2
+    grid, middle = (CAMERA_MODEL.height * FINE, CAMERA_MODEL.width * FINE), (TABLE_PX - 1) / 2
     columns = (middle + points[:, 0] / points[:, 2] / M_PER_PX).astype(np.float32).reshape(grid)
     rows = (middle - points[:, 1] / points[:, 2] / M_PER_PX).astype(np.float32).reshape(grid)
     fine = cv2.remap(table, columns, rows, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    small = cv2.resize(fine.astype(np.float32), (CAMERA.width, CAMERA.height), interpolation=cv2.INTER_AREA)
+    small = cv2.resize(
+        fine.astype(np.float32), (CAMERA_MODEL.width, CAMERA_MODEL.height), interpolation=cv2.INTER_AREA
+    )
     image = cv2.GaussianBlur(small, (0, 0), 0.7) + rng.normal(0.0, 3.0, small.shape)
     pixels: GreyImage = np.clip(np.rint(image), 0, 255).astype(np.uint8)
     return pixels
@@ -76,7 +80,7 @@ def tag_sheet() -> GreyImage:
 
 
 def ours(image: GreyImage) -> Floats | None:
-    found = find_landmarks(image, CAMERA)
+    found = find_landmarks(image, CAMERA_MODEL)
     return found[0].rays if found else None
 
 
@@ -88,7 +92,7 @@ def aruco(refinement: int) -> Finder:
 
     def find(image: GreyImage) -> Floats | None:
         corners, _, _ = detector.detectMarkers(image)
-        return CAMERA.undistort(corners[0].reshape(4, 2).astype(np.float64)) if corners else None
+        return CAMERA_MODEL.undistort(corners[0].reshape(4, 2).astype(np.float64)) if corners else None
 
     return find
 
@@ -104,7 +108,7 @@ def plain(image: GreyImage) -> Floats | None:
     corners = min(squares, key=cv2.contourArea).astype(np.float32)
     criteria = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 30, 0.01)
     cv2.cornerSubPix(image, corners, (5, 5), (-1, -1), criteria)
-    return CAMERA.undistort(corners.reshape(4, 2).astype(np.float64)[::-1])
+    return CAMERA_MODEL.undistort(corners.reshape(4, 2).astype(np.float64)[::-1])
 
 
 def errors(find: Finder, images: list[GreyImage], poses: list[Pose2]) -> tuple[list[float], list[float], int]:
@@ -115,7 +119,7 @@ def errors(find: Finder, images: list[GreyImage], poses: list[Pose2]) -> tuple[l
         if corners is None:
             missed += 1
             continue
-        found = planar_pose(seen_landmark(corners, CAMERA, 1.0), facing(HEIGHT))
+        found = planar_pose(seen_landmark(corners, CAMERA_MODEL, 1.0), facing(HEIGHT))
         centres.append(1e3 * found.distance(pose))
         turn = (found.theta - pose.theta + math.pi / 4) % (math.pi / 2) - math.pi / 4
         angles.append(1e3 * abs(turn))
@@ -145,7 +149,7 @@ def main() -> None:
         least = min(timeit.repeat(lambda f=find, i=image: f(i), number=1, repeat=200)) * 1e3  # type: ignore[misc]
         base = base or least
         print(f"{name:38}{least:10.2f}{least / base:8.1f}")
-    for offset in OFFSETS:
+    for offset in OFFSETS_M:
         bearings = rng.uniform(-0.2, 0.2, count)
         poses = [
             Pose2(offset * math.cos(b), offset * math.sin(b), float(turn))

@@ -16,17 +16,17 @@ from typing import NamedTuple
 from rich.console import Console
 from rich.progress import track
 
-from benchmarks.blocks.stacking_experiment import TRIALS, experiments_of, run_trials
+from benchmarks.blocks.stacking_experiment import TRIAL_COUNT, experiments_of, run_trials
 from benchmarks.blocks.stacking_plots import plot_against_motion, plot_by_block
 
-TASKS = Path(__file__).parent.parent.parent / "tasks"
-UNLOAD, WHOLE = TASKS / "stack_blocks" / "unload.yaml", TASKS / "stack_blocks" / "task.yaml"
-FENCE = TASKS / "build_fence" / "task.yaml"
-BESIDE = {
-    "world": str(TASKS / "stack_blocks" / "servo_world.yaml"),
-    "building": str(TASKS / "stack_blocks" / "servo_building.yaml"),
+TASKS_FOLDER = Path(__file__).parent.parent.parent / "tasks"
+UNLOAD, WHOLE = TASKS_FOLDER / "stack_blocks" / "unload.yaml", TASKS_FOLDER / "stack_blocks" / "task.yaml"
+FENCE_TASK = TASKS_FOLDER / "build_fence" / "task.yaml"
+SERVO_SETTINGS = {
+    "world": str(TASKS_FOLDER / "stack_blocks" / "servo_world.yaml"),
+    "building": str(TASKS_FOLDER / "stack_blocks" / "servo_building.yaml"),
 }
-PAPER = {"method": "fix_once", "rule": "paper", "look": "false"}
+PAPER_SETTINGS = {"method": "fix_once", "rule": "paper", "look": "false"}
 
 
 class Row(NamedTuple):
@@ -38,23 +38,23 @@ class Row(NamedTuple):
     blocks: int = 5
 
 
-ARMS = {"H1": "toyama/h1", "H2": "toyama"}
-METHODS = ("fix_once", "model", "imu", "fix_again", "fix_again_model", "fix_again_imu")
-ROWS = {
-    "paper's method, H2, unload to stack": Row(UNLOAD, "toyama", PAPER),
-    "paper's method, H2, whole operation": Row(WHOLE, "toyama", PAPER),
+ARM_ROBOTS = {"H1": "toyama/h1", "H2": "toyama"}
+FIXING_METHODS = ("fix_once", "model", "imu", "fix_again", "fix_again_model", "fix_again_imu")
+TABLE_ROWS = {
+    "paper's method, H2, unload to stack": Row(UNLOAD, "toyama", PAPER_SETTINGS),
+    "paper's method, H2, whole operation": Row(WHOLE, "toyama", PAPER_SETTINGS),
     **{
         f"{method}, {arm}, unload to stack": Row(UNLOAD, robot, {"method": method, "look": "false"})
-        for arm, robot in ARMS.items()
-        for method in METHODS
+        for arm, robot in ARM_ROBOTS.items()
+        for method in FIXING_METHODS
     },
     **{
         f"look, {method}, {arm}, unload to stack": Row(UNLOAD, robot, {"method": method, **world})
-        for arm, robot in ARMS.items()
-        for method, world in (("fix_again_imu", {}), ("servo", BESIDE))
+        for arm, robot in ARM_ROBOTS.items()
+        for method, world in (("fix_again_imu", {}), ("servo", SERVO_SETTINGS))
     },
     "look, fix_again_imu, H1, whole operation": Row(WHOLE, "toyama/h1", {"method": "fix_again_imu"}),
-    "fence, look, fix_again_imu, H1": Row(FENCE, "toyama/h1", {"method": "fix_again_imu"}, 15),
+    "fence, look, fix_again_imu, H1": Row(FENCE_TASK, "toyama/h1", {"method": "fix_again_imu"}, 15),
 }
 
 
@@ -66,15 +66,17 @@ def main() -> None:
     words.add_argument("--plots", type=Path, help="folder for drawings")
     wanted = words.parse_args()
     plots, count = wanted.plots, wanted.experiments
-    chosen = {name: row for name, row in ROWS.items() if any(each in name for each in wanted.row or [""])}
+    chosen = {
+        name: row for name, row in TABLE_ROWS.items() if any(each in name for each in wanted.row or [""])
+    }
     head = f"{'|E| in mm, experiments: ' + str(count):42}{'mean':>7}{'max':>7}{'processed':>11}"
     print(head + f"{'E_x, E_y grow':>15}{'frames':>8}{'s':>6}{'lost':>6}")
     for name, row in chosen.items():
         with tempfile.TemporaryDirectory() as runs:
             running = run_trials(
-                row.task, {"robot": row.robot, **row.settings}, range(TRIALS * count), Path(runs)
+                row.task, {"robot": row.robot, **row.settings}, range(TRIAL_COUNT * count), Path(runs)
             )
-            trials = list(track(running, name, TRIALS * count, console=Console(stderr=True)))
+            trials = list(track(running, name, TRIAL_COUNT * count, console=Console(stderr=True)))
         found = experiments_of(trials, row.blocks)
         uncorrected = row.settings["method"] == "fix_once"
         processed = f"{found.median_of_maxima(processed=True):11.2f}" if uncorrected else f"{'':11}"

@@ -13,8 +13,8 @@ from handcart.evaluation.campaigns.campaign import run_campaign
 from handcart.evaluation.campaigns.campaign_setting import CampaignSetting
 from handcart.evaluation.campaigns.trial import Trial
 
-TRIALS = 20  # of an experiment
-COLUMNS = ("x", "y", "processed_x", "processed_y", "yaw_mrad", "lean_mrad")
+TRIAL_COUNT = 20  # of an experiment
+COLUMN_NAMES = ("x", "y", "processed_x", "processed_y", "yaw_mrad", "lean_mrad")
 
 Floats = NDArray[np.float64]
 
@@ -97,16 +97,16 @@ def run_trials(
 def experiments_of(trials: Sequence[Trial], blocks: int) -> Experiments:
     """Put trials together, 20 by 20 in the order of their seeds; a rest of fewer is left out."""
     ordered = sorted(trials, key=lambda trial: trial.seed)
-    size = min(TRIALS, len(ordered))
+    size = min(TRIAL_COUNT, len(ordered))
     groups = [ordered[i : i + size] for i in range(0, len(ordered) - size + 1, size)]
     return Experiments(tuple(_experiment(group, blocks) for group in groups))
 
 
 def _experiment(trials: Sequence[Trial], blocks: int) -> Experiment:
-    errors = np.full((len(trials), blocks, len(COLUMNS)), np.nan)
+    errors = np.full((len(trials), blocks, len(COLUMN_NAMES)), np.nan)
     for i, trial in enumerate(trials):
         for block in trial.summary["metrics"].get("blocks", []):
-            errors[i, int(block["number"]) - 1] = [block[name] for name in COLUMNS]
+            errors[i, int(block["number"]) - 1] = [block[name] for name in COLUMN_NAMES]
     return Experiment(
         errors,
         np.array([trial.summary["sim_time_s"] for trial in trials], dtype=float),

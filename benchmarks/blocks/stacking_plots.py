@@ -11,7 +11,7 @@ from handcart.evaluation.drawing.figure_file import save_figure
 from .stacking_experiment import Experiment
 
 # In plain words: mathematical letters are put down one by one, and browsers lay them over each other.
-LABELS = ("error in x [mm]", "error in y [mm]", "processed error in x [mm]", "processed error in y [mm]")
+AXIS_LABELS = ("error in x [mm]", "error in y [mm]", "processed error in x [mm]", "processed error in y [mm]")
 
 
 def plot_against_motion(experiment: Experiment, path: Path) -> None:
@@ -21,7 +21,7 @@ def plot_against_motion(experiment: Experiment, path: Path) -> None:
     figure = Figure(figsize=(9.0, 7.0), layout="constrained")
     axes = figure.subplots(2, 2, sharex=True, sharey=True)
     for column, (axis, label) in enumerate(
-        zip(axes.T.ravel(), (LABELS[0], LABELS[2], LABELS[1], LABELS[3]), strict=True)
+        zip(axes.T.ravel(), (AXIS_LABELS[0], AXIS_LABELS[2], AXIS_LABELS[1], AXIS_LABELS[3]), strict=True)
     ):
         which = (0, 2, 1, 3)[column]
         yaw, lean, error = (experiment.errors[..., i].ravel() for i in (4, 5, which))
@@ -46,7 +46,7 @@ def plot_by_block(experiment: Experiment, path: Path) -> None:
         values = experiment.errors[..., which].T
         shown = axis.imshow(values, cmap="RdBu_r", vmin=-most, vmax=most, aspect="auto", origin="lower")
         pictures.append(shown)
-        axis.set_title(LABELS[which], fontsize=10)
+        axis.set_title(AXIS_LABELS[which], fontsize=10)
         axis.set_yticks(range(values.shape[0]), [str(i + 1) for i in range(values.shape[0])])
     for axis in axes[1]:
         axis.set_xlabel("trial")

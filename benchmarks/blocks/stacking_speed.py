@@ -20,7 +20,7 @@ from handcart.primitives.blocks.fixate import Fixate
 from handcart.primitives.contract.outcome import Success
 from handcart.robotics.perception.landmarks.landmark_finder import find_landmarks
 
-TASK = Path(__file__).parent.parent.parent / "tasks" / "stack_blocks"
+TASK_FOLDER = Path(__file__).parent.parent.parent / "tasks" / "stack_blocks"
 
 
 def least(work: Callable[[], object], times: int = 50) -> float:
@@ -40,10 +40,10 @@ def main() -> None:
     words.add_argument("trials", nargs="?", type=int, default=3)
     trials = words.parse_args().trials
     files = RigFiles(
-        TASK / "unload_world.yaml",
-        TASK / "map.yaml",
-        TASK / "places.yaml",
-        {"building": TASK / "building.yaml"},
+        TASK_FOLDER / "unload_world.yaml",
+        TASK_FOLDER / "map.yaml",
+        TASK_FOLDER / "places.yaml",
+        {"building": TASK_FOLDER / "building.yaml"},
         "stacking",
     )
     with build_rig(files, robot="toyama/h1") as rig:
@@ -62,7 +62,9 @@ def main() -> None:
         with tempfile.TemporaryDirectory() as runs:
             before = time.process_time()
             summary, _ = run_task(
-                TASK / "unload.yaml", Path(runs), RunOptions(settings={"robot": "toyama/h1"}, seed=seed)
+                TASK_FOLDER / "unload.yaml",
+                Path(runs),
+                RunOptions(settings={"robot": "toyama/h1"}, seed=seed),
             )
             cpu = time.process_time() - before
         ratio = summary["sim_time_s"] / cpu

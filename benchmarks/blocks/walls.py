@@ -30,19 +30,19 @@ from handcart.primitives.blocks.drawing import Drawing
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
 
-WALLS = 20
+WALL_COUNT = 20
 RESOLUTION, ORIGIN, SIZE = 0.02, (-0.2, -0.2), (6.4, 4.4)
 WIDE, DEEP, HIGH = 0.9, 0.6, 0.4  # [m] of the wall's table
-PITCH = 90.0  # [mm] from block to block
-ROWS = {2: (8, 7), 3: (6, 5, 4)}
+BLOCK_PITCH_MM = 90.0  # [mm] from block to block
+ROW_LENGTHS = {2: (8, 7), 3: (6, 5, 4)}
 """Blocks of each row, the lowest first: each stands on two of the row below."""
-COUNT = 15
+BLOCK_COUNT = 15
 
 
 def draw_wall(seed: int, folder: Path) -> None:
     """Write drawing.yaml, map.yaml and map.png: a wall of 15 blocks in two or three rows."""
     rng = np.random.default_rng(seed)
-    rows = ROWS[int(rng.integers(2, 4))]
+    rows = ROW_LENGTHS[int(rng.integers(2, 4))]
     table = Pose2(
         4.2 + float(rng.uniform(-0.2, 0.2)),
         2.0 + float(rng.uniform(-0.2, 0.2)),
@@ -65,15 +65,15 @@ def draw_wall(seed: int, folder: Path) -> None:
         *(
             f"  - {{x_m: {1.32 + 0.09 * (n % 5):.3f}, y_m: {1.98 - 0.08 * (n // 5):.3f}, "
             "height_m: 0.4, heading_deg: 90}"
-            for n in range(COUNT)
+            for n in range(BLOCK_COUNT)
         ),
         "carried:",
         *(f"  - {{x_m: {x:.2f}, y_m: 0.0, height_m: 0.45}}" for x in np.linspace(-0.36, -0.16, 5)),
         "rows:",
     ]
     for level, blocks in enumerate(rows):
-        first = table.compose(Pose2(-PITCH / 1e3 * (blocks - 1) / 2, back, -math.pi / 2))
-        along = ", ".join(f"{PITCH * n:g}" for n in range(blocks))
+        first = table.compose(Pose2(-BLOCK_PITCH_MM / 1e3 * (blocks - 1) / 2, back, -math.pi / 2))
+        along = ", ".join(f"{BLOCK_PITCH_MM * n:g}" for n in range(blocks))
         lines.append(f"  - {{{_pose(first)}, height_m: {HIGH + 0.04 * level:.2f}, along_mm: [{along}]}}")
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "drawing.yaml").write_text("\n".join(lines) + "\n", encoding="utf-8")
@@ -107,7 +107,7 @@ def plan_drawn(folder: Path, robot: str) -> WallPlan:
 def main() -> None:
     """Print a line for each wall, and the row."""
     words = argparse.ArgumentParser(description=__doc__)
-    words.add_argument("walls", nargs="?", type=int, default=WALLS)
+    words.add_argument("walls", nargs="?", type=int, default=WALL_COUNT)
     words.add_argument("robot", nargs="?", default="toyama/h1")
     wanted = words.parse_args()
     count, robot = wanted.walls, wanted.robot
@@ -131,7 +131,7 @@ def main() -> None:
                 f" {summary['reason'][:80]}",
                 flush=True,
             )
-            built += summary["outcome"] == "Success" and len(off) == COUNT
+            built += summary["outcome"] == "Success" and len(off) == BLOCK_COUNT
             errors.append(off)
             touched += unmeant
     every = np.concatenate(errors)

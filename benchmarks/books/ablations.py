@@ -18,15 +18,15 @@ from handcart.evaluation.campaign_report.campaign_report import CampaignReport
 from handcart.evaluation.campaigns.campaign import run_campaign
 from handcart.evaluation.campaigns.campaign_setting import CampaignSetting
 
-TASK = Path(__file__).parent.parent.parent / "tasks" / "return_book" / "task.yaml"
+TASK_FILE = Path(__file__).parent.parent.parent / "tasks" / "return_book" / "task.yaml"
 
 
-GIVES = {
+NO_SUSPENSION_MODEL = {
     "swing_yaw_mrad: 0.0": "swing_yaw_mrad: -0.8",
     "swing_yaw_sigma_mrad: 0.0": "swing_yaw_sigma_mrad: 0.4",
 }
 """A base that gives when the arm has swung, as Hatano (2000) measured it."""
-WHEELS = {"localizer: scan": "localizer: odometry"}
+WHEELS_ALONE = {"localizer: scan": "localizer: odometry"}
 
 
 def robot(folder: Path, name: str, changes: dict[str, str]) -> str:
@@ -46,10 +46,10 @@ def main() -> None:
     words.add_argument("trials", nargs="?", type=int, default=20)
     trials = words.parse_args().trials
     with tempfile.TemporaryDirectory() as folder:
-        gives = robot(Path(folder), "gives", GIVES)
+        gives = robot(Path(folder), "gives", NO_SUSPENSION_MODEL)
         rows = {
             "everything on": {},
-            "scan correction off": {"robot": robot(Path(folder), "wheels", WHEELS)},
+            "scan correction off": {"robot": robot(Path(folder), "wheels", WHEELS_ALONE)},
             "visual correction of the hand off": {"correct": "false"},
             "a base that gives": {"robot": gives},
             "the same, visual correction off": {"robot": gives, "correct": "false"},
@@ -58,7 +58,9 @@ def main() -> None:
         }
         print(f"{'':36}{'Success':>9}{'Wilson 95 %':>16}{'edge 95 %':>12}   most frequent other end")
         for name, settings in rows.items():
-            setting = CampaignSetting(TASK, None, settings, Libraries(misplaced=True), Path(folder) / "runs")
+            setting = CampaignSetting(
+                TASK_FILE, None, settings, Libraries(misplaced=True), Path(folder) / "runs"
+            )
             running = run_campaign(setting, range(trials), 2)
             report = CampaignReport(tuple(track(running, name, trials, console=Console(stderr=True))))
             low, high = report.wilson

@@ -30,7 +30,7 @@ from handcart.robotics.perception.books.ocr_label_reader import OcrLabelReader
 from handcart.robotics.perception.books.shelf_views import fuse_labels
 from handcart.robotics.perception.cameras.camera_model import CameraModel, plane_to_rays
 
-CAMERA = CameraModel(
+CAMERA_MODEL = CameraModel(
     np.array([[800.0, 0.0, 319.5], [0.0, 800.0, 239.5], [0.0, 0.0, 1.0]]),
     np.array([-0.28, 0.09, 0.0, 0.0, 0.0]),
     640,
@@ -87,14 +87,14 @@ def photograph(
     row: Shelf, camera_T_shelf: NDArray[np.float64], rng: np.random.Generator
 ) -> NDArray[np.uint8]:
     """The row seen through the lens, with a camera's blur, noise and uneven light."""
-    columns, lines = np.meshgrid(np.arange(CAMERA.width), np.arange(CAMERA.height))
-    rays = CAMERA.undistort(np.column_stack([columns.ravel(), lines.ravel()]).astype(np.float64))
+    columns, lines = np.meshgrid(np.arange(CAMERA_MODEL.width), np.arange(CAMERA_MODEL.height))
+    rays = CAMERA_MODEL.undistort(np.column_stack([columns.ravel(), lines.ravel()]).astype(np.float64))
     points = np.column_stack([rays, np.ones(len(rays))]) @ np.linalg.inv(plane_to_rays(camera_T_shelf)).T
     u = (row.left - points[:, 0] / points[:, 2]) * 1e3 * PX_PER_MM - 0.5
     v = (HEIGHT - points[:, 1] / points[:, 2]) * 1e3 * PX_PER_MM - 0.5
     # One pixel covers more than two of the picture: averaged before it is sampled.
     soft = cv2.GaussianBlur(row.picture.astype(np.float32), (0, 0), 0.7)
-    grid = (CAMERA.height, CAMERA.width)
+    grid = (CAMERA_MODEL.height, CAMERA_MODEL.width)
     image = cv2.remap(
         soft, u.astype(np.float32).reshape(grid), v.astype(np.float32).reshape(grid), cv2.INTER_LINEAR
     )
@@ -139,7 +139,7 @@ def main() -> None:
                 camera_T_shelf = pose(lateral, rng)
                 image = photograph(row, camera_T_shelf, rng)
                 start = time.process_time()
-                for label in reader.read(image, CAMERA, camera_T_shelf):
+                for label in reader.read(image, CAMERA_MODEL, camera_T_shelf):
                     seen[min(ROW - 1, max(0, int((row.left - label.lateral) / THICKNESS)))].append(label)
                 spent, views = spent + time.process_time() - start, views + 1
             for truth, labels in zip(numbers, seen, strict=True):

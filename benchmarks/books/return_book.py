@@ -13,7 +13,7 @@ from pathlib import Path
 from handcart.evaluation.trials.running import run_task
 from handcart.networks.run_options import RunOptions
 
-TASK = Path(__file__).parent.parent.parent / "tasks" / "return_book" / "task.yaml"
+TASK_FILE = Path(__file__).parent.parent.parent / "tasks" / "return_book" / "task.yaml"
 
 
 def main() -> None:
@@ -25,7 +25,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         for number in range(runs + 1):
             wall, cpu = time.perf_counter(), time.process_time()
-            summary, _ = run_task(TASK, Path(folder), RunOptions(seed=number))
+            summary, _ = run_task(TASK_FILE, Path(folder), RunOptions(seed=number))
             wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
             simulated = summary["sim_time_s"]
             name = "first" if number == 0 else str(number)

@@ -44,10 +44,10 @@ from handcart.robotics.geometry.pose2 import Pose2
 
 from .ablations import robot
 
-LEVELS = (0.5, 1.0)
-CAMERA = "camera_mount_mm: {}\n  camera_mount_mrad: {}\n  focal_percent: {}\n  image_noise_grey: 3.0"
+FACTOR_LEVELS = (0.5, 1.0)
+CAMERA_TEMPLATE = "camera_mount_mm: {}\n  camera_mount_mrad: {}\n  focal_percent: {}\n  image_noise_grey: 3.0"
 """The camera isn't quite where and what the robot's file says: at level 1 by 2 mm, 10 mrad, 1 % (sigma)."""
-DOCKED = {"start_mm: 20.0": "start_mm: 5.0", "start_deg: 1.0": "start_deg: 0.5"}
+DOCKED_START = {"start_mm: 20.0": "start_mm: 5.0", "start_deg: 1.0": "start_deg: 0.5"}
 
 
 class Tried(NamedTuple):
@@ -74,9 +74,9 @@ def run(seed: int, factors: Sequence[str], level: float) -> Tried:
         folder = Path(name)
         library = make_library(seed, unfriendly=tuple(f for f in factors if f != "camera"), level=level)
         write_library(library, folder)
-        changes = DOCKED.copy()
+        changes = DOCKED_START.copy()
         if {"camera", "all"} & set(factors):
-            changes["image_noise_grey: 3.0"] = CAMERA.format(2 * level, 10 * level, level)
+            changes["image_noise_grey: 3.0"] = CAMERA_TEMPLATE.format(2 * level, 10 * level, level)
         shelf = library.wanted[0].shelf
         _start_before(folder, SHELF_POSES[[r.shelf for r in library.rows].index(shelf)])
         files = RigFiles(
@@ -140,8 +140,8 @@ def main() -> None:
     first, _, end = wanted.libraries.rpartition(":")
     seeds = range(int(first or 0), int(end))
     asked = [(pair.split("=")[0], float(pair.split("=")[1])) for pair in wanted.factors]
-    rows = asked or [("none", 0.0), *((f, v) for f in (*UNFRIENDLY_FACTORS, "camera") for v in LEVELS)]
-    rows = rows if asked else [*rows, *(("all", level) for level in LEVELS)]
+    rows = asked or [("none", 0.0), *((f, v) for f in (*UNFRIENDLY_FACTORS, "camera") for v in FACTOR_LEVELS)]
+    rows = rows if asked else [*rows, *(("all", level) for level in FACTOR_LEVELS)]
     print(f"{'':16}{'level':>6}{'solvable':>10}{'Success':>9}{'':>7}{'refused':>12}{'hurt':>6}   other ends")
     with ProcessPoolExecutor(2) as pool:
         for factor, level in rows:

@@ -25,7 +25,7 @@ from handcart.evaluation.campaign_report.paired_tests import SIGNIFICANCE_LEVEL,
 from handcart.evaluation.campaigns.trial import Trial
 from handcart.evaluation.campaigns.walked_trials import WalkedTrials, network_trials
 
-LOWER = 0.4
+LOWER_PROBABILITY = 0.4
 """The first action's probability in the second campaign, where there is a difference."""
 
 
@@ -48,7 +48,7 @@ def main() -> None:
     chosen = parser.parse_args()
     with tempfile.TemporaryDirectory() as name:
         same = network_trials(walk(Path(name)), {})
-        lower = network_trials(walk(Path(name), LOWER), {})
+        lower = network_trials(walk(Path(name), LOWER_PROBABILITY), {})
     equal, other = [], []
     for number in track(range(chosen.pairs), "pairs", console=Console(stderr=True)):
         first = 3 * number * chosen.trials
@@ -60,7 +60,7 @@ def main() -> None:
     print(shown("no difference, any metric called proven", alarms, chosen.pairs))
     print(shown("no difference, e-value ever at 20", sum(_ever(each) for each in equal), chosen.pairs))
     seen, exact = sum(each.success.proven for each in other), sum(_mcnemar(each) for each in other)
-    print(shown(f"first action {LOWER} for 0.85, success called proven", seen, chosen.pairs))
+    print(shown(f"first action {LOWER_PROBABILITY} for 0.85, success called proven", seen, chosen.pairs))
     print(shown("that, by the exact McNemar test alone", exact, chosen.pairs))
     print(shown("that, e-value ever at 20", sum(_ever(each) for each in other), chosen.pairs))
     loss = 100.0 * (exact - seen) / chosen.pairs

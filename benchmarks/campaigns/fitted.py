@@ -30,10 +30,10 @@ from handcart.evaluation.learned.prediction import predict
 from handcart.evaluation.learned.seen_actions import SeenActions
 from handcart.networks.task.task_file import load_task
 
-ROOT = Path(__file__).parents[2]
-TASKS = ("stack_blocks", "track_seam", "return_book", "deploy_straight")
-FAULTS = Path(__file__).with_name("faults.yaml")
-MANY = 1_000_000
+REPOSITORY_ROOT = Path(__file__).parents[2]
+TASK_NAMES = ("stack_blocks", "track_seam", "return_book", "deploy_straight")
+FAULTS_FILE = Path(__file__).with_name("faults.yaml")
+WALK_COUNT = 1_000_000
 
 
 def main() -> None:
@@ -41,7 +41,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     parser.add_argument("folder", nargs="?", type=Path)
     parser.add_argument("--trials", type=int, default=240)
-    parser.add_argument("--tasks", nargs="+", choices=TASKS, default=TASKS)
+    parser.add_argument("--tasks", nargs="+", choices=TASK_NAMES, default=TASK_NAMES)
     chosen = parser.parse_args()
     with tempfile.TemporaryDirectory() as made:
         for name in chosen.tasks:
@@ -51,8 +51,8 @@ def main() -> None:
 
 def compare(name: str, folder: Path, trials: int) -> None:
     """One task."""
-    path = ROOT / "tasks" / name / "task.yaml"
-    report = handcart.campaign(path, trials=trials, faults=FAULTS, out=folder, report=False)
+    path = REPOSITORY_ROOT / "tasks" / name / "task.yaml"
+    report = handcart.campaign(path, trials=trials, faults=FAULTS_FILE, out=folder, report=False)
     task = load_task(path)
     seen = SeenActions.of(task, report.trials)
     numbers = np.arange(len(seen.success))
@@ -75,7 +75,7 @@ def compare(name: str, folder: Path, trials: int) -> None:
 def share_walked(words: str, trials: WalkedTrials) -> float:
     """Walk many times; gives the share of Successes."""
     began, cpu = time.monotonic(), time.process_time()
-    tally = WalkTally(trials, range(MANY))
+    tally = WalkTally(trials, range(WALK_COUNT))
     count = sum(tally.count_all())
     share = tally.successes / count
     took, used = time.monotonic() - began, time.process_time() - cpu
@@ -88,7 +88,7 @@ def exact_and_many(folder: Path) -> None:
     path = walk(folder)
     share, exact = share_walked("walks through a network", network_trials(path, {})), exact_goal(path, {})
     assert isinstance(exact, float)
-    sigma = math.sqrt(exact * (1.0 - exact) / MANY)
+    sigma = math.sqrt(exact * (1.0 - exact) / WALK_COUNT)
     print(f"{'':<16} exact {exact:.5f}: {(share - exact) / sigma:+.1f} sigma off")
 
 

@@ -23,7 +23,7 @@ from rich.progress import Progress
 
 from benchmarks.campaigns.walk import walk
 
-QUIET = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+QUIET_STREAMS = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
 
 
 def command(task: Path, out: Path, trials: int) -> list[str]:
@@ -48,7 +48,7 @@ def disturbed(words: list[str], chance: random.Random, most: int, lasts: float) 
     """
     kills: Counter[str] = Counter()
     while sum(kills.values()) < most:
-        process = subprocess.Popen(words, **QUIET)  # type: ignore[call-overload]
+        process = subprocess.Popen(words, **QUIET_STREAMS)  # type: ignore[call-overload]
         wait = chance.uniform(0.0, 1.2 * lasts)
         while True:
             time.sleep(wait)
@@ -58,7 +58,7 @@ def disturbed(words: list[str], chance: random.Random, most: int, lasts: float) 
             workers = children(process.pid)
             kill_worker = bool(workers) and chance.random() < 0.8 and sum(kills.values()) < most - 1
             if kill_worker:
-                subprocess.run(["kill", "-9", str(chance.choice(workers))], check=False, **QUIET)  # type: ignore[call-overload]
+                subprocess.run(["kill", "-9", str(chance.choice(workers))], check=False, **QUIET_STREAMS)  # type: ignore[call-overload]
                 kills["worker"] += 1
             else:
                 process.kill()

@@ -21,7 +21,7 @@ import numpy as np
 from rich.console import Console
 from rich.progress import track
 
-from benchmarks.campaigns.tosses import PRIMITIVE, rare_walk, tosses
+from benchmarks.campaigns.tosses import TOSS_PRIMITIVE, rare_walk, tosses
 from handcart.evaluation.campaign_report.exact_value import exact_end
 from handcart.evaluation.campaign_report.intervals import wilson
 from handcart.evaluation.campaigns.trial import Trial
@@ -79,7 +79,7 @@ def report_walks(words: str, path: Path, event: RareEvent, count: int) -> bool:
 def report_runs(folder: Path, count: int) -> None:
     """Print an estimate of runs, beside the exact value."""
     known = registry._all()
-    known |= PRIMITIVE
+    known |= TOSS_PRIMITIVE
     path, event, began = tosses(folder), RareEvent.of("GiveUp", "fails", 50), time.process_time()
     with Interrupts() as heard:
         options = RunOptions(settings={"likely": str(LIKELY)}, interrupts=heard)

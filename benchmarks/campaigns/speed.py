@@ -33,7 +33,7 @@ from handcart.evaluation.campaigns.trial import Trial
 from handcart.evaluation.campaigns.trial_log import TrialLog
 from handcart.evaluation.campaigns.workers import Workers
 
-SLEEPERS = 1000
+SLEEPER_COUNT = 1000
 
 
 def overhead(path: Path, running: Iterable[list[Trial]]) -> tuple[float, float]:
@@ -47,8 +47,8 @@ def overhead(path: Path, running: Iterable[list[Trial]]) -> tuple[float, float]:
             if not first:
                 first, before = time.monotonic(), ended
     end = time.monotonic()
-    ideal = SLEEPERS * SLEEPS_S / 2
-    rest = (SLEEPERS - before) * SLEEPS_S / 2
+    ideal = SLEEPER_COUNT * SLEEPS_S / 2
+    rest = (SLEEPER_COUNT - before) * SLEEPS_S / 2
     return (end - began) / ideal - 1.0, (end - first) / rest - 1.0
 
 
@@ -65,19 +65,19 @@ def shards(folder: Path) -> tuple[float, float]:
         process.join()
     whole = merged(parts, folder / "whole")
     end = time.monotonic()
-    if (count := len(whole.trials())) != SLEEPERS:
-        raise RuntimeError(f"{count} trials are there; needed: {SLEEPERS}")
+    if (count := len(whole.trials())) != SLEEPER_COUNT:
+        raise RuntimeError(f"{count} trials are there; needed: {SLEEPER_COUNT}")
     first = max(firsts.get() for _ in parts)
-    ideal = SLEEPERS * SLEEPS_S / 2
+    ideal = SLEEPER_COUNT * SLEEPS_S / 2
     return (end - began) / ideal - 1.0, (end - first) / (ideal - SLEEPS_S) - 1.0
 
 
 def shard(folder: Path, firsts: SimpleQueue[float]) -> None:
     """One of the parts, as its folder's name says; tells when its first trial has ended."""
     number = int(folder.name.removeprefix("part_"))
-    made = CampaignFolder.made(folder, {"first": 0, "trials": SLEEPERS, "shard": f"{number}/2"})
+    made = CampaignFolder.made(folder, {"first": 0, "trials": SLEEPER_COUNT, "shard": f"{number}/2"})
     with made.log() as log:
-        for together in Workers(sleep, 1).trials(range(SLEEPERS)[number - 1 :: 2]):
+        for together in Workers(sleep, 1).trials(range(SLEEPER_COUNT)[number - 1 :: 2]):
             if not len(log):
                 firsts.put(time.monotonic())
             log.append(together)
@@ -131,7 +131,10 @@ def dask(*words: str) -> Iterator[None]:
 def tell(what: str, shares: tuple[float, float]) -> None:
     """Print an overhead."""
     whole, running = (100.0 * each for each in shares)
-    print(f"{SLEEPERS} trials of 50 ms on 2 workers, {what}: {whole:.2f} % more than ideal, start included,")
+    print(
+        f"{SLEEPER_COUNT} trials of 50 ms on 2 workers, {what}: "
+        f"{whole:.2f} % more than ideal, start included,"
+    )
     print(f"  {running:.2f} % once the first has ended")
 
 
@@ -169,11 +172,14 @@ def main() -> None:
         taken = campaign(task, trials, folder / "big", 1)
         peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024.0
         print(f"{trials} trials, network alone: {taken:.1f} s, at most {peak:.0f} MiB")
-        tell("processes", overhead(folder / "here", Workers(sleep, 2).trials(range(SLEEPERS))))
+        tell("processes", overhead(folder / "here", Workers(sleep, 2).trials(range(SLEEPER_COUNT))))
         tell("two shards, merged", shards(folder))
         print(f"a process has imported what a trial needs after {importing():.2f} s of CPU")
         with scheduler(folder) as file:
-            tell("Dask", overhead(folder / "there", Cluster(sleep_there, str(file)).trials(range(SLEEPERS))))
+            tell(
+                "Dask",
+                overhead(folder / "there", Cluster(sleep_there, str(file)).trials(range(SLEEPER_COUNT))),
+            )
 
 
 if __name__ == "__main__":

@@ -15,15 +15,15 @@ from handcart.primitives.contract.action_primitive import ActionPrimitive, Perio
 from handcart.primitives.contract.discrepancy import Discrepancy, NeedsPerson
 from handcart.primitives.knowledge.world_model import ModelView
 
-MAP = Path(__file__).parents[2] / "tasks" / "drive_map"
-NETWORK = """\
+MAP_FOLDER = Path(__file__).parents[2] / "tasks" / "drive_map"
+NETWORK_TEXT = """\
 actions:
   - {do: MOVE_TO, from: at_home, to: between, cost_s: 20, p: 0.95, p_give_up: AT_ONCE, with: {place: shelf_1}}
   - {do: MOVE_TO, from: at_home, to: between, cost_s: 500, attempts: 1, p: 0.1, p_give_up: 0.9,
      with: {place: shelf_5}}
   - {do: MOVE_TO, from: between, to: at_shelf, cost_s: 30, attempts: 3, p: 0.95, with: {place: shelf_3}}
 """
-TOSSES = """\
+TASK_TEXT = """\
 format: handcart-task/1
 title: Toss until it succeeds
 robot: cart
@@ -38,7 +38,7 @@ actions:
   - {do: TOSS, from: before, to: after, cost_s: 50, attempts: 1,
      with: {fails: {parameter: likely}, last: true}}
 """
-PRIMITIVE = {"TOSS": "benchmarks.campaigns.tosses:Toss"}
+TOSS_PRIMITIVE = {"TOSS": "benchmarks.campaigns.tosses:Toss"}
 
 
 class Toss(ActionPrimitive):
@@ -68,15 +68,15 @@ def rare_walk(folder: Path, at_once: float = 0.0) -> Path:
     """
     path = walk(folder)
     text = path.read_text(encoding="utf-8")
-    actions = NETWORK.replace("AT_ONCE", str(at_once))
+    actions = NETWORK_TEXT.replace("AT_ONCE", str(at_once))
     path.write_text(text[: text.index("actions:")] + actions, encoding="utf-8")
     return path
 
 
 def tosses(folder: Path) -> Path:
-    """The file of a task whose runs give up after four tosses that failed; needs `PRIMITIVE` to be known."""
+    """Write a task whose runs give up after four failed tosses; `TOSS_PRIMITIVE` has to be registered."""
     for name in ("map.yaml", "map.png", "places.yaml"):
-        shutil.copy(MAP / name, folder / name)
+        shutil.copy(MAP_FOLDER / name, folder / name)
     path = folder / "tosses.yaml"
-    path.write_text(TOSSES, encoding="utf-8")
+    path.write_text(TASK_TEXT, encoding="utf-8")
     return path

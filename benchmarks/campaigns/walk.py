@@ -5,8 +5,8 @@ from __future__ import annotations
 import shutil
 from pathlib import Path
 
-LIBRARY = Path(__file__).parents[2] / "tasks" / "return_book"
-TASK = """\
+LIBRARY_FOLDER = Path(__file__).parents[2] / "tasks" / "return_book"
+TASK_TEXT = """\
 format: handcart-task/1
 title: Drive to a shelf
 robot: librarian
@@ -30,7 +30,7 @@ def walk(folder: Path, p: float = 0.85) -> Path:
         p: probability of the first action's Success.
     """
     for name in ("world.yaml", "map.yaml", "map.png", "places.yaml", "catalogue.yaml"):
-        shutil.copy(LIBRARY / name, folder / name)
+        shutil.copy(LIBRARY_FOLDER / name, folder / name)
     path = folder / "walk.yaml"
-    path.write_text(TASK.replace("p: P", f"p: {p}"), encoding="utf-8")
+    path.write_text(TASK_TEXT.replace("p: P", f"p: {p}"), encoding="utf-8")
     return path

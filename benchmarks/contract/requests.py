@@ -32,10 +32,10 @@ from handcart.networks.coordination.supervision import Request
 from handcart.networks.task.preparing import prepare
 from handcart.primitives.contract.outcome import Success
 
-KINDS = (Request.PAUSE, Request.STOP, Request.CANCEL, Request.RESTORE)
-PATIENCE = 400
+REQUEST_KINDS = (Request.PAUSE, Request.STOP, Request.CANCEL, Request.RESTORE)
+ANSWER_PERIODS = 400
 """Periods after a request in which something has to come of a stop or a pause."""
-HELD = 3
+PAUSE_PERIODS = 3
 """Periods that a pause is held."""
 TRIAL_CPU_S = 120
 
@@ -104,7 +104,7 @@ class Asked:
             self.tell("" if right else f"eaten: the run ended with {end.outcome} {end.reason}")
         if self.started > (self.meant is None):
             self.tell("eaten: another action began after a stop")
-        if self.periods > PATIENCE:
+        if self.periods > ANSWER_PERIODS:
             self.tell("eaten: it does not stop")
 
     def _cancel(self, _robot: Any, end: RunEnd | None) -> None:
@@ -153,11 +153,11 @@ class Asked:
             self.paused += 1
             if robot.time != self.at_s:
                 self.tell("eaten: its time continues while it is paused")
-            if self.paused == HELD:
+            if self.paused == PAUSE_PERIODS:
                 self.resumed = self.periods + 1
                 if wrong := self.run.ask(Request.RESUME):
                     self.tell(f"eaten: it is not continued: {wrong}")
-        elif self.started > 1 or self.periods > PATIENCE:
+        elif self.started > 1 or self.periods > ANSWER_PERIODS:
             self.tell("eaten: it does not pause")
 
 
@@ -218,7 +218,7 @@ class Campaign:
         if self._asked is not None:
             return
         assert self._run is not None
-        for what in KINDS:
+        for what in REQUEST_KINDS:
             read, write = os.pipe()
             child = os.fork()
             if child == 0:

@@ -10,10 +10,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-PERIOD = 0.05  # [s]
+PERIOD_S = 0.05  # [s]
 LATITUDE, LONGITUDE, METRES = 48.0, 9.0, 111_320.0
-BEGUN = 1_700_000_000.0  # [s] since 1970
-TOPICS = {
+START_TIME_S = 1_700_000_000.0  # [s] since 1970
+TOPIC_TYPES = {
     "/imu": "sensor_msgs/msg/Imu",
     "/odom": "nav_msgs/msg/Odometry",
     "/fix": "sensor_msgs/msg/NavSatFix",
@@ -49,12 +49,12 @@ class BagDrive(NamedTuple):
 def small_drive(seed: int = 1, duration: float = 60.0) -> BagDrive:
     """Return a winding drive at 1 m/s with a fix each second."""
     rng = np.random.default_rng(seed)
-    times = np.arange(0.0, duration, PERIOD)
+    times = np.arange(0.0, duration, PERIOD_S)
     turns = 0.15 * np.sin(times / 6.0)
-    headings = np.cumsum(turns) * PERIOD
-    x, y = np.cumsum(np.cos(headings)) * PERIOD, np.cumsum(np.sin(headings)) * PERIOD
+    headings = np.cumsum(turns) * PERIOD_S
+    x, y = np.cumsum(np.cos(headings)) * PERIOD_S, np.cumsum(np.sin(headings)) * PERIOD_S
     rates = np.stack([np.zeros(len(times)), np.zeros(len(times)), turns], axis=1)
-    rows = np.arange(0, len(times), round(1.0 / PERIOD))
+    rows = np.arange(0, len(times), round(1.0 / PERIOD_S))
     away = 0.5 * rng.standard_normal((len(rows), 2))
     return BagDrive(
         times,
@@ -80,8 +80,8 @@ def write_bag(
     path: Path,
     drive: BagDrive,
     storage: str = "SQLITE3",
-    stamp: Stamp = lambda topic, time: BEGUN + time,
-    topics: dict[str, str] = TOPICS,
+    stamp: Stamp = lambda topic, time: START_TIME_S + time,
+    topics: dict[str, str] = TOPIC_TYPES,
     compression: str = "NONE",
 ) -> Path:
     """Write a bag of rosbag2; of ROS 1 if `storage` is ROS1.
@@ -113,13 +113,13 @@ def write_bag(
         }
         for row, time in enumerate(drive.times.tolist()):
             for topic in topics:
-                if TOPICS[topic] == TOPICS["/fix"] and row not in fixes:
+                if TOPIC_TYPES[topic] == TOPIC_TYPES["/fix"] and row not in fixes:
                     continue
                 head = _header(store, stamp(topic, time), row)
                 content = _content(store, topic, drive, row, fixes, head)
                 encode = store.serialize_ros1 if is_ros1 else store.serialize_cdr
-                raw = bytes(encode(content, TOPICS[topic]))
-                writer.write(connections[topic], round(1e9 * (BEGUN + time)), raw)
+                raw = bytes(encode(content, TOPIC_TYPES[topic]))
+                writer.write(connections[topic], round(1e9 * (START_TIME_S + time)), raw)
     return path
 
 
@@ -138,7 +138,7 @@ def _content(store: Any, topic: str, drive: BagDrive, row: int, fixes: dict[int,
         kinds["geometry_msgs/msg/Point"](x, y, 0.0),
         turned(0.0, 0.0, math.sin(heading / 2.0), math.cos(heading / 2.0)),
     )
-    kind, none9, none36 = kinds[TOPICS[topic]], np.zeros(9), np.zeros(36)
+    kind, none9, none36 = kinds[TOPIC_TYPES[topic]], np.zeros(9), np.zeros(36)
     if topic == "/imu":
         rates, felt = vector(*drive.rates[row].tolist()), vector(*drive.accelerations[row].tolist())
         return kind(head, turned(0.0, 0.0, 0.0, 1.0), none9, rates, none9, felt, none9)

@@ -17,13 +17,13 @@ import numpy as np
 
 from handcart.networks.runs.run_folder import JOURNAL_FILE
 
-from .forging import ODD, change_somewhere, forge_state, reseal
+from .forging import ODD_VALUES, change_somewhere, forge_state, reseal
 from .originals import Original
 
-CHECKPOINT = "checkpoint"
+CHECKPOINT_FILE = "checkpoint"
 _FILES = (
     JOURNAL_FILE,
-    CHECKPOINT,
+    CHECKPOINT_FILE,
     "summary.json",
     "telemetry.npz",
     "error.txt",
@@ -74,7 +74,7 @@ def flip_journal(scene: Scene) -> None:
 
 def flip_checkpoint(scene: Scene) -> None:
     """A few bits of the checkpoint are others."""
-    _flip(scene, CHECKPOINT)
+    _flip(scene, CHECKPOINT_FILE)
 
 
 def _flip(scene: Scene, name: str) -> None:
@@ -97,7 +97,7 @@ def flip_newline(scene: Scene) -> None:
 
 def truncate(scene: Scene) -> None:
     """A file ends too soon."""
-    name = scene.rng.choice((JOURNAL_FILE, JOURNAL_FILE, CHECKPOINT, "telemetry.npz", "summary.json"))
+    name = scene.rng.choice((JOURNAL_FILE, JOURNAL_FILE, CHECKPOINT_FILE, "telemetry.npz", "summary.json"))
     content = scene.bytes_of(name)
     if content:
         (scene.folder / name).write_bytes(content[: scene.rng.randrange(len(content))])
@@ -119,7 +119,7 @@ def tail(scene: Scene) -> None:
 
 def swap(scene: Scene) -> None:
     """A file of another run, or of another action, lies there."""
-    name = scene.rng.choice((CHECKPOINT, CHECKPOINT, CHECKPOINT, JOURNAL_FILE))
+    name = scene.rng.choice((CHECKPOINT_FILE, CHECKPOINT_FILE, CHECKPOINT_FILE, JOURNAL_FILE))
     other = scene.other(name)
     if other is not None:
         shutil.copyfile(other, scene.folder / name)
@@ -156,7 +156,9 @@ def pickled(scene: Scene) -> None:
         for path in (*scene.folder.rglob("*.npz"), scene.folder / "telemetry.npz"):
             path.write_bytes(kept.getvalue())
     else:
-        (scene.folder / scene.rng.choice((CHECKPOINT, CHECKPOINT, JOURNAL_FILE))).write_bytes(payload)
+        (scene.folder / scene.rng.choice((CHECKPOINT_FILE, CHECKPOINT_FILE, JOURNAL_FILE))).write_bytes(
+            payload
+        )
 
 
 def link(scene: Scene) -> None:
@@ -167,7 +169,7 @@ def link(scene: Scene) -> None:
     path = scene.folder / name
     targets = ("secret.txt", "folder", "nothing-there", name.split("/")[-1])
     target = scene.outside / scene.rng.choice(targets)
-    if target.name in (JOURNAL_FILE, CHECKPOINT) and (scene.folder / target.name).is_file():
+    if target.name in (JOURNAL_FILE, CHECKPOINT_FILE) and (scene.folder / target.name).is_file():
         shutil.copyfile(scene.folder / target.name, target)
     _away(path)
     path.parent.mkdir(exist_ok=True)
@@ -198,7 +200,7 @@ def huge(scene: Scene) -> None:
     """A file of many gigabytes, or one that unpacks to them; lists in lists in lists."""
     kind = scene.rng.randrange(4)
     if kind == 0:
-        with (scene.folder / scene.rng.choice((JOURNAL_FILE, CHECKPOINT))).open(
+        with (scene.folder / scene.rng.choice((JOURNAL_FILE, CHECKPOINT_FILE))).open(
             "r+b" if kind else "ab"
         ) as file:
             file.truncate(scene.rng.choice((10**9, 10**11)))
@@ -207,7 +209,7 @@ def huge(scene: Scene) -> None:
             file.write(b'{"q":' + b"[" * 100_000 + b"]" * 100_000 + b"}\n")
     elif kind == 2:
         reseal(scene.folder, lambda records: records[-1].update(deep=_deep(200)))
-    elif (scene.folder / CHECKPOINT).is_file():
+    elif (scene.folder / CHECKPOINT_FILE).is_file():
         forge_state(scene.folder, lambda kept: kept.update(model=_deep(40)))
 
 
@@ -251,7 +253,15 @@ def forged_header(scene: Scene) -> None:
     """The journal is of another version, task, robot or backend, and its chain whole."""
     keys = ("schema", "handcart", "task_path", "settings", "backend", "bench", "seed", "errors", "start")
     key = scene.rng.choice((*keys, "network", "robot_sha256", "simulated", "plan_on", "robot"))
-    odd = (*ODD, "/dev/zero", str(scene.outside / "folder"), "handcart-journal/9", "9.9.9", "pybullet", "can")
+    odd = (
+        *ODD_VALUES,
+        "/dev/zero",
+        str(scene.outside / "folder"),
+        "handcart-journal/9",
+        "9.9.9",
+        "pybullet",
+        "can",
+    )
 
     def change(records: list[dict[str, Any]]) -> None:
         if scene.rng.random() < 0.2:
@@ -264,7 +274,7 @@ def forged_header(scene: Scene) -> None:
 
 def forged_state(scene: Scene) -> None:
     """Something in the checkpoint is odd; its checksum is right, and the journal names it."""
-    if not (scene.folder / CHECKPOINT).is_file():
+    if not (scene.folder / CHECKPOINT_FILE).is_file():
         return
 
     def change(kept: dict[str, Any]) -> None:
@@ -278,7 +288,7 @@ def forged_state(scene: Scene) -> None:
 
 def forged_engine(scene: Scene) -> None:
     """The engine's own part of the checkpoint isn't what the engine wrote."""
-    if not (scene.folder / CHECKPOINT).is_file():
+    if not (scene.folder / CHECKPOINT_FILE).is_file():
         return
 
     def change(kept: dict[str, Any]) -> None:
@@ -342,12 +352,12 @@ def calibrated(scene: Scene) -> None:
     (scene.folder / "calibration.yaml").write_bytes(scene.rng.choice(texts))
 
 
-ACCIDENTS: tuple[Attack, ...] = (
+FOLDER_ACCIDENTS: tuple[Attack, ...] = (
     *(nothing, flip_journal, flip_newline, flip_checkpoint, flip_checkpoint, truncate, cut, tail, swap, lose),
     damaged_evidence,
 )
 """After these a run is put back where it truly was, or refused."""
-HARM: tuple[Attack, ...] = (
+FOLDER_ATTACKS: tuple[Attack, ...] = (
     *(pickled, link, link, special, huge, forged_record, forged_record, forged_order, forged_header),
     *(forged_state, forged_state, forged_engine, calibrated),
 )

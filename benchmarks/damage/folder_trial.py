@@ -30,7 +30,7 @@ from handcart.networks.runs.resuming import task_of
 from handcart.networks.runs.run_folder import check_folder
 from handcart.networks.task.preparing import Prepared
 
-from .folder_attacks import ACCIDENTS, HARM, Attack, Scene, nothing
+from .folder_attacks import FOLDER_ACCIDENTS, FOLDER_ATTACKS, Attack, Scene, nothing
 from .originals import LEFT, Original, Quiet, key_of, state_of
 
 _RUNS = ("os.system", "os.exec", "os.posix_spawn", "os.spawn", "subprocess.Popen", "pickle.find_class")
@@ -137,7 +137,7 @@ class Trials:
         """Attack a folder, read it, look."""
         rng = random.Random(self._seed * 1_000_003 + number)
         original = rng.choices(self._originals, [each.weight for each in self._originals])[0]
-        attack: Attack = rng.choice(ACCIDENTS if rng.random() < 0.5 else HARM)
+        attack: Attack = rng.choice(FOLDER_ACCIDENTS if rng.random() < 0.5 else FOLDER_ATTACKS)
         folder = self._set_out(original)
         canary = self._work / "run" / "canary"
         attack(Scene(folder, self._outside, canary, self._originals, rng))
@@ -249,7 +249,7 @@ class _Tried:
         if to_the_end and self._attack is not nothing:
             return str(resume_task(self._folder, None, RunOptions(observers=(Quiet(),)))[0]["outcome"])
         header, prepared = self._trials.prepared(self._folder)
-        sound = self._attack in ACCIDENTS
+        sound = self._attack in FOLDER_ACCIDENTS
         try:
             past = put_back(self._folder, header, prepared)
         except NotAState as error:

@@ -14,7 +14,7 @@ from handcart.backends.saved_state import digest, pack, unpack
 from handcart.networks.journal.journal_record import FIRST_CHECKSUM, read_journal, seal
 from handcart.networks.runs.run_folder import JOURNAL_FILE
 
-ODD: tuple[Any, ...] = (
+ODD_VALUES: tuple[Any, ...] = (
     *(None, True, False, 0, -1, 1, 7, 2**31, 2**63 - 1, -(2**63), 0.0, -0.5, 1e300, -1e300, 3.25),
     *("", "../../../etc/passwd", "\x1b[2J", "\u202e", "x" * 5000, "%s%n", "__import__('os').system('x')"),
     *([], {}, [[]], {"a": 1}, [None] * 50, {"n": {"n": {}}}, [1e308, -1e308], {"": ""}),
@@ -63,7 +63,7 @@ def change_somewhere(rng: random.Random, tree: Any, depth: int = 0) -> None:
     elif rng.random() < 0.15:
         del tree[key]
     else:
-        tree[key] = rng.choice(ODD)
+        tree[key] = rng.choice(ODD_VALUES)
 
 
 def forge_state(folder: Path, change: Callable[[dict[str, Any]], None]) -> None:

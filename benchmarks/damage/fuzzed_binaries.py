@@ -22,9 +22,9 @@ from handcart.primitives.field.target_list import load_targets
 from handcart.primitives.seam.seam_file import SEAM_COLUMNS, load_seam
 from handcart.robotics.geometry.pose2 import Pose2
 
-from .fuzzed_files import ROBOT, Failure, why_not
+from .fuzzed_files import ROBOT_FOLDER, Failure, why_not
 
-SPARSE = 1 << 34  # [bytes] of a file that holds nothing
+SPARSE_BYTES = 1 << 34  # [bytes] of a file that holds nothing
 _NUMBERS = (
     b"-1",
     b"0",
@@ -51,7 +51,7 @@ class _Victim:
 def fuzz_binaries(folder: Path, count: int, seed: int = 0) -> Iterator[Failure | None]:
     """Read that many damaged files in an empty folder; each gives None, or what went wrong, as in `fuzz`."""
     rng, victims = random.Random(seed), _victims()
-    robot = (ROBOT / "robot.yaml").read_bytes()
+    robot = (ROBOT_FOLDER / "robot.yaml").read_bytes()
     (folder / "robot.yaml").write_bytes(robot.replace(b"urdf: librarian.urdf", b"urdf: robot.urdf"))
     for name in victims:
         chart = f"image: {name}\nresolution: 0.05\norigin: [0.0, 0.0, 0.0]\n"
@@ -76,7 +76,7 @@ def _put(path: Path, content: bytes, rng: random.Random) -> bytes:
         content = damaged_bytes(content, rng)
         path.write_bytes(content)
         if special == 2:
-            os.truncate(path, SPARSE)
+            os.truncate(path, SPARSE_BYTES)
     return content if special > 2 else b""
 
 
@@ -142,7 +142,7 @@ def _victims() -> Mapping[str, _Victim]:
     return {
         **{name: _Victim(content, _load_chart) for name, content in maps.items()},
         "bare.map": _Victim(octile.encode(), load_map),
-        "robot.urdf": _Victim((ROBOT / "librarian.urdf").read_bytes(), _load_urdf),
+        "robot.urdf": _Victim((ROBOT_FOLDER / "librarian.urdf").read_bytes(), _load_urdf),
         "targets.csv": _Victim(targets.encode(), _load_targets),
         "seam.csv": _Victim(seam.encode(), load_seam),
     }

@@ -23,7 +23,7 @@ from handcart.backends.capabilities.base import Base
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.robot_loading import load_robot
 
-PHASES = ("set-up", "enabling", "driving", "stop", "closing", "all")
+BUS_PHASES = ("set-up", "enabling", "driving", "stop", "closing", "all")
 """When the bus is noisy."""
 _LEVELS = (1, 10, 100)  # frames at most behind one of the program's
 _ROBOTS = ("cart",) * 19 + ("librarian",)
@@ -213,7 +213,7 @@ class _Attacked:
     """One robot from set-up to closing."""
 
     def __init__(self, number: int, robot: RobotFile, rng: random.Random) -> None:
-        self._number, self._phase = number, PHASES[number % len(PHASES)]
+        self._number, self._phase = number, BUS_PHASES[number % len(BUS_PHASES)]
         self._rng, self._robot = rng, robot
         self._level = rng.choice(_LEVELS)
         self._bench = NoisyBench(robot, rng)

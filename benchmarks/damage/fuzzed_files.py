@@ -15,12 +15,12 @@ from types import FrameType
 
 from handcart.files.errors import HandcartError
 
-LIBRARY = Path(__file__).parent.parent.parent / "tasks" / "return_book"
-ROBOT = Path(__file__).parent.parent.parent / "backends" / "robots" / "librarian"
-LONGEST = 10  # [s] of the processor's time that a check may take
-WAITS = 100  # [s] that it may take on a busy machine; longer, and it hangs
-SMALL = 1 << 22  # [bytes] of files that are read again to see whether they were written
-MEMORY = 1 << 30  # [bytes] beside what the process has already
+LIBRARY_FOLDER = Path(__file__).parent.parent.parent / "tasks" / "return_book"
+ROBOT_FOLDER = Path(__file__).parent.parent.parent / "backends" / "robots" / "librarian"
+MAX_CHECK_CPU_S = 10  # [s] of the processor's time that a check may take
+MAX_CHECK_WALL_S = 100  # [s] that it may take on a busy machine; longer, and it hangs
+MAX_REREAD_BYTES = 1 << 22  # [bytes] of files that are read again to see whether they were written
+MAX_MEMORY_BYTES = 1 << 30  # [bytes] beside what the process has already
 _WORDS = (
     "", "~", "null", "true", "-1", "0", "1e309", ".nan", ".inf", "-.inf", "1:30", "012", "0x1F", "1e-3",
     "2026-11-21", "'", '"', "[", "]", "{", "}", "&a", "*a", "<<: *a", "!!python/object/apply:os.system [ls]",
@@ -42,9 +42,9 @@ class Failure:
 
 def sources() -> dict[str, bytes]:
     """The files that are damaged, by name, with those that they need beside them."""
-    found = {path.name: path.read_bytes() for path in LIBRARY.iterdir() if path.is_file()}
-    found["robot.yaml"] = (ROBOT / "robot.yaml").read_bytes()
-    found |= {path.name: path.read_bytes() for path in ROBOT.glob("*.urdf")}
+    found = {path.name: path.read_bytes() for path in LIBRARY_FOLDER.iterdir() if path.is_file()}
+    found["robot.yaml"] = (ROBOT_FOLDER / "robot.yaml").read_bytes()
+    found |= {path.name: path.read_bytes() for path in ROBOT_FOLDER.glob("*.urdf")}
     return found
 
 
@@ -99,13 +99,13 @@ def why_not(folder: Path, path: Path, check: Callable[[Path], object]) -> str:
     """What goes wrong when a file in a folder is checked; empty if it passes, or is refused in words."""
     before = _fingerprint(folder)
     try:
-        with _at_most(LONGEST, MEMORY):
+        with _at_most(MAX_CHECK_CPU_S, MAX_MEMORY_BYTES):
             check(path)
     except HandcartError as error:
         if not str(error).strip():
             return "an error without words"
     except TimeoutError:
-        return f"longer than {LONGEST} s"
+        return f"longer than {MAX_CHECK_CPU_S} s"
     except Exception:
         return traceback.format_exc()
     return "" if _fingerprint(folder) == before else "a file was written"
@@ -113,13 +113,13 @@ def why_not(folder: Path, path: Path, check: Callable[[Path], object]) -> str:
 
 @contextmanager
 def _at_most(seconds: int, memory: int) -> Iterator[None]:
-    """Raises TimeoutError after that much computing, or `WAITS`; MemoryError beyond that many more bytes."""
+    """Raise TimeoutError after that CPU time or `MAX_CHECK_WALL_S`, MemoryError beyond those bytes."""
     handlers = {each: signal.signal(each, _too_long) for each in (signal.SIGALRM, signal.SIGPROF)}
     soft, hard = resource.getrlimit(resource.RLIMIT_AS)
     taken = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0]) * resource.getpagesize()
     resource.setrlimit(resource.RLIMIT_AS, (taken + memory, hard))
     signal.setitimer(signal.ITIMER_PROF, seconds)
-    signal.alarm(WAITS)
+    signal.alarm(MAX_CHECK_WALL_S)
     try:
         yield
     finally:
@@ -138,7 +138,7 @@ def _fingerprint(folder: Path) -> bytes:
     digest = blake2b()
     for path in sorted(folder.rglob("*")):
         status = path.lstat()
-        whole = path.is_file() and status.st_size < SMALL
+        whole = path.is_file() and status.st_size < MAX_REREAD_BYTES
         digest.update(f"{path} {status.st_mode} {status.st_size} {status.st_mtime_ns}".encode())
         digest.update(path.read_bytes() if whole else b"")
     return digest.digest()

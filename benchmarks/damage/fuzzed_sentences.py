@@ -14,7 +14,7 @@ from handcart.backends.can.sensors.sensor_lines import checksum
 from handcart.backends.capabilities.gps import Fix
 from handcart.backends.description.can_sensor_spec import GpsSource
 
-LATE = 2.0  # [s] that a sentence may be late, or ahead
+MAX_DELAY_S = 2.0  # [s] that a sentence may be late, or ahead
 _BATCH = 1000  # sentences between two accounts
 _PERIOD = 0.05  # [s]
 _MOST = 20  # sentences of a period
@@ -55,7 +55,7 @@ def fuzzed_sentences(count: int, seed: int = 0) -> Iterator[Account]:
         seed: the same one gives the same sentences.
     """
     rng, now = random.Random(seed), 100.0
-    source = GpsSource(port="loop://", stale_ms=1e3 * LATE, origin_lat_deg=48.0, origin_lon_deg=11.0)
+    source = GpsSource(port="loop://", stale_ms=1e3 * MAX_DELAY_S, origin_lat_deg=48.0, origin_lon_deg=11.0)
     receiver, port = NmeaGps(source, lambda: now), _Fed()
     receiver.close()
     receiver._port = port  # type: ignore[assignment]
@@ -78,7 +78,7 @@ def fuzzed_sentences(count: int, seed: int = 0) -> Iterator[Account]:
             if fix is not None:
                 fixes += 1
                 times = _times_of(fix, given, receiver)
-                sound = [utc for utc in times if abs(utc - now) <= LATE + 0.01 and utc > last]
+                sound = [utc for utc in times if abs(utc - now) <= MAX_DELAY_S + 0.01 and utc > last]
                 if not sound:
                     wrong = f"{fix} of {times} at {now}, after {last}"
                 last = min(sound, default=last)

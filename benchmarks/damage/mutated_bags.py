@@ -25,11 +25,11 @@ from pathlib import Path
 import numpy as np
 from rich.progress import track
 
-from benchmarks.damage.bag_files import BEGUN, TOPICS, BagDrive, Stamp, small_drive, write_bag
+from benchmarks.damage.bag_files import START_TIME_S, TOPIC_TYPES, BagDrive, Stamp, small_drive, write_bag
 
-STORAGES = ("SQLITE3", "MCAP", "ROS1")
-SIGMAS = 5.0
-ALLOWED = (0, 2)
+STORAGE_NAMES = ("SQLITE3", "MCAP", "ROS1")
+MAX_SIGMAS = 5.0
+ALLOWED_STATUSES = (0, 2)
 
 
 def main() -> None:
@@ -48,7 +48,7 @@ def main() -> None:
             statuses[status] += 1
             wrong = is_silent(status, out)
             silent += wrong
-            if status not in ALLOWED or "Traceback" in err or wrong:
+            if status not in ALLOWED_STATUSES or "Traceback" in err or wrong:
                 failures.append(f"seed {seed}: {words}: status {status}, {err.strip().splitlines()[-1:]}")
             if chosen.show:
                 print(f"seed {seed}: {words}: status {status}: {(err or out).strip().splitlines()[:1]}")
@@ -56,14 +56,14 @@ def main() -> None:
     print("\n".join(failures))
     told = ", ".join(f"status {status}: {count}" for status, count in sorted(statuses.items()))
     print(f"{chosen.bags} mutated bags: {told}; status 5: {statuses[5]}; silent: {silent}")
-    sys.exit(1 if set(statuses) - set(ALLOWED) or silent else 0)
+    sys.exit(1 if set(statuses) - set(ALLOWED_STATUSES) or silent else 0)
 
 
 def mutated_bag(folder: Path, seed: int) -> tuple[Path, str]:
     """Write a bag with one thing broken, and say what; the same for the same seed."""
     rng = random.Random(seed)
     folder.mkdir()
-    storage = rng.choice(STORAGES)
+    storage = rng.choice(STORAGE_NAMES)
     path = folder / ("drive.bag" if storage == "ROS1" else "drive")
     if rng.random() < 0.4:
         drive, stamp, topics, words = _content_fault(rng)
@@ -99,12 +99,12 @@ def is_silent(status: int, out: str) -> bool:
     if status:
         return False
     found = json.loads(out)
-    return not found["notes"] and found.get("nees", 0.0) > SIGMAS**2
+    return not found["notes"] and found.get("nees", 0.0) > MAX_SIGMAS**2
 
 
 def _content_fault(rng: random.Random) -> tuple[BagDrive, Stamp, dict[str, str], str]:
     """Return a drive whose messages are whole, and wrong."""
-    drive, topics = small_drive(duration=30.0), dict(TOPICS)
+    drive, topics = small_drive(duration=30.0), dict(TOPIC_TYPES)
     kind = rng.choice(("type", "value", "stamp", "topic", "place", "axes"))
     if kind == "type":
         one, other = rng.sample(sorted(topics), 2)
@@ -132,17 +132,17 @@ def _content_fault(rng: random.Random) -> tuple[BagDrive, Stamp, dict[str, str],
         order = rng.choice(([1, 2, 0], [2, 0, 1], [0, 2, 1]))
         turned = drive._replace(rates=drive.rates[:, order], accelerations=drive.accelerations[:, order])
         return turned, _true_stamp, topics, f"the IMU's axes are {order}"
-    at, by = rng.uniform(5.0, 25.0), rng.choice((-BEGUN, -20.0, 3600.0, 4.0e8))
+    at, by = rng.uniform(5.0, 25.0), rng.choice((-START_TIME_S, -20.0, 3600.0, 4.0e8))
     which = rng.choice([*topics, "all"])
 
     def stamp(topic: str, time: float) -> float:
-        return max(0.0, BEGUN + time + (by if time > at and which in (topic, "all") else 0.0))
+        return max(0.0, START_TIME_S + time + (by if time > at and which in (topic, "all") else 0.0))
 
     return drive, stamp, topics, f"stamps of {which} are {by:+.0f} s off after {at:.1f} s"
 
 
 def _true_stamp(topic: str, time: float) -> float:
-    return BEGUN + time
+    return START_TIME_S + time
 
 
 def _cut(file: Path, rng: random.Random) -> str:

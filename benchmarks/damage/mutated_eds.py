@@ -22,10 +22,13 @@ from pathlib import Path
 
 from rich.progress import track
 
-ROOT = Path(__file__).resolve().parents[2]
-CART, DRIVE = ROOT / "backends" / "robots" / "cart", ROOT / "backends" / "can" / "drives" / "drive.eds"
-ALLOWED = (0, 2)
-NONSENSE = (
+REPOSITORY_ROOT = Path(__file__).resolve().parents[2]
+CART, DRIVE = (
+    REPOSITORY_ROOT / "backends" / "robots" / "cart",
+    REPOSITORY_ROOT / "backends" / "can" / "drives" / "drive.eds",
+)
+ALLOWED_STATUSES = (0, 2)
+NONSENSE_VALUES = (
     "",
     "-1",
     "0x",
@@ -40,7 +43,15 @@ NONSENSE = (
     "\x00",
     "0xFFFFFFFFFF",
 )
-TAILS = ("\x1a", "\x00" * 9, "\n[6040]\n", "\n[", "\n=\n", "\n[70000]\nParameterName=x\n", "\n[6099sub0]\n")
+FILE_TAILS = (
+    "\x1a",
+    "\x00" * 9,
+    "\n[6040]\n",
+    "\n[",
+    "\n=\n",
+    "\n[70000]\nParameterName=x\n",
+    "\n[6099sub0]\n",
+)
 
 
 def main() -> None:
@@ -59,7 +70,7 @@ def main() -> None:
             (robot.parent / "maker.eds").write_bytes(content)
             status, err = checked(robot)
             statuses[status] += 1
-            if status not in ALLOWED or "Traceback" in err:
+            if status not in ALLOWED_STATUSES or "Traceback" in err:
                 failures.append(f"seed {seed}: {words}: status {status}, {err.strip().splitlines()[-1:]}")
             if chosen.show:
                 print(f"seed {seed}: {words}: status {status}: {err.strip().splitlines()[:1]}")
@@ -117,7 +128,7 @@ def _flipped(content: bytes, rng: random.Random) -> bytes:
 def _nonsense_value(text: str, rng: random.Random) -> str:
     places = [match.span(1) for match in re.finditer(r"=(.*)", text)]
     start, end = rng.choice(places or [(0, 0)])
-    return text[:start] + rng.choice(NONSENSE) + text[end:]
+    return text[:start] + rng.choice(NONSENSE_VALUES) + text[end:]
 
 
 def _other_case(text: str, rng: random.Random) -> str:
@@ -149,7 +160,7 @@ def _other_line_ends(text: str, rng: random.Random) -> str:
 
 
 def _tail(text: str, rng: random.Random) -> str:
-    return text + rng.choice(TAILS)
+    return text + rng.choice(FILE_TAILS)
 
 
 def _section_gone(text: str, rng: random.Random) -> str:

@@ -43,7 +43,7 @@ class Recipe:
 
 
 _OF_BLOCKS = (("method", "fix_once"), ("look", "false"))
-RECIPES = (
+RUN_RECIPES = (
     Recipe("blocks", "stack_blocks/unload.yaml", (1, 3, 5), settings=_OF_BLOCKS, whole=True, weight=3.0),
     Recipe("first block", "stack_blocks/unload.yaml", (1,), settings=_OF_BLOCKS, weight=0.2),
     Recipe("field", "deploy_straight/task.yaml", (1,)),

@@ -18,15 +18,15 @@ import numpy as np
 from numpy.typing import NDArray
 from rich.progress import track
 
-from benchmarks.field.foreign_logs import GRAVITY, VEHICLES, record_foreign
+from benchmarks.field.foreign_logs import ALL_VEHICLES, GRAVITY_M_S2, record_foreign
 from handcart.evaluation.replay.checks.mirror import MIRROR_TEXT as MIRRORED
 from handcart.evaluation.replay.drive_log import DriveLog
 from handcart.evaluation.replay.preparation import prepare
 from handcart.robotics.navigation.outdoors.field_noise import ANY_VEHICLE
 
 Array = NDArray[np.float64]
-LATITUDE = math.radians(48.0)
-REPORTS = (
+LATITUDE_RAD = math.radians(48.0)
+REPORTED_FAULTS = (
     "wheels stand still",
     "gyros repeat",
     "repeats a fix",
@@ -47,13 +47,13 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=300.0, help="length of a log (default 300)")
     chosen = parser.parse_args()
     met = True
-    for name, (fault, words) in FAULTS.items():
+    for name, (fault, words) in SENSOR_FAULTS.items():
         right = 0
-        for vehicle in VEHICLES:
+        for vehicle in ALL_VEHICLES:
             for seed in track(range(chosen.seed, chosen.seed + chosen.logs), f"{name}, {vehicle}"):
                 notes = reports(fault(record_foreign(vehicle, seed, chosen.seconds).log))
                 right += any(words in note for note in notes) if words else not notes
-        count = chosen.logs * len(VEHICLES)
+        count = chosen.logs * len(ALL_VEHICLES)
         print(f"{name}: {'reported in' if words else 'not a word in'} {right} of {count} logs", flush=True)
         met &= right == count
     sys.exit(0 if met else 1)
@@ -62,7 +62,7 @@ def main() -> None:
 def reports(log: DriveLog) -> list[str]:
     """Return the notes on sensor faults with which a log is played."""
     notes = prepare(Path("log"), log, ANY_VEHICLE, False, "auto").log.notes
-    return [note for note in notes if any(words in note for words in REPORTS)]
+    return [note for note in notes if any(words in note for words in REPORTED_FAULTS)]
 
 
 def without_fault(log: DriveLog) -> DriveLog:
@@ -77,7 +77,9 @@ def parked(log: DriveLog) -> DriveLog:
     rates, felt = log.rates.copy(), log.accelerations.copy()
     drift = 1e-3 * np.random.default_rng(0).standard_normal(rates[half:].shape)
     rates[half:] = drift
-    felt[half:] = GRAVITY * np.median(felt[:half], axis=0) / np.linalg.norm(np.median(felt[:half], axis=0))
+    felt[half:] = (
+        GRAVITY_M_S2 * np.median(felt[:half], axis=0) / np.linalg.norm(np.median(felt[:half], axis=0))
+    )
     fixes = log.fixes.copy()
     fixes[half:] += log.reference[half, :2] - log.reference[half:, :2]
     return log._replace(wheels=wheels, rates=rates, accelerations=felt, fixes=fixes, odometry_turns=turns)
@@ -110,7 +112,7 @@ def receiver_freezes(log: DriveLog) -> DriveLog:
 def exchanged(log: DriveLog) -> DriveLog:
     """Exchange latitude and longitude, at a latitude of 48 degrees."""
     east, north = log.fixes.T
-    return log._replace(fixes=np.stack([north / math.cos(LATITUDE), east], axis=1))
+    return log._replace(fixes=np.stack([north / math.cos(LATITUDE_RAD), east], axis=1))
 
 
 def wheels_times(factor: float) -> Callable[[DriveLog], DriveLog]:
@@ -134,7 +136,7 @@ def _zero_from(values: Array | None, row: int) -> Array:
     return found
 
 
-FAULTS: dict[str, tuple[Callable[[DriveLog], DriveLog], str]] = {
+SENSOR_FAULTS: dict[str, tuple[Callable[[DriveLog], DriveLog], str]] = {
     "no fault": (without_fault, ""),
     "parked": (parked, ""),
     "wheels stand": (wheels_stand, "wheels stand still"),

@@ -25,8 +25,13 @@ from handcart.evaluation.campaigns.campaign import run_campaign
 from handcart.evaluation.campaigns.campaign_setting import CampaignSetting
 from handcart.evaluation.campaigns.trial import Trial
 
-TASKS = Path(__file__).resolve().parents[2] / "tasks"
-FAULTS = ("range_zero_percent", "range_nan_percent", "range_too_close_percent", "range_own_body_percent")
+TASKS_FOLDER = Path(__file__).resolve().parents[2] / "tasks"
+LIDAR_FAULTS = (
+    "range_zero_percent",
+    "range_nan_percent",
+    "range_too_close_percent",
+    "range_own_body_percent",
+)
 
 
 def faulty_robot(name: str, folder: Path, percent: float, view: float) -> Path:
@@ -37,7 +42,7 @@ def faulty_robot(name: str, folder: Path, percent: float, view: float) -> Path:
     content: dict[str, Any] = yaml.safe_load(file.read_text(encoding="utf-8"))
     content["range_sensor"] |= {"range_min_m": 0.1, "start_deg": -view / 2, "end_deg": view / 2}
     content["range_sensor"]["beams"] = round(view) + (view < 360.0)
-    content["errors"] |= dict.fromkeys(FAULTS, percent)
+    content["errors"] |= dict.fromkeys(LIDAR_FAULTS, percent)
     (copy / file.name).write_text(yaml.safe_dump(content), encoding="utf-8")
     return copy / file.name
 
@@ -70,7 +75,7 @@ def main() -> None:
         robot = faulty_robot(chosen.robot, Path(folder), chosen.percent, chosen.view)
         for name in chosen.tasks:
             setting = CampaignSetting(
-                TASKS / name / "task.yaml",
+                TASKS_FOLDER / name / "task.yaml",
                 chosen.backend,
                 {"robot": str(robot)},
                 runs=chosen.runs or Path(folder) / "runs",

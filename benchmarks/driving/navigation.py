@@ -35,8 +35,8 @@ from handcart.robotics.navigation.routes.route import plan_route
 from handcart.robotics.navigation.routes.shortest_path import shortest_path
 from handcart.robotics.navigation.routes.voronoi_graph import VoronoiGraph, voronoi_graph
 
-ANGLES = np.linspace(-np.pi, np.pi, 360, endpoint=False)
-COLD = (
+BEAM_ANGLES = np.linspace(-np.pi, np.pi, 360, endpoint=False)
+COLD_START_CODE = (
     "import time; t = time.perf_counter(); from benchmarks.driving.office_map import office_map; "
     "from handcart.robotics.navigation.routes.route import plan_route; "
     "from handcart.robotics.navigation.routes.voronoi_graph import voronoi_graph; "
@@ -174,7 +174,7 @@ def large_rows() -> list[Row]:
 def cold_row() -> Row:
     """First graph and route of a process that finds no compiled code on disk."""
     with tempfile.TemporaryDirectory() as folder:
-        command = [sys.executable, "-c", COLD]
+        command = [sys.executable, "-c", COLD_START_CODE]
         environment = {**os.environ, "NUMBA_CACHE_DIR": folder}
         cold, kept = (
             float(subprocess.run(command, env=environment, check=True, capture_output=True, text=True).stdout)
@@ -185,11 +185,11 @@ def cold_row() -> Row:
 
 def scan_points(boxes: Any, pose: Pose2, rng: np.random.Generator) -> NDArray[np.float64]:
     """A scan with 1 cm of noise, end points (n, 2) in the base frame."""
-    seen = box_ranges(boxes, pose, ANGLES)
+    seen = box_ranges(boxes, pose, BEAM_ANGLES)
     seen = seen + rng.normal(0.0, 0.01, len(seen))
     hit = seen < 12.0
     points: NDArray[np.float64] = seen[hit, None] * np.column_stack(
-        [np.cos(ANGLES[hit]), np.sin(ANGLES[hit])]
+        [np.cos(BEAM_ANGLES[hit]), np.sin(BEAM_ANGLES[hit])]
     )
     return points
 

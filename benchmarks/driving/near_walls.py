@@ -42,7 +42,7 @@ from handcart.networks.task.preparing import check, prepare
 from handcart.primitives.contract.outcome import Success
 from handcart.primitives.driving.move_to import MoveTo
 
-TASK = Path(__file__).resolve().parents[2] / "tasks" / "drive_map" / "task.yaml"
+TASK_FILE = Path(__file__).resolve().parents[2] / "tasks" / "drive_map" / "task.yaml"
 NEAR, TOO_NEAR = 6, 2
 
 
@@ -105,7 +105,7 @@ def try_world(seed: int, nearer: bool) -> Trial:
     with TemporaryDirectory(prefix="near-walls-") as name:
         folder = Path(name)
         settings = write(room, folder, room.start())
-        home = check(TASK, settings=settings).places[0]
+        home = check(TASK_FILE, settings=settings).places[0]
         assert home.way.component is not None, seed
         places = _places(room, folder, settings, result)
         if nearer:
@@ -129,7 +129,7 @@ def _places(room: Room, folder: Path, settings: dict[str, str], result: Trial) -
     result.places = NEAR
     write_places(folder, wanted)
     (folder / "places.yaml").write_text(own + (folder / "places.yaml").read_text().split("places:\n")[1])
-    checked = check(TASK, settings=settings)
+    checked = check(TASK_FILE, settings=settings)
     found = {each.name: each for each in checked.places}
     refused_names = {re.findall(r"place '(\w+)'", each.message)[0] for each in checked.errors}
     for each in wanted:
@@ -155,7 +155,7 @@ def _tour(at: tuple[float, float], places: dict[str, tuple[float, float, float]]
 def _drive(folder: Path, settings: dict[str, str], tour: list[str], result: Trial) -> None:
     """As `handcart run` does it."""
     settings = {**settings, "tour": f"[{', '.join(tour)}]"}
-    with prepare(TASK, settings=settings, seed=result.seed) as prepared:
+    with prepare(TASK_FILE, settings=settings, seed=result.seed) as prepared:
         scene = prepared.backend.scene  # type: ignore[attr-defined]
         eye = Eye(scene, prepared.robot, prepared.model.places, result)
         execute(prepared, folder / "run", RunOptions(observers=(eye,)))

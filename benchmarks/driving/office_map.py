@@ -6,7 +6,7 @@ import numpy as np
 
 from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
 
-WALL = 0.1
+WALL_M = 0.1
 Boxes = list[tuple[float, float, float, float, float]]
 
 
@@ -14,10 +14,10 @@ def wall_boxes(size: tuple[float, float]) -> Boxes:
     """The four outer walls of a floor whose lower-left corner is (0, 0)."""
     w, h = size
     return [
-        (w / 2, WALL / 2, 0.0, w, WALL),
-        (w / 2, h - WALL / 2, 0.0, w, WALL),
-        (WALL / 2, h / 2, 0.0, WALL, h),
-        (w - WALL / 2, h / 2, 0.0, WALL, h),
+        (w / 2, WALL_M / 2, 0.0, w, WALL_M),
+        (w / 2, h - WALL_M / 2, 0.0, w, WALL_M),
+        (WALL_M / 2, h / 2, 0.0, WALL_M, h),
+        (w - WALL_M / 2, h / 2, 0.0, WALL_M, h),
     ]
 
 
@@ -27,9 +27,9 @@ def _row_wall(rng: np.random.Generator, y: float, width: float, room: float) -> 
     left = 0.0
     for k in range(round(width / room)):
         door = (k + rng.uniform(0.25, 0.75)) * room
-        boxes.append(((left + door - 0.5) / 2, y, 0.0, door - 0.5 - left, WALL))
+        boxes.append(((left + door - 0.5) / 2, y, 0.0, door - 0.5 - left, WALL_M))
         left = door + 0.5
-    return [*boxes, ((left + width) / 2, y, 0.0, width - left, WALL)]
+    return [*boxes, ((left + width) / 2, y, 0.0, width - left, WALL_M)]
 
 
 def office_boxes(seed: int, size: tuple[float, float]) -> Boxes:
@@ -43,12 +43,12 @@ def office_boxes(seed: int, size: tuple[float, float]) -> Boxes:
             boxes += _row_wall(rng, wall, size[0], room)
         for low, high in ((y, y + deep), (y + deep + corridor, min(y + 2 * deep + corridor, size[1]))):
             boxes += [
-                (k * room, (low + high) / 2, 0.0, WALL, high - low) for k in range(1, round(size[0] / room))
+                (k * room, (low + high) / 2, 0.0, WALL_M, high - low) for k in range(1, round(size[0] / room))
             ]
             boxes += _furniture(rng, size[0], room, low, high)
         y += 2 * deep + corridor
         if y + deep < size[1]:
-            boxes.append((size[0] / 2, y, 0.0, size[0] - 4.0, WALL))
+            boxes.append((size[0] / 2, y, 0.0, size[0] - 4.0, WALL_M))
     return boxes
 
 

@@ -12,8 +12,9 @@ from scipy.spatial import cKDTree
 
 from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
 
-NEAREST = 12  # centres that are looked at first
-DIAGONAL = math.sqrt(0.5) - 0.5 + 1e-9  # [cells] that squares' distances may differ more than their centres'
+NEAREST_COUNT = 12  # centres that are looked at first
+# [cells] that squares' distances may differ more than their centres'
+DIAGONAL_CELLS = math.sqrt(0.5) - 0.5 + 1e-9
 Cells = NDArray[np.bool_]
 CELLS_PER_RADIUS = (0.0, 0.3, 0.5, 0.6, 0.8, 1.0, 1.3, 1.9, 2.5, 4.0, 7.6)
 
@@ -87,7 +88,7 @@ def streets(rng: np.random.Generator, shape: tuple[int, int], block: int = 32) -
     return from_boxes(houses, 1.0, (0.0, 0.0), size).occupied
 
 
-KINDS: tuple[Callable[[np.random.Generator, tuple[int, int]], Cells], ...] = (
+GRID_KINDS: tuple[Callable[[np.random.Generator, tuple[int, int]], Cells], ...] = (
     speckle,
     rooms,
     diagonals,
@@ -99,7 +100,7 @@ def random_grid(seed: int) -> tuple[GridMap, float]:
     """A grid and the radius of a robot for it, in [m]: none, a part of a cell, up to many cells."""
     rng = np.random.default_rng(seed)
     shape = int(rng.integers(8, 60)), int(rng.integers(8, 60))
-    occupied = KINDS[seed % len(KINDS)](rng, shape)
+    occupied = GRID_KINDS[seed % len(GRID_KINDS)](rng, shape)
     unknown = (rng.random(shape) < 0.05) & ~occupied if rng.random() < 0.2 else np.zeros_like(occupied)
     resolution = float(rng.choice([0.03, 0.05, 0.1, 0.2, 0.25, 0.4, 1.0]))
     grid = GridMap(occupied, unknown, resolution, *rng.uniform(-20.0, 20.0, 2).tolist())
@@ -118,10 +119,10 @@ def distance_to_squares(blocked: Cells, points: NDArray[np.float64]) -> NDArray[
     cells: NDArray[np.float64] = rim.astype(np.float64) - 1.0
     if len(cells) == 0:
         return np.zeros(len(points))
-    count = min(NEAREST, len(cells))
+    count = min(NEAREST_COUNT, len(cells))
     away, index = cKDTree(cells).query(points, k=np.arange(1, count + 1))
     found: NDArray[np.float64] = _to_squares(points[:, None], cells[index]).min(axis=1)
-    for i in np.flatnonzero((away[:, -1] < away[:, 0] + DIAGONAL) & (count < len(cells))):
+    for i in np.flatnonzero((away[:, -1] < away[:, 0] + DIAGONAL_CELLS) & (count < len(cells))):
         found[i] = _to_squares(points[i], cells).min()
     own = np.floor(points + 1.5).astype(np.int64)
     found[padded[own[:, 0], own[:, 1]]] = 0.0

@@ -15,11 +15,11 @@ from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.description.robot_names import SHIPPED_FOLDER
 from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
 
-CELLS = (0.05, 0.05, 0.1, 0.15, 0.2, 0.25)  # [m]
+CELL_SIZES_M = (0.05, 0.05, 0.1, 0.15, 0.2, 0.25)  # [m]
 ROOM, FINE, UNSURE = 0.04, 0.05, 0.5  # what `check` asks for; see handcart.robotics.navigation.routes.ways
-TRIED = 4000
-WALL = 0.1  # [m] thick
-SURPRISED = 5  # every so many worlds hold boxes that aren't on the map
+MAX_TRIES = 4000
+WALL_M = 0.1  # [m] thick
+UNMAPPED_BOX_PERIOD = 5  # every so many worlds hold boxes that aren't on the map
 Floats = NDArray[np.float64]
 Box = tuple[float, float, float, float, float, float]
 """x, y, yaw, length, width, height, in [m] and [rad]."""
@@ -32,7 +32,7 @@ class Body(NamedTuple):
     radius: float
 
 
-BODIES = (
+ROBOT_BODIES = (
     Body("cart", 0.34),
     Body("cart", 0.2),
     Body("cart", 0.27),
@@ -48,8 +48,8 @@ class Room:
     def __init__(self, seed: int) -> None:
         self.seed = seed
         self.rng = np.random.default_rng(seed)
-        self.cell = float(self.rng.choice(CELLS))
-        self.body = BODIES[int(self.rng.integers(len(BODIES)))]
+        self.cell = float(self.rng.choice(CELL_SIZES_M))
+        self.body = ROBOT_BODIES[int(self.rng.integers(len(ROBOT_BODIES)))]
         self.width, self.depth = self.rng.uniform(4.0, 6.0, 2) + 2.0 * self.body.radius
         self.boxes = [*self._walls(), *self._things()]
         size = (self.width + 0.6, self.depth + 0.6)
@@ -58,7 +58,7 @@ class Room:
         self.grid: GridMap = from_boxes(flat, self.cell, (float(offset[0]), float(offset[1])), size)
         rows, columns = np.nonzero(self.grid.occupied)
         self._low = np.column_stack([columns, rows]) * self.cell + offset
-        self.surprises = self._surprises() if seed % SURPRISED == SURPRISED - 1 else []
+        self.surprises = self._surprises() if seed % UNMAPPED_BOX_PERIOD == UNMAPPED_BOX_PERIOD - 1 else []
 
     @property
     def least(self) -> float:
@@ -73,14 +73,14 @@ class Room:
 
     def start(self) -> tuple[float, float]:
         """Somewhere with room."""
-        for point in self._points(TRIED):
+        for point in self._points(MAX_TRIES):
             if self.clearance(point[None])[0] > self.body.radius + 0.25:
                 return float(point[0]), float(point[1])
         raise RuntimeError(f"no start in world {self.seed}")
 
     def beside(self, room: float) -> Iterator[tuple[float, float]]:
         """Points that leave this much room, in [m]: moved there from somewhere, down to what is nearest."""
-        for point in self._points(TRIED):
+        for point in self._points(MAX_TRIES):
             turn = self.rng.uniform(0.0, 2.0 * math.pi)
             ray = np.array([math.cos(turn), math.sin(turn)])
             line = point + np.linspace(0.0, 2.5, 80)[:, None] * ray
@@ -99,13 +99,13 @@ class Room:
 
     def _walls(self) -> list[Box]:
         w, d, rng = self.width, self.depth, self.rng
-        middle = [(w / 2, 0.0, 0.0, w + WALL, WALL), (w / 2, d, 0.0, w + WALL, WALL)]
-        middle += [(0.0, d / 2, 0.0, WALL, d), (w, d / 2, 0.0, WALL, d)]
+        middle = [(w / 2, 0.0, 0.0, w + WALL_M, WALL_M), (w / 2, d, 0.0, w + WALL_M, WALL_M)]
+        middle += [(0.0, d / 2, 0.0, WALL_M, d), (w, d / 2, 0.0, WALL_M, d)]
         at, door = rng.uniform(0.35, 0.65) * w, 2.0 * self.body.radius + rng.uniform(0.12, 0.6) + self.cell
         begin = rng.uniform(0.3, d - door - 0.3)
         middle += [
-            (at, begin / 2, 0.0, WALL, begin),
-            (at, (begin + door + d) / 2, 0.0, WALL, d - begin - door),
+            (at, begin / 2, 0.0, WALL_M, begin),
+            (at, (begin + door + d) / 2, 0.0, WALL_M, d - begin - door),
         ]
         return [(*each, 2.0) for each in middle]
 

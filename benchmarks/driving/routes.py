@@ -34,10 +34,10 @@ from handcart.robotics.navigation.routes.route import Route, plan_route
 from handcart.robotics.navigation.routes.shortest_path import shortest_clear_path
 from handcart.robotics.navigation.routes.voronoi_graph import VoronoiGraph, voronoi_graph
 
-ROUNDING = 1e-9  # [m]
+ROUNDING_M = 1e-9  # [m]
 PER_ROUTE = 200  # samples
-PAIRS = 6  # starts and goals on a random grid
-APART = 20  # [cells] between start and goal where lengths are compared
+PAIR_COUNT = 6  # starts and goals on a random grid
+MIN_PAIR_CELLS = 20  # [cells] between start and goal where lengths are compared
 
 
 class Found(NamedTuple):
@@ -92,7 +92,7 @@ def try_grid(seed: int) -> Found:
         return Found(0, 0, 0.0, 0, 0, 0)
     rng, cells, part = np.random.default_rng(seed), np.argwhere(graph.free), components(grid, radius)
     off, tight, missing = [], 0, 0
-    for turn in range(PAIRS):
+    for turn in range(PAIR_COUNT):
         pair = cells[rng.integers(len(cells), size=2)]
         spread = 0.49 * (turn % 2)
         ends = grid.to_point(pair + rng.uniform(-spread, spread, (2, 2)))
@@ -104,7 +104,9 @@ def try_grid(seed: int) -> Found:
         if route is not None:
             off.append(shortfalls(grid, route, rng))
     found = np.concatenate(off) if off else np.empty(0)
-    return Found(len(found), int((found > ROUNDING).sum()), found.max(initial=0.0), len(off), tight, missing)
+    return Found(
+        len(found), int((found > ROUNDING_M).sum()), found.max(initial=0.0), len(off), tight, missing
+    )
 
 
 def exactness(samples: int, seed: int) -> None:
@@ -154,12 +156,12 @@ def maps(folder: Path) -> list[tuple[str, GridMap, float]]:
 
 
 def far_pairs(graph: VoronoiGraph, count: int, seed: int) -> list[NDArray[np.int64]]:
-    """Starts and goals (2, 2): random free cells that are `APART`."""
+    """Starts and goals (2, 2): random free cells that are `MIN_PAIR_CELLS`."""
     rng, cells = np.random.default_rng(seed), np.argwhere(graph.free)
     pairs: list[NDArray[np.int64]] = []
     while len(pairs) < count:
         pair = cells[rng.integers(len(cells), size=2)]
-        if np.hypot(*(pair[0] - pair[1])) >= APART:
+        if np.hypot(*(pair[0] - pair[1])) >= MIN_PAIR_CELLS:
             pairs.append(pair)
     return pairs
 
@@ -183,7 +185,7 @@ def compare(name: str, grid: GridMap, radius: float, count: int) -> NDArray[np.f
         shortest, its_room = length_and_room(graph, corners.astype(np.float64))
         by_any.append(route.length / shortest)
         room.append(route.mean_clearance / its_room)
-        nearer += int((shortfalls(grid, route, np.random.default_rng(0), 50) > ROUNDING).sum())
+        nearer += int((shortfalls(grid, route, np.random.default_rng(0), 50) > ROUNDING_M).sum())
     middle, high, most = np.quantile(by_grid, [0.5, 0.95, 1.0])
     print(
         f"{name:<15} {radius:<6g} {middle:.3f}  {high:.3f}  {most:.3f}   {np.median(by_any):.3f}     "

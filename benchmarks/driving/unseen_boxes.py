@@ -31,11 +31,11 @@ from handcart.networks.runs.run import execute
 from handcart.networks.task.preparing import prepare
 from handcart.robotics.navigation.maps.grid_map import from_boxes
 
-TASK = Path(__file__).resolve().parents[2] / "tasks" / "drive_map" / "task.yaml"
+TASK_FILE = Path(__file__).resolve().parents[2] / "tasks" / "drive_map" / "task.yaml"
 ROBOT, RADIUS = "librarian", 0.34  # its lidar scans 0.25 m above the floor
-PLACES = 5
-CELL = 0.05
-WALL = 0.1  # [m] thick
+PLACE_COUNT = 5
+CELL_M = 0.05
+WALL_M = 0.1  # [m] thick
 FREE_OF_PLACE = 0.3  # [m] between the footprint at a place and a box
 SAME_TOUCH_S = 1.0
 ALLOWED_PUSHING_S = 1.0
@@ -94,7 +94,7 @@ def try_world(seed: int, backend: str) -> Trial:
         result.boxes = write_world(seed, folder)
         settings = {key: str(folder / f"{key}.yaml") for key in ("map", "world", "places")}
         settings |= {"robot": ROBOT, "wait_s": "1.5"}
-        with prepare(TASK, backend=backend, settings=settings, seed=seed) as prepared:
+        with prepare(TASK_FILE, backend=backend, settings=settings, seed=seed) as prepared:
             eye = Eye(prepared.backend.scene, result)  # type: ignore[attr-defined]
             done = execute(prepared, folder / "run", RunOptions(observers=(eye,)))
         result.outcome = str(done.summary["outcome"])
@@ -121,8 +121,8 @@ def write_world(seed: int, folder: Path) -> int:
 
 
 def _walls(width: float, depth: float) -> list[Box]:
-    flat = [(width / 2, y, 0.0, width + WALL, WALL) for y in (0.0, depth)]
-    flat += [(x, depth / 2, 0.0, WALL, depth) for x in (0.0, width)]
+    flat = [(width / 2, y, 0.0, width + WALL_M, WALL_M) for y in (0.0, depth)]
+    flat += [(x, depth / 2, 0.0, WALL_M, depth) for x in (0.0, width)]
     return [(*each, 2.0, 0.0) for each in flat]
 
 
@@ -151,7 +151,7 @@ def _places(
 ) -> list[tuple[float, float, float]]:
     """x, y in [m], heading in [deg]; clear of what is on the map, and 2 m from each other."""
     found: list[tuple[float, float, float]] = []
-    while len(found) < PLACES + 1:
+    while len(found) < PLACE_COUNT + 1:
         x, y = rng.uniform([0.8, 0.8], [width - 0.8, depth - 0.8]).tolist()
         clear = all(math.dist((x, y), box[:2]) > 0.9 + 0.5 * math.hypot(*box[3:5]) for box in seen[4:])
         if clear and all(math.dist((x, y), each[:2]) > 2.0 for each in found[-2:]):
@@ -166,10 +166,10 @@ def _write(
     unseen: list[Box],
     places: list[tuple[float, float, float]],
 ) -> None:
-    grid = from_boxes([each[:5] for each in seen], CELL, (-0.3, -0.3), (size[0] + 0.6, size[1] + 0.6))
+    grid = from_boxes([each[:5] for each in seen], CELL_M, (-0.3, -0.3), (size[0] + 0.6, size[1] + 0.6))
     cv2.imwrite(str(folder / "map.png"), np.where(grid.occupied, 0, 254).astype(np.uint8)[::-1])
     (folder / "map.yaml").write_text(
-        f"image: map.png\nresolution: {CELL}\norigin: [{grid.origin_x}, {grid.origin_y}, 0.0]\n"
+        f"image: map.png\nresolution: {CELL_M}\norigin: [{grid.origin_x}, {grid.origin_y}, 0.0]\n"
         "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
     )
     x, y, heading = places[0]

@@ -37,10 +37,10 @@ from handcart.networks.runs.run import execute
 from handcart.networks.task.preparing import Prepared, make_robot, prepare
 from handcart.networks.task.task_file import load_task
 
-TASKS = Path(__file__).resolve().parents[2] / "tasks"
-WHEELS = ("wheel_radius_percent", "tread_percent", "slip_percent")
-GROUND = ("scale_percent", "slip_percent", "turn_slip_percent")
-TIMES = 5.0
+TASKS_FOLDER = Path(__file__).resolve().parents[2] / "tasks"
+WHEEL_ERROR_KEYS = ("wheel_radius_percent", "tread_percent", "slip_percent")
+GROUND_ERROR_KEYS = ("scale_percent", "slip_percent", "turn_slip_percent")
+ERROR_FACTOR = 5.0
 
 
 class WorseRun(NamedTuple):
@@ -56,8 +56,8 @@ class WorseRun(NamedTuple):
 
 def task_files(words: Sequence[str] = ()) -> list[str]:
     """Return the shipped tasks as paths below `tasks`, those with one of the words in them."""
-    found = [path for path in sorted(TASKS.glob("*/*.yaml")) if "handcart-task/" in path.read_text()]
-    names = [str(path.relative_to(TASKS)) for path in found]
+    found = [path for path in sorted(TASKS_FOLDER.glob("*/*.yaml")) if "handcart-task/" in path.read_text()]
+    names = [str(path.relative_to(TASKS_FOLDER)) for path in found]
     return [name for name in names if not words or any(word in name for word in words)]
 
 
@@ -68,7 +68,7 @@ def worse(part: FileModel, names: tuple[str, ...], times: float) -> FileModel:
 
 def worse_robot(spec: RobotFile, times: float) -> RobotFile:
     """Return the robot as it is simulated; the localizer is given `spec` itself."""
-    errors = worse(spec.errors, WHEELS, times)
+    errors = worse(spec.errors, WHEEL_ERROR_KEYS, times)
     return spec.model_copy(update={"errors": errors}).read_in(spec.folder)
 
 
@@ -79,19 +79,19 @@ def worse_world(world: Path, folder: Path, times: float) -> Path:
     if not isinstance(content, dict) or content.get("ground") is None:
         return world
     ground = GroundSpec.model_validate(content["ground"])
-    content["ground"] |= {name: times * getattr(ground, name) for name in GROUND}
+    content["ground"] |= {name: times * getattr(ground, name) for name in GROUND_ERROR_KEYS}
     path = folder / world.name
     with path.open("w", encoding="utf-8") as file:
         yaml.dump(content, file)
     return path
 
 
-def run_worse(name: str, seed: int, times: float = TIMES, backend: str = "kinematic") -> WorseRun:
+def run_worse(name: str, seed: int, times: float = ERROR_FACTOR, backend: str = "kinematic") -> WorseRun:
     """Run a task below `tasks` once."""
     begun = time.process_time()
     with TemporaryDirectory(prefix="worse-odometry-") as made:
         folder = Path(made)
-        with _prepared(TASKS / name, seed, times, backend, folder) as prepared:
+        with _prepared(TASKS_FOLDER / name, seed, times, backend, folder) as prepared:
             judge = Judge(prepared)
             ran = execute(prepared, folder / "run", RunOptions(observers=(judge,)))
     false = tuple(map(str, ran.summary["metrics"]["untrue"]))
@@ -162,7 +162,7 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument(
         "--task", action="append", default=[], help="only tasks with this in their path; several times"
     )
-    parser.add_argument("--times", type=float, default=TIMES, help="as large as the file's errors")
+    parser.add_argument("--times", type=float, default=ERROR_FACTOR, help="as large as the file's errors")
     parser.add_argument("--backend", default="kinematic")
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--verbose", action="store_true", help="print each run when it ends")

@@ -20,7 +20,7 @@ from rich.progress import track
 from rich.table import Table
 
 from benchmarks.field.field_course import zigzag_course
-from benchmarks.field.field_drive import PERIOD
+from benchmarks.field.field_drive import PERIOD_S
 from benchmarks.field.field_log import FieldLog, record_course
 from benchmarks.field.field_trial import start_pose
 from handcart.robotics.geometry.transform import rotations
@@ -29,9 +29,9 @@ from handcart.robotics.navigation.beacons.beacon_filter import BeaconFilter
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_NOISE
 from handcart.robotics.navigation.outdoors.placement_errors import nees
 
-PLACES = np.array([[-5.0, 20.0, 2.0], [75.0, 25.0, 2.5], [35.0, -20.0, 1.5]])
-ERRORS = BeaconErrors(PLACES, (0.0, 0.0, 1.0), scale=0.002)
-EVERY = 8  # periods between measurements
+BEACON_POSITIONS_M = np.array([[-5.0, 20.0, 2.0], [75.0, 25.0, 2.5], [35.0, -20.0, 1.5]])
+BEACON_ERRORS = BeaconErrors(BEACON_POSITIONS_M, (0.0, 0.0, 1.0), scale=0.002)
+MEASUREMENT_PERIODS = 8  # periods between measurements
 Array = NDArray[np.float64]
 
 
@@ -44,7 +44,7 @@ class BeaconWorld(NamedTuple):
     """How far the first one is moved half way through, in [m]."""
 
 
-WORLDS = {
+BEACON_WORLDS = {
     "constant biases": BeaconWorld(),
     "biases wander, 10 mm/√s": BeaconWorld(bias_walk=0.010),
     "a beacon is moved by 0.5 m": BeaconWorld(moved=0.5),
@@ -66,17 +66,21 @@ def beacon_drive(seed: int, world: BeaconWorld = BeaconWorld(), stops: int = 7) 
     """The zigzag course, driven."""
     log, rng = record_course(zigzag_course(stops), REFERENCE_NOISE, seed), np.random.default_rng([seed, 77])
     poses, tilts = log.drive.poses, log.drive.tilts
-    tags = rotations(tilts[:, 0], tilts[:, 1], poses[:, 2]) @ np.array(ERRORS.tag)
+    tags = rotations(tilts[:, 0], tilts[:, 1], poses[:, 2]) @ np.array(BEACON_ERRORS.tag)
     tags[:, :2] += poses[:, :2]
-    rows = np.arange(0, len(poses), EVERY)
-    steps = world.bias_walk * math.sqrt(EVERY * PERIOD) * rng.standard_normal((len(rows), len(PLACES)))
-    biases = ERRORS.bias * rng.standard_normal(len(PLACES)) + np.cumsum(steps, axis=0)
-    places = np.repeat(PLACES[None], len(rows), axis=0)
+    rows = np.arange(0, len(poses), MEASUREMENT_PERIODS)
+    steps = (
+        world.bias_walk
+        * math.sqrt(MEASUREMENT_PERIODS * PERIOD_S)
+        * rng.standard_normal((len(rows), len(BEACON_POSITIONS_M)))
+    )
+    biases = BEACON_ERRORS.bias * rng.standard_normal(len(BEACON_POSITIONS_M)) + np.cumsum(steps, axis=0)
+    places = np.repeat(BEACON_POSITIONS_M[None], len(rows), axis=0)
     places[len(rows) // 2 :, 0, 1] += world.moved
-    ranges = np.full((len(poses), len(PLACES)), math.nan)
-    scale = 1.0 + ERRORS.scale * rng.standard_normal()
+    ranges = np.full((len(poses), len(BEACON_POSITIONS_M)), math.nan)
+    scale = 1.0 + BEACON_ERRORS.scale * rng.standard_normal()
     ranges[rows] = scale * np.linalg.norm(places - tags[rows, None], axis=2) + biases
-    ranges[rows] += ERRORS.white * rng.standard_normal((len(rows), len(PLACES)))
+    ranges[rows] += BEACON_ERRORS.white * rng.standard_normal((len(rows), len(BEACON_POSITIONS_M)))
     return BeaconDrive(log, ranges, biases[-1])
 
 
@@ -95,13 +99,13 @@ class BeaconTrial(NamedTuple):
     """(m,) whether ranges didn't contradict the claim."""
 
 
-def try_beacons(drive: BeaconDrive, errors: BeaconErrors = ERRORS) -> BeaconTrial:
+def try_beacons(drive: BeaconDrive, errors: BeaconErrors = BEACON_ERRORS) -> BeaconTrial:
     """Play a drive to a filter that believes `errors` of the ranges."""
     log, filtering = drive.log, BeaconFilter(start_pose(drive.log), REFERENCE_NOISE, errors)
     found, spreads, consistent = [], [], []
     placings = set(log.drive.placings.tolist())
     for row in range(len(log.rates)):
-        filtering.predict(log.rates[row], log.accelerations[row], log.wheels[row], PERIOD)
+        filtering.predict(log.rates[row], log.accelerations[row], log.wheels[row], PERIOD_S)
         if np.isfinite(drive.ranges[row]).any():
             filtering.ranges(drive.ranges[row])
         if row in placings:
@@ -138,17 +142,17 @@ def main() -> None:
     parser.add_argument("--runs", type=int, default=40, help="of each world (default 40)")
     chosen = parser.parse_args()
     ways = {
-        "biases that may wander": ERRORS,
-        "constant biases": ERRORS._replace(bias_walk=0.0),
-        "no biases": ERRORS._replace(bias=0.005, bias_walk=0.0),
+        "biases that may wander": BEACON_ERRORS,
+        "constant biases": BEACON_ERRORS._replace(bias_walk=0.0),
+        "no biases": BEACON_ERRORS._replace(bias=0.005, bias_walk=0.0),
     }
     table = Table(
         "world", "supposed", "r95 [mm]", "NEES", "bias [mm]", "refused [%]", "laid [%]", "beyond [%]"
     )
     trials: dict[tuple[str, str], list[BeaconTrial]] = {}
-    jobs = [(world, seed) for world in WORLDS for seed in range(chosen.runs)]
+    jobs = [(world, seed) for world in BEACON_WORLDS for seed in range(chosen.runs)]
     for world, seed in track(jobs, "runs", console=Console(stderr=True)):
-        drive = beacon_drive(seed, WORLDS[world])
+        drive = beacon_drive(seed, BEACON_WORLDS[world])
         for way, errors in ways.items():
             trials.setdefault((world, way), []).append(try_beacons(drive, errors))
     for (world, way), found in trials.items():

@@ -41,15 +41,15 @@ from handcart.primitives.motions.grip import hand_to_tips
 from handcart.robotics.manipulation.motions.collision_model import HELD_NAME, CollisionModel
 from handcart.robotics.navigation.outdoors.placement_errors import share_radius
 
-TASKS = Path(__file__).parent.parent.parent / "tasks"
-WAYS = {
+TASKS_FOLDER = Path(__file__).parent.parent.parent / "tasks"
+LAYING_SETTINGS = {
     "together": {"together": "true", "settle_s": "2"},
     "together, 0 s": {"together": "true"},
     "sequential": {},
 }
-WHEELBASE = 0.6  # [m]
-STEPS = 0.1  # [rad] between the steering angles that are looked at
-MOVES = 1e-6  # [m] of the wheels in a period
+WHEELBASE_M = 0.6  # [m]
+STEERING_STEP_RAD = 0.1  # [rad] between the steering angles that are looked at
+MIN_WHEEL_MOTION_M = 1e-6  # [m] of the wheels in a period
 
 
 class Laying(NamedTuple):
@@ -87,19 +87,19 @@ class Watcher(RunObserver):
         """A period has passed."""
         scene = self._scene
         speed, turn = robot.driven
-        steering = round(math.atan(WHEELBASE * turn / speed) / STEPS) if speed else 0
+        steering = round(math.atan(WHEELBASE_M * turn / speed) / STEERING_STEP_RAD) if speed else 0
         key = (steering, scene.joints.tobytes())
         if key != self._last:
             model = self._model(steering, scene.held is not None)
             self.nearest = min(self.nearest, model.distance(scene.joints))
             self._last = key
         rolled = sum(robot.base.wheel_travel())
-        if abs(rolled - self._rolled) > MOVES:
+        if abs(rolled - self._rolled) > MIN_WHEEL_MOTION_M:
             self.met += len(scene.touching)
         self._rolled = rolled
 
     def _make(self, steering: int, holds: bool) -> CollisionModel:
-        angle, width = steering * STEPS, self._scene.width / 2.0
+        angle, width = steering * STEERING_STEP_RAD, self._scene.width / 2.0
         turned = {"left_steering": angle, "right_steering": angle}
         arm = self._arm.with_others({"left_finger": width, "right_finger": width, **turned})
         return CollisionModel(arm, (), self._held if holds else None)
@@ -109,9 +109,9 @@ def one_run(job: tuple[str, str, int]) -> list[Laying]:
     """One run of a task."""
     course, way, seed = job
     with tempfile.TemporaryDirectory() as folder:
-        settings = {**WAYS[way], **COURSES[course](Path(folder), seed)}
+        settings = {**LAYING_SETTINGS[way], **COURSE_MAKERS[course](Path(folder), seed)}
         task = "straight" if course == "short" else course
-        with prepare(TASKS / f"deploy_{task}" / "task.yaml", None, settings, seed) as prepared:
+        with prepare(TASKS_FOLDER / f"deploy_{task}" / "task.yaml", None, settings, seed) as prepared:
             return _laid(prepared, course, way, seed)
 
 
@@ -149,7 +149,7 @@ def _short(folder: Path, seed: int) -> dict[str, str]:
     return {"targets": str(path), "wait_s": "10"}
 
 
-COURSES: dict[str, Callable[[Path, int], dict[str, str]]] = {
+COURSE_MAKERS: dict[str, Callable[[Path, int], dict[str, str]]] = {
     "straight": lambda folder, seed: {},
     "zigzag": lambda folder, seed: {},
     "short": _short,
@@ -200,14 +200,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--course", choices=COURSES, default="straight")
-    parser.add_argument("--way", choices=["all", *WAYS], default="all")
+    parser.add_argument("--course", choices=COURSE_MAKERS, default="straight")
+    parser.add_argument("--way", choices=["all", *LAYING_SETTINGS], default="all")
     parser.add_argument("--runs", type=int, default=4)
     parser.add_argument("--first", type=int, default=0, help="the first seed")
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--raw", type=Path)
     given = parser.parse_args()
-    ways = list(WAYS) if given.way == "all" else [given.way]
+    ways = list(LAYING_SETTINGS) if given.way == "all" else [given.way]
     rows = _read(given.raw)
     have = {row[:3] for row in rows}
     seeds = range(given.first, given.first + given.runs)

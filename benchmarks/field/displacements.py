@@ -21,16 +21,16 @@ from rich.progress import track
 from rich.table import Table
 
 from benchmarks.field.field_course import straight_course
-from benchmarks.field.field_drive import PERIOD
+from benchmarks.field.field_drive import PERIOD_S
 from benchmarks.field.field_log import FieldLog, record_course
 from benchmarks.field.field_trial import start_pose
-from benchmarks.field.mismatches import WORLDS
+from benchmarks.field.mismatches import NOISE_WORLDS
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_NOISE
 from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
 from handcart.robotics.navigation.outdoors.placement_errors import nees
 
-LEGS = (0, 1, 2, 4)  # of ten metres, from stop to stop; 0: while it stands there
+LEG_COUNTS = (0, 1, 2, 4)  # of ten metres, from stop to stop; 0: while it stands there
 Array = NDArray[np.float64]
 
 
@@ -50,11 +50,11 @@ def ways(log: FieldLog, legs: int) -> list[Way]:
     localizer = GpsFilter(start_pose(log), REFERENCE_NOISE)
     fixes = dict(zip(log.fix_rows.tolist(), log.fixes, strict=True))
     ends = log.drive.placings.tolist()[:: max(1, legs)] if legs else log.drive.placings.tolist()
-    begins = {row - round(9.0 / PERIOD) for row in ends} if legs == 0 else set(ends)
+    begins = {row - round(9.0 / PERIOD_S) for row in ends} if legs == 0 else set(ends)
     found: list[Way] = []
     begun: tuple[int, Array] | None = None
     for row in range(max(ends) + 1):
-        localizer.predict(log.rates[row], log.accelerations[row], log.wheels[row], PERIOD)
+        localizer.predict(log.rates[row], log.accelerations[row], log.wheels[row], PERIOD_S)
         if row in fixes:
             localizer.fix(fixes[row])
         if begun is not None and row in ends:
@@ -103,14 +103,14 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--runs", type=int, default=20, help="of each world and length (default 20)")
-    parser.add_argument("--world", action="append", choices=WORLDS, help="this one alone")
+    parser.add_argument("--world", action="append", choices=NOISE_WORLDS, help="this one alone")
     chosen = parser.parse_args()
     table = Table(
         "world", "way", "ways", "RMS [mm]", "of poses [mm]", "3 sigma [mm]", "95 %", "NEES", "beyond [%]"
     )
-    jobs = [(world, legs) for world in chosen.world or WORLDS for legs in LEGS]
+    jobs = [(world, legs) for world in chosen.world or NOISE_WORLDS for legs in LEG_COUNTS]
     for world, legs in track(jobs, "worlds", console=Console(stderr=True)):
-        logs = (record_course(straight_course(), WORLDS[world], seed) for seed in range(chosen.runs))
+        logs = (record_course(straight_course(), NOISE_WORLDS[world], seed) for seed in range(chosen.runs))
         table.add_row(*row_of(world, legs, [way for log in logs for way in ways(log, legs)]))
     Console(width=None if sys.stdout.isatty() else 120).print(table)
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from handcart.robotics.navigation.outdoors.placement_errors import TARGET_OFFSET_M
 
-SPACING = 0.05  # [m] between points of a line
+POINT_SPACING_M = 0.05  # [m] between points of a line
 
 
 class FieldCourse(NamedTuple):
@@ -31,7 +31,7 @@ class FieldCourse(NamedTuple):
         right = np.column_stack([along[:, 1], -along[:, 0]])
         corners = np.vstack([corners, corners[-1] + 3.0 * along[-1]])
         lengths = np.hypot(*np.diff(corners, axis=0).T)
-        counts = np.maximum(1, np.round(lengths / SPACING).astype(np.int64))
+        counts = np.maximum(1, np.round(lengths / POINT_SPACING_M).astype(np.int64))
         pieces = [
             np.linspace(begin, end, count, endpoint=False)
             for begin, end, count in zip(corners[:-1], corners[1:], counts, strict=True)

@@ -8,13 +8,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.field.field_course import SPACING, FieldCourse
+from benchmarks.field.field_course import POINT_SPACING_M, FieldCourse
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_CURVATURE, FieldNoise
 from handcart.robotics.numerics.compiled import compiled
 
-PERIOD = 0.025  # [s]
-AHEAD = 1.5  # [m] at which pure pursuit looks
-CREEP = 0.02  # [m/s], the last centimetre of a leg
+PERIOD_S = 0.025  # [s]
+LOOKAHEAD_M = 1.5  # [m] at which pure pursuit looks
+CREEP_SPEED_M_S = 0.02  # [m/s], the last centimetre of a leg
 
 
 class FieldTimes(NamedTuple):
@@ -55,10 +55,10 @@ def drive_course(
     tread: float = 0.6,
 ) -> FieldDrive:
     """Drive a course by pure pursuit of the true pose; `tread` of the rear wheels in [m]."""
-    length = SPACING * len(course.line)
+    length = POINT_SPACING_M * len(course.line)
     ramps = len(course.stops) * 2.0 * times.speed / times.acceleration
     rest = times.wait + times.dwell * len(course.stops)
-    rows = int((rest + 1.5 * length / times.speed + 2.0 * ramps + 60.0) / PERIOD)
+    rows = int((rest + 1.5 * length / times.speed + 2.0 * ramps + 60.0) / PERIOD_S)
     shape = np.array([noise.roughness, noise.roughness_length, noise.slip, noise.slip_length])
     turning = np.array([noise.turn_slip, noise.side_slip, noise.side_slip_length, noise.side_slip_turning])
     scale = noise.scale * rng.standard_normal()
@@ -105,7 +105,7 @@ def _drive(
     slip, side = shape[2] * rng.standard_normal(), turning[1] * rng.standard_normal()
     placings = np.zeros(len(stops), dtype=np.int64)
     row, at = 0, 0
-    for _ in range(round(wait / PERIOD)):
+    for _ in range(round(wait / PERIOD_S)):
         out[row, 3:5] = tilt
         row += 1
     for leg in range(len(stops)):
@@ -114,17 +114,19 @@ def _drive(
         while True:
             while at < stop and _nearer(pose, line, at):
                 at += 1
-            ahead = line[min(stop, at + round(AHEAD / SPACING))]
+            ahead = line[min(stop, at + round(LOOKAHEAD_M / POINT_SPACING_M))]
             beyond = math.hypot(line[stop, 0] - pose[0], line[stop, 1] - pose[1])
-            left_over = (stop - at) * SPACING if at < stop - 2 else _along(pose, line, stop)
-            if left_over <= 0.0 or row >= len(out) - round(dwell / PERIOD) - 1:
+            left_over = (stop - at) * POINT_SPACING_M if at < stop - 2 else _along(pose, line, stop)
+            if left_over <= 0.0 or row >= len(out) - round(dwell / PERIOD_S) - 1:
                 break
-            if beyond < AHEAD:
-                ahead = line[stop] + AHEAD * (line[stop] - line[stop - 1]) / SPACING
+            if beyond < LOOKAHEAD_M:
+                ahead = line[stop] + LOOKAHEAD_M * (line[stop] - line[stop - 1]) / POINT_SPACING_M
             speed = min(
-                top, speed + acceleration * PERIOD, max(CREEP, math.sqrt(2.0 * acceleration * left_over))
+                top,
+                speed + acceleration * PERIOD_S,
+                max(CREEP_SPEED_M_S, math.sqrt(2.0 * acceleration * left_over)),
             )
-            way, bend = speed * PERIOD, _curvature(pose, ahead)
+            way, bend = speed * PERIOD_S, _curvature(pose, ahead)
             for axis in range(2):
                 waves[axis] = _drift(waves[axis], way / shape[1], math.sqrt(2.0) * shape[0], rng)
                 tilt[axis] += (1.0 - math.exp(-way / shape[1])) * (waves[axis] - tilt[axis])
@@ -142,8 +144,8 @@ def _drive(
             )
             out[row, 7], out[row, 8] = way, bend
             row += 1
-        placings[leg] = row + round(placing / PERIOD)
-        for _ in range(round(dwell / PERIOD)):
+        placings[leg] = row + round(placing / PERIOD_S)
+        for _ in range(round(dwell / PERIOD_S)):
             out[row, :3], out[row, 3:5] = pose, tilt
             row += 1
     return row, placings
@@ -159,5 +161,8 @@ def _nearer(pose: NDArray[np.float64], line: NDArray[np.float64], at: int) -> bo
 @compiled
 def _along(pose: NDArray[np.float64], line: NDArray[np.float64], stop: int) -> float:
     """Way left to the stop along the line's last piece, in [m]."""
-    ux, uy = (line[stop, 0] - line[stop - 1, 0]) / SPACING, (line[stop, 1] - line[stop - 1, 1]) / SPACING
+    ux, uy = (
+        (line[stop, 0] - line[stop - 1, 0]) / POINT_SPACING_M,
+        (line[stop, 1] - line[stop - 1, 1]) / POINT_SPACING_M,
+    )
     return float(ux * (line[stop, 0] - pose[0]) + uy * (line[stop, 1] - pose[1]))

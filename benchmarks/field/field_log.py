@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.field.field_course import FieldCourse
-from benchmarks.field.field_drive import PERIOD, FieldDrive, FieldTimes, drive_course
+from benchmarks.field.field_drive import PERIOD_S, FieldDrive, FieldTimes, drive_course
 from handcart.robotics.geometry.transform import rotations
 from handcart.robotics.navigation.outdoors.field_noise import FieldNoise
 
-GRAVITY = 9.81  # [m/s²]
+GRAVITY_M_S2 = 9.81  # [m/s²]
 Array = NDArray[np.float64]
 
 
@@ -43,7 +43,7 @@ def record_course(
     ground, gyro, felt, sky, wheel = (np.random.default_rng([seed, stream]) for stream in range(5))
     drive = drive_course(course, noise, ground, times)
     count = len(drive.poses)
-    rows = np.arange(0, count, round(noise.gps_period / PERIOD))
+    rows = np.arange(0, count, round(noise.gps_period / PERIOD_S))
     rows, fixes = _fixes(drive, rows, noise, sky)
     return FieldLog(
         _rates(drive, noise, gyro),
@@ -67,13 +67,13 @@ def _rates(drive: FieldDrive, noise: FieldNoise, rng: np.random.Generator) -> Ar
     axis = np.stack(
         [step[:, 2, 1] - step[:, 1, 2], step[:, 0, 2] - step[:, 2, 0], step[:, 1, 0] - step[:, 0, 1]]
     )
-    true = np.vstack([np.zeros((1, 3)), axis.T / (2.0 * PERIOD)])  # turns are small: sin x = x
+    true = np.vstack([np.zeros((1, 3)), axis.T / (2.0 * PERIOD_S)])  # turns are small: sin x = x
     count = len(true)
-    time = PERIOD * np.arange(count)[:, None]
-    walk = noise.gyro_walk * math.sqrt(PERIOD) * np.cumsum(rng.standard_normal((count, 3)), axis=0)
+    time = PERIOD_S * np.arange(count)[:, None]
+    walk = noise.gyro_walk * math.sqrt(PERIOD_S) * np.cumsum(rng.standard_normal((count, 3)), axis=0)
     warm_up = noise.gyro_warm_up * rng.standard_normal(3) * np.exp(-time / noise.gyro_warm_up_time)
     bias = noise.gyro_bias * rng.standard_normal(3) + warm_up + walk
-    white = noise.gyro_white / math.sqrt(PERIOD) * rng.standard_normal((count, 3))
+    white = noise.gyro_white / math.sqrt(PERIOD_S) * rng.standard_normal((count, 3))
     scale = 1.0 + noise.gyro_scale * rng.standard_normal(3)
     read: Array = scale * true + bias + white
     return read
@@ -81,9 +81,9 @@ def _rates(drive: FieldDrive, noise: FieldNoise, rng: np.random.Generator) -> Ar
 
 def _accelerations(drive: FieldDrive, noise: FieldNoise, rng: np.random.Generator) -> Array:
     """(n, 3) gravity, speeding up, and vibration while driving."""
-    speed = drive.driven[:, 0] / PERIOD
-    forward = np.diff(speed, prepend=0.0) / PERIOD
-    forces = GRAVITY * _turned(drive)[:, 2, :]
+    speed = drive.driven[:, 0] / PERIOD_S
+    forward = np.diff(speed, prepend=0.0) / PERIOD_S
+    forces = GRAVITY_M_S2 * _turned(drive)[:, 2, :]
     forces[:, 0] += forward
     forces[:, 1] += speed**2 * drive.driven[:, 1]
     spread = np.where(
@@ -102,7 +102,7 @@ def _travel(drive: FieldDrive, noise: FieldNoise, rng: np.random.Generator) -> A
     if noise.creep > 0.0:
         still = drive.driven[:, 0] == 0.0
         creep = rng.standard_normal(2) + rng.standard_normal((len(travel), 2))
-        travel[still] += noise.creep * PERIOD * creep[still]
+        travel[still] += noise.creep * PERIOD_S * creep[still]
     return travel
 
 
@@ -110,7 +110,7 @@ def _fixes(
     drive: FieldDrive, rows: NDArray[np.int64], noise: FieldNoise, rng: np.random.Generator
 ) -> tuple[NDArray[np.int64], Array]:
     """Rows (m,) and positions (m, 2) of the fixes that come in."""
-    measured = np.maximum(0, rows - round(noise.gps_delay / PERIOD))
+    measured = np.maximum(0, rows - round(noise.gps_delay / PERIOD_S))
     antenna = _turned(drive)[measured] @ np.array(noise.antenna)
     position = drive.poses[measured, :2] + antenna[:, :2]
     count = len(rows)

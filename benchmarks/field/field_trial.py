@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.field.field_drive import PERIOD
+from benchmarks.field.field_drive import PERIOD_S
 from benchmarks.field.field_log import FieldLog
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.outdoors.field_localizer import FieldLocalizer
@@ -40,7 +40,7 @@ def try_course(log: FieldLog, localizer: FieldLocalizer) -> FieldTrial:
     placings = set(log.drive.placings.tolist())
     poses, covariances, consistent = [], [], []
     for row in range(max(placings) + 1):
-        localizer.predict(log.rates[row], log.accelerations[row], log.wheels[row], PERIOD)
+        localizer.predict(log.rates[row], log.accelerations[row], log.wheels[row], PERIOD_S)
         if row in fixes:
             localizer.fix(fixes[row])
         if row in placings:

@@ -23,16 +23,16 @@ from typing import NamedTuple
 import numpy as np
 from rich.progress import track
 
-from benchmarks.field.foreign_logs import VEHICLES, ForeignLog, record_foreign
+from benchmarks.field.foreign_logs import ALL_VEHICLES, ForeignLog, record_foreign
 from handcart.evaluation.replay.preparation import prepare
 from handcart.evaluation.replay.replay import Replayed, localizer_for, replay
 from handcart.evaluation.replay.replay_words import figures
 from handcart.robotics.navigation.outdoors.field_noise import ANY_VEHICLE
 
 SOON, LATE = 30.0, 60.0  # [s], aim and limit for the heading
-NEES = (0.5, 4.0)
-CLAIMED = 1.4  # times the claimed radius
-SETTLED = 30.0  # [s] from which on jumps are counted
+ALLOWED_NEES = (0.5, 4.0)
+MAX_R95_RATIO = 1.4  # times the claimed radius
+SETTLING_TIME_S = 30.0  # [s] from which on jumps are counted
 
 
 class Played(NamedTuple):
@@ -95,7 +95,7 @@ def jumps_refused(foreign: ForeignLog, found: Replayed) -> JumpCount:
     rows = np.flatnonzero(np.isfinite(foreign.log.fixes[:, 0]))
     sizes, times = foreign.jumps[rows], foreign.log.times[rows]
     refused = {round(fix.time, 3) for fix in found.fixes if not fix.believed}
-    begins = (sizes > 0.0) & (np.diff(sizes, prepend=0.0) != 0.0) & (times > SETTLED)
+    begins = (sizes > 0.0) & (np.diff(sizes, prepend=0.0) != 0.0) & (times > SETTLING_TIME_S)
     seen = np.array([round(time, 3) in refused for time in times.tolist()])
     large, small = begins & (sizes > 5.0), begins & (sizes > 3.0)
     return JumpCount(int(large.sum()), int((large & seen).sum()), int(small.sum()), int((small & seen).sum()))
@@ -111,7 +111,7 @@ def main() -> None:
     parser.add_argument("--localizer", default="gps_filter", help="gps_filter (default) or particle")
     chosen = parser.parse_args()
     met = True
-    for name in VEHICLES:
+    for name in ALL_VEHICLES:
         logs, counts = list[Played](), np.zeros(4, dtype=int)
         for seed in track(range(chosen.seed, chosen.seed + chosen.logs), name):
             foreign = record_foreign(name, seed, chosen.seconds)
@@ -125,21 +125,22 @@ def _report(name: str, logs: list[Played], jumps: JumpCount) -> bool:
     """Print a vehicle's figures; return whether all limits are met."""
     known = np.array([log.known_after for log in logs])
     nees = np.array([log.nees for log in logs])
-    inside = (nees >= NEES[0]) & (nees <= NEES[1])
-    held = np.array([log.r95 <= CLAIMED * log.claimed_r95 for log in logs])
+    inside = (nees >= ALLOWED_NEES[0]) & (nees <= ALLOWED_NEES[1])
+    held = np.array([log.r95 <= MAX_R95_RATIO * log.claimed_r95 for log in logs])
     print(
         f"{name}, {len(logs)} logs: heading known after {np.median(known):.0f} s in the median, at most "
         f"{known.max():.0f} s; within {SOON:.0f} s {(known <= SOON).sum()}, within {LATE:.0f} s "
         f"{(known <= LATE).sum()}; before it at most {max(log.meanwhile for log in logs):.1f} m off; NEES "
         f"{np.nanmean(nees):.2f} in the mean, "
-        f"{np.nanmin(nees):.2f} to {np.nanmax(nees):.2f}, {inside.sum()} within {NEES[0]} to {NEES[1]}; r95 "
+        f"{np.nanmin(nees):.2f} to {np.nanmax(nees):.2f}, "
+        f"{inside.sum()} within {ALLOWED_NEES[0]} to {ALLOWED_NEES[1]}; r95 "
         f"{np.nanmedian([log.r95 for log in logs]):.1f} m, claimed "
         f"{np.nanmedian([log.claimed_r95 for log in logs]):.1f} m, met by {held.sum()}; refused of jumps "
         f"beyond 5 m {jumps.refused_5} of {jumps.beyond_5}, beyond 3 m {jumps.refused_3} of {jumps.beyond_3}",
         flush=True,
     )
     found = jumps.refused_5 == jumps.beyond_5 and jumps.refused_3 >= 0.9 * jumps.beyond_3
-    consistent = NEES[0] <= np.nanmean(nees) <= NEES[1]
+    consistent = ALLOWED_NEES[0] <= np.nanmean(nees) <= ALLOWED_NEES[1]
     return bool((known <= LATE).all() and consistent and held.all() and found)
 
 

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from handcart.evaluation.replay.drive_log import DriveLog
 
-PERIOD = 0.05  # [s]
-GRAVITY = 9.81
-SIDEWAYS = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])
+PERIOD_S = 0.05  # [s]
+GRAVITY_M_S2 = 9.81
+SIDEWAYS_IMU = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])
 """imu_R_base of the skid-steer robot: its y axis points up."""
 Array = NDArray[np.float64]
 
@@ -60,7 +60,7 @@ class Vehicle(NamedTuple):
     """In [rad/s], one sigma."""
     receiver: Receiver
     is_sideways: bool = False
-    """Whether its IMU is mounted as `SIDEWAYS`."""
+    """Whether its IMU is mounted as `SIDEWAYS_IMU`."""
 
 
 class ForeignLog(NamedTuple):
@@ -71,7 +71,7 @@ class ForeignLog(NamedTuple):
     """(n,) size of the jump that lasts at each row's fix, in [m]; 0 outside jumps."""
 
 
-MOWER = Vehicle(
+MOWER_VEHICLE = Vehicle(
     speed=1.1,
     scale=0.02,
     spin=0.25,
@@ -81,7 +81,7 @@ MOWER = Vehicle(
     gyro_bias=math.radians(0.5),
     receiver=Receiver(1.0, 0.6, ((0.8, 15.0), (1.0, 120.0)), jump_every=90.0, jump=2.0),
 )
-TRUCK = Vehicle(
+TRUCK_VEHICLE = Vehicle(
     speed=7.0,
     scale=0.015,
     spin=0.1,
@@ -91,7 +91,7 @@ TRUCK = Vehicle(
     gyro_bias=math.radians(0.3),
     receiver=Receiver(0.2, 0.4, ((0.6, 20.0), (1.0, 200.0)), jump_every=25.0, jump=4.0, jump_time=5.0),
 )
-SKID = Vehicle(
+SKID_VEHICLE = Vehicle(
     speed=0.9,
     scale=0.03,
     spin=0.3,
@@ -102,7 +102,7 @@ SKID = Vehicle(
     receiver=Receiver(1.0, 0.7, ((0.9, 10.0), (0.8, 60.0))),
     is_sideways=True,
 )
-VEHICLES = {"mower": MOWER, "truck": TRUCK, "skid": SKID}
+ALL_VEHICLES = {"mower": MOWER_VEHICLE, "truck": TRUCK_VEHICLE, "skid": SKID_VEHICLE}
 
 
 def record_foreign(name: str, seed: int, duration: float = 300.0) -> ForeignLog:
@@ -113,11 +113,11 @@ def record_foreign(name: str, seed: int, duration: float = 300.0) -> ForeignLog:
         seed: of course and errors.
         duration: in [s].
     """
-    vehicle, rng = VEHICLES[name], np.random.default_rng([seed, len(name)])
-    count = round(duration / PERIOD)
+    vehicle, rng = ALL_VEHICLES[name], np.random.default_rng([seed, len(name)])
+    count = round(duration / PERIOD_S)
     speeds, turns = _COURSES[name](vehicle, count, rng)
     poses = _drive(speeds, turns, rng)
-    times: Array = np.asarray(PERIOD * np.arange(count), dtype=np.float64)
+    times: Array = np.asarray(PERIOD_S * np.arange(count), dtype=np.float64)
     spins = _spells(count, vehicle.spin_every, 1.5, rng) > 0
     slips = 1.0 + vehicle.spin * spins + vehicle.scrub * np.abs(turns) / np.maximum(speeds, 0.3)
     scale = 1.0 + vehicle.scale * rng.standard_normal()
@@ -125,7 +125,7 @@ def record_foreign(name: str, seed: int, duration: float = 300.0) -> ForeignLog:
     rates, felt = _inertial(vehicle, speeds, turns, rng)
     fixes, jumps = _fixes(vehicle.receiver, poses, rng)
     stated = np.where(np.isfinite(fixes[:, 0]), vehicle.receiver.stated, math.nan)
-    travel = PERIOD * read
+    travel = PERIOD_S * read
     wheel_turns = vehicle.turn_factor * turns + 0.02 * rng.standard_normal(count)
     log = DriveLog(
         times,
@@ -144,15 +144,15 @@ def record_foreign(name: str, seed: int, duration: float = 300.0) -> ForeignLog:
 
 def _drive(speeds: Array, turns: Array, rng: np.random.Generator) -> Array:
     """Return the poses (n, 3) from a start that is drawn."""
-    headings = rng.uniform(-math.pi, math.pi) + PERIOD * np.cumsum(turns)
-    x = rng.uniform(-20.0, 20.0) + PERIOD * np.cumsum(speeds * np.cos(headings))
-    y = rng.uniform(-20.0, 20.0) + PERIOD * np.cumsum(speeds * np.sin(headings))
+    headings = rng.uniform(-math.pi, math.pi) + PERIOD_S * np.cumsum(turns)
+    x = rng.uniform(-20.0, 20.0) + PERIOD_S * np.cumsum(speeds * np.cos(headings))
+    y = rng.uniform(-20.0, 20.0) + PERIOD_S * np.cumsum(speeds * np.sin(headings))
     return np.stack([x, y, headings], axis=1)
 
 
 def _legs(vehicle: Vehicle, legs: list[tuple[float, float]], count: int) -> tuple[Array, Array]:
     """Return speeds and turn rates (n,) of legs: how long in [s], and how fast it turns in [rad/s]."""
-    turns = np.concatenate([np.full(max(1, round(time / PERIOD)), rate) for time, rate in legs])[:count]
+    turns = np.concatenate([np.full(max(1, round(time / PERIOD_S)), rate) for time, rate in legs])[:count]
     turns = np.pad(turns, (0, count - len(turns)))
     kernel = np.ones(10) / 10.0
     return np.full(count, vehicle.speed), np.convolve(turns, kernel, mode="same")
@@ -162,12 +162,12 @@ def _mown(vehicle: Vehicle, count: int, rng: np.random.Generator) -> tuple[Array
     """Lanes to and fro, turned about at their ends; it stands still for a moment first."""
     legs, side = list[tuple[float, float]](), 1.0
     length = rng.uniform(18.0, 30.0)
-    while sum(time for time, _ in legs) < PERIOD * count:
+    while sum(time for time, _ in legs) < PERIOD_S * count:
         legs += [(length / vehicle.speed, rng.normal(0.0, 0.01)), (math.pi / 0.8, 0.8 * side)]
         side = -side
     speeds, turns = _legs(vehicle, legs, count)
     speeds = np.where(np.abs(turns) > 0.4, 0.6 * speeds, speeds)
-    still = round(3.0 / PERIOD)
+    still = round(3.0 / PERIOD_S)
     speeds[:still], turns[:still] = 0.0, 0.0
     return speeds, turns
 
@@ -175,11 +175,11 @@ def _mown(vehicle: Vehicle, count: int, rng: np.random.Generator) -> tuple[Array
 def _on_roads(vehicle: Vehicle, count: int, rng: np.random.Generator) -> tuple[Array, Array]:
     """Roads with bends and crossings; it drives from the first row on."""
     legs = list[tuple[float, float]]()
-    while sum(time for time, _ in legs) < PERIOD * count:
+    while sum(time for time, _ in legs) < PERIOD_S * count:
         bend = rng.choice((-1.0, 1.0)) * rng.uniform(0.2, 0.35)
         legs += [(rng.uniform(8.0, 30.0), rng.normal(0.0, 0.01)), (rng.uniform(3.0, 6.0), bend)]
     speeds, turns = _legs(vehicle, legs, count)
-    times = PERIOD * np.arange(count)
+    times = PERIOD_S * np.arange(count)
     speeds = speeds * (0.75 + 0.25 * np.sin(2.0 * math.pi * times / 45.0 + rng.uniform(0.0, 6.0)))
     return np.where(np.abs(turns) > 0.1, np.minimum(speeds, 4.0), speeds), turns
 
@@ -187,7 +187,7 @@ def _on_roads(vehicle: Vehicle, count: int, rng: np.random.Generator) -> tuple[A
 def _about(vehicle: Vehicle, count: int, rng: np.random.Generator) -> tuple[Array, Array]:
     """Short ways between turns on the spot; it drives from the first row on."""
     legs = list[tuple[float, float]]()
-    while sum(time for time, _ in legs) < PERIOD * count:
+    while sum(time for time, _ in legs) < PERIOD_S * count:
         angle = rng.choice((-1.0, 1.0)) * rng.uniform(0.4, 1.8)
         legs += [
             (rng.uniform(6.0, 18.0), rng.normal(0.0, 0.02)),
@@ -203,21 +203,21 @@ _COURSES = {"mower": _mown, "truck": _on_roads, "skid": _about}
 def _inertial(vehicle: Vehicle, speeds: Array, turns: Array, rng: np.random.Generator) -> tuple[Array, Array]:
     """Return rates and accelerations (n, 3) as the IMU reads them in its own axes."""
     count = len(speeds)
-    warm = np.exp(-PERIOD * np.arange(count) / 200.0)
+    warm = np.exp(-PERIOD_S * np.arange(count) / 200.0)
     bias = vehicle.gyro_bias * (rng.standard_normal(3) + 0.4 * warm[:, None] * rng.standard_normal(3))
     shaken = np.where(speeds > 0.0, 1.0, 0.05)[:, None]
     rates = np.stack([np.zeros(count), np.zeros(count), turns], axis=1)
     rates = rates + bias + np.radians(0.3) * shaken * rng.standard_normal((count, 3))
-    forward = np.gradient(speeds, PERIOD)
-    felt = np.stack([forward, speeds * turns, np.full(count, GRAVITY)], axis=1)
+    forward = np.gradient(speeds, PERIOD_S)
+    felt = np.stack([forward, speeds * turns, np.full(count, GRAVITY_M_S2)], axis=1)
     felt = felt + 0.6 * shaken * rng.standard_normal((count, 3))
-    turned = SIDEWAYS if vehicle.is_sideways else np.eye(3)
+    turned = SIDEWAYS_IMU if vehicle.is_sideways else np.eye(3)
     return rates @ turned.T, felt @ turned.T
 
 
 def _fixes(receiver: Receiver, poses: Array, rng: np.random.Generator) -> tuple[Array, Array]:
     """Return the fixes (n, 2), NaN where none comes in, and the jump that each is off by (n,)."""
-    count, every = len(poses), round(receiver.period / PERIOD)
+    count, every = len(poses), round(receiver.period / PERIOD_S)
     away = receiver.white * rng.standard_t(5, (count, 2)) * math.sqrt(3.0 / 5.0)
     for sigma, time in receiver.slow:
         away += _slow(count, sigma, time, rng)
@@ -237,7 +237,7 @@ def _slow(count: int, sigma: float, time: float, rng: np.random.Generator) -> Ar
     """Return (n, 2) of an error that forgets itself over `time` [s]."""
     from scipy.signal import lfilter
 
-    keep = math.exp(-PERIOD / time)
+    keep = math.exp(-PERIOD_S / time)
     pushes = sigma * math.sqrt(1.0 - keep * keep) * rng.standard_normal((count, 2))
     pushes[0] = sigma * rng.standard_normal(2)
     return np.asarray(lfilter([1.0], [1.0, -keep], pushes, axis=0))
@@ -249,9 +249,9 @@ def _spells(count: int, every: float, lasting: float, rng: np.random.Generator) 
     if math.isinf(every):
         return number
     time, spell = float(rng.exponential(every)), 0
-    while time < count * PERIOD:
+    while time < count * PERIOD_S:
         spell += 1
         end = time + 0.5 + float(rng.exponential(lasting))
-        number[math.ceil(time / PERIOD) : math.ceil(end / PERIOD)] = spell
+        number[math.ceil(time / PERIOD_S) : math.ceil(end / PERIOD_S)] = spell
         time = end + float(rng.exponential(every))
     return number

@@ -19,15 +19,15 @@ from rich.console import Console
 from rich.progress import track
 
 from benchmarks.field.field_course import straight_course, zigzag_course
-from benchmarks.field.field_drive import PERIOD, FieldTimes
+from benchmarks.field.field_drive import PERIOD_S, FieldTimes
 from benchmarks.field.field_log import record_course
-from benchmarks.field.mismatches import WORLDS
+from benchmarks.field.mismatches import NOISE_WORLDS
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_NOISE
 from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
 
-TIMES = FieldTimes(wait=10.0, dwell=5.0)
-ENOUGH = 60.0  # [s] of driving
+FIELD_TIMES = FieldTimes(wait=10.0, dwell=5.0)
+DRIVING_TIME_S = 60.0  # [s] of driving
 
 
 class Start(NamedTuple):
@@ -38,26 +38,26 @@ class Start(NamedTuple):
     off: float
     """Then, in claimed sigmas."""
     wrong: bool
-    """It was claimed to be known before, and was off by more than three sigma, at `ENOUGH`."""
+    """It was claimed to be known before, and was off by more than three sigma, at `DRIVING_TIME_S`."""
 
 
 def one_run(seed: int) -> Start:
     """One drive through the world that the seed picks."""
-    world = list(WORLDS)[seed % len(WORLDS)]
-    course = (straight_course, zigzag_course)[seed // len(WORLDS) % 2](4)
-    log = record_course(course, WORLDS[world], seed, TIMES)
+    world = list(NOISE_WORLDS)[seed % len(NOISE_WORLDS)]
+    course = (straight_course, zigzag_course)[seed // len(NOISE_WORLDS) % 2](4)
+    log = record_course(course, NOISE_WORLDS[world], seed, FIELD_TIMES)
     heading = float(np.random.default_rng([seed, 77]).uniform(-math.pi, math.pi))
     localizer = GpsFilter(Pose2(0.0, 0.0, heading), REFERENCE_NOISE._replace(start_heading=math.inf))
     fixes = dict(zip(log.fix_rows.tolist(), log.fixes, strict=True))
     drove, known, first = 0.0, math.inf, math.inf
     for row in range(len(log.rates)):
-        localizer.predict(log.rates[row], log.accelerations[row], log.wheels[row], PERIOD)
+        localizer.predict(log.rates[row], log.accelerations[row], log.wheels[row], PERIOD_S)
         if row in fixes:
             localizer.fix(fixes[row])
-        drove += PERIOD * bool(log.drive.driven[row, 0] > 0.0)
+        drove += PERIOD_S * bool(log.drive.driven[row, 0] > 0.0)
         if localizer.heading_known and math.isinf(known):
             known, first = drove, _off(localizer, float(log.drive.poses[row, 2]))
-        if drove >= ENOUGH:
+        if drove >= DRIVING_TIME_S:
             break
     wrong = localizer.heading_known and _off(localizer, float(log.drive.poses[row, 2])) > 3.0
     return Start(known, first, wrong)
@@ -80,10 +80,13 @@ def main() -> None:
     seconds = np.array([start.seconds for start in starts])
     known = np.isfinite(seconds)
     print(f"{len(starts)} starts; known after {np.median(seconds):.1f} s of driving in the median", end="; ")
-    print(f"within 30 s {int((seconds <= 30.0).sum())}, within {ENOUGH:.0f} s {int(known.sum())}", end=", ")
+    print(
+        f"within 30 s {int((seconds <= 30.0).sum())}, within {DRIVING_TIME_S:.0f} s {int(known.sum())}",
+        end=", ",
+    )
     print(f"else said to be unknown: {int((~known).sum())}")
     beyond = sum(start.off > 3.0 for start in starts if math.isfinite(start.seconds))
-    print(f"beyond three claimed sigma when first known: {beyond}; after {ENOUGH:.0f} s: ", end="")
+    print(f"beyond three claimed sigma when first known: {beyond}; after {DRIVING_TIME_S:.0f} s: ", end="")
     print(sum(start.wrong for start in starts))
 
 

@@ -11,7 +11,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.field.field_drive import PERIOD, FieldDrive
+from benchmarks.field.field_drive import PERIOD_S, FieldDrive
 from handcart.robotics.navigation.outdoors.field_model import (
     BIAS,
     GPS_X,
@@ -26,7 +26,7 @@ from handcart.robotics.navigation.outdoors.field_model import (
 from handcart.robotics.navigation.outdoors.field_noise import FieldNoise
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance
 
-EACH = 4  # periods put together, as a filter does
+PERIODS_PER_STEP = 4  # periods put together, as a filter does
 Array = NDArray[np.float64]
 
 
@@ -43,12 +43,15 @@ def information_limit(
     """
     model = FieldModel(noise, tilt=0.0)
     mean, spread = model.start(drive.poses[0], start_position)
-    fixes, wanted = set((fix_rows // EACH).tolist()), (drive.placings // EACH).tolist()
+    fixes, wanted = (
+        set((fix_rows // PERIODS_PER_STEP).tolist()),
+        (drive.placings // PERIODS_PER_STEP).tolist(),
+    )
     bias = np.zeros((1, STATE_SIZE))
     bias[0, [BIAS, WARM_UP]] = 1.0
     bounds, rested = {}, True
     for block in range(max(wanted) + 1):
-        rows = slice(block * EACH, (block + 1) * EACH)
+        rows = slice(block * PERIODS_PER_STEP, (block + 1) * PERIODS_PER_STEP)
         advance = _advance(drive, rows)
         resting = advance.forward == 0.0
         _, transition, added = model.step(mean, advance, rested and not resting)
@@ -66,7 +69,7 @@ def information_limit(
 def _advance(drive: FieldDrive, rows: slice) -> Advance:
     """What sensors without errors would have said."""
     way, bend = drive.driven[rows].T
-    time = PERIOD * len(way)
+    time = PERIOD_S * len(way)
     level = float((way * np.cos(drive.tilts[rows, 1])).sum())
     return Advance(level, float((way * bend).sum()), 0.0, time, time if level == 0.0 else 0.0, 0.0)
 

@@ -47,17 +47,17 @@ from handcart.robotics.navigation.outdoors.placement_errors import (
     tip_covariance,
 )
 
-COURSES: dict[str, Callable[[], FieldCourse]] = {"straight": straight_course, "zigzag": zigzag_course}
-PAPER = {"straight": (58.0, 148.0), "zigzag": (283.0, 123.0)}  # [mm], along and across
-MANY = ("REF", "RTK")  # noise sets that all runs are made of; a quarter for the others
-REFLECTED = REFERENCE_NOISE._replace(multipath_every=180.0, outliers=0.03)
-SILENT = REFERENCE_NOISE._replace(outage_every=120.0, outage_time=60.0)
-SETS = {
+COURSE_MAKERS: dict[str, Callable[[], FieldCourse]] = {"straight": straight_course, "zigzag": zigzag_course}
+PAPER_ERRORS_MM = {"straight": (58.0, 148.0), "zigzag": (283.0, 123.0)}  # [mm], along and across
+WHOLE_SETS = ("REF", "RTK")  # noise sets that all runs are made of; a quarter for the others
+REFLECTED_NOISE = REFERENCE_NOISE._replace(multipath_every=180.0, outliers=0.03)
+SILENT_NOISE = REFERENCE_NOISE._replace(outage_every=120.0, outage_time=60.0)
+NOISE_SETS = {
     "REF": REFERENCE_NOISE,
     "RTK": RTK_NOISE,
     "REAL": REALISTIC_NOISE,
-    "reflections": REFLECTED,
-    "outages": SILENT,
+    "reflections": REFLECTED_NOISE,
+    "outages": SILENT_NOISE,
 }
 CHI2_95 = 5.991  # two degrees of freedom
 Array = NDArray[np.float64]
@@ -77,8 +77,8 @@ Results = dict[Key, list[FieldTrial]]
 def one_run(job: tuple[str, str, int]) -> list[tuple[Key, FieldTrial]]:
     """All ways of localizing on one log."""
     name, course, seed = job
-    noise = SETS.get(name, REFERENCE_NOISE)
-    log = record_course(COURSES[course](), noise, seed)
+    noise = NOISE_SETS.get(name, REFERENCE_NOISE)
+    log = record_course(COURSE_MAKERS[course](), noise, seed)
     start = start_pose(log)
     if name == "turned":
         start = Pose2(0.0, 0.0, start.theta + math.pi)
@@ -141,10 +141,10 @@ def spreads(results: Results) -> Table:
     for key, runs in results.items():
         if key.way == "limit":
             continue
-        targets = COURSES[key.course]().targets
+        targets = COURSE_MAKERS[key.course]().targets
         values = 1e3 * np.array([aligned_spread(run.errors, targets) for run in runs])
         bands = np.percentile(values, [10, 90], axis=0).T
-        paper = PAPER[key.course] if key.noise == "REF" else ()
+        paper = PAPER_ERRORS_MM[key.course] if key.noise == "REF" else ()
         inside = [low <= value <= high for (low, high), value in zip(bands, paper, strict=False)]
         said = " / ".join(f"{v:.0f} {'in' if i else 'OUT'}" for v, i in zip(paper, inside, strict=True))
         row = [*key, str(len(runs)), pair(np.median(values, axis=0))]
@@ -197,9 +197,9 @@ def measure(runs: int, jobs: int, console: Console) -> Results:
     """Every noise set on both courses; the same seeds for all."""
     work = [
         (name, course, seed)
-        for name in (*SETS, "turned")
-        for course in COURSES
-        for seed in range(runs if name in MANY else max(1, runs // 4))
+        for name in (*NOISE_SETS, "turned")
+        for course in COURSE_MAKERS
+        for seed in range(runs if name in WHOLE_SETS else max(1, runs // 4))
     ]
     found: dict[tuple[str, str, int], list[tuple[Key, FieldTrial]]] = {}
     with Progress(console=console) as progress, ProcessPoolExecutor(jobs, get_context("spawn")) as pool:

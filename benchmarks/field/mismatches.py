@@ -27,7 +27,7 @@ from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_NOISE
 from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
 from handcart.robotics.navigation.outdoors.placement_errors import nees
 
-WORLDS = {
+NOISE_WORLDS = {
     "as told": REFERENCE_NOISE,
     "drift": REFERENCE_NOISE._replace(gps_drift=0.5, gps_drift_time=600.0),
     "slip": REFERENCE_NOISE._replace(turn_slip=0.30, slip=0.012, side_slip=3.0 * REFERENCE_NOISE.side_slip),
@@ -49,7 +49,7 @@ WORLDS = {
 def one_run(job: tuple[str, int]) -> FieldTrial:
     """One drive through a world, with what `REFERENCE_NOISE` says told to the filter."""
     world, seed = job
-    log = record_course((straight_course, zigzag_course)[seed % 2](), WORLDS[world], seed)
+    log = record_course((straight_course, zigzag_course)[seed % 2](), NOISE_WORLDS[world], seed)
     return try_course(log, GpsFilter(start_pose(log)))
 
 
@@ -78,10 +78,10 @@ def main() -> None:
     )
     parser.add_argument("--runs", type=int, default=200, help="of each world (default 200)")
     parser.add_argument("--jobs", type=int, default=2, help="processes (default 2)")
-    parser.add_argument("--world", action="append", choices=WORLDS, help="this one alone")
+    parser.add_argument("--world", action="append", choices=NOISE_WORLDS, help="this one alone")
     chosen = parser.parse_args()
     console = Console(width=None if sys.stdout.isatty() else 120)
-    worlds = chosen.world or list(WORLDS)
+    worlds = chosen.world or list(NOISE_WORLDS)
     jobs = [(world, seed) for world in worlds for seed in range(chosen.runs)]
     with ProcessPoolExecutor(chosen.jobs, get_context("spawn")) as pool:
         done = pool.map(one_run, jobs, chunksize=4)

@@ -25,7 +25,7 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.outdoors.particle_filter import ParticleFilter
 
 COUNT, TURNS, EACH = 1024, 60, 20
-LEVEL = np.array([0.0, 0.0, 9.81])
+LEVEL_GRAVITY = np.array([0.0, 0.0, 9.81])
 FORWARD, TURN, NOISE, SIGMA = 0.05, 0.01, (0.005, 0.0006), 1.0
 Step = Callable[[], object]
 
@@ -36,7 +36,7 @@ def ours(with_fix: bool) -> Step:
     rates, wheels = np.array([0.0, 0.0, TURN / 0.1]), np.full(2, FORWARD)
 
     def step() -> None:
-        localizer.predict(rates, LEVEL, wheels, 0.1)
+        localizer.predict(rates, LEVEL_GRAVITY, wheels, 0.1)
         if with_fix:
             localizer.fix(np.array(localizer.pose[:2]))
 

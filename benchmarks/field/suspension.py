@@ -22,11 +22,11 @@ from handcart.backends.physics.body.physics_car import FRONT, REAR
 from handcart.backends.physics.physics_backend import PhysicsBackend
 from handcart.networks.task.preparing import prepare
 
-TASK = Path(__file__).parent.parent.parent / "tasks" / "deploy_straight" / "task.yaml"
-ROBOT = Path(__file__).parent.parent.parent / "backends" / "robots" / "el_verde"
-SPEED = 0.4  # [m/s]
-RADIUS = 0.15  # [m] of its wheels
-HANGS = 0.015  # [m] of a wheel over the ground below its middle
+TASK_FILE = Path(__file__).parent.parent.parent / "tasks" / "deploy_straight" / "task.yaml"
+ROBOT_FOLDER = Path(__file__).parent.parent.parent / "backends" / "robots" / "el_verde"
+SPEED_M_S = 0.4  # [m/s]
+WHEEL_RADIUS_M = 0.15  # [m] of its wheels
+HANGING_HEIGHT_M = 0.015  # [m] of a wheel over the ground below its middle
 
 
 class Drive(NamedTuple):
@@ -42,12 +42,12 @@ class Drive(NamedTuple):
 
 def rigid(folder: Path) -> str:
     """The robot's file, its rockers' joints fixed."""
-    urdf = (ROBOT / "el_verde.urdf").read_text(encoding="utf-8")
+    urdf = (ROBOT_FOLDER / "el_verde.urdf").read_text(encoding="utf-8")
     for side in ("left", "right"):
         urdf = urdf.replace(f'"{side}_rocker" type="revolute"', f'"{side}_rocker" type="fixed"')
     urdf = urdf.replace('<mimic joint="left_rocker"/>', "")
     (folder / "el_verde.urdf").write_text(urdf, encoding="utf-8")
-    text = (ROBOT / "robot.yaml").read_text(encoding="utf-8")
+    text = (ROBOT_FOLDER / "robot.yaml").read_text(encoding="utf-8")
     (folder / "robot.yaml").write_text(text, encoding="utf-8")
     return str(folder / "robot.yaml")
 
@@ -55,20 +55,24 @@ def rigid(folder: Path) -> str:
 def drive(robot: str, backend: str, seed: int, metres: float) -> Drive:
     """Straight ahead."""
     driven = Drive([], [], [])
-    with prepare(TASK, backend, {"robot": robot}, seed) as prepared:
+    with prepare(TASK_FILE, backend, {"robot": robot}, seed) as prepared:
         physics = prepared.backend
         assert isinstance(physics, PhysicsBackend)
         body = physics._body
-        for _ in range(round(metres / SPEED / physics.period)):
-            prepared.robot.base.drive(SPEED, 0.0)
+        for _ in range(round(metres / SPEED_M_S / physics.period)):
+            prepared.robot.base.drive(SPEED_M_S, 0.0)
             prepared.robot.step()
             driven.tilts.append(math.acos(min(1.0, float(body.base_pose()[2, 2]))))
             for rear, front in zip(REAR, FRONT, strict=True):
                 along = body.link_pose(front)[:3, 3] - body.link_pose(rear)[:3, 3]
                 driven.sides.append(math.atan2(float(along[2]), math.hypot(*along[:2].tolist())))
-            feet = np.array([body.link_pose(name)[:3, 3] for name in (*REAR, *FRONT)]) - (0.0, 0.0, RADIUS)
+            feet = np.array([body.link_pose(name)[:3, 3] for name in (*REAR, *FRONT)]) - (
+                0.0,
+                0.0,
+                WHEEL_RADIUS_M,
+            )
             ground = [physics.scene.ground_height(x, y) for x, y in feet[:, :2].tolist()]
-            driven.hanging.append(int((feet[:, 2] > np.array(ground) + HANGS).sum()))
+            driven.hanging.append(int((feet[:, 2] > np.array(ground) + HANGING_HEIGHT_M).sum()))
     return driven
 
 

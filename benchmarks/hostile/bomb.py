@@ -10,13 +10,13 @@ from pathlib import Path
 from handcart.files.errors import FileError
 from handcart.files.yaml.yaml_document import read_document
 
-DEPTH = 9  # nine levels of nine: 387 million values
+BOMB_LEVELS = 9  # nine levels of nine: 387 million values
 
 
 def bomb() -> bytes:
     """A file of 421 bytes that stands for hundreds of millions of values."""
     lines = ["a0: &a0 [" + ", ".join(["x"] * 9) + "]"]
-    lines += [f"a{n}: &a{n} [" + ", ".join([f"*a{n - 1}"] * 9) + "]" for n in range(1, DEPTH)]
+    lines += [f"a{n}: &a{n} [" + ", ".join([f"*a{n - 1}"] * 9) + "]" for n in range(1, BOMB_LEVELS)]
     return ("\n".join(lines) + "\n").encode().ljust(421, b"#")[:421]
 
 

@@ -32,11 +32,12 @@ from handcart.backends.capabilities.base import Base
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.robot_loading import load_robot
 
-ROBOT = "cart"
-CHANNEL = "239.74.163.77"
-SPEED = 0.5  # [m/s]
-SEEN = 0.02  # [s]: drives look each 5 ms, time passes on the bench in steps of 5 ms, and is then written down
-QUIET = 0.5  # [s] that the drives are watched afterwards
+ROBOT_NAME = "cart"
+MULTICAST_CHANNEL = "239.74.163.77"
+SPEED_M_S = 0.5  # [m/s]
+# [s]: drives look each 5 ms, time passes on the bench in steps of 5 ms, and is then written down
+WATCH_STEP_S = 0.02
+QUIET_TIME_S = 0.5  # [s] that the drives are watched afterwards
 
 
 @dataclass(frozen=True)
@@ -61,24 +62,24 @@ class Kill:
 def reachable(robot: RobotFile) -> RobotFile:
     """The robot with its drives on the bench's bus."""
     assert robot.can is not None
-    spec = robot.can.model_copy(update={"interface": "udp_multicast", "channel": CHANNEL})
+    spec = robot.can.model_copy(update={"interface": "udp_multicast", "channel": MULTICAST_CHANNEL})
     return robot.model_copy(update={"can": spec})
 
 
 def motion(seed: int) -> tuple[float, float]:
     """What it commands: speed in [m/s] and turn rate in [rad/s]."""
     rng = random.Random(f"motion {seed}")
-    return rng.choice((-1, 1)) * rng.uniform(0.3, SPEED), rng.uniform(-0.3, 0.3)
+    return rng.choice((-1, 1)) * rng.uniform(0.3, SPEED_M_S), rng.uniform(-0.3, 0.3)
 
 
 def drive_until_killed(moving: Event, seed: int) -> None:
     """The program: drives to and fro until it is killed."""
-    robot = reachable(load_robot(ROBOT))
+    robot = reachable(load_robot(ROBOT_NAME))
     backend = CanBackend.build(robot, None, 0)
     base = backend.get(Base)  # type: ignore[type-abstract]
     assert base is not None
     rng, (speed, turn) = random.Random(seed), motion(seed)
-    ramp = SPEED / robot.drive.acceleration_m_s2
+    ramp = SPEED_M_S / robot.drive.acceleration_m_s2
     for period in range(10_000):
         base.drive(speed, turn)
         try:
@@ -92,7 +93,7 @@ def drive_until_killed(moving: Event, seed: int) -> None:
 @contextmanager
 def bench(log: Path) -> Iterator[None]:
     """The drives, as a process of their own."""
-    words = [ROBOT, "--channel", CHANNEL, "--log", str(log)]
+    words = [ROBOT_NAME, "--channel", MULTICAST_CHANNEL, "--log", str(log)]
     with subprocess.Popen(
         [sys.executable, "-m", "handcart", "bench", *words], stdout=subprocess.PIPE
     ) as made:
@@ -140,7 +141,7 @@ def kill_once(log: Path, seed: int, robot: RobotFile) -> Kill | None:
     _, begun, _ = rows(log, killed - 3 * robot.period_s)[-1]
     speed, turn = motion(seed)
     rim = abs(speed) + abs(turn) * robot.drive.tread_m / 2
-    time.sleep(1.0 + QUIET)
+    time.sleep(1.0 + QUIET_TIME_S)
     after = rows(log, killed)
     moved = [stamp for stamp, _, speeds in after if max(map(abs, speeds)) > 0.0]
     last = moved[-1] if moved else killed
@@ -155,12 +156,12 @@ def allowed(robot: RobotFile, speed: float) -> float:
 
     assert robot.can is not None
     left = Axes(robot, robot.can).left
-    return robot.can.heartbeat_timeout_ms / 1e3 + speed / left.limits.braking + SEEN
+    return robot.can.heartbeat_timeout_ms / 1e3 + speed / left.limits.braking + WATCH_STEP_S
 
 
 def run(kills: int, tell: Callable[[str], None], seed: int = 0) -> list[Kill]:
     """Kill so often."""
-    robot = reachable(load_robot(ROBOT))
+    robot = reachable(load_robot(ROBOT_NAME))
     results: list[Kill] = []
     with tempfile.TemporaryDirectory() as folder:
         log = Path(folder) / "bench.csv"
@@ -189,7 +190,7 @@ def figures(results: list[Kill]) -> dict[str, float | int]:
         "stood_p50_ms": round(1e3 * float(np.percentile(stood, 50)), 1),
         "stood_p99_ms": round(1e3 * float(np.percentile(stood, 99)), 1),
         "stood_max_ms": round(1e3 * float(stood.max()), 1),
-        "beyond_heartbeat_and_ramp_max_ms": round(1e3 * (SEEN - float(margin.min())), 1),
+        "beyond_heartbeat_and_ramp_max_ms": round(1e3 * (WATCH_STEP_S - float(margin.min())), 1),
         "distance_max_mm": round(1e3 * max(each.distance for each in results), 1),
     }
 

@@ -20,10 +20,10 @@ from benchmarks.damage.fuzzed_messages import fuzzed_messages
 from handcart.networks.journal.journal_record import read_journal
 from handcart.networks.operator.asking import ask, goes_on, tell_to_stop
 
-TASK = Path(__file__).resolve().parents[2] / "tasks" / "return_book" / "task.yaml"
-OTHERS = 50
-STOPS = 5
-PATIENCE = 30.0  # [s] for one answer
+TASK_FILE = Path(__file__).resolve().parents[2] / "tasks" / "return_book" / "task.yaml"
+OTHER_CLIENTS = 50
+STOP_COUNT = 5
+ANSWER_TIMEOUT_S = 30.0  # [s] for one answer
 
 
 def main() -> None:
@@ -37,9 +37,9 @@ def main() -> None:
         failures = _fuzzed(Path(runs) / "fuzzed", count, seed)
         print(f"\r{count} messages, {failures} without an answer")
         waits = []
-        for number in range(STOPS):
+        for number in range(STOP_COUNT):
             waits.append(_stopped(Path(runs) / f"stop{number}"))
-            print(f"stopped after {1000 * waits[-1]:.0f} ms, beside {OTHERS} others", flush=True)
+            print(f"stopped after {1000 * waits[-1]:.0f} ms, beside {OTHER_CLIENTS} others", flush=True)
     sys.exit(1 if failures else 0)
 
 
@@ -66,7 +66,7 @@ def _fuzzed(runs: Path, count: int, seed: int) -> int:
 
 def _answered(folder: Path, message: bytes) -> bool:
     with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as line:
-        line.settimeout(PATIENCE)
+        line.settimeout(ANSWER_TIMEOUT_S)
         line.connect(str(folder / "control"))
         with suppress(BrokenPipeError):  # too long: told, and hung up on
             line.sendall(message + b"\n")
@@ -84,7 +84,7 @@ class Run:
     """A run that asks before each action, in a process of its own."""
 
     def __init__(self, runs: Path, *options: str) -> None:
-        words = [sys.executable, "-m", "handcart", "run", str(TASK), "--runs", str(runs), *options]
+        words = [sys.executable, "-m", "handcart", "run", str(TASK_FILE), "--runs", str(runs), *options]
         if not options:
             words.append("--step")
         quiet = subprocess.DEVNULL
@@ -93,7 +93,7 @@ class Run:
         while not (self.folder / "control").exists():
             assert self.process.poll() is None
             time.sleep(0.01)
-        ask(self.folder, {"do": "status"}, PATIENCE)
+        ask(self.folder, {"do": "status"}, ANSWER_TIMEOUT_S)
 
     def stop(self) -> None:
         """Stop it, and wait until its process is over."""
@@ -107,7 +107,9 @@ def _stopped(runs: Path) -> float:
     while b'"kind":"START"' not in (run.folder / "journal.jsonl").read_bytes():
         time.sleep(0.01)
     over = threading.Event()
-    others = [threading.Thread(target=_bother, args=(run.folder, over, each)) for each in range(OTHERS)]
+    others = [
+        threading.Thread(target=_bother, args=(run.folder, over, each)) for each in range(OTHER_CLIENTS)
+    ]
     for each in others:
         each.start()
     time.sleep(1.0)

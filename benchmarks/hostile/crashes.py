@@ -22,8 +22,8 @@ from typing import Any
 
 from handcart.networks.journal.journal_record import read_journal
 
-TASK = Path(__file__).resolve().parents[2] / "tasks" / "return_book" / "task.yaml"
-ROOT = TASK.parents[2]
+TASK_FILE = Path(__file__).resolve().parents[2] / "tasks" / "return_book" / "task.yaml"
+REPOSITORY_ROOT = TASK_FILE.parents[2]
 
 
 def command(*words: object) -> list[str]:
@@ -34,7 +34,10 @@ def command(*words: object) -> list[str]:
 def run_and_kill(runs: Path, seconds: float) -> tuple[Path, float]:
     """The folder of a run, killed so long after it listened to its operator, and how long it lived."""
     process = subprocess.Popen(
-        command("run", TASK, "--runs", runs), cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+        command("run", TASK_FILE, "--runs", runs),
+        cwd=REPOSITORY_ROOT,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
     )
     folder = runs / "return_book-0"
     while not (folder / "control").exists() and process.poll() is None:
@@ -74,8 +77,8 @@ def main() -> None:
     trials, rng, count = wanted.number, random.Random(wanted.seed), Counter[str]()
     with tempfile.TemporaryDirectory() as folder:
         said = subprocess.run(
-            command("run", TASK, "--runs", Path(folder) / "whole", "--json"),
-            cwd=ROOT,
+            command("run", TASK_FILE, "--runs", Path(folder) / "whole", "--json"),
+            cwd=REPOSITORY_ROOT,
             capture_output=True,
             text=True,
         )
@@ -86,7 +89,9 @@ def main() -> None:
             run, lived = run_and_kill(Path(folder) / str(started), rng.uniform(0.0, lasts))
             started += 1
             before = results(run)
-            said = subprocess.run(command("resume", run, "--json"), cwd=ROOT, capture_output=True, text=True)
+            said = subprocess.run(
+                command("resume", run, "--json"), cwd=REPOSITORY_ROOT, capture_output=True, text=True
+            )
             if said.returncode == 2 and "is over" in said.stderr:
                 lasts = lived
                 continue

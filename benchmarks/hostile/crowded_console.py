@@ -28,9 +28,9 @@ from handcart.evaluation.trials.running import run_task
 from handcart.networks.operator.socket_path import STOP_SOCKET, socket_path
 from handcart.networks.run_options import RunOptions
 
-HOST = "127.0.0.1"
+HOST_ADDRESS = "127.0.0.1"
 ALLOWED_S = 1.0
-SENT = (
+HOSTILE_REQUESTS = (
     b"",
     b"GET",
     b"GET / HTTP/1.1\r\nHost: ",
@@ -94,7 +94,7 @@ def crowded_stops(folder: Path, port: int, token: str, chosen: argparse.Namespac
 
 def stop_once(heard: socket.socket, run: str, port: int, token: str) -> float:
     """Send a stop on a new connection; how long it took to arrive, in [s], or infinity."""
-    line = http.client.HTTPConnection(HOST, port, timeout=2.0 * ALLOWED_S)
+    line = http.client.HTTPConnection(HOST_ADDRESS, port, timeout=2.0 * ALLOWED_S)
     headers = {"Authorization": f"Bearer {token}", "Content-Type": "application/json"}
     begun = time.monotonic()
     try:
@@ -116,9 +116,11 @@ def crowd_console(port: int, count: int, seconds: float) -> None:
     while time.monotonic() < end:
         while opened < count:
             with suppress(OSError):
-                line = socket.create_connection((HOST, port), timeout=1.0)
+                line = socket.create_connection((HOST_ADDRESS, port), timeout=1.0)
                 line.setblocking(False)
-                line.send(SENT[said % len(SENT)].replace(b"{port}", str(port).encode()))
+                line.send(
+                    HOSTILE_REQUESTS[said % len(HOSTILE_REQUESTS)].replace(b"{port}", str(port).encode())
+                )
                 selector.register(line, selectors.EVENT_READ)
                 opened, said = opened + 1, said + 1
         for key, _ in selector.select(0.05):

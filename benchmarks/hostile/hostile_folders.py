@@ -23,11 +23,11 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.damage.folder_trial import Trials
-from benchmarks.damage.originals import RECIPES, Original, make, true_state
+from benchmarks.damage.originals import RUN_RECIPES, Original, make, true_state
 
-TASKS = Path(__file__).resolve().parents[2] / "tasks"
-LONGEST = 120.0  # [s] on the wall that one folder gets
-FRESH = 2000  # folders for one process
+TASKS_FOLDER = Path(__file__).resolve().parents[2] / "tasks"
+MAX_FOLDER_WALL_S = 120.0  # [s] on the wall that one folder gets
+FOLDERS_PER_PROCESS = 2000  # folders for one process
 
 
 def worker(first: int, last: int, seed: int, originals: Path, work: Path) -> None:
@@ -45,11 +45,11 @@ def worker(first: int, last: int, seed: int, originals: Path, work: Path) -> Non
 def originals(names: Sequence[str], where: Path) -> list[Original]:
     """Runs of these recipes, with what is put back from their folders."""
     found = []
-    for recipe in RECIPES:
+    for recipe in RUN_RECIPES:
         if recipe.name not in names:
             continue
         began = time.monotonic()
-        found += [replace(each, state=true_state(each, where)) for each in make(recipe, TASKS, where)]
+        found += [replace(each, state=true_state(each, where)) for each in make(recipe, TASKS_FOLDER, where)]
         print(f"{recipe.name}: {len(found)} folders so far, {time.monotonic() - began:.0f} s", flush=True)
     return found
 
@@ -58,7 +58,7 @@ def verdicts(count: int, seed: int, known: Path, scratch: Path) -> Iterator[dict
     """One after the other; a process that hangs or dies is found, and followed by another."""
     number = 0
     while number < count:
-        last = min(count, number + FRESH)
+        last = min(count, number + FOLDERS_PER_PROCESS)
         with tempfile.TemporaryDirectory(dir=scratch) as work:
             words = [
                 sys.executable,
@@ -78,7 +78,7 @@ def verdicts(count: int, seed: int, known: Path, scratch: Path) -> Iterator[dict
             assert process.stdout is not None
             try:
                 while number < last:
-                    ready, _, _ = select.select([process.stdout], [], [], LONGEST)
+                    ready, _, _ = select.select([process.stdout], [], [], MAX_FOLDER_WALL_S)
                     line = process.stdout.readline() if ready else b""
                     if not line:
                         why = f"the process died with {process.wait()}" if ready else "it hangs"
@@ -101,7 +101,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--folders", type=int, default=10_000)
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--of", nargs="*", default=[each.name for each in RECIPES], help="names of recipes")
+    parser.add_argument(
+        "--of", nargs="*", default=[each.name for each in RUN_RECIPES], help="names of recipes"
+    )
     given = parser.parse_args()
     attacks, ends, wrong = Counter[str](), Counter[tuple[str, str]](), 0
     with tempfile.TemporaryDirectory() as scratch:

@@ -34,19 +34,19 @@ from typing import NamedTuple
 
 from benchmarks.damage.mutated_urdfs import mutated
 
-ROBOTS = Path(__file__).parents[2] / "backends" / "robots"
-DRIVE = """\
+ROBOTS_FOLDER = Path(__file__).parents[2] / "backends" / "robots"
+DRIVE_TEXT = """\
 drive: {wheel_radius_m: 0.1, tread_m: 0.5, top_speed_m_s: 0.5, top_turn_deg_s: 60, acceleration_m_s2: 0.5,
         turn_acceleration_deg_s2: 90}
 """
-STEPS = 3  # periods that a backend is stepped
-LONGEST = 60  # lines that a person is told without asking for more
-NAMED = re.compile(r"link|joint|URDF|mesh|xacro|well-formed|DOCTYPE|character|stand at")
-CRASH = re.compile(r"status (5|1|-)|a traceback|it crashed")
-SAYS = re.compile(r"checking .* \.\.\.$")
+STEP_PERIODS = 3  # periods that a backend is stepped
+MAX_LINES = 60  # lines that a person is told without asking for more
+NAMED_CAUSE = re.compile(r"link|joint|URDF|mesh|xacro|well-formed|DOCTYPE|character|stand at")
+CRASH_WORDS = re.compile(r"status (5|1|-)|a traceback|it crashed")
+PROGRESS_WORDS = re.compile(r"checking .* \.\.\.$")
 """What a command says that takes long, as it may on a busy machine."""
-EVERY = 4  # of the looks at what people are told
-WAITS = 20  # times as long as a processor's time it may take on a busy machine
+LOOK_PERIOD = 4  # of the looks at what people are told
+WALL_TIME_RATIO = 20  # times as long as a processor's time it may take on a busy machine
 
 
 class Case(NamedTuple):
@@ -81,7 +81,7 @@ def main() -> None:
     parser.add_argument("--limit-s", type=int, default=60, help="of a processor's time for one")
     parser.add_argument("--build", default="kinematic", help="backends that robots are built on, or none")
     given = parser.parse_args()
-    folders = given.folders or [ROBOTS, *_package_folders("pybullet_data")]
+    folders = given.folders or [ROBOTS_FOLDER, *_package_folders("pybullet_data")]
     backends = tuple(each for each in given.build.split(",") if each not in ("", "none"))
     with tempfile.TemporaryDirectory(prefix="urdfs-", dir=os.environ.get("TMPDIR")) as scratch:
         copies = [_linked(each, Path(scratch) / str(n)) for n, each in enumerate(folders)]
@@ -114,7 +114,7 @@ def _cases(folders: list[Path], mutants: int, most: int, seed: int) -> list[Case
     found = [path for folder in folders for path in sorted(folder.rglob("*.urdf"))]
     rng = random.Random(seed)
     chosen = found if len(found) <= most else sorted(rng.sample(found, most))
-    cases = [Case(path, None, "as it is", n % EVERY == 0) for n, path in enumerate(chosen)]
+    cases = [Case(path, None, "as it is", n % LOOK_PERIOD == 0) for n, path in enumerate(chosen)]
     # What lies about in a thousand copies that differ in a mesh is one kind of robot.
     kinds = [path for path in found if "random_urdfs" not in path.parts]
     while mutants > 0:
@@ -123,7 +123,7 @@ def _cases(folders: list[Path], mutants: int, most: int, seed: int) -> list[Case
             text, what = mutated(path.read_text(encoding="utf-8"), rng.randrange(1 << 30))
         except (SyntaxError, UnicodeDecodeError):
             continue
-        cases.append(Case(path, text, what, mutants % EVERY == 0))
+        cases.append(Case(path, text, what, mutants % LOOK_PERIOD == 0))
         mutants -= 1
     # Those of a robot together, the robots in any order: what is told before the end is of all kinds.
     order = {path: rng.random() for path in {case.path: None for case in cases}}
@@ -136,7 +136,7 @@ def _look(cases: list[Case], jobs: int, limit: int) -> int:
     for number, (case, seen) in enumerate(_all(cases, jobs, limit), start=1):
         statuses[seen.statuses] += 1
         slowest = max(slowest, (seen.seconds, str(case.path)))
-        crashed += any(CRASH.search(each) for each in seen.violations)
+        crashed += any(CRASH_WORDS.search(each) for each in seen.violations)
         for each in seen.violations:
             bad += 1
             print(f"\r{case.path}, {case.what}: {each}")
@@ -177,7 +177,7 @@ def _all(cases: list[Case], jobs: int, limit: int) -> Iterator[tuple[Case, Seen]
             case, process, mine, begun = each
             passed = time.monotonic() - begun
             ready = mine.poll(0.02)
-            if not ready and process.is_alive() and passed < WAITS * limit:
+            if not ready and process.is_alive() and passed < WALL_TIME_RATIO * limit:
                 continue
             running.remove(each)
             yield case, _result(mine, process, passed, limit)
@@ -201,7 +201,7 @@ def _result(mine: Connection, process: ForkProcess, passed: float, limit: int) -
         pass
     process.kill()
     process.join()
-    late = passed >= WAITS * limit or process.exitcode == -signal.SIGXCPU
+    late = passed >= WALL_TIME_RATIO * limit or process.exitcode == -signal.SIGXCPU
     why = f"no end in {limit} s" if late else f"it crashed: {process.exitcode}"
     return Seen((-1,), (why,), passed)
 
@@ -229,7 +229,7 @@ def _checked(path: Path, draft: Path, people: bool = True, backends: tuple[str, 
     if status == 0:
         if "\ndrive:" not in draft.read_text(encoding="utf-8"):
             with draft.open("a", encoding="utf-8") as file:  # as a person has to
-                file.write(DRIVE)
+                file.write(DRIVE_TEXT)
         status, more = _check(draft, path.name, people=people)
         violations += [f"as a robot: {each}" for each in more]
         statuses.append(status)
@@ -254,7 +254,7 @@ def _built(draft: Path, backend: str) -> Iterator[str]:
     try:
         robot = make_backend(backend, load_robot(str(draft)), world, 0)
         arm = robot.get(Arm)  # type: ignore[type-abstract]
-        for _ in range(STEPS):
+        for _ in range(STEP_PERIODS):
             if arm is not None:
                 arm.move(arm.command())
             robot.step()
@@ -278,13 +278,13 @@ def _check(
     if "Traceback" in err + out:
         wrong.append("a traceback")
     if json_too:
-        err = "\n".join(line for line in err.splitlines() if not SAYS.match(line))
+        err = "\n".join(line for line in err.splitlines() if not PROGRESS_WORDS.match(line))
         if err.strip():
             wrong.append(f"on stderr: {err.strip()[:200]}")
         wrong += _of_json(status, out, urdf)
         out, err = _for_people(status, path, wrong) if people else ("", "")
     # What `--allow` changes stands on stderr, a line a pair.
-    if (lines := len((out if "--allow" in options else out + err).splitlines())) > LONGEST:
+    if (lines := len((out if "--allow" in options else out + err).splitlines())) > MAX_LINES:
         wrong.append(f"{lines} lines")
     return status, wrong
 
@@ -312,7 +312,7 @@ def _of_json(status: int, out: str, urdf: str) -> Iterator[str]:
         for each in findings:
             if each["line"] < 1 or not str(each["file"]).endswith((urdf, ".yaml")):
                 yield f"no place: {each}"
-            elif not NAMED.search(each["message"]):
+            elif not NAMED_CAUSE.search(each["message"]):
                 yield f"names no link or joint: {each['message']}"
 
 

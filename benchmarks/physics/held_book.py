@@ -26,10 +26,10 @@ from handcart.backends.simulation.books.book_props import BookProps
 from handcart.backends.simulation.world.load_world import load_world
 from handcart.robotics.geometry.transform import Transform, inverse, transform
 
-WORLD = Path(__file__).resolve().parents[2] / "tasks" / "return_book" / "world.yaml"
+WORLD_FILE = Path(__file__).resolve().parents[2] / "tasks" / "return_book" / "world.yaml"
 ROUND_S = 12.0  # of driving, after which it begins anew
 TURNS, DRIVES = 0.5, 0.2  # [rad/s], [m/s]
-SWINGS = 0.3  # of the arm's first joint, to and fro [rad]
+SWING_RAD = 0.3  # of the arm's first joint, to and fro [rad]
 
 
 class Slid(NamedTuple):
@@ -44,7 +44,7 @@ class HeldBook:
 
     def __init__(self, kind: type[PhysicsBackend]) -> None:
         spec = load_robot("librarian")
-        self.backend = kind(spec, load_world(WORLD), 0)
+        self.backend = kind(spec, load_world(WORLD_FILE), 0)
         self._base: Any = self._part(Base)
         self._arm: Any = self._part(Arm)
         self._gripper: Any = self._part(Gripper)
@@ -80,7 +80,7 @@ class HeldBook:
             turning = np.sin(2 * np.pi * time / ROUND_S)
             self._base.drive(DRIVES * np.sin(4 * np.pi * time / ROUND_S), TURNS * turning)
             swung = self._posture.copy()
-            swung[0] += SWINGS * np.sin(2 * np.pi * time / ROUND_S)
+            swung[0] += SWING_RAD * np.sin(2 * np.pi * time / ROUND_S)
             self._arm.move(swung)
             self.backend.step()
             now = self.slid()

@@ -20,8 +20,8 @@ from handcart.evaluation.trials.running import run_task
 from handcart.networks.journal.journal_record import read_journal
 from handcart.networks.run_options import RunOptions
 
-TASK = Path(__file__).resolve().parents[2] / "tasks" / "return_book" / "task.yaml"
-BACKENDS = "mujoco,pybullet"
+TASK_FILE = Path(__file__).resolve().parents[2] / "tasks" / "return_book" / "task.yaml"
+BACKEND_NAMES = "mujoco,pybullet"
 
 Outcomes = list[tuple[str, str]]
 
@@ -43,9 +43,9 @@ def outcomes(task: Path, backend: str, seed: int) -> tuple[Outcomes, list[str], 
 def main() -> None:
     """Print a line for each seed, and the sum."""
     words = argparse.ArgumentParser(description=__doc__)
-    words.add_argument("task", nargs="?", type=Path, default=TASK)
+    words.add_argument("task", nargs="?", type=Path, default=TASK_FILE)
     words.add_argument("seeds", nargs="?", type=int, default=20)
-    words.add_argument("backends", nargs="?", default=BACKENDS)
+    words.add_argument("backends", nargs="?", default=BACKEND_NAMES)
     wanted = words.parse_args()
     task, seeds = wanted.task, wanted.seeds
     one, other = wanted.backends.split(",")

@@ -19,9 +19,9 @@ from handcart.backends.saved_state import pack, unpack
 from handcart.evaluation.trials.running import run_task
 from handcart.networks.run_options import RunOptions
 
-TASK = Path(__file__).resolve().parents[2] / "tasks" / "return_book" / "task.yaml"
+TASK_FILE = Path(__file__).resolve().parents[2] / "tasks" / "return_book" / "task.yaml"
 EVERY, LATER = 110, 60
-COMMANDED = ("_base", "_arm", "_gripper")
+COMMANDED_PARTS = ("_base", "_arm", "_gripper")
 
 
 class Kept:
@@ -44,7 +44,7 @@ class Kept:
                 self.whole[number] = pack(backend.state())
             if number >= LATER and (number - LATER) % EVERY == 0:
                 self.later[number - LATER] = world_of(backend)
-            parts = [getattr(backend, name) for name in COMMANDED]
+            parts = [getattr(backend, name) for name in COMMANDED_PARTS]
             self.commands.append([None if part is None else part._command for part in parts])
             step()
 
@@ -64,7 +64,7 @@ def goes_on(kept: Kept, begins: int) -> bool:
     again = MujocoBackend(kept.backend._robot, kept.backend._world_file, kept.backend._seed)
     again.set_state(unpack(kept.whole[begins]))
     for commands in kept.commands[begins : begins + LATER]:
-        for name, command in zip(COMMANDED, commands, strict=True):
+        for name, command in zip(COMMANDED_PARTS, commands, strict=True):
             if command is not None:
                 getattr(again, name)._command = command
         again.step()
@@ -76,7 +76,7 @@ def goes_on(kept: Kept, begins: int) -> bool:
 def main() -> None:
     """Print how many do."""
     words = argparse.ArgumentParser(description=__doc__)
-    words.add_argument("task", nargs="?", type=Path, default=TASK)
+    words.add_argument("task", nargs="?", type=Path, default=TASK_FILE)
     task, kept = words.parse_args().task, Kept()
     with tempfile.TemporaryDirectory() as folder:
         options = RunOptions(backend="mujoco", around=kept.around, draw=False, report=False, playback=False)

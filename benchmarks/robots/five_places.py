@@ -9,7 +9,7 @@ import numpy as np
 
 CELL_M = 0.05
 SIZE_M = (9.0, 8.0)
-BOXES = (
+WALL_BOXES_M = (
     (3.6, 0.0, 3.7, 2.6),
     (5.6, 5.4, 5.7, 8.0),
     (0.0, 5.0, 1.2, 5.1),
@@ -17,8 +17,8 @@ BOXES = (
     (2.0, 7.2, 2.6, 8.0),
 )
 """Walls on the map: least x and y, largest x and y, in [m]."""
-START = (1.5, 1.5, 0.0)
-PLACES = {
+START_POSE = (1.5, 1.5, 0.0)
+PLACE_POSES = {
     "behind_the_wall": (5.2, 1.4, 0.0),
     "corner": (7.5, 1.5, 90.0),
     "middle": (4.5, 4.2, 180.0),
@@ -33,7 +33,7 @@ def write_room(folder: Path) -> dict[str, str]:
     columns, rows = (round(size / CELL_M) for size in SIZE_M)
     picture = np.full((rows, columns), 254, np.uint8)
     picture[:2], picture[-2:], picture[:, :2], picture[:, -2:] = 0, 0, 0, 0
-    for x0, y0, x1, y1 in BOXES:
+    for x0, y0, x1, y1 in WALL_BOXES_M:
         c0, r0, c1, r1 = (round(each / CELL_M) for each in (x0, y0, x1, y1))
         picture[r0:r1, c0:c1] = 0
     cv2.imwrite(str(folder / "map.png"), picture[::-1])
@@ -42,10 +42,10 @@ def write_room(folder: Path) -> dict[str, str]:
         "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n",
         encoding="utf-8",
     )
-    poses = {"home": START, **PLACES}
+    poses = {"home": START_POSE, **PLACE_POSES}
     lines = [f"  {n}: {{x_m: {x}, y_m: {y}, heading_deg: {h}}}\n" for n, (x, y, h) in poses.items()]
     (folder / "places.yaml").write_text(
         "format: handcart-places/1\nplaces:\n" + "".join(lines), encoding="utf-8"
     )
     named = {key: str(folder / f"{key}.yaml") for key in ("map", "places")}
-    return {**named, "world": named["map"], "start": "home", "tour": f"[{', '.join(PLACES)}]"}
+    return {**named, "world": named["map"], "start": "home", "tour": f"[{', '.join(PLACE_POSES)}]"}

@@ -25,8 +25,8 @@ import yaml
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks.robots.five_places import PLACES, write_room
-from benchmarks.robots.foreign_robots import LIDAR_URDF, ROBOTS, ForeignRobot, NotThere
+from benchmarks.robots.five_places import PLACE_POSES, write_room
+from benchmarks.robots.foreign_robots import FOREIGN_ROBOTS, LIDAR_URDF, ForeignRobot, NotThere
 from handcart.evaluation.trials.running import run_task
 from handcart.files.errors import InputError
 from handcart.networks.coordination.events import Ended, Event
@@ -35,7 +35,7 @@ from handcart.networks.run_options import RunOptions
 from handcart.primitives.contract.outcome import Success
 from handcart.primitives.driving.move_to import MoveTo
 
-TASK = Path(__file__).resolve().parents[2] / "tasks" / "drive_map" / "task.yaml"
+TASK_FILE = Path(__file__).resolve().parents[2] / "tasks" / "drive_map" / "task.yaml"
 
 
 class Driven(NamedTuple):
@@ -98,10 +98,10 @@ def drive(file: Path, folder: Path, backend: str, seed: int) -> Driven:
     settings = {**write_room(folder), "robot": str(file)}
     options = RunOptions(backend=backend, settings=settings, seed=seed, observers=(tally,))
     with contextlib.redirect_stderr(io.StringIO()):  # a line for each action
-        summary, _ = run_task(TASK, folder / "runs", options)
+        summary, _ = run_task(TASK_FILE, folder / "runs", options)
     metrics = summary["metrics"]
     contacts, false = len(metrics["contacts"]), len(metrics["untrue"])
-    why = tally.why or ([] if len(tally.reached) == len(PLACES) else [str(summary["reason"])])
+    why = tally.why or ([] if len(tally.reached) == len(PLACE_POSES) else [str(summary["reason"])])
     return Driven(len(tally.reached), contacts, false, [*why, *map(str, metrics["untrue"])])
 
 
@@ -123,13 +123,15 @@ def tried(robot: ForeignRobot, packages: Path, chosen: argparse.Namespace, say: 
             runs, begun = [], time.process_time()
             for seed in range(chosen.seed, chosen.seed + chosen.seeds):
                 runs.append(drive(file, folder, backend, seed))
-                say.print(f"{robot.name} {backend} seed {seed}: {runs[-1].reached} of {len(PLACES)} places")
+                say.print(
+                    f"{robot.name} {backend} seed {seed}: {runs[-1].reached} of {len(PLACE_POSES)} places"
+                )
             rows.append(_row(robot, backend, runs, warnings, time.process_time() - begun))
     return rows
 
 
 def _row(robot: ForeignRobot, backend: str, runs: Sequence[Driven], warnings: int, cpu: float) -> list[str]:
-    reached, asked = sum(each.reached for each in runs), len(PLACES) * len(runs)
+    reached, asked = sum(each.reached for each in runs), len(PLACE_POSES) * len(runs)
     words = f"{reached} of {asked} places, {sum(e.contacts for e in runs)} contacts"
     words += f", {sum(e.false for e in runs)} false outcomes"
     why = sorted({each for run in runs for each in run.why})
@@ -144,7 +146,7 @@ def _row(robot: ForeignRobot, backend: str, runs: Sequence[Driven], warnings: in
 def main() -> None:
     """Print a table; status 1 where something went wrong."""
     words = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    names = [each.name for each in ROBOTS]
+    names = [each.name for each in FOREIGN_ROBOTS]
     words.add_argument("packages", type=Path, help="folder with installed packages")
     words.add_argument("--robots", nargs="+", default=names, choices=names, metavar="NAME")
     words.add_argument("--backends", nargs="+", default=["kinematic", "mujoco"], metavar="NAME")
@@ -153,16 +155,15 @@ def main() -> None:
     chosen = words.parse_args()
     say, table = Console(stderr=True), Table("robot", "backend", "result", "notes", box=None)
     rows = []
-    for robot in ROBOTS:
+    for robot in FOREIGN_ROBOTS:
         if robot.name in chosen.robots:
             say.print(f"{robot.name} ...")
             rows += tried(robot, chosen.packages, chosen, say)
     for row in rows:
         table.add_row(*row)
     Console().print(table)
-    whole = (
-        f"{len(PLACES) * chosen.seeds} of {len(PLACES) * chosen.seeds} places, 0 contacts, 0 false outcomes"
-    )
+    places = len(PLACE_POSES) * chosen.seeds
+    whole = f"{places} of {places} places, 0 contacts, 0 false outcomes"
     sys.exit(0 if all(row[2] in (whole, "skipped") for row in rows) else 1)
 
 

@@ -138,7 +138,7 @@ def _both_arms() -> list[str]:
     return [f"arm_{side}_{number}_joint" for side in ("left", "right") for number in range(1, 8)]
 
 
-ROBOTS = (
+FOREIGN_ROBOTS = (
     ForeignRobot(
         "tiago",
         _DATA,

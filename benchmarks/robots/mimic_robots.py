@@ -11,20 +11,20 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 Array = NDArray[np.float64]
-KINDS = ("revolute", "prismatic", "continuous")
-LEADERS = 3
-MULTIPLIERS = (-3.0, 2.0)
-INERTIAL = (
+JOINT_KINDS = ("revolute", "prismatic", "continuous")
+LEADER_COUNT = 3
+MULTIPLIER_RANGE = (-3.0, 2.0)
+INERTIAL_TEMPLATE = (
     '<inertial><mass value="{m}"/><inertia ixx="{i}" ixy="0" ixz="0" iyy="{i}" iyz="0" izz="{i}"/></inertial>'
 )
-WIDE = '<limit lower="-10" upper="10" effort="{effort}" velocity="10"/>'
+WIDE_LIMIT = '<limit lower="-10" upper="10" effort="{effort}" velocity="10"/>'
 """Of joints that follow: a limit that a leader drives them beyond would stop it."""
-LIMITS = {
+JOINT_LIMITS = {
     "revolute": '<limit lower="-2" upper="2" effort="{effort}" velocity="3"/>',
     "prismatic": '<limit lower="-0.3" upper="0.3" effort="{effort}" velocity="1"/>',
     "continuous": '<limit effort="{effort}" velocity="3"/>',
 }
-ROBOT = """\
+ROBOT_TEMPLATE = """\
 format: handcart-robot/1
 urdf: robot.urdf
 links: {{hand: {hand}}}
@@ -82,14 +82,14 @@ class Joint:
             f'<parent link="{self.parent}"/><child link="{self.name}"/>',
             f'<origin xyz="{_words(self.origin[:3, 3])}" rpy="{_words(rpy)}"/>',
             f'<axis xyz="{_words(self.axis)}"/>',
-            LIMITS[self.kind].format(effort=effort)
+            JOINT_LIMITS[self.kind].format(effort=effort)
             if self.mimic is None
-            else WIDE.format(effort=self._own_effort),
+            else WIDE_LIMIT.format(effort=self._own_effort),
         ]
         if self.mimic is not None:
             leader, factor, offset = self.mimic
             parts.append(f'<mimic joint="{leader}" multiplier="{factor!r}" offset="{offset!r}"/>')
-        link = f'<link name="{self.name}">{INERTIAL.format(m=0.2, i=0.001)}</link>'
+        link = f'<link name="{self.name}">{INERTIAL_TEMPLATE.format(m=0.2, i=0.001)}</link>'
         return f'{link}<joint name="{self.name}" type="{self.kind}">{"".join(parts)}</joint>'
 
 
@@ -99,7 +99,7 @@ class MimicRobot:
     def __init__(self, seed: int, followers: int = 3, mimics: bool = True) -> None:
         """`mimics`: whether they follow; otherwise they are fixed where they would be at the start."""
         rng = np.random.default_rng(seed)
-        self.leaders = [f"lead_{number}" for number in range(LEADERS)]
+        self.leaders = [f"lead_{number}" for number in range(LEADER_COUNT)]
         led = [f"{rng.choice(['aa', 'zz'])}_follow_{number}" for number in range(followers)]
         names = [*self.leaders, *led]
         rng.shuffle(names)
@@ -107,13 +107,13 @@ class MimicRobot:
         for name in names:
             parent = str(rng.choice(["base", *(each.name for each in self.joints)]))
             leader = str(rng.choice(self.leaders))
-            factor, offset = float(rng.uniform(*MULTIPLIERS)), float(rng.uniform(-0.3, 0.3))
+            factor, offset = float(rng.uniform(*MULTIPLIER_RANGE)), float(rng.uniform(-0.3, 0.3))
             mimic = None if name in self.leaders else Mimic(leader, round(factor, 3), round(offset, 3))
             origin = np.eye(4)
             origin[:3, :3] = Rotation.random(random_state=int(rng.integers(2**31))).as_matrix()
             origin[:3, 3] = rng.uniform(-0.1, 0.1, 3) + ((0.0, 0.0, 0.8) if parent == "base" else 0.0)
             axis = rng.standard_normal(3)
-            kind = str(rng.choice(KINDS))
+            kind = str(rng.choice(JOINT_KINDS))
             self.joints.append(Joint(name, kind, parent, origin, axis / np.linalg.norm(axis), mimic))
         self.kinds = {each.name: each.kind for each in self.joints}
         self.mimics = mimics
@@ -136,7 +136,7 @@ class MimicRobot:
 
     def goal(self, seed: int) -> Array:
         """A posture (n,) of the leaders."""
-        drawn = np.random.default_rng([seed, 1]).uniform(-1.0, 1.0, LEADERS)
+        drawn = np.random.default_rng([seed, 1]).uniform(-1.0, 1.0, LEADER_COUNT)
         scales = [0.2 if self.kinds[name] == "prismatic" else 1.0 for name in self.leaders]
         return np.asarray(drawn * np.array(scales))
 
@@ -144,8 +144,10 @@ class MimicRobot:
         """Write URDF and robot's file; return the latter."""
         joints = "".join(self._still(each) if not self.mimics else each.xml(60.0) for each in self.joints)
         (folder / "robot.urdf").write_text(f'<robot name="r">{_base()}{joints}</robot>', encoding="utf-8")
-        words = {"joints": ", ".join(self.leaders), "zeros": ", ".join(["0"] * LEADERS)}
-        (folder / "robot.yaml").write_text(ROBOT.format(hand=self.leaders[-1], **words), encoding="utf-8")
+        words = {"joints": ", ".join(self.leaders), "zeros": ", ".join(["0"] * LEADER_COUNT)}
+        (folder / "robot.yaml").write_text(
+            ROBOT_TEMPLATE.format(hand=self.leaders[-1], **words), encoding="utf-8"
+        )
         return folder / "robot.yaml"
 
     def _still(self, joint: Joint) -> str:
@@ -155,7 +157,7 @@ class MimicRobot:
         fixed = Joint(joint.name, "fixed", joint.parent, joint.pose(joint.mimic.offset), joint.axis, None)
         rpy = Rotation.from_matrix(fixed.origin[:3, :3]).as_euler("xyz")
         return (
-            f'<link name="{joint.name}">{INERTIAL.format(m=0.2, i=0.001)}</link>'
+            f'<link name="{joint.name}">{INERTIAL_TEMPLATE.format(m=0.2, i=0.001)}</link>'
             f'<joint name="{joint.name}" type="fixed"><parent link="{joint.parent}"/>'
             f'<child link="{joint.name}"/>'
             f'<origin xyz="{_words(fixed.origin[:3, 3])}" rpy="{_words(rpy)}"/></joint>'
@@ -163,11 +165,11 @@ class MimicRobot:
 
 
 def _base() -> str:
-    body = INERTIAL.format(m=60, i=3)
+    body = INERTIAL_TEMPLATE.format(m=60, i=3)
     text = f'<link name="base">{body}</link>'
     for side, y in (("left", 0.3), ("right", -0.3)):
         text += (
-            f'<link name="{side}_wheel">{INERTIAL.format(m=1, i=0.01)}'
+            f'<link name="{side}_wheel">{INERTIAL_TEMPLATE.format(m=1, i=0.01)}'
             f'<collision><origin rpy="1.5707963 0 0"/>'
             f'<geometry><cylinder radius="0.1" length="0.04"/></geometry></collision></link>'
             f'<joint name="{side}_wheel" type="continuous"><parent link="base"/><child link="{side}_wheel"/>'
@@ -175,7 +177,7 @@ def _base() -> str:
         )
     for number, x in enumerate((0.4, -0.4)):
         text += (
-            f'<link name="caster_{number}">{INERTIAL.format(m=0.2, i=0.001)}<collision>'
+            f'<link name="caster_{number}">{INERTIAL_TEMPLATE.format(m=0.2, i=0.001)}<collision>'
             f'<geometry><sphere radius="0.05"/></geometry></collision></link>'
             f'<joint name="caster_{number}" type="fixed"><parent link="base"/><child link="caster_{number}"/>'
             f'<origin xyz="{x} 0 0.05"/></joint>'

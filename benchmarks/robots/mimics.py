@@ -28,12 +28,12 @@ from handcart.backends.simulation.world.world_model import world_model
 from handcart.robotics.geometry.transform import inverse
 from handcart.robotics.manipulation.motions.trajectory import time_path
 
-LIMIT = 1e-4
+MAX_LINK_ERROR = 1e-4
 """[m] and [rad] that a link may be off at rest."""
 LAG_SHARE, LAG_ADDED = 1.5, 5e-3
 """Times, and more than that in [rad] or [m], that joints may lag compared to those without followers."""
 SETTLE_PERIODS = 40
-EMPTY = {"format": "handcart-world/1", "start": {"x_m": 0.0, "y_m": 0.0}}
+EMPTY_WORLD = {"format": "handcart-world/1", "start": {"x_m": 0.0, "y_m": 0.0}}
 
 
 class Moved(NamedTuple):
@@ -51,7 +51,7 @@ def move(robot: MimicRobot, name: str, seed: int) -> Moved:
     """Move a robot to a posture on a backend, and hold it against the tree multiplied out."""
     with tempfile.TemporaryDirectory() as folder:
         spec = load_robot(str(robot.write(Path(folder))))
-        backend: Any = backend_class(name)(spec, world_model().model_validate(EMPTY), 0)  # type: ignore[call-arg]
+        backend: Any = backend_class(name)(spec, world_model().model_validate(EMPTY_WORLD), 0)  # type: ignore[call-arg]
     try:
         arm, goal = backend.get(Arm), robot.goal(seed)
         speed, acceleration = spec.joint_speeds(), spec.joint_accelerations()
@@ -100,7 +100,7 @@ def main() -> None:
             with_mimics = move(MimicRobot(seed), name, seed)
             without = move(MimicRobot(seed, mimics=False), name, seed) if name != "kinematic" else with_mimics
             rows.append((with_mimics, without))
-            far = with_mimics.off > LIMIT
+            far = with_mimics.off > MAX_LINK_ERROR
             late = with_mimics.lag > LAG_SHARE * without.lag + LAG_ADDED
             wrong += far or late
             if far or late:

@@ -33,8 +33,8 @@ from handcart.primitives.seam import track
 from handcart.primitives.seam.driven_base import DrivenBase
 from handcart.robotics.geometry.pose2 import Pose2
 
-TASKS = Path(__file__).parent.parent.parent / "tasks" / "track_seam"
-DRIVING = "driving.yaml"
+TASKS_FOLDER = Path(__file__).parent.parent.parent / "tasks" / "track_seam"
+DRIVING_TASK = "driving.yaml"
 
 Run = tuple[NDArray[np.float64], NDArray[np.float64]]
 
@@ -116,9 +116,13 @@ def main() -> None:
     head = f"{'mm, ' + str(given.runs) + ' runs':28}{'rms':>7}{'max':>9}{'p95':>9}{'worst':>9}"
     print(f"{head}{'speed':>8}{'untrue':>9}")
     shown = []
-    for name, file in (("standing", "task.yaml"), ("driving", DRIVING), ("driving, open loop", DRIVING)):
+    for name, file in (
+        ("standing", "task.yaml"),
+        ("driving", DRIVING_TASK),
+        ("driving, open loop", DRIVING_TASK),
+    ):
         with open_loop() if "open" in name else ExitStack():
-            row, run = runs(name, TASKS / file, given.runs, given.backend)
+            row, run = runs(name, TASKS_FOLDER / file, given.runs, given.backend)
         print(row, flush=True)
         shown.append((name, *run))
     if given.plot:

@@ -14,7 +14,7 @@ from typing import Any
 
 import typer
 
-NOTE = "*Generated from the program.*\n"
+GENERATED_NOTE = "*Generated from the program.*\n"
 
 
 def write(folder: Path) -> None:
@@ -32,7 +32,7 @@ def commands() -> str:
     from handcart.tools.command_line import all_commands, app
 
     group: Any = typer.main.get_command(app)
-    parts = ["# Commands\n", NOTE]
+    parts = ["# Commands\n", GENERATED_NOTE]
     with typer.Context(group, info_name="handcart") as context:
         for name in all_commands():
             _, command, _ = group.resolve_command(context, name.split())
@@ -56,7 +56,7 @@ def files() -> str:
     from handcart.files.models import json_schema
     from handcart.tools.checks.file_kinds import kinds, model_of
 
-    parts = ["# File formats\n", NOTE]
+    parts = ["# File formats\n", GENERATED_NOTE]
     for kind in kinds():
         schema = json_schema.schema(model_of(kind))
         parts += [
@@ -129,7 +129,7 @@ def backends() -> str:
 def _described(title: str, names: Any) -> str:
     from handcart.tools.commands.describe import describe
 
-    parts = [f"# {title}\n", NOTE, "`handcart describe NAME` prints the same.\n"]
+    parts = [f"# {title}\n", GENERATED_NOTE, "`handcart describe NAME` prints the same.\n"]
     for name in names:
         with redirect_stdout(io.StringIO()) as said:
             describe(name)

@@ -43,9 +43,8 @@ BUMPED_COLOUR = PURPLE
 SCAN_COLOUR = GREEN
 TIME_LINE_LETTERS = 125.0  # letters of the widest kind that fit on the time line
 MAP_MARGIN_M = 0.5  # around the known part of a map
-MIN_MAP_ASPECT = (
-    0.08  # smallest height over width of the drawn map, so that a straight course shows its surroundings
-)
+# smallest height over width of the drawn map, so that a straight course shows its surroundings
+MIN_MAP_ASPECT = 0.08
 PICTURE_WIDTH_IN = 12.0
 FOOTER_HEIGHT_IN = 1.6  # legend and time line
 MAP_HEIGHTS_IN = (1.5, 5.6)  # lower and upper limit

@@ -12,9 +12,8 @@ Vector = NDArray[np.float64]
 EYE_FROM_ROBOT_M = np.array([-2.5, -2.8, 3.9])
 OUTDOOR_FACTOR = 1.6
 ROBOT_HEIGHT_M = 0.4
-PANEL_SHARE = (
-    0.5  # of a tall picture's height, covered by the panel at the bottom; a wide one has it at its side
-)
+# of a tall picture's height, covered by the panel at the bottom; a wide one has it at its side
+PANEL_SHARE = 0.5
 
 
 class Eye(NamedTuple):

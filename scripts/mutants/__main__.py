@@ -15,8 +15,8 @@ from typing import TypeVar
 from bed import Bed
 from mutant import TABLE, Mutant, read_table
 
-ROOT = Path(__file__).resolve().parents[2]
-ROWS = {"covariances": "planted constants for covariances"}
+REPOSITORY_ROOT = Path(__file__).resolve().parents[2]
+TABLE_ROWS = {"covariances": "planted constants for covariances"}
 """Words for the last line but one, by the file of the table that is chosen."""
 T = TypeVar("T")
 
@@ -31,7 +31,7 @@ def main() -> int:
     took: dict[tuple[str, ...], float] = {}
     with tempfile.TemporaryDirectory() as folder:
         beds = [Bed(wanted.project, Path(folder) / str(job), took) for job in range(wanted.jobs)]
-        return _try(mutants, wanted.least, beds, ROWS.get(wanted.only, ""))
+        return _try(mutants, wanted.least, beds, TABLE_ROWS.get(wanted.only, ""))
 
 
 def _try(mutants: list[Mutant], least: float, beds: list[Bed], row: str = "") -> int:
@@ -84,7 +84,7 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--only", default="", help="only this file of the table, by its name: covariances")
     parser.add_argument("--file", default="", help="only files with this in their path")
     parser.add_argument("--name", default="", help="only bugs with this in their name")
-    parser.add_argument("--project", type=Path, default=ROOT)
+    parser.add_argument("--project", type=Path, default=REPOSITORY_ROOT)
     parser.add_argument("--table", type=Path, default=TABLE, help="folder of YAML files")
     return parser.parse_args()
 

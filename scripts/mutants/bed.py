@@ -13,13 +13,13 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import NamedTuple, Protocol
 
-FAILED = 1  # pytest's exit status where a test failed
+FAILED_STATUS = 1  # pytest's exit status where a test failed
 TIMED_OUT = -1000  # status where the tests didn't end
 PATIENCE_S = 600.0
 LEAST_S = 60.0  # that tests of a bug may take, however quick they are without it
-SLOWER = 10.0  # times as long as without it: then they hang, and that is noticed
-MEMORY = 4 * 2**30  # [bytes] that the tests of a bug may take, of addresses
-MADE = (".git", ".venv", "__pycache__", "*.egg-info", "build", ".*_cache", ".hypothesis")
+MAX_TIME_RATIO = 10.0  # times as long as without it: then they hang, and that is noticed
+MAX_MEMORY_BYTES = 4 * 2**30  # [bytes] that the tests of a bug may take, of addresses
+IGNORED_FILES = (".git", ".venv", "__pycache__", "*.egg-info", "build", ".*_cache", ".hypothesis")
 
 
 class Plantable(Protocol):
@@ -50,7 +50,7 @@ class Ended(NamedTuple):
 
 
 def _bounded() -> None:
-    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+    resource.setrlimit(resource.RLIMIT_AS, (MAX_MEMORY_BYTES, MAX_MEMORY_BYTES))
 
 
 class Bed:
@@ -67,7 +67,7 @@ class Bed:
         """
         self.root, self._machine_code = folder / "project", folder / "numba"
         self._took = took
-        made = shutil.ignore_patterns(*MADE)
+        made = shutil.ignore_patterns(*IGNORED_FILES)
 
         def ignored(where: str, names: list[str]) -> set[str]:
             return made(where, names) | ({"runs"} if Path(where) == project else set())
@@ -86,8 +86,8 @@ class Bed:
     def notices(self, mutant: Plantable) -> bool:
         """Whether one of the nearest tests fails, or never ends, with the bug planted."""
         known = self._took.get(mutant.tests, PATIENCE_S)
-        status = self.run_tests(mutant, min(PATIENCE_S, max(LEAST_S, SLOWER * known))).status
-        if status > FAILED:
+        status = self.run_tests(mutant, min(PATIENCE_S, max(LEAST_S, MAX_TIME_RATIO * known))).status
+        if status > FAILED_STATUS:
             raise RuntimeError(f"{mutant.file}: {mutant.name}: pytest ends with status {status}")
         return status != 0  # negative: it died, or never ended
 

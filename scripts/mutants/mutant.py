@@ -9,7 +9,7 @@ from pathlib import Path
 
 from ruamel.yaml import YAML
 
-TABLE = Path(__file__).parent / "table"
+TABLE_FOLDER = Path(__file__).parent / "table"
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class Mutant:
         return content.replace(self.text, self.replacement)
 
 
-def read_table(table: Path = TABLE, files: str = "*.yaml") -> list[Mutant]:
+def read_table(table: Path = TABLE_FOLDER, files: str = "*.yaml") -> list[Mutant]:
     """Return all mutants of a folder's files that match a pattern, in the files' order."""
     return [mutant for path in sorted(table.glob(files)) for mutant in _read(path)]
 

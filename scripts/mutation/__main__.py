@@ -20,8 +20,8 @@ from pathlib import Path
 from queue import SimpleQueue
 from threading import Lock
 
-ROOT = Path(__file__).resolve().parents[2]
-sys.path.append(str(ROOT / "scripts" / "mutants"))
+REPOSITORY_ROOT = Path(__file__).resolve().parents[2]
+sys.path.append(str(REPOSITORY_ROOT / "scripts" / "mutants"))
 
 from choosing import MAX_FILES, ChosenTests, choose_tests  # noqa: E402
 from drawing import MODULES, DrawnMutant, draw  # noqa: E402
@@ -29,7 +29,7 @@ from equivalent import TABLE, key_of, read_equivalents  # noqa: E402
 from recording import durations_of, read_recording, record  # noqa: E402
 from warm_bed import WarmBed  # noqa: E402
 
-SECONDS = 60.0
+TIMEOUT_S = 60.0
 
 
 @dataclass(frozen=True)
@@ -155,10 +155,10 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--minutes", type=float, default=1e9, help="draw no further mutant after these")
     parser.add_argument("--record", type=Path, help="run the quick suite once and write this file instead")
     parser.add_argument("--coverage", type=Path, help="what `--record` wrote: which test executes which line")
-    parser.add_argument("--seconds", type=float, default=SECONDS, help="of tests for one mutant")
+    parser.add_argument("--seconds", type=float, default=TIMEOUT_S, help="of tests for one mutant")
     parser.add_argument("--files", type=int, default=MAX_FILES, help="files of tests where no test is known")
     parser.add_argument("--jobs", type=int, default=1, help="copies of the project to work in")
-    parser.add_argument("--project", type=Path, default=ROOT)
+    parser.add_argument("--project", type=Path, default=REPOSITORY_ROOT)
     parser.add_argument("--equivalent", type=Path, default=TABLE)
     return parser.parse_args()
 

@@ -15,7 +15,7 @@ MAX_FILES = 8
 """Files of tests that are run for one mutant where no recording says which tests execute its line."""
 NEW_FILES = 3
 """Nearest files of tests in which tests are looked for that are newer than the recording."""
-NEARNESS = 4.0
+NEARNESS_FACTOR = 4.0
 """Factor by which a test may take longer, for each folder shared with the file, and is still taken first."""
 
 
@@ -51,7 +51,9 @@ def choose_tests(
         names = {name for name in recording.durations if name.split("::")[0] in nearest[:files]}
     durations = {name: recording.durations[name] for name in names}
     taken, total = [], 0.0
-    for name in sorted(names, key=lambda name: (durations[name] / NEARNESS ** _shared(file, name), name)):
+    for name in sorted(
+        names, key=lambda name: (durations[name] / NEARNESS_FACTOR ** _shared(file, name), name)
+    ):
         total += durations[name]
         if total > seconds and taken:
             break

@@ -16,7 +16,7 @@ from cosmic_ray.mutating import mutate_code
 from cosmic_ray.operators.operator import Operator
 from cosmic_ray.operators.provider import OperatorProvider
 
-MODULES: Mapping[str, Sequence[str]] = {
+MODULE_GROUPS: Mapping[str, Sequence[str]] = {
     "contract": ["primitives/contract"],
     "restoring": ["primitives/restoring"],
     "coordination": ["networks/coordination"],
@@ -31,12 +31,17 @@ MODULES: Mapping[str, Sequence[str]] = {
     "console": ["tools/console"],
 }
 """Folders of each module that mutants are drawn from."""
-COMPARISONS = ("Lt", "LtE", "Gt", "GtE", "Eq", "NotEq")
-ARITHMETIC = ("Add", "Sub", "Mul", "Div")
+COMPARISON_OPERATORS = ("Lt", "LtE", "Gt", "GtE", "Eq", "NotEq")
+ARITHMETIC_OPERATORS = ("Add", "Sub", "Mul", "Div")
 OPERATOR_NAMES = (
-    *(f"ReplaceComparisonOperator_{a}_{b}" for a in COMPARISONS for b in COMPARISONS if a != b),
+    *(
+        f"ReplaceComparisonOperator_{a}_{b}"
+        for a in COMPARISON_OPERATORS
+        for b in COMPARISON_OPERATORS
+        if a != b
+    ),
     *("ReplaceComparisonOperator_Is_IsNot", "ReplaceComparisonOperator_IsNot_Is"),
-    *(f"ReplaceBinaryOperator_{a}_{b}" for a in ARITHMETIC for b in ARITHMETIC if a != b),
+    *(f"ReplaceBinaryOperator_{a}_{b}" for a in ARITHMETIC_OPERATORS for b in ARITHMETIC_OPERATORS if a != b),
     *("ReplaceUnaryOperator_USub_UAdd", "ReplaceUnaryOperator_Delete_Not", "AddNot"),
     *("ReplaceTrueWithFalse", "ReplaceFalseWithTrue", "ReplaceAndWithOr", "ReplaceOrWithAnd"),
     *("ReplaceBreakWithContinue", "ReplaceContinueWithBreak", "ZeroIterationForLoop"),
@@ -44,7 +49,7 @@ OPERATOR_NAMES = (
 )
 """Cosmic Ray's operators, without those whose mutants hardly any test could miss: `a | b` of two floats, a
 removed decorator, a name exchanged for another one."""
-TRIES = 1000
+MAX_TRIES = 1000
 
 
 @dataclass(frozen=True)
@@ -79,7 +84,7 @@ def operators() -> list[Operator]:
 def draw(project: Path, seed: str, modules: Sequence[str]) -> Iterator[DrawnMutant]:
     """Yield mutants without end, no two alike, modules in turn in an order that the seed gives."""
     rng, drawn = random.Random(seed), set[tuple[str, str]]()
-    for _ in range(TRIES):
+    for _ in range(MAX_TRIES):
         for module in rng.sample(list(modules), len(modules)):
             mutant = _draw_one(project, module, rng)
             if mutant is not None and (mutant.file, mutant.content) not in drawn:
@@ -108,9 +113,9 @@ def _draw_one(project: Path, module: str, rng: random.Random) -> DrawnMutant | N
 
 @cache
 def _files(project: Path, module: str) -> list[Path]:
-    nested = [folder for folders in MODULES.values() for folder in folders]
+    nested = [folder for folders in MODULE_GROUPS.values() for folder in folders]
     found = set()
-    for folder in MODULES[module]:
+    for folder in MODULE_GROUPS[module]:
         inner = [project / each for each in nested if each.startswith(f"{folder}/")]
         for path in (project / folder).rglob("*.py"):
             if not any(each in path.parents for each in inner):

@@ -8,10 +8,10 @@ from pathlib import Path
 from drawing import DrawnMutant
 from ruamel.yaml import YAML
 
-TABLE = Path(__file__).with_name("equivalent.yaml")
+EQUIVALENT_FILE = Path(__file__).with_name("equivalent.yaml")
 
 
-def read_equivalents(table: Path = TABLE) -> Mapping[tuple[str, str, str], str]:
+def read_equivalents(table: Path = EQUIVALENT_FILE) -> Mapping[tuple[str, str, str], str]:
     """Return the reason of each equivalent mutant, by its file, its changed lines and what they become."""
     entries = YAML(typ="safe").load(table.read_text(encoding="utf-8")) or []
     return {(entry["file"], entry["before"], entry["after"]): entry["reason"] for entry in entries}

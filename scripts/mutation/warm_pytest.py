@@ -22,7 +22,7 @@ from typing import Any, TextIO
 
 import pytest
 
-LIBRARIES = (
+PRELOADED_LIBRARIES = (
     *(
         "numpy",
         "scipy.spatial",
@@ -47,7 +47,7 @@ LIBRARIES = (
     *("multiprocessing.pool", "concurrent.futures", "xdist.plugin", "rapidocr", "rosbags.highlevel", "av"),
 )
 """Imported before the first fork, as far as they are installed."""
-MEMORY = 4 * 2**30  # [bytes] of addresses for the tests of a mutant
+MAX_MEMORY_BYTES = 4 * 2**30  # [bytes] of addresses for the tests of a mutant
 COLLECT_LIMIT_S = 90.0
 """Time without any test: imports and collecting."""
 MIN_LIMIT_S = 30.0
@@ -55,7 +55,7 @@ MIN_LIMIT_S = 30.0
 MAX_SLOWDOWN = 10.0
 """Times as long as recorded: then a test hangs."""
 NO_TESTS = 5  # pytest's exit status where it found none
-OPTIONS = (
+PYTEST_OPTIONS = (
     "-q",
     "--tb=no",
     "--assert=plain",
@@ -116,7 +116,7 @@ def _crowding() -> float:
 def main() -> None:
     """Answer requests until stdin ends; the argument is a file with the recorded durations."""
     durations = json.loads(Path(sys.argv[1]).read_text(encoding="utf-8")) if len(sys.argv) > 1 else {}
-    for name in LIBRARIES:
+    for name in PRELOADED_LIBRARIES:
         with contextlib.suppress(Exception):
             import_module(name)
     sys.path[0] = os.getcwd()
@@ -151,7 +151,7 @@ def _run(request: Mapping[str, Any], pipe: TextIO) -> None:
     status = 1
     try:
         os.setsid()
-        resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+        resource.setrlimit(resource.RLIMIT_AS, (MAX_MEMORY_BYTES, MAX_MEMORY_BYTES))
         nothing = os.open(os.devnull, os.O_RDWR)
         for number in range(3):
             os.dup2(nothing, number)
@@ -169,7 +169,9 @@ def _run_batches(request: Mapping[str, Any], pipe: TextIO) -> int:
         )
         if not files:
             continue
-        status = int(pytest.main([*OPTIONS, *once, *files], plugins=[ChosenTests(request, batch, pipe)]))
+        status = int(
+            pytest.main([*PYTEST_OPTIONS, *once, *files], plugins=[ChosenTests(request, batch, pipe)])
+        )
         failed = failed or (0 if status == NO_TESTS else status)
         if (failed and once) or time.monotonic() > request["end_s"]:
             break

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from benchmarks.field.field_course import straight_course, zigzag_course
-from benchmarks.field.field_drive import PERIOD, FieldTimes
+from benchmarks.field.field_drive import PERIOD_S, FieldTimes
 from benchmarks.field.field_log import FieldLog, record_course
 from handcart.backends.can.sensors.sensor_lines import checksum
 from handcart.evaluation.replay.csv_log import read_csv_log
@@ -50,7 +50,7 @@ def write(path: Path, log: FieldLog, header: str = "", columns: dict[str, str] |
         turn = math.degrees(log.rates[row, 2])
         place = [f"{each:.3f}" for each in fixes[row]] if row in fixes else ["", ""]
         true = (pose[0], pose[1], math.degrees(pose[2]))
-        cells = [f"{1e3 * PERIOD * row:.0f}", f"{turn:.4f}", *(f"{each:.3f}" for each in travel), *place]
+        cells = [f"{1e3 * PERIOD_S * row:.0f}", f"{turn:.4f}", *(f"{each:.3f}" for each in travel), *place]
         lines.append(",".join([*cells, *(f"{each:.3f}" for each in true)]))
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
     return path
@@ -133,7 +133,7 @@ def test_speed_and_steering_are_an_odometry(
         place = ",".join(f"{each:.3f}" for each in fixes[row]) if row in fixes else ","
         steer = math.degrees(math.atan(0.9 * bend))
         x, y = drive.drive.poses[row, :2]
-        lines.append(f"{PERIOD * row:.3f},{3.6 * way / PERIOD:.4f},{steer:.4f},{place},{x:.3f},{y:.3f}")
+        lines.append(f"{PERIOD_S * row:.3f},{3.6 * way / PERIOD_S:.4f},{steer:.4f},{place},{x:.3f},{y:.3f}")
     log = tmp_path / "car.csv"
     log.write_text("\n".join(lines) + "\n", encoding="utf-8")
     assert localized(log)["error_m_rms"] < 1.5
@@ -150,7 +150,7 @@ def test_a_receivers_own_log_gives_the_fixes(
     columns = {name: unit for name, unit in COLUMNS.items() if not name.startswith("gps")}
     lines = [b"$GPGGA,damaged*00", b"rubbish \xff"]
     for row, (x, y) in zip(drive.fix_rows, drive.fixes, strict=True):
-        seconds = 12 * 3600 + PERIOD * row
+        seconds = 12 * 3600 + PERIOD_S * row
         clock = f"{int(seconds // 3600):02}{int(seconds // 60 % 60):02}{seconds % 60:05.2f}"
         lat = LATITUDE + y / METRES
         lon = LONGITUDE + x / (METRES * math.cos(math.radians(LATITUDE)))

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from benchmarks.field.field_course import straight_course
-from benchmarks.field.field_drive import PERIOD, FieldTimes
+from benchmarks.field.field_drive import PERIOD_S, FieldTimes
 from benchmarks.field.field_log import FieldLog, record_course
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_NOISE
 
@@ -53,7 +53,7 @@ def write_bag(folder: Path, log: FieldLog, storage: str, topics: tuple[str, ...]
         pose = kinds["geometry_msgs/msg/Pose"](
             point(x, y, 0.0), turned(0.0, 0.0, math.sin(heading / 2), math.cos(heading / 2))
         )
-        speed = float(log.wheels[row].mean()) / PERIOD
+        speed = float(log.wheels[row].mean()) / PERIOD_S
         twist = kinds["geometry_msgs/msg/Twist"](vector(speed, 0.0, 0.0), vector(0.0, 0.0, 0.0))
         return kinds["nav_msgs/msg/Odometry"](
             head,
@@ -87,7 +87,7 @@ def write_bag(folder: Path, log: FieldLog, storage: str, topics: tuple[str, ...]
             connection = writer.add_connection(topic, kind, typestore=store)
             for row in range(len(log.rates)):
                 stamp: Any = time(
-                    sec=1000 + int(PERIOD * row), nanosec=round(1e9 * (PERIOD * row % 1.0)) % 10**9
+                    sec=1000 + int(PERIOD_S * row), nanosec=round(1e9 * (PERIOD_S * row % 1.0)) % 10**9
                 )
                 message = make(row, header(stamp, "base_link"))
                 if message is not None:

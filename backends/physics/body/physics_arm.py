@@ -18,9 +18,8 @@ from .robot_body import RobotBody
 
 CATCHES_UP = 0.02  # time constant of the position loop [s]
 CATCH_UP_SPEED_RATIO = 1.2  # times as fast as it may go, a drive can catch up
-MIMIC_STEP_RATIO = (
-    0.1  # of the way to where it belongs that a joint that mimics another makes in a step of the solver
-)
+# of the way to where it belongs that a joint that mimics another makes in a step of the solver
+MIMIC_STEP_RATIO = 0.1
 
 
 class PhysicsArm(SimulatedArm):

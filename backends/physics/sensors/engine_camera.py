@@ -17,9 +17,8 @@ from handcart.backends.simulation.sensors.simulated_camera import SimulatedCamer
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.arm_model import ArmModel
 
-SAMPLES_PER_SIDE = (
-    2  # along each side of a pixel, which takes in light from all of its area: edges have no steps
-)
+# along each side of a pixel, which takes in light from all of its area: edges have no steps
+SAMPLES_PER_SIDE = 2
 
 
 class EngineCamera(SimulatedCamera):

@@ -21,9 +21,8 @@ MOVED_JOINTS = ("left_finger", "right_finger", "left_steering", "right_steering"
 """Joints that are moved, besides the arm's and the wheels'."""
 ROCKER_JOINTS = ("left_rocker", "right_rocker")
 """Passive joints of a suspension, with opposite axes: a differential keeps them equal."""
-DEFAULT_HOLDING_EFFORT = (
-    1000.0  # what a joint that stands is held with, where the URDF doesn't say [Nm] or [N]
-)
+# what a joint that stands is held with, where the URDF doesn't say [Nm] or [N]
+DEFAULT_HOLDING_EFFORT = 1000.0
 
 
 class SoundUrdf(NamedTuple):

@@ -11,9 +11,8 @@ from handcart.backends.description.ground_spec import GroundSpec
 from handcart.backends.physics.engine import Engine
 from handcart.backends.simulation.keyed_noise import keyed
 
-CELL_M = (
-    0.05  # [m] between points whose heights are given; of 0.25 a foot would stand on ridges of 27 degrees
-)
+# [m] between points whose heights are given; of 0.25 a foot would stand on ridges of 27 degrees
+CELL_M = 0.05
 CELLS_PER_SIDE = 200  # of a tile's side
 MIN_GROUND_AHEAD_M = 12.0  # [m] from the robot to ground that isn't there yet, at least
 WAVE_COUNT = 48  # of which the ground is made

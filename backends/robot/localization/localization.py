@@ -31,14 +31,12 @@ from handcart.robotics.navigation.outdoors.watched_moment import Belief
 STILL_SCANS = 20  # periods at rest after which further scans tell nothing new
 LOOK_AGAIN = 10  # periods at rest between scans that tell whether somebody moved the base
 SCAN_REPEATABILITY = np.diag([0.004, 0.004, 0.0015]) ** 2  # [m², rad²]: scatter of scan matches at one place
-MAX_REST_WHEEL_DIFFERENCE_M = (
-    2e-4  # [m] by which encoders of wheels that stand differ, as an arm pulls at the base
-)
+# [m] by which encoders of wheels that stand differ, as an arm pulls at the base
+MAX_REST_WHEEL_DIFFERENCE_M = 2e-4
 STALE_SCAN_MOTION = 1e-3  # [m], [rad] of motion in which a scan can't stay the same to the last bit
 REST_PERIODS = 4  # periods at rest after which a scan tells whether the base is where its wheels say
-MAX_COMMANDED_TRAVEL_M = (
-    0.03  # [m] that wheels may be driven, by which alone it is reckoned, while they read the same
-)
+# [m] that wheels may be driven, by which alone it is reckoned, while they read the same
+MAX_COMMANDED_TRAVEL_M = 0.03
 
 
 class Lost(NamedTuple):

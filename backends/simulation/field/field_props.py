@@ -18,9 +18,8 @@ from handcart.robotics.geometry.transform import Transform, inverse, transform
 from .sensor import Sensor
 from .spec import FieldSection, SensorSpec
 
-HOME_TOLERANCE = (
-    0.01  # [rad], [m] of each joint from the posture `home`, at which the magazine meets the hand
-)
+# [rad], [m] of each joint from the posture `home`, at which the magazine meets the hand
+HOME_TOLERANCE = 0.01
 SENSOR_BITE_M = 0.035  # [m] of a sensor's height that stands between the fingers
 
 

@@ -35,9 +35,8 @@ from handcart.evaluation.conformance.rig.skipped import Skipped
 
 from .check import Check, CheckResult
 
-MAX_FILE_DIFFERENCE = (
-    0.10  # share by which a simulated robot may differ from its file: radii, tread, slip, starting up
-)
+# share by which a simulated robot may differ from its file: radii, tread, slip, starting up
+MAX_FILE_DIFFERENCE = 0.10
 FORCE_AT_REST = 3.0  # [N]
 MIN_LEVER_M = 0.1  # [m] from a joint to the hand: what the hand is off is an angle there
 STEERING_LOSS_RATIO = 0.7  # share of a car's turn that is lost while it steers

@@ -17,9 +17,8 @@ from .check import Check, CheckResult
 
 FIX_COUNT = 30
 DRIVE_SPEED_M_S = 0.2  # [m/s]
-MAX_MEDIAN_SIGMAS = (
-    3.0  # sigmas that the median of fixes may be off, of two axes; outliers and reflections come beside
-)
+# sigmas that the median of fixes may be off, of two axes; outliers and reflections come beside
+MAX_MEDIAN_SIGMAS = 3.0
 
 
 def gps(bench: Bench, finding: CheckResult) -> None:

@@ -6,9 +6,8 @@ import math
 from typing import NamedTuple
 
 BRAKING_SHARE = 0.5  # share of the acceleration that braking is planned with; the rest is for late commands
-END_APPROACH_RATE = (
-    4.0  # [1/s]: close to the end speed falls in proportion to what is left, so that nothing overshoots
-)
+# [1/s]: close to the end speed falls in proportion to what is left, so that nothing overshoots
+END_APPROACH_RATE = 4.0
 
 
 class DriveLimits(NamedTuple):

@@ -13,9 +13,8 @@ from handcart.robotics.navigation.maps.clearances import Clearances, nearest_squ
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.numerics.compiled import compiled, compiled_for
 
-START_RETREAT_RATIO = (
-    0.2  # of each metre from where it stood too near to something, that it must be farther from it there
-)
+# of each metre from where it stood too near to something, that it must be farther from it there
+START_RETREAT_RATIO = 0.2
 MIN_RETREAT_RATIO = 0.02  # likewise of each metre driven where it is too near by now: all but along it
 RETURN_NOISE_M = 0.015  # [m] by which what was measured where it stood may be less when it comes back
 MIN_STEP_M = 0.003  # [m] at least between two looks along the way

@@ -13,9 +13,8 @@ from handcart.robotics.geometry.pose2 import Pose2, wrap
 MIN_LINE_POINTS = 12  # points: fewer don't make a line
 FIT_ITERATIONS = 8
 SEED_POINT_COUNT = 24  # points whose pairs are tried as a first line
-TUKEY_SIGMAS = (
-    3.5  # sigmas beyond which a point counts nothing: a thing 50 mm before the front must not tilt it
-)
+# sigmas beyond which a point counts nothing: a thing 50 mm before the front must not tilt it
+TUKEY_SIGMAS = 3.5
 
 
 class FrontLine(NamedTuple):

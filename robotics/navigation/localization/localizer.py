@@ -26,13 +26,11 @@ from handcart.robotics.navigation.localization.way_monitor import WayMonitor
 FEWEST_POINTS = 20
 LEAST_INLIERS = 0.4  # share of a scan's points that the map must explain for a match to be believed
 SEARCH_COVARIANCE = np.diag([0.3, 0.3, 0.17]) ** 2  # [m², rad²] of a pose that is looked for
-NUDGE_COVARIANCE = (
-    np.diag([0.0125, 0.0125, 0.005]) ** 2
-)  # [m², rad²] by which somebody may have moved a base that stands
+# [m², rad²] by which somebody may have moved a base that stands
+NUDGE_COVARIANCE = np.diag([0.0125, 0.0125, 0.005]) ** 2
 SCANS_TELL = 0.3  # share of the heading's error that a scan leaves, at most, to be held against the wheels
-MIN_SHARE_KEPT_AT_REST = (
-    0.9  # share of the points explained so far; fewer, and the pose is looked for farther away
-)
+# share of the points explained so far; fewer, and the pose is looked for farther away
+MIN_SHARE_KEPT_AT_REST = 0.9
 MAX_REST_SPREAD = (
     0.010,
     0.010,
@@ -42,9 +40,8 @@ DRIVING_WHEEL_TRAVEL_M = 0.02  # [m] of the wheels, after which a base drives, a
 UNCHECKED_WAY_M = 1e9  # farther than anything drives, and finite: checkpoints hold finite numbers
 UNKNOWN_VARIANCE_M2 = 1e9  # more than any pose has, and finite as well
 SLIPPED_SIGMAS = 4.0  # sigmas between a drive by its wheels and the scan after it that no chance explains
-MIN_SHARE_KEPT_BY_DRIVE = (
-    0.5  # share of the points explained before a drive; fewer after it, and the base is elsewhere
-)
+# share of the points explained before a drive; fewer after it, and the base is elsewhere
+MIN_SHARE_KEPT_BY_DRIVE = 0.5
 SHARE_OF_CELL = 0.2  # by which they never differ on large cells, where several places fit alike
 
 

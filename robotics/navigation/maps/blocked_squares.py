@@ -14,9 +14,8 @@ from numpy.typing import NDArray
 
 from handcart.robotics.numerics.compiled import compiled
 
-ROUNDING_CELLS = (
-    1e-4  # [cells], far above that of 32-bit distances: what lies nearer to a limit is worked out anew
-)
+# [cells], far above that of 32-bit distances: what lies nearer to a limit is worked out anew
+ROUNDING_CELLS = 1e-4
 TOUCHING_CELLS = 1e-6  # [cells]: nearer than this, a line touches a square
 
 

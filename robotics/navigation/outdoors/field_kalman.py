@@ -30,9 +30,8 @@ from handcart.robotics.navigation.outdoors.watched_moment import Belief, Branch,
 LOG_REFLECTION_SHARE = math.log(0.001)  # logarithm of the share of fixes that begin to lie anywhere
 ODD_STILL = math.log(0.95)  # and of those that go on to lie where the one before was
 REFLECTION_SIGMA_M = 10.0  # [m] an axis, how far off they are
-LOG_RESTART_PROBABILITY = (
-    -20.0
-)  # logarithm of how likely it is that a filter that is right has to start again
+# logarithm of how likely it is that a filter that is right has to start again
+LOG_RESTART_PROBABILITY = -20.0
 REFLECTION_MEMORY_FIXES = 4.0  # of the latest of them, by which it is told where the next one will be
 BIAS_PERIOD = 1.0  # [s] at rest over which the gyro is averaged into one reading
 MIN_LOG_SHARE = math.log(1e-4)  # of what fixes' error may have done: less likely than that does not count

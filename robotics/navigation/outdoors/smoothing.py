@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 from handcart.robotics.navigation.outdoors.watched_moment import Belief, Branch, WatchedMoment
 
 Array = NDArray[np.float64]
-MIN_RELATIVE_VARIANCE = (
-    1e-9  # of a state's variance before a gain is taken, relative to one: exactly known states have none
-)
+# of a state's variance before a gain is taken, relative to one: exactly known states have none
+MIN_RELATIVE_VARIANCE = 1e-9
 
 
 class _Link(NamedTuple):

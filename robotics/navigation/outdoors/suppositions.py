@@ -11,9 +11,8 @@ MAX_FIX_DELAY_S = 0.3  # [s] that a receiver's fixes may come too late, whatever
 GNSS_CONDITIONS = ((0.0, math.inf, 0.55), (0.25, 600.0, 0.25), (0.75, 600.0, 0.15))
 """Slow error of the fixes, in sigmas of one; over how many seconds it changes; share of worlds."""
 LEAP_CONDITION = (3.0, 600.0, 0.05)  # the same of an error that leaps besides
-MIN_LEAP_INTERVAL_S = (
-    1000.0  # [s] on average: more often, and reflections of some seconds are taken for leaps
-)
+# [s] on average: more often, and reflections of some seconds are taken for leaps
+MIN_LEAP_INTERVAL_S = 1000.0
 GROUND_SHARES = (
     0.6,
     0.3,

@@ -17,9 +17,8 @@ from numpy.typing import NDArray
 
 from handcart.robotics.numerics.compiled import compiled
 
-MAX_RIDGE_SLOPE = (
-    0.8  # slope of the distance: 1 before a wall, 0.71 into a right-angled corner, 0 in a corridor's middle
-)
+# slope of the distance: 1 before a wall, 0.71 into a right-angled corner, 0 in a corridor's middle
+MAX_RIDGE_SLOPE = 0.8
 SQRT_2 = math.sqrt(2.0)
 LEVELS_PER_CELL = 16  # finer than a cell's rounding of a distance, coarse enough to sort by counting
 

@@ -19,14 +19,12 @@ from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.routes.skeleton_trace import Trace, link, prune_leaves, trace
 from handcart.robotics.navigation.routes.thinning import thin
 
-CLEARANCE_EXPONENT = (
-    0.75  # of room in the price of a way: buys the clearance that 1.15 of the shortest length can
-)
+# of room in the price of a way: buys the clearance that 1.15 of the shortest length can
+CLEARANCE_EXPONENT = 0.75
 DISTANCE_TOLERANCE = 1e-6  # of the radius, by which 32-bit distances may be off
 BLOCKED_PRICE = 1e9  # price of what can't be passed: more than any way on a map costs
-TOUCH_DISTANCE_CELLS = (
-    2.0  # a leaf this near to the grown obstacles, in [cells], touches them: rounding of two distances
-)
+# a leaf this near to the grown obstacles, in [cells], touches them: rounding of two distances
+TOUCH_DISTANCE_CELLS = 2.0
 
 
 class EdgeTable:

@@ -22,13 +22,11 @@ ROUTE_ROOM_M = 0.02  # [m] beside the footprint that a route keeps
 ROOM_AT_GOAL = 0.04  # [m] likewise where the robot is to stand: it comes to stand within half of that
 SENSED_ROOM = 0.10  # [m] that what was sensed is grown by: its far side wasn't seen
 ROOM_BEFORE = 0.02  # [m] likewise before what the robot is to stand before
-FINE_CELL_M = (
-    0.05  # [m]: cells larger than that leave a pose unsure, by `CELL_UNCERTAINTY` of what they are larger
-)
+# [m]: cells larger than that leave a pose unsure, by `CELL_UNCERTAINTY` of what they are larger
+FINE_CELL_M = 0.05
 CELL_UNCERTAINTY = 2.0 * CELL_BIAS  # twice the standard deviation
-MIN_ROOM_M = (
-    0.01  # [m] beside the footprint that is left in any case, but on the way out of a start without it
-)
+# [m] beside the footprint that is left in any case, but on the way out of a start without it
+MIN_ROOM_M = 0.01
 LEAVING_DISTANCE_M = 0.25  # [m] at most, from a start that is too near to something to where there is room
 
 NO_POINTS = np.empty((0, 2))

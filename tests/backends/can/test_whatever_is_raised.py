@@ -8,7 +8,7 @@ from typing import Any
 import can
 import pytest
 
-from benchmarks.damage.fuzzed_bus import PHASES, attacks
+from benchmarks.damage.fuzzed_bus import BUS_PHASES, attacks
 from handcart.backends.can.bench.bench import Bench
 from handcart.backends.can.can_backend import CanBackend
 from handcart.backends.can.drives.axes import Axes
@@ -241,9 +241,9 @@ def test_a_silent_drive_costs_the_others_no_torque(make: Make, monkeypatch: pyte
 
 def test_noisy_bus_raises_only_can_faults_and_drops_torque() -> None:
     """C12 C20 C21: frames of all kinds in all phases; more: `python -m benchmarks.hostile.can_fuzz`."""
-    seen = list(attacks(len(PHASES), 500, seed=3))
+    seen = list(attacks(len(BUS_PHASES), 500, seed=3))
     assert [each.wrong for each in seen] == [""] * len(seen)
-    assert {each.phase for each in seen} == set(PHASES)
+    assert {each.phase for each in seen} == set(BUS_PHASES)
     assert sum(each.frames for each in seen) >= 500
     assert {bool(each.fault) for each in seen} == {True, False}
 

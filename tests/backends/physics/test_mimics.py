@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.robots.mimic_robots import LEADERS, MimicRobot
-from benchmarks.robots.mimics import LIMIT, move
+from benchmarks.robots.mimic_robots import LEADER_COUNT, MimicRobot
+from benchmarks.robots.mimics import MAX_LINK_ERROR, move
 from handcart.backends.description.robot_loading import load_robot
 
 BACKENDS = ("kinematic", "mujoco", "pybullet")
@@ -21,7 +21,7 @@ def test_mimics_stand_where_the_tree_has_them_and_nothing_lags(name: str, seed: 
     if name == "pybullet":
         pytest.importorskip("pybullet", reason="PyBullet has no wheel for this Python")
     moved = move(MimicRobot(seed), name, seed)
-    assert moved.off < LIMIT, moved.worst
+    assert moved.off < MAX_LINK_ERROR, moved.worst
     assert moved.lag < 5e-3
 
 
@@ -39,8 +39,8 @@ def test_some_follower_is_nearer_to_the_base_than_its_leader() -> None:
 
 def test_velocity_of_the_hand_counts_what_followers_move(tmp_path: Path) -> None:
     arm = load_robot(str(MimicRobot(9).write(tmp_path))).arm_model()
-    q, step = np.full(LEADERS, 0.3), 1e-6
-    for joint in range(LEADERS):
-        ahead = q + step * np.eye(LEADERS)[joint]
+    q, step = np.full(LEADER_COUNT, 0.3), 1e-6
+    for joint in range(LEADER_COUNT):
+        ahead = q + step * np.eye(LEADER_COUNT)[joint]
         speed = (arm.forward(ahead)[:3, 3] - arm.forward(q)[:3, 3]) / step
         assert arm.jacobian(q)[:3, joint] == pytest.approx(speed, abs=1e-5)

@@ -8,7 +8,7 @@ from benchmarks.field.field_course import (
     straight_course,
     zigzag_course,
 )
-from benchmarks.field.field_drive import PERIOD, FieldTimes
+from benchmarks.field.field_drive import PERIOD_S, FieldTimes
 from benchmarks.field.field_log import record_course
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_NOISE
 from handcart.robotics.navigation.outdoors.placement_errors import TARGET_OFFSET_M
@@ -48,9 +48,9 @@ def test_outages_and_reflections_come_in_spells() -> None:
     times = FieldTimes(wait=3600.0)
     silent = REFERENCE_NOISE._replace(outage_every=120.0, outage_time=60.0)
     log = record_course(straight_course(1), silent, 0, times)
-    gaps = np.diff(log.fix_rows) * PERIOD
+    gaps = np.diff(log.fix_rows) * PERIOD_S
     assert gaps.max() > 30.0
-    assert 0.5 < len(log.fixes) * 1.0 / (len(log.rates) * PERIOD) < 0.85
+    assert 0.5 < len(log.fixes) * 1.0 / (len(log.rates) * PERIOD_S) < 0.85
     shifted = REFERENCE_NOISE._replace(multipath_every=120.0, gps_white=0.01)
     log = record_course(straight_course(1), shifted, 0, times)
     off = np.abs(log.fixes - log.drive.poses[log.fix_rows, :2]).max(axis=1) > 0.5

@@ -13,6 +13,6 @@ from handcart.primitives import registry
 @pytest.fixture
 def tosses(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """The file of a task whose runs give up after four tosses that failed; `likely` is how often one does."""
-    names = registry._all() | known.PRIMITIVE
+    names = registry._all() | known.TOSS_PRIMITIVE
     monkeypatch.setattr(registry, "_all", lambda: names)
     return known.tosses(tmp_path)

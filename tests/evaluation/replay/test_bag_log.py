@@ -11,7 +11,7 @@ import pytest
 
 pytest.importorskip("rosbags", reason="bags are read by the extra `bags`")
 
-from benchmarks.damage.bag_files import BEGUN, TOPICS, small_drive, write_bag
+from benchmarks.damage.bag_files import START_TIME_S, TOPIC_TYPES, small_drive, write_bag
 from benchmarks.damage.mutated_bags import is_silent, mutated_bag, played
 from handcart.evaluation.replay.bags.bag_log import read_bag_log
 from handcart.evaluation.replay.drive_log import DriveLog
@@ -117,19 +117,21 @@ def test_stamps_that_are_zero_offer_the_receive_time(tmp_path: Path) -> None:
 
 
 def test_a_clock_that_falls_back_is_refused_with_its_time(tmp_path: Path) -> None:
-    bag = write_bag(tmp_path / "bag", DRIVE, stamp=lambda topic, time: BEGUN + time - 20.0 * (time > 9.99))
+    bag = write_bag(
+        tmp_path / "bag", DRIVE, stamp=lambda topic, time: START_TIME_S + time - 20.0 * (time > 9.99)
+    )
     assert "/odom: stamps jump by -20.0 s after 10.0 s" in refusal(bag)
 
 
 def test_a_receiver_on_gps_time_is_another_clock(tmp_path: Path) -> None:
     bag = write_bag(
-        tmp_path / "bag", DRIVE, stamp=lambda topic, time: BEGUN + time + 18.0 * (topic == "/fix")
+        tmp_path / "bag", DRIVE, stamp=lambda topic, time: START_TIME_S + time + 18.0 * (topic == "/fix")
     )
     assert "18.00 s older" in refusal(bag)
 
 
 def test_a_topic_of_another_type_is_refused(tmp_path: Path) -> None:
-    topics = TOPICS | {"/imu": TOPICS["/odom"], "/odom": TOPICS["/imu"]}
+    topics = TOPIC_TYPES | {"/imu": TOPIC_TYPES["/odom"], "/odom": TOPIC_TYPES["/imu"]}
     assert "messages can't be read as" in refusal(write_bag(tmp_path / "bag", DRIVE, topics=topics))
 
 
@@ -144,7 +146,7 @@ def test_readings_beyond_any_vehicle_are_left_out(tmp_path: Path) -> None:
 
 
 def test_a_bag_without_an_imu_turns_as_the_twist_says(tmp_path: Path) -> None:
-    topics = {topic: kind for topic, kind in TOPICS.items() if topic != "/imu"}
+    topics = {topic: kind for topic, kind in TOPIC_TYPES.items() if topic != "/imu"}
     log = read_bag_log(write_bag(tmp_path / "bag", DRIVE, topics=topics))
     assert log.steered
     assert np.abs(log.rates[:, 2]).max() == pytest.approx(0.15, abs=0.01)

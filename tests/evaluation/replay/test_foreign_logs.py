@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from benchmarks.field.foreign import JumpCount, Played, jumps_refused, played
-from benchmarks.field.foreign_logs import SIDEWAYS, ForeignLog, record_foreign
+from benchmarks.field.foreign_logs import SIDEWAYS_IMU, ForeignLog, record_foreign
 from handcart.evaluation.replay.checks.fix_noise import suppose_noise, white_error
 from handcart.evaluation.replay.checks.jump_gate import JumpGate
 from handcart.evaluation.replay.checks.mirror import check_mirror
@@ -109,12 +109,12 @@ def test_a_unit_mounted_sideways_is_found_and_turned() -> None:
     assert mount.axes == "z,x,y"
     turned = axes_rotation(mount.axes)
     assert turned is not None
-    np.testing.assert_allclose(turned, SIDEWAYS.T)
-    np.testing.assert_allclose(mount.base_R_imu, SIDEWAYS.T, atol=0.05)
+    np.testing.assert_allclose(turned, SIDEWAYS_IMU.T)
+    np.testing.assert_allclose(mount.base_R_imu, SIDEWAYS_IMU.T, atol=0.05)
     assert check_mount(mounted(log, mount.base_R_imu)).words == ""
 
 
-UPRIGHT = mounted(record_foreign("skid", 1, 120.0).log, SIDEWAYS.T)
+UPRIGHT = mounted(record_foreign("skid", 1, 120.0).log, SIDEWAYS_IMU.T)
 
 
 def test_a_unit_upside_down_is_told_from_one_that_reads_minus_g() -> None:

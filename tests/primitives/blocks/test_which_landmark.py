@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.blocks.which_landmark import BESIDE, PLANS, trial
+from benchmarks.blocks.which_landmark import SHIPPED_PLAN, TRIED_PLANS, trial
 from handcart.primitives.blocks.blocks import Blocks
 from handcart.primitives.blocks.fixate import Fixate
 from handcart.primitives.contract.outcome import Success
@@ -31,15 +31,15 @@ def test_a_neighbour_nearer_to_the_middle_of_the_picture_is_not_taken(
 
 
 def test_a_row_is_looked_at_as_far_as_its_end(tmp_path: Path) -> None:
-    assert trial(PLANS["a row of 7, 75 mm apart"], "", 2, tmp_path) == "right"
+    assert trial(TRIED_PLANS["a row of 7, 75 mm apart"], "", 2, tmp_path) == "right"
 
 
 def test_a_covered_landmark_is_not_its_neighbour(tmp_path: Path) -> None:
-    reason = trial(BESIDE, "it is covered", 1, tmp_path)
+    reason = trial(SHIPPED_PLAN, "it is covered", 1, tmp_path)
     assert reason == "the landmark is not found where it should be by those around it"
 
 
 def test_covered_landmark_of_a_row_is_not_mistaken(tmp_path: Path) -> None:
     """A scan at rest locates the moved base, so the row is not seen shifted by one."""
-    reason = trial(PLANS["a row of 4, 110 mm apart"], "it is covered", 2, tmp_path)
+    reason = trial(TRIED_PLANS["a row of 4, 110 mm apart"], "it is covered", 2, tmp_path)
     assert reason == "the landmark is not found where it should be by those around it"

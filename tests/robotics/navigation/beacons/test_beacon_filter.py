@@ -7,9 +7,16 @@ import math
 import numpy as np
 import pytest
 
-from benchmarks.field.beacons import ERRORS, PLACES, BeaconDrive, BeaconWorld, beacon_drive, try_beacons
+from benchmarks.field.beacons import (
+    BEACON_ERRORS,
+    BEACON_POSITIONS_M,
+    BeaconDrive,
+    BeaconWorld,
+    beacon_drive,
+    try_beacons,
+)
 from benchmarks.field.displacements import true_way
-from benchmarks.field.field_drive import PERIOD
+from benchmarks.field.field_drive import PERIOD_S
 from handcart.backends.plain_values import attributes, set_attributes
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.beacons.beacon_errors import BeaconErrors
@@ -17,7 +24,7 @@ from handcart.robotics.navigation.beacons.beacon_filter import BeaconFilter
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_NOISE
 from handcart.robotics.navigation.outdoors.placement_errors import nees
 
-CONSTANT = ERRORS._replace(bias_walk=0.0)
+CONSTANT = BEACON_ERRORS._replace(bias_walk=0.0)
 
 
 @pytest.fixture(scope="module")
@@ -36,7 +43,7 @@ def test_the_place_is_known_although_each_beacon_is_off(drives: list[BeaconDrive
 
 
 def test_who_supposes_no_bias_is_wrong_and_hears_so(drives: list[BeaconDrive]) -> None:
-    trials = [try_beacons(drive, ERRORS._replace(bias=0.005, bias_walk=0.0)) for drive in drives]
+    trials = [try_beacons(drive, BEACON_ERRORS._replace(bias=0.005, bias_walk=0.0)) for drive in drives]
     errors = np.concatenate([trial.errors for trial in trials])
     assert np.quantile(np.hypot(*errors.T), 0.95) > 0.15
     assert not all(all(trial.consistent) for trial in trials)
@@ -48,7 +55,7 @@ def test_biases_are_found_as_well_as_is_claimed(drives: list[BeaconDrive]) -> No
         filtering = BeaconFilter(Pose2(0.0, 0.0, drive.log.start_heading), REFERENCE_NOISE, CONSTANT)
         for row in range(len(drive.log.rates)):
             readings = drive.log.rates[row], drive.log.accelerations[row], drive.log.wheels[row]
-            filtering.predict(*readings, PERIOD)
+            filtering.predict(*readings, PERIOD_S)
             filtering.ranges(drive.ranges[row])
         mean, covariance = filtering.biases
         off = mean - drive.biases
@@ -61,7 +68,7 @@ def test_a_scale_of_all_ranges_is_found() -> None:
     """As of the radios of a lawn mower that told 7 % too much."""
     drive = beacon_drive(3)
     long = drive._replace(ranges=1.07 * drive.ranges)
-    wary, sure = (try_beacons(long, ERRORS._replace(scale=scale)) for scale in (0.1, 0.002))
+    wary, sure = (try_beacons(long, BEACON_ERRORS._replace(scale=scale)) for scale in (0.1, 0.002))
     assert np.hypot(*wary.errors.T).max() < 0.4
     assert nees(wary.errors, wary.covariances).mean() < 6.0
     assert np.hypot(*sure.errors.T).max() > 2.0 * np.hypot(*wary.errors.T).max()
@@ -73,7 +80,7 @@ def test_claims_hold_where_a_bias_is_not_constant(world: BeaconWorld) -> None:
     sure, wary = list[np.ndarray](), list[np.ndarray]()
     for seed in range(4):
         drive = beacon_drive(seed, world)
-        for errors, found in ((ERRORS, wary), (CONSTANT, sure)):
+        for errors, found in ((BEACON_ERRORS, wary), (CONSTANT, sure)):
             trial = try_beacons(drive, errors)
             found.append(nees(trial.errors, trial.covariances))
     assert np.mean(wary) < 4.0
@@ -107,8 +114,10 @@ def test_where_the_claim_is_wrong_no_beacon_is_left_out(drives: list[BeaconDrive
     unheard = np.full((len(drive.ranges), 2), math.nan)
     ranges = np.c_[drive.ranges, unheard]
     ranges[2000:, :3] += (15.0, -15.0, 15.0)
-    places = np.vstack([PLACES, [[500.0, 0.0, 2.0], [0.0, 500.0, 2.0]]])
-    trial = try_beacons(drive._replace(ranges=ranges, biases=np.zeros(5)), ERRORS._replace(places=places))
+    places = np.vstack([BEACON_POSITIONS_M, [[500.0, 0.0, 2.0], [0.0, 500.0, 2.0]]])
+    trial = try_beacons(
+        drive._replace(ranges=ranges, biases=np.zeros(5)), BEACON_ERRORS._replace(places=places)
+    )
     assert trial.refused > 0.3
     assert not all(trial.consistent)
 
@@ -116,7 +125,7 @@ def test_where_the_claim_is_wrong_no_beacon_is_left_out(drives: list[BeaconDrive
 def test_a_beacon_that_is_hidden_for_a_while_is_believed_again(drives: list[BeaconDrive]) -> None:
     """Ranges by way of a wall are too long; five seconds of them leave nobody out."""
     drive = drives[2]
-    hidden, ranges = slice(3000, 3000 + round(5.0 / PERIOD)), drive.ranges.copy()
+    hidden, ranges = slice(3000, 3000 + round(5.0 / PERIOD_S)), drive.ranges.copy()
     ranges[hidden, 0] += 20.0
     trial = try_beacons(drive._replace(ranges=ranges))
     ranges[hidden.stop :, 0] = math.nan
@@ -128,11 +137,11 @@ def test_a_beacon_that_is_hidden_for_a_while_is_believed_again(drives: list[Beac
 def test_what_is_not_heard_tells_nothing(drives: list[BeaconDrive]) -> None:
     """Ranges that aren't finite, and a tag right below a beacon, from where no direction is told."""
     log = drives[0].log
-    errors = ERRORS._replace(places=np.array([[0.0, 0.0, 2.0]]))
+    errors = BEACON_ERRORS._replace(places=np.array([[0.0, 0.0, 2.0]]))
     one, other = (BeaconFilter(Pose2(0.0, 0.0, 0.0), REFERENCE_NOISE, errors) for _ in range(2))
     for row in range(200):
         for each in (one, other):
-            each.predict(log.rates[row], log.accelerations[row], log.wheels[row], PERIOD)
+            each.predict(log.rates[row], log.accelerations[row], log.wheels[row], PERIOD_S)
         one.ranges(np.array([math.nan if row % 2 else math.inf]))
     assert np.allclose(one.covariance, other.covariance)
     other.ranges(np.array([1.2]))
@@ -146,12 +155,12 @@ def test_how_far_it_came_and_a_checkpoint_that_keeps_it(drives: list[BeaconDrive
     end = int(drive.log.drive.placings[0])
     log = drive.log
     first, second = (
-        BeaconFilter(Pose2(0.0, 0.0, log.start_heading), REFERENCE_NOISE, ERRORS) for _ in range(2)
+        BeaconFilter(Pose2(0.0, 0.0, log.start_heading), REFERENCE_NOISE, BEACON_ERRORS) for _ in range(2)
     )
     for row in range(end):
         if row == begin:
             first.set_origin()
-        first.predict(log.rates[row], log.accelerations[row], log.wheels[row], PERIOD)
+        first.predict(log.rates[row], log.accelerations[row], log.wheels[row], PERIOD_S)
         first.ranges(drive.ranges[row])
     mean, covariance = first.displacement
     off = mean[:2] - true_way(log, begin, end - 1)[:2]

@@ -9,7 +9,7 @@ import pytest
 
 from benchmarks.field.displacements import Way, true_way, ways
 from benchmarks.field.field_course import straight_course
-from benchmarks.field.field_drive import PERIOD
+from benchmarks.field.field_drive import PERIOD_S
 from benchmarks.field.field_log import FieldLog, record_course
 from benchmarks.field.field_trial import start_pose
 from handcart.backends.plain_values import attributes, set_attributes
@@ -38,7 +38,7 @@ def localizers(log: FieldLog) -> list[FieldLocalizer]:
 def play(log: FieldLog, localizer: FieldLocalizer, begin: int, end: int) -> None:
     fixes = dict(zip(log.fix_rows.tolist(), log.fixes, strict=True))
     for row in range(begin, end):
-        localizer.predict(log.rates[row], log.accelerations[row], log.wheels[row], PERIOD)
+        localizer.predict(log.rates[row], log.accelerations[row], log.wheels[row], PERIOD_S)
         if row in fixes:
             localizer.fix(fixes[row])
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks.field.field_course import straight_course, zigzag_course
-from benchmarks.field.field_drive import PERIOD
+from benchmarks.field.field_drive import PERIOD_S
 from benchmarks.field.field_log import FieldLog, record_course
 from benchmarks.field.field_trial import as_laid, start_pose, try_course
 from benchmarks.field.information_limit import information_limit
@@ -38,7 +38,7 @@ def final_error(log: FieldLog, localizer: GpsFilter) -> float:
     """Distance to the truth after the last reading, in [m]; every pose on the way is finite."""
     fixes = dict(zip(log.fix_rows.tolist(), log.fixes, strict=True))
     for row in range(len(log.rates)):
-        localizer.predict(log.rates[row], log.accelerations[row], log.wheels[row], PERIOD)
+        localizer.predict(log.rates[row], log.accelerations[row], log.wheels[row], PERIOD_S)
         if row in fixes:
             localizer.fix(fixes[row])
         assert all(map(math.isfinite, localizer.pose))

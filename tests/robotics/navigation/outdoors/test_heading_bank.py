@@ -11,7 +11,7 @@ import pytest
 from numpy.typing import NDArray
 
 from benchmarks.field.field_course import straight_course
-from benchmarks.field.field_drive import PERIOD, FieldTimes
+from benchmarks.field.field_drive import PERIOD_S, FieldTimes
 from benchmarks.field.field_log import record_course
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.outdoors.field_localizer import FieldLocalizer
@@ -34,10 +34,10 @@ def driven_until_known(localizer: FieldLocalizer, noise: FieldNoise, seed: int) 
     log = record_course(straight_course(3), noise, seed, FieldTimes(wait=10.0, dwell=5.0))
     fixes, drove = dict(zip(log.fix_rows.tolist(), log.fixes, strict=True)), 0.0
     for row in range(len(log.rates)):
-        localizer.predict(log.rates[row], log.accelerations[row], log.wheels[row], PERIOD)
+        localizer.predict(log.rates[row], log.accelerations[row], log.wheels[row], PERIOD_S)
         if row in fixes:
             localizer.fix(fixes[row])
-        drove += PERIOD * bool(log.drive.driven[row, 0] > 0.0)
+        drove += PERIOD_S * bool(log.drive.driven[row, 0] > 0.0)
         if localizer.heading_known:
             return drove, abs(wrap(localizer.pose.theta - float(log.drive.poses[row, 2])))
     return math.inf, math.inf
@@ -46,7 +46,7 @@ def driven_until_known(localizer: FieldLocalizer, noise: FieldNoise, seed: int) 
 def log_pose(noise: FieldNoise, seed: int, seconds: float) -> list[float]:
     """Where the base is after so many seconds of driving."""
     drive = record_course(straight_course(3), noise, seed, FieldTimes(wait=10.0, dwell=5.0)).drive
-    row = int(np.searchsorted(np.cumsum(drive.driven[:, 0] > 0.0) * PERIOD, seconds - 1e-9))
+    row = int(np.searchsorted(np.cumsum(drive.driven[:, 0] > 0.0) * PERIOD_S, seconds - 1e-9))
     pose: list[float] = drive.poses[row].tolist()
     return pose
 
@@ -97,7 +97,7 @@ def test_particles_that_are_elsewhere_start_again() -> None:
     localizer = ParticleFilter(Pose2(30.0, -20.0, 0.5))
     fixes = dict(zip(log.fix_rows.tolist(), log.fixes, strict=True))
     for row in range(len(log.rates)):
-        localizer.predict(log.rates[row], log.accelerations[row], log.wheels[row], PERIOD)
+        localizer.predict(log.rates[row], log.accelerations[row], log.wheels[row], PERIOD_S)
         if row in fixes:
             localizer.fix(fixes[row])
     assert localizer.restarts >= 1

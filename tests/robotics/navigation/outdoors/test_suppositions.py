@@ -10,7 +10,7 @@ import pytest
 from benchmarks.field.field_course import straight_course, zigzag_course
 from benchmarks.field.field_log import record_course
 from benchmarks.field.field_trial import start_pose, try_course
-from benchmarks.field.mismatches import WORLDS
+from benchmarks.field.mismatches import NOISE_WORLDS
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_NOISE
 from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
 from handcart.robotics.navigation.outdoors.placement_errors import nees
@@ -22,7 +22,7 @@ def squares(world: str, seeds: range, alone: bool = False) -> np.ndarray:
     supposed = [Supposition(REFERENCE_NOISE, 1.0, 0)] if alone else None
     found = []
     for seed in seeds:
-        log = record_course((straight_course, zigzag_course)[seed % 2](5), WORLDS[world], seed)
+        log = record_course((straight_course, zigzag_course)[seed % 2](5), NOISE_WORLDS[world], seed)
         trial = try_course(log, GpsFilter(start_pose(log), supposed=supposed))
         found.append(nees(trial.errors, trial.covariances))
     return np.concatenate(found)
@@ -38,7 +38,7 @@ def test_claims_hold_where_the_world_is_not_as_told(world: str) -> None:
 def test_what_the_world_is_like_is_found_out() -> None:
     before = GpsFilter(start_pose(record_course(straight_course(1), REFERENCE_NOISE, 0))).weights
     for world, rows in (("as told", slice(0, 1)), ("jumps", slice(9, 12))):
-        log = record_course(straight_course(6), WORLDS[world], 2)
+        log = record_course(straight_course(6), NOISE_WORLDS[world], 2)
         localizer = GpsFilter(start_pose(log))
         try_course(log, localizer)
         assert localizer.weights[rows].sum() > before[rows].sum() + 0.1
@@ -77,7 +77,7 @@ def test_worlds_become_worse_and_never_better() -> None:
 
 
 def test_fixes_that_come_late_are_found_to() -> None:
-    log = record_course(straight_course(8), WORLDS["delay"], 1)
+    log = record_course(straight_course(8), NOISE_WORLDS["delay"], 1)
     localizer = GpsFilter(start_pose(log))
     try_course(log, localizer)
     delay = float(localizer.best.belief.mean[12])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from skimage.graph import MCP_Geometric
 
-from benchmarks.driving.random_grids import KINDS, distance_to_squares, random_grid, rooms, streets
+from benchmarks.driving.random_grids import GRID_KINDS, distance_to_squares, random_grid, rooms, streets
 from benchmarks.driving.routes import try_grid
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
@@ -164,11 +164,11 @@ def test_the_same_query_gives_the_same_route(depot: GridMap) -> None:
     assert np.array_equal(one.points, two.points)
 
 
-@pytest.mark.parametrize("kind", range(len(KINDS)))
+@pytest.mark.parametrize("kind", range(len(GRID_KINDS)))
 def test_route_clearance_is_true_on_cells_of_any_size(kind: int) -> None:
     """Walls one cell thick, diagonal ones, cells larger than the robot; starts anywhere in their cells."""
     planned = 0
-    for seed in range(kind, 25 * len(KINDS), len(KINDS)):
+    for seed in range(kind, 25 * len(GRID_KINDS), len(GRID_KINDS)):
         grid, radius = random_grid(seed)
         try:
             graph = voronoi_graph(grid, radius)
