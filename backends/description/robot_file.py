@@ -60,6 +60,15 @@ class Drive(FileModel):
     top_turn_deg_s: Positive
     acceleration_m_s2: Positive
     turn_acceleration_deg_s2: Positive
+    lateral_acceleration_m_s2: Positive | None = None
+    """Maximum of speed times turn rate. (default: `acceleration_m_s2`, but at least 1 and at most 2)"""
+
+    @property
+    def lateral_acceleration(self) -> float:
+        """Maximum of speed times turn rate, in [m/s²]."""
+        if self.lateral_acceleration_m_s2 is not None:
+            return self.lateral_acceleration_m_s2
+        return min(max(self.acceleration_m_s2, 1.0), 2.0)
 
 
 class ArmSpec(FileModel):

@@ -171,6 +171,7 @@ class Robot:
             np.radians(drive.top_turn_deg_s),
             drive.acceleration_m_s2,
             np.radians(drive.turn_acceleration_deg_s2),
+            drive.lateral_acceleration,
         )
 
     @property

@@ -176,7 +176,9 @@ def report(results: list[Trial], speed: float) -> str:
     if reached:
         ratios = np.array([each.seconds * speed / each.best_m for each in reached])
         low, middle, high = np.percentile(ratios, [5, 50, 95])
-        lines.append(f"time over (best way / top speed): median {middle:.2f} (5 % {low:.2f}, 95 % {high:.2f})")
+        lines.append(
+            f"time over (best way / top speed): median {middle:.2f} (5 % {low:.2f}, 95 % {high:.2f})"
+        )
     off, sigmas = (np.array([getattr(e, key) for e in results]) for key in ("off_mm", "off_sigmas"))
     lines.append(
         f"pose error at the end: median {np.median(off):.0f} mm, most {off.max():.0f} mm; "

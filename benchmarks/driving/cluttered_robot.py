@@ -13,7 +13,9 @@ URDF = """\
       <origin xyz="0 0 0.15"/><mass value="20"/>
       <inertia ixx="0.36" ixy="0" ixz="0" iyy="0.36" iyz="0" izz="0.44"/>
     </inertial>
-    <collision><origin xyz="0 0 0.12"/><geometry><cylinder radius="0.21" length="0.16"/></geometry></collision>
+    <collision>
+      <origin xyz="0 0 0.12"/><geometry><cylinder radius="0.21" length="0.16"/></geometry>
+    </collision>
     <visual><origin xyz="0 0 0.12"/><geometry><cylinder radius="0.21" length="0.16"/></geometry></visual>
   </link>
   <link name="range_sensor"/>

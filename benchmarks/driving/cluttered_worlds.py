@@ -61,9 +61,13 @@ def walls() -> list[Box]:
     return flat + [(side, y, 0.0, WALL_M, WIDTH_M) for side in (0.0, LENGTH_M)]
 
 
-def hall_map(boxes: list[Box], cell: float) -> GridMap:
-    """Return a map with these boxes and cells of `cell` in [m]; it ends outside of the walls."""
-    return from_boxes(boxes, cell, (-0.3, -0.3), (LENGTH_M + 0.6, WIDTH_M + 0.6))
+def hall_map(boxes: list[Box], cell: float, seed: int | None = None) -> GridMap:
+    """Return a map with these boxes and cells of `cell` in [m]; it ends outside of the walls.
+
+    With a seed the walls lie anywhere in their cells, as on a real map.
+    """
+    x, y = (0.0, 0.0) if seed is None else np.random.default_rng(seed).uniform(-cell, 0.0, 2).tolist()
+    return from_boxes(boxes, cell, (-0.3 + x, -0.3 + y), (LENGTH_M + 0.7, WIDTH_M + 0.7))
 
 
 def _automaton(rng: np.random.Generator, density: float) -> NDArray[np.bool_]:
@@ -110,7 +114,7 @@ def write_world(
         cell: side of a cell of the map, in [m].
         tolerance: tolerance of the goal in [mm] and [deg].
     """
-    grid = hall_map(mapped, cell)
+    grid = hall_map(mapped, cell, world.seed)
     cv2.imwrite(str(folder / "map.png"), np.where(grid.occupied, 0, 254).astype(np.uint8)[::-1])
     (folder / "map.yaml").write_text(
         f"image: map.png\nresolution: {cell}\norigin: [{grid.origin_x}, {grid.origin_y}, 0.0]\n"
@@ -142,9 +146,7 @@ def dead_end(depth: float = 3.0, width: float = 2.0) -> list[Box]:
     """Return a U of posts that opens towards the start, across the straight way."""
     back, wall = 8.0, 0.15
     middle, y = back - depth / 2, START[1]
-    sides: list[Box] = [
-        (middle, y + side * (width + wall) / 2, 0.0, depth, wall) for side in (-1.0, 1.0)
-    ]
+    sides: list[Box] = [(middle, y + side * (width + wall) / 2, 0.0, depth, wall) for side in (-1.0, 1.0)]
     return [*sides, (back, y, 0.0, wall, width + 2 * wall)]
 
 

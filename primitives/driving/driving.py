@@ -21,6 +21,7 @@ from handcart.robotics.navigation.localization.scan_matching import LikelihoodFi
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.maps.point_discs import point_discs
 from handcart.robotics.navigation.maps.rising_ground import may_be_ground
+from handcart.robotics.navigation.maps.scan_layer import ScanLayer
 from handcart.robotics.navigation.maps.unexpected import path_blocked, unexpected_points
 from handcart.robotics.navigation.routes.car_route import plan_car_route
 from handcart.robotics.navigation.routes.tangent_path import CarPath
@@ -37,12 +38,18 @@ ROCK_POSITION_TOLERANCE_M = 0.4  # error of a rock's believed position, mostly f
 TURNING_RADIUS_RATIO = 1.05  # of the turning circle that the steering allows: planned with something in hand
 
 
-def plan_drive(robot: Robot, model: ModelView, goal: Place) -> Way:
+def plan_drive(robot: Robot, model: ModelView, goal: Place, cells: bool = True) -> Way:
     """Plan a route on the reduced generalized Voronoi graph, for the footprint with arm and load.
 
-    It avoids everything on the map and all sensed points. Without a route, the result holds the reason.
+    It avoids everything on the map, and what was sensed; with `cells` also what beams may clear again.
+    Without a route, the result holds the reason.
     """
-    ways = Ways(model.map, robot.spec.footprint_radius_m, robot.pose, avoided_points(robot, model))
+    grid = model.map
+    if cells and len(model.sensed_cells):
+        layer = ScanLayer(grid)
+        layer.restore(model.sensed_cells)
+        grid = layer.merged()
+    ways = Ways(grid, robot.spec.footprint_radius_m, robot.pose, avoided_points(robot, model))
     return ways.to(goal.pose, goal.front if goal.docks else None)
 
 

@@ -29,7 +29,7 @@ class Modify(ActionPrimitive):
     """Goal of the path."""
 
     needs: ClassVar = (RangeSensor,)
-    reads: ClassVar = ("map", "places", "obstacles", "bumps", "arm_bumps", "discs")
+    reads: ClassVar = ("map", "places", "obstacles", "sensed_cells", "bumps", "arm_bumps", "discs")
     writes: ClassVar = ("detour",)
     only_knowledge: ClassVar = True
 
@@ -40,7 +40,7 @@ class Modify(ActionPrimitive):
             self._take(robot, model, None if way is None else way.poses[:, :2], way.length if way else 0.0)
             return
         found = yield from robot.compute(plan_drive, robot, model, model.places[self.place])
-        if found.route is None and not len(avoided_points(robot, model)):
+        if found.route is None and not len(avoided_points(robot, model)) and not len(model.sensed_cells):
             raise no_way(self.place, found)
         self._take(
             robot, model, found.route and found.route.points, found.route.length if found.route else 0.0
@@ -64,6 +64,8 @@ class Modify(ActionPrimitive):
             there = f"the base ran into something at about ({bumped[0]:.2f}, {bumped[1]:.2f}) m"
             return f"no way around leads to {self.place}: {there}, taken to be up to {UNSEEN_SIZE_M} m wide"
         if not len(model.obstacles):
+            if len(model.sensed_cells):
+                return f"no way leads to {self.place} past what was sensed"
             return f"no way leads to {self.place} in the field"
         x, y = model.obstacles[-1]
         return f"no way around leads to {self.place}: something stands at ({x:.2f}, {y:.2f}) m"

@@ -48,6 +48,7 @@ from .driving import (
     plan_tracker,
 )
 from .lidar_watch import LidarWatch
+from .local_replanning import LocalReplanning
 from .looks_at_rest import LooksAtRest
 
 ARRIVAL_TOLERANCE = PoseTolerance(position=0.02, heading=0.01)
@@ -70,8 +71,9 @@ class MoveTo(ActionPrimitive):
     front.
 
     Odometry is corrected by comparing scans with the map. A car drives arcs and straight lines past the
-    rocks of its field, with its outdoor localization. MOVE_TO waits for an unmapped obstacle on the path;
-    if it stays, the outcome is Fail, and the sensed points are kept.
+    rocks of its field, with its outdoor localization. MOVE_TO drives around obstacles that no map shows while
+    a way exists. Without one, and always with `detour: false`, it waits; if the obstacle stays, the outcome
+    is Fail, and what was sensed is kept.
     """
 
     place: PlaceName
@@ -80,16 +82,19 @@ class MoveTo(ActionPrimitive):
     """Time to wait for a passer-by to leave the path."""
     reverse: bool = False
     """The base drives backwards: where turning around would sweep its rear over something."""
+    detour: bool = True
+    """Drive around unmapped obstacles; False: wait before them, then Fail, so that the network decides."""
     together: bool = False
     """The arm moves meanwhile, as the place's domain says."""
 
     needs: ClassVar = (Base, RangeSensor)
     reads: ClassVar = ("map", "places", "speed_limits", "discs")
-    writes: ClassVar = ("obstacles", "bumps", "arm_bumps", "detour")
+    writes: ClassVar = ("obstacles", "sensed_cells", "bumps", "arm_bumps", "detour")
 
     arm_inside: ClassVar = True
 
     _monitor: ObstacleMonitor | FieldObstacleMonitor | None = PrivateAttr(default=None)
+    _local: LocalReplanning | None = PrivateAttr(default=None)
     _ahead: NDArray[np.float64] = PrivateAttr(default_factory=lambda: np.empty((0, 2)))
     _blocked_since: float | None = PrivateAttr(default=None)
     _restores: bool = PrivateAttr(default=False)
@@ -117,9 +122,9 @@ class MoveTo(ActionPrimitive):
         self._monitor = make_monitor(robot, model)
         if model.places[self.place].docks:
             robot.base.may_stand_at(goal)
-        tracker, points = yield from plan_tracker(
-            robot, model, self.place, goal, self._arrived(robot, model), self.reverse
-        )
+        if self.detour and robot.spec.drive.kind != "ackermann":
+            self._local = LocalReplanning(robot, model, self.place)
+        tracker, points = yield from self._planned(robot, model, goal)
         self.evidence.points["planned"] = points
         yield from self._follow(robot, model, tracker)
         if robot.localization.dead_reckoned and robot.spec.drive.kind != "ackermann":
@@ -129,6 +134,8 @@ class MoveTo(ActionPrimitive):
             yield from self._dock(robot, model.places[self.place], self._need(robot, model))
         elif robot.spec.drive.kind != "ackermann":
             yield from self._come_closer(robot, model.places[self.place], self._need(robot, model))
+        if self._local is not None:
+            self._local.keep()
         self.evidence.points["scan"] = robot.pose.apply(robot.range_sensor.scan().points())
         if model.detour and model.detour.goal == self.place:
             model.detour = None
@@ -186,26 +193,45 @@ class MoveTo(ActionPrimitive):
         companion = model.companion(robot, self.place) if self.together else None
         return iter(()) if companion is None else companion.motion(remaining)
 
+    def _planned(
+        self, robot: Robot, model: ModelView, goal: Pose2
+    ) -> Generator[None, None, tuple[PathTracker | CarTracker, NDArray[np.float64]]]:
+        """Return a tracker for a route from here, and its points (n, 2) in [m]."""
+        arrived = self._arrived(robot, model)
+        if self._local is None:
+            return (yield from plan_tracker(robot, model, self.place, goal, arrived, self.reverse))
+        look = yield from self._local.plan(robot)
+        limits = robot.drive_limits
+        tracker = PathTracker(look.points, goal.theta, limits, self.reverse, arrived, look.speeds)
+        return tracker, look.points
+
+    def _replanned(self, robot: Robot, tracker: PathTracker | CarTracker) -> Periods:
+        """Change the tracker's route where what is sensed asks for it; back off if the base is pinned."""
+        if self._local is None or not isinstance(tracker, PathTracker):
+            return
+        self._local.update(robot, tracker)
+        self._blocked_since = self._local.blocked_since
+        if self._local.pinned(robot):
+            yield from self._local.back_off(robot, tracker)
+
     def _follow(self, robot: Robot, model: ModelView, tracker: PathTracker | CarTracker) -> Periods:
         arm = self._arm(robot, model, lambda: tracker.remaining)
         progress, since, rolled, driven, last = 0.0, robot.time, 0.0, 0.0, robot.localization.odometry_pose
         anew, looks = 0, LooksAtRest(robot.localization)
         while not tracker.finished(robot.pose):
+            yield from self._replanned(robot, tracker)
             waits = self._blocked_since is not None or looks.due(tracker.remaining)
             follow = tracker.hold if waits else tracker.command
             robot.base.drive(*follow(robot.pose, robot.period))
             self._ahead = tracker.ahead
-            if tracker.progress > progress + 0.01 or waits:
+            if abs(tracker.progress - progress) > 0.01 or waits:
                 progress, since, rolled = tracker.progress, robot.time, 0.0
             if (
                 anew < REPLAN_MAX_TRIES
                 and robot.time > since + REPLAN_DELAY_S
                 and self._held_by_map(robot, model)
             ):
-                goal = goal_pose(model, self.place)
-                tracker, _ = yield from plan_tracker(
-                    robot, model, self.place, goal, self._arrived(robot, model), self.reverse
-                )
+                tracker, _ = yield from self._planned(robot, model, goal_pose(model, self.place))
                 progress, since, anew = 0.0, robot.time, anew + 1
             if robot.time > since + self._patience(robot, tracker):
                 raise self._stuck(robot, model, robot.time - since, rolled)
@@ -227,7 +253,7 @@ class MoveTo(ActionPrimitive):
             if robot.pose.distance(goal) < REPLAN_DISTANCE_M:
                 yield from reach_pose(robot, goal, arrived)
                 continue
-            tracker, _ = yield from plan_tracker(robot, model, self.place, goal, arrived, self.reverse)
+            tracker, _ = yield from self._planned(robot, model, goal)
             yield from self._follow(robot, model, tracker)
 
     def _held_by_map(self, robot: Robot, model: ModelView) -> bool:
@@ -272,6 +298,9 @@ class MoveTo(ActionPrimitive):
         if not robot.localization.heading_known:
             raise Discrepancy("the heading is unknown; run ORIENT first", permanent=True)
         self._lidar_watch.watch(robot, model.map)
+        if self._local is not None and not self._restores:
+            self._watch_local(robot)
+            return
         if self._monitor is None or len(self._ahead) < 2:
             return
         sensed = self._monitor.unexpected(robot)
@@ -289,6 +318,16 @@ class MoveTo(ActionPrimitive):
                 measured=Measured("RangeSensor", "free way ahead", found[0], WATCH_HORIZON_M, "m"),
             )
 
+    def _watch_local(self, robot: Robot) -> None:
+        """Take in what is sensed; raise `Discrepancy` if no way has led on for `wait_s`."""
+        assert self._local is not None
+        self._local.sense(robot)
+        if self._blocked_since is None or robot.time < self._blocked_since + self.wait_s:
+            return
+        self.evidence.points |= {"sensed": self._local.points, "ahead": self._ahead}
+        self._local.keep()
+        raise self._local.give_up_waiting(self._ahead)
+
     @property
     def _way(self) -> str:
         """Return the name of the watched path, for messages."""
@@ -301,6 +340,8 @@ class MoveTo(ActionPrimitive):
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
         """Drive back the way the base came; wait for obstacles that are there now."""
         self._blocked_since, self._restores = None, True
+        if self._local is not None:
+            self._local.keep()
         behind = np.array([[moment.pose.x, moment.pose.y] for moment in trace.moments])[::-1]
         way_back = retrace(robot, start, trace, model.speed_limits)
         while True:

@@ -67,6 +67,9 @@ class WorldModel:
     places: Mapping[str, Place]
     obstacles: NDArray[np.float64] = dataclass_field(default_factory=lambda: np.empty((0, 2)))
     """(n, 2) points that were sensed and are not on the map, in [m]; kept for the run."""
+    sensed_cells: NDArray[np.float64] = dataclass_field(default_factory=lambda: np.empty((0, 4)))
+    """(n, 4) cells in which something was sensed lately that is not on the map: x, y in [m], score, and time
+    of the last hit in [s]; beams that pass clear them (`ScanLayer`)."""
     bumps: NDArray[np.float64] = dataclass_field(default_factory=lambda: np.empty((0, 3)))
     """(n, 3) where the base ran into something that no sensor shows: map_T_base in [m], and direction of the
     motion on the map in [rad]; kept for the run."""
@@ -85,6 +88,7 @@ class WorldModel:
     LEARNED: ClassVar = {
         "places": dict[str, Place],
         "obstacles": NDArray[np.float64],
+        "sensed_cells": NDArray[np.float64],
         "bumps": NDArray[np.float64],
         "arm_bumps": NDArray[np.float64],
         "detour": Detour | None,
@@ -95,6 +99,7 @@ class WorldModel:
         "map",
         "places",
         "obstacles",
+        "sensed_cells",
         "bumps",
         "arm_bumps",
         "detour",
@@ -208,7 +213,8 @@ class WorldModel:
         if not isinstance(state, dict) or not isinstance(state.get("sections"), dict):
             raise NotAState("no state of a world model; needed: sections")
         none = np.empty((0, 3))
-        state = {"bumps": none, "arm_bumps": none, **state}  # states of older versions know of none
+        cells = np.empty((0, 4))
+        state = {"bumps": none, "arm_bumps": none, "sensed_cells": cells, **state}  # older states have none
         there = sections()
         if unknown := state["sections"].keys() - there.keys():
             names = ", ".join(map(str, sorted(unknown, key=str)))
@@ -250,6 +256,7 @@ class ModelView:
         map: GridMap
         places: Mapping[str, Place]
         obstacles: NDArray[np.float64]
+        sensed_cells: NDArray[np.float64]
         bumps: NDArray[np.float64]
         arm_bumps: NDArray[np.float64]
         detour: Detour | None

@@ -9,6 +9,8 @@ BRAKING_SHARE = 0.5  # share of the acceleration that braking is planned with; t
 # [1/s]: close to the end speed falls in proportion to what is left, so that nothing overshoots
 END_APPROACH_RATE = 4.0
 
+MIN_LATERAL_SPEED_M_S = 1e-3  # below which no turn is limited by the lateral acceleration
+
 
 class DriveLimits(NamedTuple):
     """Limits of the base's speed and acceleration."""
@@ -21,6 +23,12 @@ class DriveLimits(NamedTuple):
     """Maximum acceleration in [m/s²]."""
     turn_acceleration: float = 2.5
     """Maximum angular acceleration in [rad/s²]."""
+    lateral_acceleration: float = 1.0
+    """Maximum of speed times turn rate, in [m/s²]."""
+
+    def turn_rate_at(self, speed: float) -> float:
+        """Return the maximum turn rate at a speed in [m/s], in [rad/s]."""
+        return min(self.turn_rate, self.lateral_acceleration / max(abs(speed), MIN_LATERAL_SPEED_M_S))
 
 
 def rate_to_stop(rest: float, most: float, acceleration: float) -> float:
@@ -50,6 +58,7 @@ class Ramp:
         turn_rate = _clip(turn_rate, limits.turn_rate)
         self.speed += _clip(speed - self.speed, limits.acceleration * dt)
         self.turn_rate += _clip(turn_rate - self.turn_rate, limits.turn_acceleration * dt)
+        self.turn_rate = _clip(self.turn_rate, limits.turn_rate_at(self.speed))
         return self.speed, self.turn_rate
 
 

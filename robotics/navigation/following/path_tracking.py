@@ -10,11 +10,12 @@ from numpy.typing import NDArray
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.following.drive_limits import BRAKING_SHARE, DriveLimits, Ramp, rate_to_stop
 from handcart.robotics.navigation.following.pose_regulator import PoseRegulator, PoseTolerance
-from handcart.robotics.navigation.maps.speed_limits import SpeedLimits
+from handcart.robotics.navigation.maps.speed_limits import AllowedSpeeds
 
-SIDEWAYS_GAIN = 25.0  # [1/m²], Ky; with the next one critically damped, 0.2 m to die down
-HEADING_GAIN = 10.0  # [1/m], Kθ
-MOST_SIDEWAYS = 0.12  # [m] of sideways error that steers; more would make the robot turn across the route
+HEADING_GAIN = 10.0  # [1/m], Kθ; with a sideways gain Ky = Kθ²/4 critically damped, 0.2 m to die down
+HEADING_RATE = 6.0  # [1/s] at most with which a heading error dies down: a period and the drives lag behind
+APPROACH_ANGLE_RAD = 0.3  # at most, at which the robot returns to the route; more would lead across it
+CURVE_SHARE = 0.6  # of turn rate and lateral acceleration that curves are planned with
 TURN_FROM, TURN_UNTIL = 0.7, 0.08  # [rad] of heading error that is turned away in place
 POINT_SPACING_M = 0.04  # [m] between reference points
 TANGENT_POINTS = 2  # reference points on each side that a tangent is taken over
@@ -40,7 +41,7 @@ class PathTracker:
         limits: DriveLimits = DriveLimits(),
         reverse: bool = False,
         tolerance: PoseTolerance = PoseTolerance(),
-        allowed: SpeedLimits | None = None,
+        allowed: AllowedSpeeds | None = None,
     ) -> None:
         """Track a route.
 
@@ -52,22 +53,54 @@ class PathTracker:
             tolerance: tolerance of the arrival.
             allowed: speed limits by position.
         """
-        self._points, self._along = _resample(points)
-        self._heading = _tangents(self._points)
-        self._curvature = _curvatures(self._heading, self._along)
-        most = np.full(len(self._points), limits.speed)
-        if allowed is not None:
-            most = _around(allowed.at(self._points, limits.speed))
-        self._speed = _speed_profile(self._along, self._curvature, limits, most)
         self._limits = limits
         self._flip = math.pi if reverse else 0.0
         self._ramp = Ramp(limits)
-        self._progress = 0.0
         self._turning = True
-        self._closing = len(self._points) < 2
+        self._closing = False
+        self._set_route(points, allowed)
         end = self._points[-1]
         goal = Pose2(float(end[0]), float(end[1]), 0.0 if goal_heading is None else wrap(goal_heading))
         self._regulator = PoseRegulator(goal, limits, tolerance, goal_heading is None, self._ramp)
+
+    def reroute(self, points: NDArray[np.float64], allowed: AllowedSpeeds | None = None) -> None:
+        """Continue along another route to the same goal, without a stop.
+
+        Args:
+            points: (n, 2) from near the robot to the goal, in [m].
+            allowed: speed limits by position.
+        """
+        self._set_route(points, allowed)
+
+    def limit_speeds(self, allowed: AllowedSpeeds | None) -> None:
+        """Follow the same route with other speed limits by position."""
+        most = np.full(len(self._points), self._limits.speed)
+        if allowed is not None:
+            most = _around(allowed.at(self._points, self._limits.speed))
+        self._speed = _speed_profile(self._along, self._curvature, self._limits, most)
+
+    def _set_route(self, points: NDArray[np.float64], allowed: AllowedSpeeds | None) -> None:
+        self._points, self._along = _resample(points)
+        self._heading = _tangents(self._points)
+        self._curvature = _curvatures(self._heading, self._along)
+        self.limit_speeds(allowed)
+        self._progress = 0.0
+        self._closing = len(self._points) < 2
+
+    def stopped(self) -> None:
+        """Begin at rest again: another law has driven the base meanwhile."""
+        self._ramp.speed = self._ramp.turn_rate = 0.0
+        self._turning = True
+
+    @property
+    def reverse(self) -> bool:
+        """True if the rear leads."""
+        return self._flip != 0.0
+
+    @property
+    def closing(self) -> bool:
+        """True if only the goal's pose is left to be regulated."""
+        return self._closing
 
     @property
     def progress(self) -> float:
@@ -137,9 +170,10 @@ class PathTracker:
         speed = planned * math.cos(
             off.theta
         )  # Kanayama (1990), eq. 12, with x_e = 0 by the choice of reference
-        sideways = max(-MOST_SIDEWAYS, min(MOST_SIDEWAYS, off.y))
+        gain = min(HEADING_GAIN, HEADING_RATE / max(planned, abs(self._ramp.speed), MIN_SPEED_M_S))
+        approach = max(-APPROACH_ANGLE_RAD, min(APPROACH_ANGLE_RAD, 0.25 * gain * off.y))
         bend = float(np.interp(self._progress, self._along, self._curvature))
-        return speed, planned * (bend + SIDEWAYS_GAIN * sideways + HEADING_GAIN * math.sin(off.theta))
+        return speed, planned * (bend + gain * (approach + math.sin(off.theta)))
 
     def _reference(self) -> Pose2:
         x, y, heading = (
@@ -193,7 +227,9 @@ def _speed_profile(
     along: NDArray[np.float64], curvature: NDArray[np.float64], limits: DriveLimits, most: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """Speeds (n,) in [m/s] up to `most` (n,) that curves allow and from which one can brake in time."""
-    speed = np.minimum(most, 0.6 * limits.turn_rate / np.maximum(np.abs(curvature), 1e-6))
+    bend = np.maximum(np.abs(curvature), 1e-6)
+    speed = np.minimum(most, CURVE_SHARE * limits.turn_rate / bend)
+    speed = np.minimum(speed, np.sqrt(CURVE_SHARE * limits.lateral_acceleration / bend))
     speed[-1] = 0.0
     for i in range(len(speed) - 2, -1, -1):
         room = float(along[i + 1] - along[i])

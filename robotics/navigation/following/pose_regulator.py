@@ -11,6 +11,8 @@ from handcart.robotics.navigation.following.drive_limits import DriveLimits, Ram
 
 MIN_STEERED_DISTANCE_M = 0.1  # [m]: nearer than this the bearing to the goal is noise; the heading is held
 
+FINE_SHARE = 0.25  # of the tolerance of the heading, within which noise of the pose is not followed
+
 
 class PoseTolerance(NamedTuple):
     """Tolerances of an arrival."""
@@ -82,7 +84,8 @@ class PoseRegulator:
         self._choose_phase(pose, goal)
         limits = self._ramp.limits
         if self._phase is _Phase.ALIGN:
-            turn = 0.0 if self._any_heading else goal.theta
+            fine = self._any_heading or abs(goal.theta) < FINE_SHARE * self.tolerance.heading
+            turn = 0.0 if fine else goal.theta
             return self._ramp.towards(0.0, self._turn_rate(turn), dt)
         if self._phase is _Phase.AIM:
             return self._ramp.towards(0.0, self._turn_rate(self._aim(pose, goal)), dt)

@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from handcart.robotics.navigation.maps.grid_map import GridMap
+
+
+class AllowedSpeeds(Protocol):
+    """Speed limits by position."""
+
+    def at(self, points: NDArray[np.float64], top: float) -> NDArray[np.float64]:
+        """Return the speed limits (n,) at points (n, 2) of a robot with that top speed, both in [m/s]."""
+        ...
 
 
 class SpeedLimits(NamedTuple):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import cv2
 import networkx as nx
@@ -91,9 +92,12 @@ class VoronoiGraph:
     """(h, w) of each cell of length: less where there is more room."""
     free: NDArray[np.bool_]
     """(h, w) the component: cells that the robot's centre may be in."""
-    graph: nx.MultiGraph
-    """Nodes have `point` (x, y); edges `points` (k, 2), `length` and least `clearance`; all in [m]."""
     edges: EdgeTable
+
+    @cached_property
+    def graph(self) -> nx.MultiGraph:
+        """Nodes have `point` (x, y); edges `points` (k, 2), `length` and least `clearance`; all in [m]."""
+        return _network(self.map, self.edges, self.clearance)
 
     @property
     def dearest(self) -> float:
@@ -139,8 +143,7 @@ def voronoi_graph(
     price = room_price(clearance, grid.resolution)
     table = EdgeTable(trace(cells, links, width), width, price, squares, need)
     inner = np.ascontiguousarray(free[1:-1, 1:-1])
-    network = _network(grid, table, clearance)
-    return VoronoiGraph(grid, radius, squares, need, clearance, price, inner, network, table)
+    return VoronoiGraph(grid, radius, squares, need, clearance, price, inner, table)
 
 
 def room_price(clearance: NDArray[np.float32], resolution: float) -> NDArray[np.float32]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import cached_property
+from itertools import pairwise
 from typing import Literal, NamedTuple
 
 import cv2
@@ -14,7 +15,8 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.localization.scan_matching import CELL_BIAS
 from handcart.robotics.navigation.maps.clearances import Clearances
 from handcart.robotics.navigation.maps.grid_map import GridMap
-from handcart.robotics.navigation.routes.route import Route, plan_route
+from handcart.robotics.navigation.routes.line_price import line_price
+from handcart.robotics.navigation.routes.route import CORNER_ROUNDING_PASSES, Route, plan_route
 from handcart.robotics.navigation.routes.voronoi_graph import DISTANCE_TOLERANCE, VoronoiGraph, voronoi_graph
 from handcart.robotics.navigation.routes.widest_way import narrowest_spot
 
@@ -89,6 +91,8 @@ class Ways:
         radius: float,
         start: Pose2 | tuple[float, float],
         sensed: NDArray[np.float64] = NO_POINTS,
+        room: float = ROUTE_ROOM_M,
+        rounding: int = CORNER_ROUNDING_PASSES,
     ) -> None:
         """Prepare routes on a map.
 
@@ -98,8 +102,12 @@ class Ways:
             start: position of the robot; only x and y count, in [m].
             sensed: (n, 2) points that are avoided as well, in [m]; along the route by more than at its
                 ends.
+            room: room beside the footprint that routes keep, in [m]; below zero where cells are coarse and
+                what they hold is narrower than they are.
+            rounding: passes of corner rounding; more for robots that are fast.
         """
         self._grid, self._radius, self._start = grid.with_points(sensed), radius, (start[0], start[1])
+        self._room, self._rounding = room, rounding
         self._grown = grid.with_points(sensed, SENSED_ROOM)
 
     def to(self, goal: Pose2 | tuple[float, float], front: NDArray[np.float64] | None = None) -> Way:
@@ -113,11 +121,21 @@ class Ways:
         here = (goal[0], goal[1])
         if front is None:
             return self._to(here, self._standing(here), None)
-        before = Ways(without_front(self._grid, front), self._radius, self._start)
+        mapped = without_front(self._grid, front)
+        before = Ways(mapped, self._radius, self._start, NO_POINTS, self._room, self._rounding)
         before._grown = without_front(self._grown, front)
         stands = before._standing(here, front)
         found = self._to(here, stands, front)
         return found if found.route is not None or not found.fits else before._to(here, stands, front)
+
+    def price(self, points: NDArray[np.float64]) -> float:
+        """Return the price of a path (n, 2) in [m] on this map; inf where the robot fits nowhere."""
+        if self._graph is None:
+            return math.inf
+        corner = np.array([self._grid.origin_y, self._grid.origin_x])
+        cells = (points[:, ::-1] - corner) / self._grid.resolution - 0.5
+        inside = np.clip(cells, 0.0, np.array(self._grid.occupied.shape) - 1.0)
+        return sum(line_price(self._graph.price, a, b, np.inf) for a, b in pairwise(inside))
 
     def _to(self, goal: tuple[float, float], stands: Way, front: NDArray[np.float64] | None) -> Way:
         if stands.why:
@@ -126,7 +144,7 @@ class Ways:
         if self._graph is None:
             return found._replace(why="too narrow")
         reach = min(LEAVING_DISTANCE_M, 0.7 * self._needed)
-        route = plan_route(self._graph, self._start, goal, reach)
+        route = plan_route(self._graph, self._start, goal, reach, rounding=self._rounding)
         if route is None:
             return self._without_way(found, goal, reach)
         tight = self._tight_spot(route, front)
@@ -183,7 +201,7 @@ class Ways:
         return self._too_narrow(found, self._grid.to_point(np.array([spot]))[0])
 
     def _too_narrow(self, found: Way, at: NDArray[np.float64]) -> Way:
-        width, needed = self._width(at), 2.0 * (self._radius + ROUTE_ROOM_M + self._unsure)
+        width, needed = self._width(at), 2.0 * (self._radius + self._room + self._unsure)
         if width >= needed:  # ways are looked for from cell to cell
             needed += self._grid.resolution
         spot = (float(at[0]), float(at[1]))
@@ -209,12 +227,13 @@ class Ways:
         if front is not None:
             room = np.minimum(room, [_to_segment((x, y), front)[0] for x, y in points.tolist()])
         leaving = (np.hypot(*(points - self._start).T) < LEAVING_DISTANCE_M) & (room >= room[0] - 1e-6)
-        tight = (room < self._radius + MIN_ROOM_M - 1e-9) & ~leaving
+        tight = (room < self._radius + min(MIN_ROOM_M, self._room) - 1e-9) & ~leaving
         return points[int(np.argmin(np.where(tight, room, np.inf)))] if tight.any() else None
 
     @property
     def _needed(self) -> float:
-        return self._radius + ROOM_AT_GOAL + self._unsure
+        at_goal = min(ROOM_AT_GOAL, self._room + ROOM_AT_GOAL - ROUTE_ROOM_M)
+        return self._radius + at_goal + self._unsure
 
     @property
     def _unsure(self) -> float:
@@ -229,7 +248,7 @@ class Ways:
     def _graph(self) -> VoronoiGraph | None:
         try:
             return voronoi_graph(
-                self._grown, self._radius + ROUTE_ROOM_M + self._unsure, seed_point=self._start
+                self._grown, self._radius + self._room + self._unsure, seed_point=self._start
             )
         except ValueError:
             return None

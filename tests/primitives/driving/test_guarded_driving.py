@@ -117,7 +117,7 @@ def test_a_start_too_near_to_a_wall_is_left_and_come_back_to(
 ) -> None:
     rig = make_rig(BOX.format(x=3.0, y=1.1, height=0.6, more=""), start_y=start_y)
     before = rig.scene.base
-    failed = rig.run(MoveTo(place="shelf_1", wait_s=0.5))
+    failed = rig.run(MoveTo(place="shelf_1", wait_s=0.5, detour=False))
     assert isinstance(failed, Fail)
     assert rig.scene.base.distance(before) < 0.03
     assert rig.scene.contacts == []
@@ -134,7 +134,7 @@ def test_unmapped_cupboard_at_a_wall_is_not_taken_for_the_wall(
     rig = make_rig(thin, walls=(wall,), furniture=post)
     places: Any = rig.model.places
     places["beside"] = Place(x_m=5.0, y_m=3.08 - 0.39, heading_deg=0.0)
-    failed = rig.run(MoveTo(place="beside", wait_s=1.0))
+    failed = rig.run(MoveTo(place="beside", wait_s=1.0, detour=False))
     assert isinstance(failed, Fail)
     assert "the base doesn't get on to beside: the scan shows something at (" in failed.reason
     assert rig.scene.contacts == []

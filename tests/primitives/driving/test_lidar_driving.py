@@ -60,7 +60,7 @@ def test_missing_and_wrong_beams_do_not_end_a_drive(make_rig: Callable[..., Rig]
 @pytest.mark.slow
 def test_with_wrong_beams_what_stands_in_the_way_is_still_a_fail(make_rig: Callable[..., Rig]) -> None:
     rig = make_rig(BOX.format(x=3.0, y=1.1), lidar=HALF, errors=FAULTS)
-    failed = rig.run(MoveTo(place="shelf_1", wait_s=1.0))
+    failed = rig.run(MoveTo(place="shelf_1", wait_s=1.0, detour=False))
     assert isinstance(failed, Fail)
     assert "an obstacle is on the path to shelf_1" in failed.reason
     assert math.dist(rig.scene.base[:2], (1.0, 1.0)) < 0.05

@@ -37,7 +37,7 @@ def test_unmapped_box_is_a_fail_and_modify_leads_around_it(
 ) -> None:
     rig = make_rig(BOX.format(x=x, y=y, more=""))
     before = rig.scene.base
-    failed = rig.run(MoveTo(place="shelf_1", wait_s=1.0))
+    failed = rig.run(MoveTo(place="shelf_1", wait_s=1.0, detour=False))
     assert isinstance(failed, Fail)
     assert "an obstacle is on the path to shelf_1" in failed.reason
     assert math.dist(before[:2], rig.scene.base[:2]) < 0.03

@@ -70,7 +70,7 @@ def test_stays_within_limits(reverse: bool) -> None:
     square = np.array([[0, 0], [2, 0], [2, 2], [0, 2], [0, 0.5]], dtype=float)
     _, commands = run(PathTracker(square, 0.0, limits, reverse), Pose2(0.1, -0.1, 1.0))
     assert np.all(np.abs(commands) <= np.array(limits[:2]) + 1e-9)
-    assert np.all(np.abs(np.diff(commands, axis=0, prepend=0.0)) <= np.array(limits[2:]) * DT + 1e-9)
+    assert np.all(np.abs(np.diff(commands, axis=0, prepend=0.0)) <= np.array(limits[2:4]) * DT + 1e-9)
 
 
 @settings(max_examples=60, deadline=None)

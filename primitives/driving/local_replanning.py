@@ -1,0 +1,215 @@
+"""Driving around what no map shows: a layer of what is sensed, and a new route when one is needed."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.robot.robot import Robot
+from handcart.primitives.contract.discrepancy import Discrepancy, Measured
+from handcart.primitives.knowledge.bumps import avoided_points
+from handcart.primitives.knowledge.place import Place
+from handcart.primitives.knowledge.world_model import ModelView
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.following.path_tracking import PathTracker
+from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
+from handcart.robotics.navigation.maps.scan_layer import ScanLayer
+from handcart.robotics.navigation.routes.replanning import Look, Replanner
+
+from .driving import no_way, plan_drive
+
+EXPLAINED_M = 0.08  # from anything on the map: pose error, noise and half a cell together
+MAX_EXPLAINED_M = 0.3  # the same where the pose is uncertain
+LOOK_PERIOD_S = 0.2  # between two looks whether the route is free
+BETTER_PERIOD_S = 1.0  # between two looks for a better one
+LEAD_S = 0.3  # of motion along the old route that stays the beginning of a new one
+HOLD_DISTANCE_M = 1.0  # before what no way leads around, at which the base holds
+OLD_CELLS_S = 20.0  # after which what nothing looked at is dropped, if it closes all ways
+PINNED_S = 1.0  # that the guard holds the base, until it backs off
+PINNED_MOTION_M = 0.05  # within which it counts as held at one place
+BACK_OFF_M = 0.25
+BACK_OFF_SPEED_M_S = 0.15
+BACK_OFF_TIMEOUT_S = 3.0
+BACK_OFF_MAX_TRIES = 8
+NEARER_M = 0.1  # by which the rest of the way has to shrink
+NEARER_TIMEOUT_S = 60.0  # within which it has to
+NEARER_FACTOR = 3.0  # of the time that the rest takes at top speed, if that is more
+
+Floats = NDArray[np.float64]
+
+
+class LocalReplanning:
+    """What one drive senses beside the map, and its route around that."""
+
+    def __init__(self, robot: Robot, model: ModelView, name: str) -> None:
+        """Begin a drive to a place with what earlier drives sensed."""
+        self._model, self._name = model, name
+        self._place: Place = model.places[name]
+        self._field = LikelihoodField(model.map)
+        self._layer = ScanLayer(model.map)
+        self._layer.restore(model.sensed_cells)
+        limits = robot.drive_limits
+        self._top = limits.speed
+        self._replanner = Replanner(robot.spec.footprint_radius_m, limits.speed, model.speed_limits)
+        self._job: Generator[None, None, Look] | None = None
+        self._next_look = self._next_better = robot.time
+        self.blocked_since: float | None = None
+        """Time since which the base holds because no way leads on, in [s]; None while one does."""
+        self._look: Look | None = None
+        self._anchor, self._held_since = robot.pose, robot.time
+        self._backed_off = 0
+        self._nearest, self._nearer_at = np.inf, robot.time
+
+    @property
+    def points(self) -> Floats:
+        """(n, 2) what was sensed beside the map, in [m]."""
+        return self._layer.points
+
+    def sense(self, robot: Robot) -> None:
+        """Take in this period's scan."""
+        scan = robot.range_sensor.scan()
+        map_T_sensor = robot.pose.compose(scan.base_T_sensor)
+        ranges = np.where(scan.blind(), np.nan, scan.ranges) if len(scan.validity) else scan.ranges
+        explained = np.zeros(len(ranges), dtype=np.bool_)
+        hit = np.isfinite(scan.ranges)
+        margin = EXPLAINED_M
+        if robot.localization.dead_reckoned:
+            margin = min(MAX_EXPLAINED_M, max(margin, 3.0 * robot.localization.sigma[0]))
+        explained[hit] = self._field.read(robot.pose.apply(scan.points())) <= margin
+        self._layer.take(map_T_sensor, scan.angles, ranges, explained, robot.time)
+
+    def keep(self) -> None:
+        """Keep what was sensed in the world model."""
+        self._model.sensed_cells = self._layer.cells()
+
+    def plan(self, robot: Robot) -> Generator[None, None, Look]:
+        """Return a route from where the base is; in the meantime it holds.
+
+        Raises:
+            Discrepancy: no way leads to the place.
+        """
+        self.sense(robot)
+        lasting = yield from robot.compute(plan_drive, robot, self._model, self._place, False)
+        if lasting.route is None:
+            raise no_way(self._name, lasting)
+        detour = self._model.detour
+        route = detour.points if detour is not None and detour.goal == self._name else None
+        arguments = robot.pose, route, self._avoided(robot)
+        look = yield from robot.compute(self._answer, *arguments, takes=robot.period)
+        if look.kind == "none" and self._layer.forget(robot.time - OLD_CELLS_S):
+            look = yield from robot.compute(self._answer, robot.pose, route, self._avoided(robot))
+        if look.kind == "none":
+            raise self._no_way(look)
+        self._look, self._nearest = look, np.inf
+        self._nearer_at = self._held_since = robot.time
+        return look
+
+    def update(self, robot: Robot, tracker: PathTracker) -> None:
+        """Look whether the route still is the one to drive, and change it; once a period."""
+        self._note_progress(robot, tracker)
+        if self._job is not None:
+            try:
+                next(self._job)
+            except StopIteration as end:
+                self._job = None
+                self._apply(end.value, robot, tracker)
+            return
+        if tracker.closing or robot.time < self._next_look:
+            return
+        better = robot.time >= self._next_better
+        self._next_look = robot.time + LOOK_PERIOD_S
+        if better:
+            self._next_better = robot.time + BETTER_PERIOD_S
+        lead = LEAD_S * abs(robot.driven[0])
+        arguments = robot.pose, tracker.ahead, self._avoided(robot), lead, better
+        self._job = robot.compute(self._answer, *arguments, takes=robot.period)
+        next(self._job)
+
+    def _answer(
+        self, pose: Pose2, route: Floats | None, avoided: Floats, lead: float = 0.0, better: bool = True
+    ) -> Look:
+        grid = self._layer.merged().with_points(avoided)
+        front = self._place.front if self._place.docks else None
+        return self._replanner.look(grid, pose, self._place.pose, front, route, lead, better)
+
+    def _avoided(self, robot: Robot) -> Floats:
+        return avoided_points(robot, self._model)
+
+    def _apply(self, look: Look, robot: Robot, tracker: PathTracker) -> None:
+        self._look = look
+        if look.kind == "new":
+            tracker.reroute(look.points, look.speeds)
+        else:
+            tracker.limit_speeds(look.speeds)
+        if look.kind == "none" and look.free < HOLD_DISTANCE_M + robot.stopping_distance:
+            self.blocked_since = robot.time if self.blocked_since is None else self.blocked_since
+        else:
+            self.blocked_since = None
+
+    def _note_progress(self, robot: Robot, tracker: PathTracker) -> None:
+        """Raise `Discrepancy` if the rest of the way has not shrunk for long."""
+        waits = self.blocked_since is not None
+        if tracker.remaining < self._nearest - NEARER_M or waits or tracker.closing:
+            self._nearest, self._nearer_at = min(self._nearest, tracker.remaining), robot.time
+        patience = max(NEARER_TIMEOUT_S, NEARER_FACTOR * tracker.remaining / self._top)
+        if robot.time > self._nearer_at + patience:
+            since = robot.time - self._nearer_at
+            late = Measured("Base", "time without getting nearer", since, patience, "s")
+            raise Discrepancy(f"the base doesn't get nearer to {self._name}", measured=late)
+        if robot.held is None or robot.pose.distance(self._anchor) > PINNED_MOTION_M:
+            self._anchor, self._held_since = robot.pose, robot.time
+
+    def pinned(self, robot: Robot) -> bool:
+        """Return whether the guard has held the base at one place, so that it should back off."""
+        pinned = robot.time > self._held_since + PINNED_S and self.blocked_since is None
+        return pinned and self._backed_off < BACK_OFF_MAX_TRIES
+
+    def back_off(self, robot: Robot, tracker: PathTracker) -> Generator[None, None, None]:
+        """Drive straight back from what holds the base, as far as that is free, and plan again."""
+        self._backed_off += 1
+        held = robot.held
+        if held is not None and held.shown_by == "scan":
+            self._layer.add(np.array([[held.x, held.y]]), robot.time)
+        start, end = robot.pose, robot.time + BACK_OFF_TIMEOUT_S
+        sign = 1.0 if tracker.reverse else -1.0
+        while robot.pose.distance(start) < BACK_OFF_M and robot.time < end:
+            robot.base.drive(sign * BACK_OFF_SPEED_M_S, 0.0)
+            yield
+            if robot.held is not None:
+                break
+        tracker.stopped()
+        self._job = None
+        look = yield from robot.compute(self._answer, robot.pose, None, self._avoided(robot))
+        self._anchor, self._held_since = robot.pose, robot.time
+        if look.kind == "new":
+            self._apply(look, robot, tracker)
+
+    def give_up_waiting(self, ahead: Floats) -> Discrepancy:
+        """Return why the drive ends: something stands in the way, and no other way leads on."""
+        obstacle = self._nearest_to_route(ahead)
+        x, y = obstacle
+        free = 0.0 if self._look is None else self._look.free
+        return Discrepancy(
+            f"an obstacle stands on the path to {self._name}, at ({x:.2f}, {y:.2f}) m, "
+            "and no other way leads there",
+            measured=Measured("RangeSensor", "free way ahead", free, HOLD_DISTANCE_M, "m"),
+        )
+
+    def _nearest_to_route(self, ahead: Floats) -> tuple[float, float]:
+        """Return the sensed point nearest to where the route is not free, in [m]."""
+        there = None if self._look is None else self._look.obstacle
+        x, y = there if there is not None else ahead[-1].tolist()
+        points = self._layer.points
+        if not len(points):
+            return x, y
+        nearest = points[int(np.argmin(np.hypot(*(points - (x, y)).T)))]
+        return float(nearest[0]), float(nearest[1])
+
+    def _no_way(self, look: Look) -> Discrepancy:
+        why = "" if look.way is None else f": {look.way.reason}"
+        return Discrepancy(
+            f"no way leads to {self._name} past what was sensed{why}",
+            measured=Measured("RangeSensor", "points sensed that are not on the map", len(self.points)),
+        )

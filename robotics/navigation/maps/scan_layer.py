@@ -1,0 +1,150 @@
+"""Rolling occupancy of what a lidar senses and no map shows (Moravec and Elfes, 1985, in whole numbers)."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.numerics.compiled import compiled
+
+from .grid_map import GridMap
+
+HIT_SCORE = 3  # added to a cell in which a beam ends
+PASS_SCORE = 1  # taken from a cell through which beams pass, once a scan
+OCCUPIED_SCORE = 5  # from which a cell counts as occupied: two hits; a lone reading is noise
+MAX_SCORE = 12  # so that what has left is cleared by eight scans
+REACH_M = 6.0  # beyond which nothing is taken in: beams are sparse and the heading's error shifts their ends
+NO_CELLS = np.empty((0, 4))
+
+Floats = NDArray[np.float64]
+
+
+class ScanLayer:
+    """Scores of a map's cells: hits raise them, beams that pass lower them.
+
+    Cells that nothing looks at keep their scores; `forget` drops those not hit for some time.
+    """
+
+    def __init__(self, grid: GridMap, reach: float = REACH_M) -> None:
+        """Begin with nothing sensed.
+
+        Args:
+            grid: the map whose cells are used.
+            reach: distance from the sensor up to which beams are taken in, in [m].
+        """
+        self._grid, self._reach = grid, reach
+        self._scores = np.zeros(grid.occupied.shape, dtype=np.int8)
+        self._hit_at = np.zeros(grid.occupied.shape, dtype=np.float32)
+        self._stamps = np.zeros(grid.occupied.shape, dtype=np.int32)
+        self._stamp = 0
+
+    @property
+    def occupied(self) -> NDArray[np.bool_]:
+        """(h, w) cells in which something was sensed."""
+        return np.asarray(self._scores >= OCCUPIED_SCORE)
+
+    @property
+    def points(self) -> Floats:
+        """(n, 2) centres of the occupied cells on the map, in [m]."""
+        return self._grid.to_point(np.argwhere(self.occupied))
+
+    def merged(self) -> GridMap:
+        """Return the map with what was sensed."""
+        occupied = self.occupied
+        return self._grid._replace(
+            occupied=self._grid.occupied | occupied, unknown=self._grid.unknown & ~occupied
+        )
+
+    def take(
+        self,
+        map_T_sensor: Pose2,
+        angles: Floats,
+        ranges: Floats,
+        explained: NDArray[np.bool_],
+        time: float,
+    ) -> None:
+        """Take in a scan.
+
+        Args:
+            map_T_sensor: pose of the sensor on the map.
+            angles: (n,) of the beams in the sensor frame, in [rad].
+            ranges: (n,) in [m]; infinity where nothing came back, NaN where nothing is known.
+            explained: (n,) beams that end at what the map shows: they raise nothing.
+            time: in [s].
+        """
+        grid = self._grid
+        self._stamp += 1
+        rays = angles + map_T_sensor.theta
+        start = np.array([map_T_sensor.y - grid.origin_y, map_T_sensor.x - grid.origin_x]) / grid.resolution
+        hits = np.isfinite(ranges) & (ranges <= self._reach)
+        lengths = np.where(np.isnan(ranges), 0.0, np.minimum(ranges, self._reach)) / grid.resolution
+        ends = start + lengths[:, None] * np.column_stack([np.sin(rays), np.cos(rays)])
+        raises = hits & ~explained
+        _take(self._scores, self._hit_at, self._stamps, self._stamp, start, ends, raises, time)
+
+    def add(self, points: Floats, time: float) -> None:
+        """Mark the cells of points (n, 2) on the map, in [m], as occupied at a time in [s]."""
+        cells = self._grid.to_cell(points[self._grid.inside(points)])
+        rows, columns = cells[:, 0], cells[:, 1]
+        self._scores[rows, columns] = MAX_SCORE
+        self._hit_at[rows, columns] = time
+
+    def forget(self, before: float) -> bool:
+        """Drop what was last hit before a time in [s]; return whether anything was dropped."""
+        old = (self._scores > 0) & (self._hit_at < before)
+        self._scores[old] = 0
+        return bool(old.any())
+
+    def cells(self) -> Floats:
+        """Return (n, 4) what was sensed: x, y of the cells in [m], score, and time of the last hit in [s]."""
+        found = np.argwhere(self._scores > 0)
+        rows, columns = found.T
+        return np.column_stack(
+            [self._grid.to_point(found), self._scores[rows, columns], self._hit_at[rows, columns]]
+        )
+
+    def restore(self, cells: Floats) -> None:
+        """Take over what `cells` returned, also from a layer on another map."""
+        inside = cells[self._grid.inside(cells[:, :2])] if len(cells) else cells
+        rows, columns = self._grid.to_cell(inside[:, :2]).T
+        self._scores[rows, columns] = np.clip(inside[:, 2], 0, MAX_SCORE)
+        self._hit_at[rows, columns] = inside[:, 3]
+
+
+@compiled
+def _take(
+    scores: NDArray[np.int8],
+    hit_at: NDArray[np.float32],
+    stamps: NDArray[np.int32],
+    stamp: int,
+    start: Floats,
+    ends: Floats,
+    raises: NDArray[np.bool_],
+    time: float,
+) -> None:
+    """Raise the cells at the ends of beams, then lower those between; positions are rows and columns.
+
+    A cell changes once in a scan (`stamps`), and a hit wins over beams that pass.
+    """
+    height, width = scores.shape
+    for i in range(len(ends)):
+        row, column = math.floor(ends[i, 0]), math.floor(ends[i, 1])
+        if raises[i] and 0 <= row < height and 0 <= column < width and stamps[row, column] != stamp:
+            stamps[row, column] = stamp
+            scores[row, column] = min(scores[row, column] + HIT_SCORE, MAX_SCORE)
+            hit_at[row, column] = time
+    for i in range(len(ends)):
+        rows, columns = ends[i, 0] - start[0], ends[i, 1] - start[1]
+        length = math.sqrt(rows * rows + columns * columns)
+        steps = int(2.0 * length) - 1
+        for k in range(steps):
+            share = 0.5 * k / length
+            row, column = math.floor(start[0] + share * rows), math.floor(start[1] + share * columns)
+            if not (0 <= row < height and 0 <= column < width):
+                break
+            if scores[row, column] > 0 and stamps[row, column] != stamp:
+                stamps[row, column] = stamp
+                scores[row, column] -= PASS_SCORE

@@ -1,0 +1,180 @@
+"""Replanning of a route while it is driven: keep it, take another one, or say that no way leads on."""
+
+from __future__ import annotations
+
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.maps.blocked_squares import BlockedSquares, blocked_squares, path_clearance
+from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.navigation.maps.room_speeds import RoomSpeeds
+from handcart.robotics.navigation.maps.speed_limits import AllowedSpeeds
+
+from .route import CORNER_ROUNDING_PASSES
+from .shortcuts import path_length
+from .ways import Way, Ways
+
+ROOMS_M = (0.06, 0.02, -0.015)  # beside the footprint that routes keep, in the order in which they are tried
+EDGE_JITTER_M = 0.04  # by which cells of an obstacle's edge come and go: a route is not left for less
+WORTH_RATIO = 0.85  # of the old route's price, below which another one is taken although the old one is free
+OFF_ROUTE_M = 0.3  # from the old route, beyond which it is not the robot's any more
+USUAL_SPEED_M_S = 0.6  # of robots for which `CORNER_ROUNDING_PASSES` are enough
+
+Floats = NDArray[np.float64]
+
+
+class Look(NamedTuple):
+    """Result of a look at the map and what was sensed."""
+
+    kind: Literal["kept", "new", "none"]
+    """The old route goes on, another one is better, or no way leads to the goal."""
+    points: Floats
+    """(n, 2) route to drive, from the robot on, in [m]; the old one where no way leads on."""
+    free: float
+    """Length of the points that is free, in [m]."""
+    obstacle: tuple[float, float] | None
+    """Position on the route at which it is not free, in [m]."""
+    speeds: RoomSpeeds
+    """Speed limits by the room beside the footprint."""
+    way: Way | None = None
+    """Answer of the planner, if it was asked."""
+
+
+class Replanner:
+    """Looks whether a route still is the one to drive.
+
+    A free route is kept unless another one costs less than `WORTH_RATIO` of it, so that two ways of about the
+    same cost do not alternate.
+    """
+
+    def __init__(
+        self,
+        radius: float,
+        top_speed: float = USUAL_SPEED_M_S,
+        speeds: AllowedSpeeds | None = None,
+        rooms: tuple[float, ...] = ROOMS_M,
+    ) -> None:
+        """Replan for a robot.
+
+        Args:
+            radius: radius of its footprint, in [m].
+            top_speed: in [m/s]; faster robots get rounder corners.
+            speeds: speed limits by position, in addition to those by room.
+            rooms: room beside the footprint that routes keep, in [m], the first one that leads to the goal.
+        """
+        self._radius, self._speeds, self._rooms = radius, speeds, rooms
+        ratio = max(1.0, top_speed / USUAL_SPEED_M_S)
+        self._rounding = round(CORNER_ROUNDING_PASSES * ratio**2)
+        self._room = rooms[0]
+
+    def look(
+        self,
+        grid: GridMap,
+        start: Pose2,
+        goal: Pose2,
+        front: Floats | None = None,
+        route: Floats | None = None,
+        lead: float = 0.0,
+        better: bool = True,
+    ) -> Look:
+        """Decide on the route from here.
+
+        Args:
+            grid: the map with what was sensed.
+            start: map_T_base.
+            goal: map_T_base at the goal.
+            front: (2, 2) ends of a front before which the robot is to be, as in `Ways.to`.
+            route: (n, 2) rest of the old route, from the robot on, in [m]; None if there is none.
+            lead: length of the old route that stays the beginning of another one, in [m].
+            better: whether to look for another route although the old one is free.
+        """
+        squares = blocked_squares(grid.blocked)
+        clearance = squares.distance[1:-1, 1:-1] * np.float32(grid.resolution)
+        speeds = RoomSpeeds(grid, clearance, self._radius, self._speeds)
+        old = None if route is None or len(route) < 2 else _Driven(route, grid, squares)
+        if old is not None and old.away(start) > OFF_ROUTE_M:
+            old = None
+        if old is None:
+            free, obstacle = 0.0, None
+        else:
+            free, obstacle = old.free(self._radius + self._room - EDGE_JITTER_M, front)
+        is_free = old is not None and obstacle is None
+        if old is not None and is_free and not better:
+            return Look("kept", old.points, free, None, speeds)
+        head = np.empty((0, 2)) if old is None else old.head(min(lead, 0.5 * free))
+        plan = self._plan(grid, start, goal, front, head)
+        if old is not None and (plan.points is None or (is_free and not plan.is_worth(old.points))):
+            return Look("kept" if is_free else "none", old.points, free, obstacle, speeds, plan.way)
+        if plan.points is None:
+            return Look("none", np.array([start[:2]]), 0.0, obstacle, speeds, plan.way)
+        self._room = plan.room
+        return Look("new", plan.points, path_length(plan.points), None, speeds, plan.way)
+
+    def _plan(self, grid: GridMap, start: Pose2, goal: Pose2, front: Floats | None, head: Floats) -> _Plan:
+        """Return the plan with the most room that leads to the goal; otherwise why none does."""
+        begin = (float(head[-1, 0]), float(head[-1, 1])) if len(head) else (start[0], start[1])
+        failed: _Plan | None = None
+        for room in self._rooms:
+            ways = Ways(grid, self._radius, begin, room=room, rounding=self._rounding)
+            way = ways.to(goal, front)
+            if way.route is not None:
+                points = np.vstack([head[:-1], way.route.points]) if len(head) else way.route.points
+                return _Plan(way, points, room, ways)
+            failed = failed or _Plan(way, None, room, ways)
+        assert failed is not None, "there is a room to try"
+        return failed
+
+
+class _Plan(NamedTuple):
+    """Answer of the planner."""
+
+    way: Way
+    points: Floats | None
+    """(n, 2) the complete route in [m], or None."""
+    room: float
+    """Room beside the footprint that it keeps, in [m]."""
+    ways: Ways
+
+    def is_worth(self, old: Floats) -> bool:
+        """Return whether it costs enough less than an old route (n, 2) that is free."""
+        return self.points is not None and self.ways.price(self.points) < WORTH_RATIO * self.ways.price(old)
+
+
+class _Driven:
+    """A route that is being driven, on a map with what was sensed."""
+
+    def __init__(self, points: Floats, grid: GridMap, squares: BlockedSquares) -> None:
+        self.points = points
+        self._along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+        corner = np.array([grid.origin_y, grid.origin_x])
+        cells = (points[:, ::-1] - corner) / grid.resolution - 0.5
+        inside = np.clip(cells, 0.0, np.array(grid.occupied.shape) - 1.0)
+        self._room = path_clearance(squares, inside) * grid.resolution
+
+    def away(self, start: Pose2) -> float:
+        """Return the distance of the robot from the route's points, in [m]."""
+        return float(np.hypot(*(self.points - start[:2]).T).min())
+
+    def head(self, length: float) -> Floats:
+        """Return the first points, for about this length in [m]; empty if too few."""
+        found = self.points[self._along <= length]
+        return found if len(found) > 1 else np.empty((0, 2))
+
+    def free(self, least: float, front: Floats | None) -> tuple[float, tuple[float, float] | None]:
+        """Return the length that has at least this room in [m], and the point that has less, if there is one.
+
+        The beginning of a route that leads away from something too near counts as free, and so does what is
+        as near as the front before which it ends.
+        """
+        tight = self._room < least
+        leaving = np.maximum.accumulate(self._room) <= self._room + 1e-6
+        tight &= ~np.logical_and.accumulate(tight & leaving)
+        if front is not None:
+            tight &= self._along < self._along[-1] - least
+        if not tight.any():
+            return float(self._along[-1]), None
+        first = int(np.argmax(tight))
+        return float(self._along[first]), (float(self.points[first, 0]), float(self.points[first, 1]))

@@ -1,0 +1,62 @@
+"""MOVE_TO among obstacles that no map shows, at its public face on the kinematic backend."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from handcart.primitives.contract.outcome import Fail, Success
+from handcart.primitives.driving.modify import Modify
+from handcart.primitives.driving.move_to import MoveTo
+from handcart.primitives.knowledge.world_model import WorldModel
+from tests.primitives.conftest import Rig
+
+BOX = "  - {{name: box {n}, x_m: {x}, y_m: {y}, heading_deg: 20, size_m: [0.5, 0.4, 0.6]{more}}}\n"
+WALL = "  - {name: barrier, x_m: 4.0, y_m: 4.3, size_m: [7.9, 0.1, 1.0]}\n"
+
+
+def boxes(*places: tuple[float, float], more: str = "") -> str:
+    """Lines of a world's file."""
+    lines = [BOX.format(n=n, x=x, y=y, more=more) for n, (x, y) in enumerate(places)]
+    return "surprises:\n" + "".join(lines)
+
+
+def test_unmapped_boxes_are_driven_around_without_a_fail(make_rig: Callable[..., Rig]) -> None:
+    rig = make_rig(boxes((3.0, 1.1), (4.6, 2.0)))
+    assert isinstance(rig.run(MoveTo(place="shelf_1")), Success)
+    assert rig.restored == []
+    assert rig.scene.contacts == []
+    assert math.dist(rig.scene.base[:2], (6.5, 4.93)) < 0.04
+    assert len(rig.model.sensed_cells) > 10  # what was sensed is kept for later drives
+
+
+@pytest.mark.slow
+def test_closed_wall_is_a_restored_fail_that_modify_knows(make_rig: Callable[..., Rig]) -> None:
+    rig = make_rig("surprises:\n" + WALL)
+    before = rig.scene.base
+    failed = rig.run(MoveTo(place="shelf_1", wait_s=1.0))
+    assert isinstance(failed, Fail)
+    assert "an obstacle stands on the path to shelf_1" in failed.reason
+    assert "no other way leads there" in failed.reason
+    assert math.dist(before[:2], rig.scene.base[:2]) < 0.03
+    assert rig.scene.contacts == []
+    assert rig.robot.time < 60.0
+    planned = rig.run(Modify(place="shelf_1"))
+    assert isinstance(planned, Fail)
+    assert "past what was sensed" in planned.reason
+
+
+def test_sensed_cells_are_kept_in_a_state_and_old_states_load(make_rig: Callable[..., Rig]) -> None:
+    model = make_rig().model
+    model.sensed_cells = np.array([[1.0, 2.0, 7.0, 3.5]])
+    state = model.state()
+    other = WorldModel(model.map, model.places)
+    other.set_state(state)
+    assert np.array_equal(other.sensed_cells, model.sensed_cells)
+    del state["sensed_cells"]
+    third = WorldModel(model.map, model.places)
+    third.set_state(state)
+    assert third.sensed_cells.shape == (0, 4)
