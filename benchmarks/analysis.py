@@ -1,4 +1,4 @@
-"""How long the analysis of networks takes, by shape and size: `python -m benchmarks.analysis [SIZE ...]`.
+"""Measure how long the analysis of networks takes: `python -m benchmarks.analysis [SIZE ...]`.
 
 Each shape has about SIZE situations, with a probability for each action. CPU times, one process.
 """
@@ -72,7 +72,7 @@ def dense(size: int, rng: random.Random) -> Iterator[Row]:
 
 
 def tireworld(size: int, rng: random.Random) -> Iterator[Row]:
-    """As in the planning competitions: roads that cost a tyre when they fail, spare tyres at some places."""
+    """Yield the rows of a tireworld: some roads cost a tyre when they fail, some places have spare tyres."""
     places = max(3, size // 4)
     for i in range(places):
         ahead, back = min(places - 1, i + rng.randint(1, 3)), max(0, i - rng.randint(1, 3))

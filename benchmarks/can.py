@@ -1,9 +1,9 @@
-"""How quickly a stop leaves, and what the loop costs: `python -m benchmarks.can [--faults N] [--json]`.
+"""Measure the delay of a stop and the cost of the loop: `python -m benchmarks.can [--faults N] [--json]`.
 
-Both on python-can's `virtual`, by the wall clock. A stop: the librarian's nine drives are served in a thread
-of their own; at a random instant one of them does something wrong, and what counts is the time from the frame
-that shows it to the last quick stop that is sent. The loop: eight drives at 100 Hz and 1 Mbit/s, simulated in
-the same thread; so what the drives cost is in it.
+Both on python-can's `virtual`, by the wall clock. Stop: the librarian's nine drives are served in a thread
+of their own; at a random instant one of them misbehaves, and the time counts from the frame that shows it
+to the last quick stop that is sent. Loop: eight drives at 100 Hz and 1 Mbit/s, simulated in the same
+thread, so the cost of the drives is included.
 """
 
 from __future__ import annotations
@@ -32,11 +32,11 @@ from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.robot_loading import load_robot
 
 BUS_FAULTS = ("emergency", "collision", "two-nodes", "stranger", "stranger-command", "reboot")
-"""Those that one frame shows."""
+"""Faults that a single frame shows."""
 PERIOD_S = 0.05
 LOOP_PERIOD, LOOP_S = 0.01, 20.0
 ALLOWED_MS = 10.0
-"""Beyond a period, for 99 of 100 stops."""
+"""Delay beyond one period that 99 of 100 stops have to keep [ms]."""
 ALLOWED_PERCENT = 40.0
 QUICK_STOP = 0x02
 
@@ -60,7 +60,7 @@ def on_bus(channel: str, period: float) -> RobotFile:
 
 @contextmanager
 def served(robot: RobotFile) -> Iterator[tuple[Bench, threading.Lock]]:
-    """Simulated drives that answer by themselves; who holds the lock keeps them waiting."""
+    """Yield simulated drives that answer by themselves, and a lock that makes them wait."""
     assert robot.can is not None
     bench = Bench(robot, robot.can, None, VirtualBus(robot.can.channel))
     end, lock = threading.Event(), threading.Lock()
@@ -82,7 +82,7 @@ def served(robot: RobotFile) -> Iterator[tuple[Bench, threading.Lock]]:
 
 
 def stop_after(fault: str, wait_s: float, number: int) -> float:
-    """How long after a fault the last quick stop has left, in [ms]."""
+    """Return the time from a fault to the last quick stop that is sent [ms]."""
     robot = on_bus(f"stops {number}", PERIOD_S)
     stops: list[float] = []
 
@@ -117,7 +117,7 @@ def stop_after(fault: str, wait_s: float, number: int) -> float:
 
 
 def loop_cost() -> dict[str, float]:
-    """Of the loop at 100 Hz: CPU in percent of one core, and how late it is, in [ms]."""
+    """Return the CPU use of the loop at 100 Hz [% of one core] and its lateness [ms]."""
     robot = on_bus("loop", LOOP_PERIOD)
     assert robot.can is not None
     robot = robot.model_copy(

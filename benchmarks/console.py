@@ -1,9 +1,9 @@
-"""How soon the console's commands arrive.
+"""Measure how soon the console's commands arrive.
 
-`python -m benchmarks.console` runs tasks/stack_blocks in single steps, presses Permit in a real browser, and
-prints how long after each click its action's START is in the journal, from which on it moves: at most one
-control period and 100 ms. Then how long a stop takes to arrive while 50 pages listen and ask for all there
-is.
+`python -m benchmarks.console` runs tasks/stack_blocks in single steps, presses Permit in a real browser,
+and prints the time from each click to the START of its action in the journal, after which the robot moves:
+at most one control period and 100 ms. Then the delay of a stop while 50 pages listen and request
+everything.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ def main() -> None:
 
 
 def permits(url: str, folder: Path) -> None:
-    """From clicks to STARTs."""
+    """Print the times from clicks to STARTs."""
     clicks: list[float] = []
     with browsing(DESK) as seen:
         page = seen.page
@@ -97,7 +97,7 @@ def permits(url: str, folder: Path) -> None:
 
 
 def stops(port: int, token: str, folder: Path) -> None:
-    """With everybody else asking."""
+    """Print the delays of stops while 50 other pages send requests."""
     headers = {"Authorization": f"Bearer {token}", "Content-Type": "application/json"}
     over = threading.Event()
 

@@ -1,9 +1,9 @@
-"""Time per action of the coordinator, with instant primitives, beside py_trees and transitions.
+"""Measure the coordinator's time per action, with instant primitives, beside py_trees and transitions.
 
     python benchmarks/coordinator.py [--actions 1000] [--rounds 7]
 
-Every START and RESULT goes into the journal (unsynced) before it is acted on, and the PLAN of the way.
-Seconds are of the processor; the least of some rounds is shown: what disturbs a round only makes it slower.
+Every START and RESULT goes into the journal (unsynced) before it is acted on, and so does each PLAN. CPU
+seconds, the minimum of some rounds: disturbances only make a round slower.
 """
 
 from __future__ import annotations
@@ -124,7 +124,7 @@ def coordinator_round(network: ActionNetwork, journal: Journal | None) -> float:
 
 
 def journaled_round(network: ActionNetwork) -> float:
-    """The same, with a journal on the disk."""
+    """Run the same round with a journal on the disk."""
     with tempfile.TemporaryDirectory() as folder, Journal(Path(folder) / "journal.jsonl") as journal:
         return coordinator_round(network, journal)
 

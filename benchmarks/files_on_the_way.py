@@ -1,7 +1,7 @@
-"""Which files run from `handcart run tasks/drive_map/task.yaml` to MOVE_TO's motion.
+"""Count the files that run from `handcart run tasks/drive_map/task.yaml` to MOVE_TO's motion.
 
-Counted are files of handcart of which a function is called; bodies of modules and classes aren't. With --list
-they are printed. What a reader has to follow grows with them.
+Counted are files of handcart of which a function is called, not bodies of modules and classes. With --list
+they are printed. The number measures how much a reader has to follow.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ class There(BaseException):
 
 
 def files() -> list[str]:
-    """Those that run on the way, from the checkout's top."""
+    """Return the files that run on the way, relative to the checkout's root."""
     from handcart.primitives.driving.move_to import MoveTo
     from handcart.tools.main import main
 

@@ -1,8 +1,8 @@
-"""How long the first use of a command takes: `python -m benchmarks.first_use [COMMAND ...]`
+"""Measure the first use of a command: `python -m benchmarks.first_use [COMMAND ...]`
 
-Each command runs in a process of its own with an empty folder for machine code, as after installing. Printed
-are the seconds by the clock until its first line on stdout or stderr, and until its result: its end, or for
-`run` the line before the first motion. Only meaningful on a machine with nothing else to do.
+Each command runs in a process of its own with an empty folder for machine code, as after installing.
+Prints the wall times until its first line on stdout or stderr, and until its result: its end, or for `run`
+the line before the first motion. Only meaningful on an idle machine.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ TIMED_COMMANDS = {
     "run field": ("run", "deploy_straight", "--no-report"),
     "localize": ("localize", "{log}", "--columns", "t=t,v=v,w=w,x=x,y=y"),
 }
-"""By name: the words after `handcart`."""
+"""Arguments of `handcart` by name."""
 MAX_FIRST_LINE_S, MAX_RESULT_S = 2.0, 12.0
 
 

@@ -1,6 +1,6 @@
-"""How much CPU time `import handcart` and `handcart --help` take beyond a bare Python.
+"""Measure the CPU time of `import handcart` and `handcart --help` beyond a bare Python.
 
-Each is run in processes of its own; told is the median of their user and system time, less that of
+Each is run in processes of its own; printed is the median of their user and system time, less that of
 `python -c pass`.
 """
 
@@ -15,7 +15,7 @@ from statistics import median
 
 REPEAT_COUNT = 20
 MOST_MS = {"import handcart": 60.0, "handcart --help": 150.0}
-"""What either may take, in [ms]."""
+"""Allowed time of each [ms]."""
 TIMED_CODE = {
     "bare": "pass",
     "import handcart": "import handcart",
@@ -36,9 +36,10 @@ def cpu_ms(words: Sequence[str]) -> float:
 def beyond_bare_ms(
     repeats: int = REPEAT_COUNT, middle: Callable[[Sequence[float]], float] = median
 ) -> dict[str, float]:
-    """By what is run, in [ms]; the three take turns, so that a busy machine is busy for all.
+    """Return the times beyond a bare Python by name [ms]; the three alternate, so that load affects all
+    alike.
 
-    With `min` for the middle, what a crowded processor adds to CPU times is left out.
+    With `min` for `middle`, the CPU time that a crowded processor adds is excluded.
     """
     times: dict[str, list[float]] = {name: [] for name in TIMED_CODE}
     for _ in range(repeats):

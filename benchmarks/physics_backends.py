@@ -1,8 +1,9 @@
-"""What a period costs in each physics engine: `python -m benchmarks.physics_backends [PERIODS]`.
+"""Measure the cost of a period in each physics engine: `python -m benchmarks.physics_backends [PERIODS]`.
 
 The librarian drives and moves its arm beside 0, 10 and 40 loose boxes on a table, awake or asleep as the
-engine has it. Both engines are in one process and take turns, so that both meet the same machine. CPU time of
-a whole period (drives, noise, contacts, ground truth) and of a step of the solver in it; medians over rounds.
+engine decides. Both engines are in one process and alternate, so that load affects both alike. CPU time of
+a whole period (drives, noise, contacts, ground truth) and of a step of the solver in it; medians over
+rounds.
 """
 
 from __future__ import annotations

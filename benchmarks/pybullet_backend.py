@@ -1,8 +1,8 @@
-"""What the PyBullet backend costs over Bullet itself: `python -m benchmarks.pybullet_backend`.
+"""Measure the cost of the PyBullet backend beyond Bullet itself: `python -m benchmarks.pybullet_backend`.
 
-A run of whole control periods (drives, noise, contacts and ground truth included) while the robot drives and
-moves its arm, against the time that went into `stepSimulation` within it: the same bodies in the same states.
-No pictures are taken: they are rendered only when somebody asks.
+A run of whole control periods (drives, noise, contacts and ground truth included) while the robot drives
+and moves its arm, against the time spent in `stepSimulation` within it: the same bodies in the same
+states. No pictures are taken: they are rendered only on demand.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What a run's page costs: `python -m benchmarks.report RUN...` prints its size, and the CPU to make it."""
+"""Measure the cost of a run's page: `python -m benchmarks.report RUN...` prints its size and CPU time."""
 
 from __future__ import annotations
 

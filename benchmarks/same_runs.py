@@ -1,9 +1,9 @@
-"""Whether two versions run alike: python -m benchmarks.same_runs CHECKOUT --kept FOLDER [--seeds 5]
+"""Compare the runs of two versions: python -m benchmarks.same_runs CHECKOUT --kept FOLDER [--seeds 5]
 
-Each shipped task is run on the kinematic backend, by that other checkout's code and by this one's, each with
-the task files of its own. Compared are the journals, record by record but for what the wall clock and the
-versions say, and the metrics. What the other checkout made is kept in FOLDER, and not made again. Exit
-status 1 if two runs differ.
+Each shipped task is run on the kinematic backend, by the other checkout's code and by this one's, each
+with its own task files. Compared are the journals, record by record except for wall times and versions,
+and the metrics. The runs of the other checkout are kept in FOLDER, and not repeated. Exit status 1 if two
+runs differ.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ def plain(value: Any) -> Any:
 
 
 def read(journal: Path) -> list[dict[str, Any]]:
-    """Its records, as far as they are compared; what entries of the world model an action uses isn't."""
+    """Return a journal's compared records, without the world model's entries that an action uses."""
     records = [plain(orjson.loads(line)) for line in journal.read_bytes().splitlines()]
     for action in records[0]["plan_on"]["actions"]:
         action.pop()

@@ -1,10 +1,10 @@
-"""How much processor time a trial takes, and how many times faster than real time it is.
+"""Measure the CPU time of a trial, and its ratio to real time.
 
     python -m benchmarks.trial_speed [TASK ...] [--against CHECKOUT] [--trials 3]
 
-For each task a campaign of 1 and one of 1 + `--trials` trials on one worker; a trial is what the latter takes
-longer, a start what is left of the former. With `--against` the same in another checkout, whose virtual
-environment is in its `.venv`, in turns with this one. Seconds are of the processor, the least of two.
+For each task a campaign of 1 and one of 1 + `--trials` trials on one worker; the difference gives the
+trial, the rest of the former the start. With `--against` the same in another checkout, whose virtual
+environment is in its `.venv`, alternating with this one. CPU seconds, the minimum of two.
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ ROUND_COUNT = 2
 
 
 class Speed(NamedTuple):
-    """Of one task in one checkout."""
+    """Times of one task in one checkout."""
 
     start_s: float
     trial_s: float
 
 
 def measured(python: Path, checkout: Path, task: str, trials: int) -> Speed:
-    """What a start, and a trial, takes of the processor."""
+    """Return the CPU times of a start and of a trial."""
     one = _campaign(python, checkout, task, 1)
     many = _campaign(python, checkout, task, 1 + trials)
     trial = (many - one) / trials
@@ -58,7 +58,7 @@ def _campaign(python: Path, checkout: Path, task: str, trials: int) -> float:
 
 
 def simulated_s(task: str) -> float:
-    """How long a run takes of the robot's time."""
+    """Return the duration of a run in the robot's time [s]."""
     with tempfile.TemporaryDirectory() as folder:
         file = str(REPOSITORY_ROOT / "tasks" / task / "task.yaml")
         words = [file, "--json", "--runs", folder, "--no-report"]

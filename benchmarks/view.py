@@ -1,9 +1,8 @@
-"""What looking at a run costs.
+"""Measure the cost of viewing a run.
 
-`python -m benchmarks.view cost TASK` prints how much longer a run takes because it is recorded.
-`python -m benchmarks.view open RUN` prints how long a recorded run takes to open: from the command's start to
-a page that is served whole, and where there is chromium, until that has drawn it. Then how long a frame takes
-while somebody scrubs through it.
+`python -m benchmarks.view cost TASK` prints how much longer a recorded run takes. `python -m
+benchmarks.view open RUN` prints how long a recorded run takes to open: from the command's start to the
+served page, and with chromium until the page is drawn. Then the time of a frame while scrubbing.
 """
 
 from __future__ import annotations
@@ -69,7 +68,7 @@ def cost(task: Path) -> None:
 
 
 def opening(run: Path) -> None:
-    """From the command's start to the page."""
+    """Print the times from the command's start to the page."""
     playback = Playback.read(run)
     rows, pictures = playback.rows, len(playback.pictures)
     print(
@@ -97,7 +96,7 @@ def opening(run: Path) -> None:
 
 
 def _loaded(url: str) -> float | None:
-    """How long a browser that is open takes until the panel tells of the run, in [s]; None without one."""
+    """Return the time until the panel of an open browser shows the run [s]; None without a browser."""
     from tests.browser import CHROMIUM, DESK, browsing
 
     if not CHROMIUM.exists():

@@ -19,11 +19,12 @@ Vector = NDArray[np.float64]
 
 
 class CanArm(Arm):
-    """Joints whose drives plan their ramps to what is commanded, or follow it from SYNC to SYNC.
+    """Joints whose drives plan ramps to their set-points (profile), or follow them from SYNC to SYNC
+    (cyclic).
 
-    The force on the hand follows from the joints' torques (6077h), the arm's own weight taken out by the
-    URDF. What the hand holds is not weighed: its weight is felt. Joints whose drives tell no torque are left
-    out; where none does, no force is felt.
+    The force on the hand follows from the joints' torques (6077h), less the arm's own weight by the URDF.
+    The weight of a held object stays in the force. Joints whose drives report no torque are excluded; if
+    none does, the force is zero.
     """
 
     def __init__(self, model: ArmModel, joints: Sequence[Axis], rated: Vector, period: float) -> None:
@@ -40,10 +41,10 @@ class CanArm(Arm):
         self._command = self._sent = np.zeros(len(joints))
 
     def begin(self) -> None:
-        """The drives are about to be enabled: what they hold is what was measured.
+        """Set the measured positions as set-points, before the drives are enabled.
 
-        A joint that rests at its limit is often read a hair beyond it: it is told to hold the limit, where
-        that is no further than it moves in a period.
+        A joint that rests at its limit is often read slightly beyond it: it is set to the limit if that is
+        no further than its motion in one period.
         """
         measured = self.joints()
         within = self._model.clipped(measured)

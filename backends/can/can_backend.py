@@ -38,19 +38,20 @@ _LISTENED = 2.0  # periods of a master, its SYNC or its heartbeat
 
 
 class CanBackend(Backend):
-    """CiA 402 drives where the robot's file says, for wheels, joints and gripper.
+    """Backend with CiA 402 drives, as in the robot's file, for wheels, joints and gripper.
 
-    Built, it has written all settings of all drives and read them back; nothing has torque. The first step
-    enables them. A step sends our heartbeat and the commands by PDO, waits for the end of the period, sends
-    a SYNC, and takes in what the drives answer. Whatever is wrong then, with one of them or with the bus,
-    stops all axes, each in its own way, and ends the step with a `CanFault`; every further step ends with
-    the same one, until a person has looked and a new backend is built.
+    The constructor writes all settings of all drives and reads them back; no drive has torque. The first
+    step enables them. A step sends our heartbeat and the commands by PDO, waits for the end of the period,
+    sends a SYNC, and receives the drives' answers. Any fault of a drive or the bus stops all axes, each
+    with its own kind of stop, and ends the step with a `CanFault`; every further step raises the same one,
+    until a person has looked and a new backend is built.
 
     On a bench (the interface `virtual`, or `build_on_bench`) the drives are simulated in this process, in
     front of a simulated backend: a period passes with each step, no clock is read, and the same seed gives
-    the same run. Sensors that are not on the bus are that backend's. Else drives are expected on the bus,
-    and a step lasts a period of the wall clock. Long computing doesn't hold that loop (`Robot.compute` has
-    it done in a thread); who holds it longer than the drives wait for our heartbeat makes them stop.
+    the same run. Sensors that are not on the bus are that backend's. Otherwise drives are expected on the
+    bus, and a step lasts a period of the wall clock. Long computing doesn't block that loop
+    (`Robot.compute` uses a thread); if anything blocks it for longer than the drives' heartbeat time, they
+    stop.
     """
 
     name = "can"
@@ -173,10 +174,10 @@ class CanBackend(Backend):
         return (*own, *(each for each in others if not _same_kind(each, own)))
 
     def step(self) -> None:
-        """See `Backend`.
+        """Send the commands, wait for the end of the period and receive the drives' answers.
 
         Raises:
-            CanFault: something is wrong with a drive or the bus, now or in an earlier step.
+            CanFault: a drive or the bus has a fault, now or in an earlier step.
         """
         with self._or_stopped("driving"):
             self._period()
@@ -266,7 +267,7 @@ class CanBackend(Backend):
         return None if inner is None else inner.view()
 
     def state(self) -> object | None:
-        """See `Backend`; drives stand, enabled or not, where the simulated robot does."""
+        """Return the state of the bench; None for drives on a real bus."""
         inner = None if self.bench is None or self.bench.inner is None else self.bench.inner.state()
         if inner is None or self.bench is None:
             return None

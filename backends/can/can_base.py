@@ -37,7 +37,7 @@ class CanBase(Base):
         self._command = (0.0, 0.0)
 
     def pass_on(self) -> None:
-        """Send the command to the drives, or zero if there is none: a command lives one period."""
+        """Send the command to the drives, or zero without one: a command is valid for one period."""
         (left, right), self._command = self._command, (0.0, 0.0)
         self._left.command(left)
         self._right.command(right)

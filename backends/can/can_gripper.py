@@ -16,10 +16,10 @@ _AWAY = 1e-3  # [m]
 
 
 class CanGripper(Gripper):
-    """Fingers whose drive strives for a width with limited torque: blocked, it presses.
+    """Fingers whose drive moves to a width with limited torque: blocked fingers press.
 
-    That they press is told by torque (6077h) at rest; a drive that tells none presses when its fingers stand
-    away from where they should have got to.
+    Pressing is detected by torque (6077h) at rest; without a reported torque, by fingers that rest away
+    from their expected position.
     """
 
     def __init__(self, spec: GripperSpec, axis: Axis) -> None:

@@ -46,7 +46,7 @@ class NoDrives(InputError):
 
 
 class TooManyCounts(InputError):
-    """What an axis can be told doesn't fit into a drive's 32 bits."""
+    """A possible set-point of an axis doesn't fit into a drive's 32 bits."""
 
     def __init__(self, drive: str, counts: float) -> None:
         message = f"{drive} would be told up to {counts:.3g} counts, counts/s or counts/s²"
@@ -81,7 +81,7 @@ class BusFault(CanFault):
 
 
 class QueueFull(BusFault):
-    """The interface has no room for what is to be sent: nobody takes it off the bus."""
+    """The interface has no room for frames to be sent: the bus doesn't take them."""
 
     def __init__(self, frames: int) -> None:
         super().__init__("sending", f"its queue is full, {frames} frames in a row were lost")
@@ -110,7 +110,7 @@ class LostAnswers(CanFault):
 
 
 class DriveNotReady(CanFault):
-    """A drive isn't enabled; told with what it says about its fault."""
+    """A drive isn't enabled; the message contains its state and fault."""
 
     def __init__(self, drive: str, state: str, fault: str) -> None:
         reason = f": {fault}" if fault else ""
@@ -125,7 +125,7 @@ class WrongDrive(CanFault):
 
 
 class EncoderWraps(CanFault):
-    """A drive's counts start over inside the travel of its axis: one reading stands for several positions."""
+    """A drive's counts start over inside the travel of its axis: one reading means several positions."""
 
     def __init__(self, drive: str, how: str) -> None:
         super().__init__(f"{drive}: {how}")
@@ -139,7 +139,7 @@ class Difference:
     index: int
     subindex: int
     name: str
-    """As the drive's EDS file calls it."""
+    """Name in the drive's EDS file."""
     wanted: int
     got: int | str
     """Or why nothing was read."""
@@ -158,14 +158,14 @@ class ReadBackDiffers(CanFault):
 
 
 class Emergency(CanFault):
-    """A node tells of a fault (EMCY)."""
+    """A node sends an emergency message (EMCY)."""
 
     def __init__(self, node: str, fault: str) -> None:
         super().__init__(f"{node} sends an emergency message: {fault}")
 
 
 class NodeRestarted(CanFault):
-    """A node has booted, or left OPERATIONAL, under way: what it counts from is no longer sure."""
+    """A node has booted, or left OPERATIONAL, during a run: the zero of its counts is no longer certain."""
 
     def __init__(self, node: str, what: str) -> None:
         super().__init__(f"{node} {what} under way; needed: OPERATIONAL")
@@ -179,7 +179,7 @@ class TwoNodes(CanFault):
 
 
 class Stranger(CanFault):
-    """Somebody else commands the drives."""
+    """Another node sends commands to the drives."""
 
     def __init__(self, what: str) -> None:
         super().__init__(
@@ -195,7 +195,7 @@ class Overloaded(CanFault):
 
 
 class OffDemand(CanFault):
-    """An axis doesn't do what it is told."""
+    """An axis doesn't follow its commands."""
 
     def __init__(self, drive: str, what: str) -> None:
         super().__init__(f"{drive} doesn't follow: {what}")

@@ -18,14 +18,14 @@ SUSPENDED_S = 0.01
 
 
 def suspended() -> float:
-    """For how long the machine has been suspended since it was started, in [s]."""
+    """Return how long the machine has been suspended since it was started [s]."""
     return time.clock_gettime(time.CLOCK_BOOTTIME) - time.monotonic()
 
 
 class Pace:
-    """Waits until a period of the wall clock is over.
+    """Wait until a period of the wall clock is over.
 
-    Late, it begins anew from then on: periods that were missed are not made up for by shorter ones.
+    A late period starts the next one anew: missed periods are not made up for by shorter ones.
     """
 
     def __init__(
@@ -49,7 +49,7 @@ class Pace:
         self._lateness = array("f")
         self._in_a_row, self._longest = 0, 0.0
         self.late = 0
-        """How many periods were over before they were waited for."""
+        """Number of periods that were over before the wait."""
         self.trouble = ""
         """Why the robot has to be stopped; "" while it needn't. Stays once it is said."""
 
@@ -65,12 +65,12 @@ class Pace:
             self._end = now + self._period
 
     def begin(self) -> None:
-        """Begin anew: what took long up to now was no period, such as setting drives up."""
+        """Start the first period now: earlier work, such as setting up drives, does not count."""
         self._end = self._clock() + self._period
         self._in_a_row = 0
 
     def figures(self) -> Mapping[str, Any]:
-        """How late periods ended, in [ms], and how many were missed."""
+        """Return the lateness of periods [ms] and the number of missed ones."""
         if not self._lateness:
             return {"periods": 0, "missed": 0}
         p50, p99 = (1e3 * float(each) for each in np.percentile(self._lateness, (50, 99)))

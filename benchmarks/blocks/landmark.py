@@ -1,10 +1,10 @@
-"""How fast and how exactly the landmark is found: python benchmarks/blocks/landmark.py [images]
+"""Measure the speed and accuracy of the landmark detector: python benchmarks/blocks/landmark.py [images]
 
 One thread, 640x480, f = 800 px, 300 mm above the mark, k1 = -0.28, k2 = 0.09, blur 0.7 px, noise sigma 3.
-Times are the least of many runs on one image; errors are root mean square and largest over images with the
-mark in any direction. Beside it: an ArUco tag of the same size with OpenCV's own ways to refine corners, its
-corners undistorted and laid on the plane in the same way, and the plain thing: threshold, contour,
-cornerSubPix.
+Times are minima over many runs on one image; errors are root mean squares and maxima over images with the
+mark in any direction. The comparison: an ArUco tag of equal size with OpenCV's corner refinements, its
+corners undistorted and projected onto the plane in the same way, and a simple detector (threshold,
+contour, cornerSubPix).
 """
 
 from __future__ import annotations
@@ -98,7 +98,9 @@ def aruco(refinement: int) -> Finder:
 
 
 def plain(image: GreyImage) -> Floats | None:
-    """Otsu's threshold, the largest quadrangle, cornerSubPix; the direction is not told."""
+    """Find the corners by Otsu's threshold, the largest quadrangle and cornerSubPix, without the
+    direction.
+    """
     _, dark = cv2.threshold(image, 0, 255, cv2.THRESH_BINARY_INV | cv2.THRESH_OTSU)
     outlines, _ = cv2.findContours(dark, cv2.RETR_LIST, cv2.CHAIN_APPROX_SIMPLE)
     squares = [cv2.approxPolyDP(each, 0.03 * cv2.arcLength(each, True), True) for each in outlines]
@@ -112,7 +114,7 @@ def plain(image: GreyImage) -> Floats | None:
 
 
 def errors(find: Finder, images: list[GreyImage], poses: list[Pose2]) -> tuple[list[float], list[float], int]:
-    """Of centres in [mm] and of angles modulo a quarter turn in [mrad], and how many were not found."""
+    """Return errors of centres [mm], of angles modulo a quarter turn [mrad], and the number not found."""
     centres, angles, missed = [], [], 0
     for image, pose in zip(images, poses, strict=True):
         corners = find(image)

@@ -1,9 +1,9 @@
-"""How far off blocks come to stand, by method and arm: Hatano et al. (2000) and the ways beyond it.
+"""Measure the errors of stacked blocks by method and arm: Hatano et al. (2000) and later methods.
 
 python -m benchmarks.blocks.stacking [EXPERIMENTS [ROW ...]] [--plots FOLDER]
 
-An experiment is 20 trials of five blocks (of the fence: 15); "max" is the median over the experiments of each
-one's largest error. ROW is a part of a row's name.
+An experiment is 20 trials of five blocks (of the fence: 15); "max" is the median over the experiments of
+each one's largest error. ROW is a part of a row's name.
 """
 
 from __future__ import annotations

@@ -25,11 +25,11 @@ class Experiment:
 
     errors: Floats
     sim_time: Floats
-    """Of each trial (n,), in [s]."""
+    """(n,) simulated times of the trials [s]."""
     frames: Floats
     """Pictures of each trial (n,)."""
     lost: tuple[str, ...]
-    """How the trials ended that didn't reach their goal: seed and reason."""
+    """Seed and reason of each trial that did not reach its goal."""
 
     @property
     def raw(self) -> Floats:
@@ -52,7 +52,7 @@ class Experiments:
 
     @property
     def mean(self) -> float:
-        """Of all blocks' raw errors, in [mm]."""
+        """Return the mean of all blocks' raw errors [mm]."""
         return float(np.mean([experiment.raw.mean() for experiment in self.each]))
 
     def median_of_maxima(self, processed: bool = False) -> float:
@@ -60,7 +60,7 @@ class Experiments:
         return float(np.median([(e.processed if processed else e.raw).max() for e in self.each]))
 
     def growth(self) -> tuple[float, float]:
-        """By how much |E_x| and |E_y| grow from block to block, in [mm], a line through their means."""
+        """Return the growth of |E_x| and |E_y| per block [mm]: the slopes of lines through their means."""
         errors = np.abs(np.concatenate([e.errors[..., 0:2] for e in self.each]))
         means = np.nanmean(errors, axis=0)
         slopes = np.polyfit(np.arange(len(means)), means, 1)[0]
@@ -95,7 +95,7 @@ def run_trials(
 
 
 def experiments_of(trials: Sequence[Trial], blocks: int) -> Experiments:
-    """Put trials together, 20 by 20 in the order of their seeds; a rest of fewer is left out."""
+    """Group trials by 20 in the order of their seeds; an incomplete last group is dropped."""
     ordered = sorted(trials, key=lambda trial: trial.seed)
     size = min(TRIAL_COUNT, len(ordered))
     groups = [ordered[i : i + size] for i in range(0, len(ordered) - size + 1, size)]

@@ -1,10 +1,10 @@
-"""Walls that the program plans from their drawings: where the base stands, and how far off the blocks are.
+"""Plan and build random walls from their drawings, and measure the errors of the blocks.
 
 python -m benchmarks.blocks.walls [WALLS [ROBOT]]
 
-Each wall is drawn anew, by its seed: 15 blocks in two or three rows, on a table that stands elsewhere and is
-turned, the landmark beside the wall elsewhere. It is planned by `handcart wall` and built once; "raw max" is
-the largest distance of a block from where it is drawn, by the ground truth, over all walls.
+Each wall is drawn by its seed: 15 blocks in two or three rows, on a table at a random pose, with a
+landmark at a random position beside the wall. It is planned by `handcart wall` and built once; "raw max"
+is the largest distance of a block from its drawn position, by the ground truth, over all walls.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ RESOLUTION, ORIGIN, SIZE = 0.02, (-0.2, -0.2), (6.4, 4.4)
 WIDE, DEEP, HIGH = 0.9, 0.6, 0.4  # [m] of the wall's table
 BLOCK_PITCH_MM = 90.0  # [mm] from block to block
 ROW_LENGTHS = {2: (8, 7), 3: (6, 5, 4)}
-"""Blocks of each row, the lowest first: each stands on two of the row below."""
+"""Number of blocks in each row, the lowest first: each block rests on two of the row below."""
 BLOCK_COUNT = 15
 
 

@@ -45,12 +45,12 @@ LANDMARK_FAULTS: tuple[Fault, ...] = ("", "one covered", "one too many", "it is 
 
 
 class Plan(NamedTuple):
-    """Where landmarks lie."""
+    """Positions of landmarks on a map."""
 
     places: Floats
     """(n, 2) on the map, in [m]."""
     next: tuple[float, float]
-    """Where one more would go on with it."""
+    """Position of one more landmark that would continue the pattern [m]."""
 
 
 def _lattice(columns: int, rows: int, across: float, along: float) -> Plan:

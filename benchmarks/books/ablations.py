@@ -1,4 +1,4 @@
-"""What each part of return_book is good for: success with it switched off, in generated libraries.
+"""Measure the value of each part of return_book: success without it, in generated libraries.
 
 python -m benchmarks.books.ablations [TRIALS]
 """

@@ -1,8 +1,8 @@
-"""How well call numbers are read: python benchmarks/books/perception.py [labels a face]
+"""Measure how well call numbers are read: python benchmarks/books/perception.py [labels a face]
 
-Labels in faces that the reader was not made from, at 0.375 mm a pixel: blur 0.7 px, noise sigma 3, lens
-k1 = -0.28, a light gradient, small tilts; three views of each label. "Wrong" is a call number that isn't the
-label's.
+Labels in faces that the reader was not made from, at 0.375 mm a pixel: blur 0.7 px, noise sigma 3, lens k1
+= -0.28, a light gradient, small tilts; three views of each label. "Wrong" counts call numbers that differ
+from the label's.
 """
 
 from __future__ import annotations

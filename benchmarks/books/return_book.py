@@ -1,4 +1,4 @@
-"""How fast return_book is simulated, camera included.
+"""Measure the speed of a simulated return_book, camera included.
 
 python -m benchmarks.books.return_book [RUNS]
 """
@@ -17,7 +17,7 @@ TASK_FILE = Path(__file__).parent.parent.parent / "tasks" / "return_book" / "tas
 
 
 def main() -> None:
-    """Print the table; the first run, which compiles and draws textures, stands apart."""
+    """Print the table; the first run, which compiles code and draws textures, has a row of its own."""
     words = argparse.ArgumentParser(description=__doc__)
     words.add_argument("runs", nargs="?", type=int, default=5)
     runs = words.parse_args().runs

@@ -1,13 +1,13 @@
-"""Returning a book in libraries that make it hard: success against difficulty.
+"""Return a book in difficult libraries, and measure success against difficulty.
 
 python -m benchmarks.books.unfriendly [LIBRARIES|FIRST:END] [FACTOR=LEVEL ...]
 
-From before the shelf, docked within 5 mm and 0.5 degrees: RECOGNIZE, PICK_UP, SEARCH, APPROACH, INSERT,
-RELEASE, in a library of each seed; a Fail that isn't permanent is tried once more, from SEARCH on. Without
-factors: each alone at levels 0.5 and 1, then all together (a+b: two at once). "Solvable" are libraries in
-which the slot is at least 3 mm wider than the book and nothing stands in it or leans into it; "refused" those
-of the others in which RELEASE doesn't succeed. "Hurt": a wrong slot, or a book pushed back by over 10 mm, by
-the ground truth.
+From the place in front of the shelf, docked within 5 mm and 0.5 degrees: RECOGNIZE, PICK_UP, SEARCH,
+APPROACH, INSERT, RELEASE, in one library per seed; a Fail that isn't permanent is tried once more, from
+SEARCH. Without factors: each alone at levels 0.5 and 1, then all together (a+b: two at once). "Solvable"
+are libraries whose slot is at least 3 mm wider than the book, and free; "refused" are the other ones in
+which RELEASE doesn't succeed. "Hurt": a wrong slot, or a book pushed back by over 10 mm, by the ground
+truth.
 """
 
 from __future__ import annotations
@@ -51,20 +51,20 @@ DOCKED_START = {"start_mm: 20.0": "start_mm: 5.0", "start_deg: 1.0": "start_deg:
 
 
 class Tried(NamedTuple):
-    """What came of one library."""
+    """Result of one library."""
 
     seed: int
     no_slot: str
-    """Why there is no slot; empty where there is one."""
+    """Reason why there is no slot; empty if there is one."""
     done: bool
-    """Whether RELEASE ended in Success."""
+    """True if RELEASE ended in Success."""
     reason: str
     wrong_slot: bool
     pushed_mm: float
 
     @property
     def hurt(self) -> bool:
-        """Whether something happened that a librarian minds."""
+        """Return True for a wrong slot or a book pushed back by over 10 mm."""
         return self.wrong_slot or self.pushed_mm > 10.0
 
 

@@ -1,9 +1,10 @@
-"""How often `campaign compare` sees a difference: where there is none, and where there is one.
+"""Measure how often `campaign compare` reports a difference, with and without a true one.
 
     python -m benchmarks.campaigns.comparing [--pairs 1000] [--trials 200]
 
-A pair of campaigns are walks through one action network, outcomes drawn independently in both, or with a
-lower probability of one action in the second. The power is held against that of the exact McNemar test.
+A pair of campaigns are walks through one action network, with outcomes drawn independently in both, or
+with a lower probability of one action in the second. The power is compared with that of the exact McNemar
+test.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ LOWER_PROBABILITY = 0.4
 
 
 def drawn(trials: WalkedTrials, count: int, first: int) -> Sequence[Trial]:
-    """So many trials from a seed on, renumbered from 0: what is drawn for a pair is independent."""
+    """Return `count` trials from a seed on, renumbered from 0, so that pairs are independent."""
     return [replace(trials.trial(first + seed), seed=seed) for seed in range(count)]
 
 

@@ -1,11 +1,12 @@
-"""Whether what is learned from three quarters of a campaign predicts the last one, with faults on.
+"""Test whether three quarters of a campaign predict the last quarter, with injected faults.
 
     python -m benchmarks.campaigns.fitted [FOLDER] [--trials 240] [--tasks return_book ...]
 
-Runs each task on the kinematic backend with `faults.yaml`, in folders of FOLDER that the same command goes on
-with; learns from the first seeds, and tells for the last quarter of them the share of Successes with its
-95 % interval (Wilson), the mean time with its own (Student), and what was predicted of both. Then 10^6 walks
-by what all of them show, and as many through a network with probabilities, beside the exact value.
+Runs each task on the kinematic backend with `faults.yaml`, in subfolders of FOLDER that the same command
+continues; learns from the first seeds, and prints for the last quarter the share of Successes with its 95
+% interval (Wilson), the mean time with its own (Student), and the predictions of both. Then 10^6 walks
+with parameters learned from all trials, and as many through a network with probabilities, beside the exact
+value.
 """
 
 from __future__ import annotations

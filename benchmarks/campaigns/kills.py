@@ -1,9 +1,9 @@
-"""Campaigns whose parent or worker is killed at random instants: is any trial lost or counted twice?
+"""Kill the parent or a worker of campaigns at random instants, and count lost and doubled trials.
 
     python -m benchmarks.campaigns.kills [--kills 200] [--trials 60000] [--seed 0]
 
-Each campaign goes on with the same command until it is over; then its report must be that of one that
-nobody disturbed, to the byte.
+Each campaign is continued with the same command until it ends; then its report must equal that of an
+undisturbed campaign, byte for byte.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def command(task: Path, out: Path, trials: int) -> list[str]:
 
 
 def children(process: int) -> list[int]:
-    """Those of a process, by their numbers."""
+    """Return the process IDs of a process's children."""
     try:
         found = Path(f"/proc/{process}/task/{process}/children").read_text(encoding="utf-8")
     except OSError:

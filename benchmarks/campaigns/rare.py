@@ -1,10 +1,10 @@
-"""Rare ends by multilevel splitting, against the exact value: bias, coverage of the interval, and cost.
+"""Compare rare ends by multilevel splitting with the exact value: bias, coverage, and cost.
 
     python -m benchmarks.campaigns.rare [--estimates 1000] [--runs 20]
 
-Of walks: so many independent estimates, each of 20 populations of 100; where GiveUp comes after Fails alone,
-where nothing is left to try, and where a part of the GiveUps comes at once, which no level helps with. Of
-runs on the kinematic backend: one estimate of so many populations of 50.
+Walks: `--estimates` independent estimates, each of 20 populations of 100, in three networks: GiveUp after
+Fails alone; no action left to try; and a part of the GiveUps at once, which no level can help with. Runs
+on the kinematic backend: one estimate of `--runs` populations of 50.
 """
 
 from __future__ import annotations

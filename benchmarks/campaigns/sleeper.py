@@ -1,4 +1,4 @@
-"""A trial that takes 50 ms, and next to nothing to import: what a campaign costs beside its trials."""
+"""A trial that takes 50 ms and imports almost nothing: the rest is the cost of the campaign itself."""
 
 from __future__ import annotations
 
@@ -17,5 +17,5 @@ def sleep(seed: int) -> Trial:
 
 
 def sleep_there(seed: int) -> bytes:
-    """The same on a cluster."""
+    """Run the same trial on a cluster."""
     return line_of(sleep(seed))

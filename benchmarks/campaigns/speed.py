@@ -1,13 +1,13 @@
-"""What a campaign costs beside its trials: time and memory.
+"""Measure the time and memory that a campaign takes beside its trials.
 
     python -m benchmarks.campaigns.speed [--trials 100000]
 
 The network alone, as a command, start included, and the page of 10,000 trials; trials of 50 ms on two
-workers against the ideal: processes, two shards that are merged, those of a Dask scheduler; memory of many
-trials and their report.
+workers against the ideal: processes, two merged shards, a Dask scheduler; memory of many trials and their
+report.
 
-Processes that are started import this module once more, so what is large is imported where it is used. What
-a trial itself imports is no cost of the campaign: it is told beside.
+Started processes import this module once more, so large imports are made where they are used. The imports
+of a trial itself are no cost of the campaign: they are printed apart.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ SLEEPER_COUNT = 1000
 
 
 def overhead(path: Path, running: Iterable[list[Trial]]) -> tuple[float, float]:
-    """By how much longer than ideal a campaign takes on two workers: in all, and from the first trial on."""
+    """Return the excess over the ideal time on two workers [%]: in all, and from the first trial on."""
     began = time.monotonic()
     first, ended = 0.0, 0
     with TrialLog(path) as log:
@@ -53,7 +53,7 @@ def overhead(path: Path, running: Iterable[list[Trial]]) -> tuple[float, float]:
 
 
 def shards(folder: Path) -> tuple[float, float]:
-    """The same for two parts, each by a process with one worker, from their start until they are merged."""
+    """Return the same excess for two shards, each with one worker, from their start until they are merged."""
     parts = [folder / f"part_{number}" for number in (1, 2)]
     spawned = multiprocessing.get_context("spawn")
     firsts = spawned.SimpleQueue()
@@ -73,7 +73,7 @@ def shards(folder: Path) -> tuple[float, float]:
 
 
 def shard(folder: Path, firsts: SimpleQueue[float]) -> None:
-    """One of the parts, as its folder's name says; tells when its first trial has ended."""
+    """Run the shard that the folder's name gives; report when its first trial has ended."""
     number = int(folder.name.removeprefix("part_"))
     made = CampaignFolder.made(folder, {"first": 0, "trials": SLEEPER_COUNT, "shard": f"{number}/2"})
     with made.log() as log:

@@ -45,7 +45,7 @@ class Toss(ActionPrimitive):
     """Fails by the noise of two readings of one beam; the last one gives up instead."""
 
     fails: float
-    """How often."""
+    """Probability of a Fail."""
     last: bool = False
     needs: ClassVar = (RangeSensor,)
 

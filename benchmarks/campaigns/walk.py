@@ -1,4 +1,4 @@
-"""A small task whose actions have probabilities, for campaigns of the network alone."""
+"""A small task with probabilities of its actions, for campaigns of the network alone."""
 
 from __future__ import annotations
 

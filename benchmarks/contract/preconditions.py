@@ -1,13 +1,13 @@
-"""Whether primitives refuse to start with the wrong thing in the hand, and say so truly.
+"""Test that primitives refuse to start with the wrong object in the hand, for the true reason.
 
     python -m benchmarks.contract.preconditions [--backend kinematic] [--seeds 1] [--tasks WORD]
 
-Each shipped task that its domain rehearses is run action by action. Before each of its actions every
-primitive of the task is tried in a copy of the process, with the parameters of its actions and with another
-object: so it starts with the hand empty, full, with another object, and at the wrong place. Where what the
-hand truly holds contradicts the declared precondition it must be a Fail that moves nothing and names the
-hand; whatever else starts must end truly. Prints a line for each stage, and the sum; status 1 where anything
-is wrong.
+Each shipped task that its domain rehearses is run action by action. Before each action, every primitive of
+the task is tried in a copy of the process, with the parameters of its actions and with another object: so
+it starts with the hand empty, full, with another object, and at the wrong place. If the object in the hand
+contradicts the declared precondition, the outcome must be a Fail that moves nothing and names the hand;
+every other attempt must end truly. Prints a line for each stage, and the sum; status 1 if anything is
+wrong.
 """
 
 from __future__ import annotations
@@ -34,9 +34,9 @@ from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.preconditions.hand_use import Hand
 
 STILL_M = 1e-4
-"""Of base, joints and fingers together, in [m] and [rad], below which nothing was moved."""
+"""Sum of the motions of base, joints and fingers below which nothing has moved [m], [rad]."""
 NAMES_HAND = ("the hand ", "no book has been recognized")
-"""How the reason of a refusal by the hand begins."""
+"""Beginnings of reasons that refuse a start because of the hand."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -45,13 +45,13 @@ class Tried:
 
     name: str
     held: str
-    """What the hand held, by ground truth."""
+    """Objects in the hand, by ground truth."""
     refused: bool
-    """Whether its declared precondition did not hold, by ground truth."""
+    """True if the declared precondition did not hold, by ground truth."""
     outcome: str
     reason: str
     moved: float
-    """How far anything was commanded away from where it was, in [m] and [rad] together."""
+    """Commanded motion away from the start, in [m] and [rad] together."""
     wrong: tuple[str, ...]
 
     @property
@@ -102,7 +102,7 @@ def _with_another(
 
 
 def started(primitive: ActionPrimitive, rehearsed: Underway) -> Tried:
-    """Start a primitive where a rehearsal stands, and hold its outcome against the truth."""
+    """Run a primitive at the current stage of a rehearsal, and compare its outcome with the truth."""
     truth = rehearsed.backend.ground_truth()
     held = "" if truth is None else ", ".join(sorted(things_held(truth)))
     use, thing = primitive.hand_use(), primitive.thing(rehearsed.model.view(primitive))
@@ -130,7 +130,7 @@ def _commands(robot: Any) -> np.ndarray:
 
 
 def stages(rehearsal: Rehearsal, seconds: float) -> Iterator[tuple[str, list[Tried], int]]:
-    """Give each stage of a task, what was tried in it, and how many did not end in time."""
+    """Yield each stage of a task, the primitives tried in it, and the number that did not end in time."""
     with forkable():
         for number, name, underway in rehearsal.attempts():
             tried, cut = [], 0

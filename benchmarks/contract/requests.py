@@ -1,12 +1,12 @@
-"""Whether pause, stop, cancel and restore are applied once, to the action that they are meant for.
+"""Test that pause, stop, cancel and restore are applied once, to the action that they name.
 
     python -m benchmarks.contract.requests [--tasks WORD] [--seed 0] [--first 5] [--last 10] [--every 1]
 
-Shipped tasks are run once to learn how long each action takes, and once more with a copy of the process for
-each request: in each of the first and last periods of every action, between actions, and at each event. A
-copy asks once and runs on until it is known what came of it. Counted are requests that were eaten (taken, and
-nothing came of it), doubled, or misapplied (to another action). Prints a line for each task, and the sum;
-status 1 where there is one.
+Shipped tasks are run once to measure the length of each action, and once more with a copy of the process
+for each request: in each of the first and last periods of every action, between actions, and at each
+event. A copy sends one request and runs on until its effect is known. Counted are requests that were eaten
+(taken, without an effect), doubled, or misapplied (to another action). Prints a line for each task, and
+the sum; status 1 if there is one.
 """
 
 from __future__ import annotations
@@ -73,18 +73,18 @@ class Asked:
 
     @property
     def started(self) -> int:
-        """How many actions were started since."""
+        """Number of actions started since the request."""
         return sum(isinstance(each, Started) for each in self.events)
 
     def outcome(self) -> Any:
-        """Of the action that was meant; None while it goes on."""
+        """Outcome of the action that was named; None while it runs."""
         return next(
             (each.outcome for each in self.events if isinstance(each, Ended) and each.number == self.meant),
             None,
         )
 
     def others_failed(self) -> bool:
-        """Whether another action did not succeed."""
+        """True if another action did not succeed."""
         ended = [each for each in self.events if isinstance(each, Ended) and each.number != self.meant]
         return any(not isinstance(each.outcome, Success) for each in ended)
 

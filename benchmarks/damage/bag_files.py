@@ -24,7 +24,7 @@ Stamp = Callable[[str, float], float]
 
 
 class BagDrive(NamedTuple):
-    """What a vehicle's drivers publish."""
+    """Messages that a vehicle's drivers publish."""
 
     times: Array
     """(n,) from 0 on, in [s]."""
@@ -87,12 +87,13 @@ def write_bag(
     """Write a bag of rosbag2; of ROS 1 if `storage` is ROS1.
 
     Args:
-        path: a folder that doesn't exist; of ROS 1 a .bag file.
-        drive: what is published.
+        path: a folder that doesn't exist yet; a .bag file for ROS 1.
+        drive: the published messages.
         storage: SQLITE3, MCAP or ROS1.
         stamp: returns the header stamp of a message, by topic and time, in [s].
-        topics: those to write, each with the type that is declared.
-        compression: what is compressed with zstd: NONE, FILE, MESSAGE, or STORAGE (chunks of MCAP).
+        topics: the topics to write, each with its declared type.
+        compression: the part that is compressed with zstd: NONE, FILE, MESSAGE, or STORAGE (chunks of
+            MCAP).
     """
     from rosbags.rosbag1 import Writer as Writer1
     from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin

@@ -1,4 +1,4 @@
-"""What is done to a run's folder: by accident, or by somebody who means harm."""
+"""Damage to a run's folder: accidents and attacks."""
 
 from __future__ import annotations
 
@@ -35,12 +35,12 @@ _ALSO = ("summary.new", "checkpoint.new", "explained_001.svg", ".new.explained_0
 
 @dataclass(frozen=True)
 class Scene:
-    """Where an attack happens."""
+    """Folder that is attacked, with its surroundings."""
 
     folder: Path
     """The run's, a copy of an original."""
     outside: Path
-    """A folder that nobody may touch."""
+    """Folder outside the run, which must stay untouched."""
     canary: Path
     """Made by code that runs."""
     originals: Sequence[Original]
@@ -52,7 +52,7 @@ class Scene:
         return self.rng.choice(found) if found else None
 
     def bytes_of(self, name: str) -> bytearray:
-        """A file's content; empty where there is none."""
+        """Return a file's content; empty if the file doesn't exist."""
         path = self.folder / name
         return bytearray(path.read_bytes()) if path.is_file() else bytearray()
 
@@ -61,7 +61,7 @@ Attack = Callable[[Scene], None]
 
 
 def nothing(scene: Scene) -> None:
-    """Nobody does anything."""
+    """Leave the folder as it is."""
 
 
 # Accidents
@@ -87,7 +87,7 @@ def _flip(scene: Scene, name: str) -> None:
 
 
 def flip_newline(scene: Scene) -> None:
-    """A newline between two records is something else."""
+    """Flip a bit of a newline between two records."""
     content = scene.bytes_of(JOURNAL_FILE)
     ends = [place for place, byte in enumerate(content) if byte == 10]
     if ends:
@@ -126,7 +126,7 @@ def swap(scene: Scene) -> None:
 
 
 def lose(scene: Scene) -> None:
-    """A file is gone, or empty, or full of something else."""
+    """Delete a file, empty it, or fill it with other content."""
     name = scene.rng.choice(_FILES)
     path = scene.folder / name
     _away(path)
@@ -138,7 +138,7 @@ def lose(scene: Scene) -> None:
 
 
 def pickled(scene: Scene) -> None:
-    """What runs when it is unpickled, under every name."""
+    """Put code that runs when it is unpickled under every name."""
     command = f"touch {scene.canary}"
     payloads = (
         b"cposix\nsystem\n(V" + command.encode() + b"\ntR.",
@@ -182,7 +182,7 @@ def link(scene: Scene) -> None:
 
 
 def special(scene: Scene) -> None:
-    """A pipe, a folder or a link to a device stands where a file should."""
+    """Replace a file by a pipe, a folder or a link to a device."""
     path = scene.folder / scene.rng.choice((*_FILES, *_ALSO, "control"))
     _away(path)
     kind = scene.rng.randrange(4)
@@ -341,7 +341,7 @@ def damaged_evidence(scene: Scene) -> None:
 
 
 def calibrated(scene: Scene) -> None:
-    """A calibration that nobody made."""
+    """Write a forged calibration."""
     texts = (
         b"!!python/object/apply:os.system ['touch " + bytes(scene.canary) + b"']\n",
         b"format: handcart-calibration/1\nrobot: ../../../etc/passwd\nfound: {}\n",
@@ -361,7 +361,7 @@ FOLDER_ATTACKS: tuple[Attack, ...] = (
     *(pickled, link, link, special, huge, forged_record, forged_record, forged_order, forged_header),
     *(forged_state, forged_state, forged_engine, calibrated),
 )
-"""After these nothing runs, nothing outside is touched, and all is told in words."""
+"""Attacks after which nothing may run, nothing outside may change, and every fault has a clear message."""
 
 
 def _away(path: Path) -> None:

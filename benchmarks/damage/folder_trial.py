@@ -54,9 +54,9 @@ class Watch:
     """Notes what a process does that reading a folder must not do, by Python's audit events."""
 
     allowed: Sequence[Path]
-    """Where may be written."""
+    """Folders in which writing is allowed."""
     forbidden: Path
-    """What nobody may open."""
+    """File that must not be opened."""
     seen: list[str] = field(default_factory=list)
     on: bool = False
 
@@ -90,12 +90,12 @@ class Watch:
 
 
 def _cache(path: Any) -> bool:
-    """Whether Python or Numba keeps what it compiled there."""
+    """Return True if Python or Numba keeps compiled code at this path."""
     return "__pycache__" in Path(os.fsdecode(path)).parts
 
 
 def _compiling() -> bool:
-    """Whether Numba reads what it compiled before."""
+    """Return True if Numba is reading its compiled code."""
     frame: Any = sys._getframe()
     while frame is not None:
         if frame.f_globals.get("__name__", "").startswith(("numba", "llvmlite")):
@@ -106,13 +106,13 @@ def _compiling() -> bool:
 
 @dataclass(frozen=True)
 class Verdict:
-    """What came of one attack."""
+    """Result of one attack."""
 
     number: int
     attack: str
     original: str
     ended: str
-    """How `resume` ended: put back, gone on, or the class of the refusal."""
+    """End of `resume`: put back, continued, or the class of the refusal."""
     wrong: tuple[str, ...]
 
 
@@ -162,7 +162,7 @@ class Trials:
         return header, self._made[key]
 
     def forget(self) -> None:
-        """Make robots anew from now on: one of them was put somewhere odd."""
+        """Close the robots, so that new ones are built: one of them was put into an odd state."""
         for each in self._made.values():
             each.backend.close()
         self._made.clear()
@@ -280,7 +280,7 @@ class _Tried:
 
 
 def _contents(folder: Path) -> dict[str, object]:
-    """What is in a folder, and when it was changed."""
+    """Return each path in a folder with its modification time, size and number of links."""
     return {
         str(path): (path.lstat().st_mtime_ns, path.lstat().st_size, path.lstat().st_nlink)
         for path in sorted(folder.rglob("*"))

@@ -1,4 +1,4 @@
-"""Making a journal or a checkpoint anew around changed content, with all its checksums right."""
+"""Forge a journal or a checkpoint with changed content and correct checksums."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ ODD_VALUES: tuple[Any, ...] = (
     *("", "../../../etc/passwd", "\x1b[2J", "\u202e", "x" * 5000, "%s%n", "__import__('os').system('x')"),
     *([], {}, [[]], {"a": 1}, [None] * 50, {"n": {"n": {}}}, [1e308, -1e308], {"": ""}),
 )
-"""Values that nobody expects where they stand."""
+"""Unexpected values for any field."""
 _ARRAYS: tuple[Callable[[np.ndarray], Any], ...] = (
     lambda a: np.full_like(a, np.nan) if a.dtype.kind == "f" else a,
     lambda a: np.full_like(a, np.inf) if a.dtype.kind == "f" else a,
@@ -35,7 +35,7 @@ _ARRAYS: tuple[Callable[[np.ndarray], Any], ...] = (
 
 
 def reseal(folder: Path, change: Callable[[list[dict[str, Any]]], None]) -> None:
-    """Change a journal's records, and chain them anew."""
+    """Change a journal's records, and recompute their checksums."""
     records = [dict(each) for each in read_journal(folder / JOURNAL_FILE).records]
     change(records)
     lines, last = [], FIRST_CHECKSUM

@@ -66,7 +66,7 @@ def fuzz_binaries(folder: Path, count: int, seed: int = 0) -> Iterator[Failure |
 
 
 def _put(path: Path, content: bytes, rng: random.Random) -> bytes:
-    """Something at `path`, in one of 20 cases no file that could be read whole; what is in it."""
+    """Write content at `path`, damaged, or as a pipe or folder in one of 20 cases; return the content."""
     special = rng.randrange(60)
     if special == 0:
         os.mkfifo(path)
@@ -114,7 +114,7 @@ def _renumbered(content: bytes, rng: random.Random) -> bytes:
 
 
 def _resized(content: bytes, rng: random.Random) -> bytes:
-    """A PNG tells another size or kind of pixel; its checksum is right."""
+    """Return a PNG whose header states another size or pixel format, with a correct checksum."""
     if content[12:16] != b"IHDR" or len(content) < 33:
         return content
     width, height = (rng.choice((0, 1, 5_001, 30_000, 60_000, 2_000_000_000)) for _ in range(2))

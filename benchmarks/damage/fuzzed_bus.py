@@ -1,4 +1,4 @@
-"""Frames that nobody should send, into a robot's bus: what the program raises, and what its drives do."""
+"""Put unexpected frames on a robot's bus, and watch the program's errors and its drives."""
 
 from __future__ import annotations
 
@@ -36,23 +36,23 @@ _KEPT = 200  # frames of the real traffic that are remembered
 
 @dataclass(frozen=True)
 class Attack:
-    """What came of a noisy bus."""
+    """Result of one noisy bus."""
 
     number: int
     phase: str
     frames: int
-    """How many were heard that nobody should have sent."""
+    """Number of unexpected frames that were received."""
     fault: str
-    """The program's words; "" where it went on to its end."""
+    """Message of the program's fault; "" if it ran to its end."""
     wrong: str
-    """What must not be: an error that is no `CanFault`, a drive that keeps its torque; "" where nothing."""
+    """Violation: an error other than `CanFault`, or a drive that keeps its torque; "" if there is none."""
 
 
 class Noise:
     """Random frames, and what becomes of real ones."""
 
     def __init__(self, rng: random.Random, nodes: list[int]) -> None:
-        """For drives with these node IDs."""
+        """Make noise for drives with these node IDs."""
         self._rng, self._nodes = rng, nodes
         self._heard: deque[can.Message] = deque(maxlen=_KEPT)
 
@@ -69,7 +69,7 @@ class Noise:
         return self._plain(self._rng.randrange(0x800), self._rng.randbytes(self._rng.randrange(9)))
 
     def _aimed(self) -> can.Message:
-        """As if a drive sent it."""
+        """Return a frame that looks as if a drive had sent it."""
         can_id = self._rng.choice(_ANSWERS) + self._rng.choice(self._nodes)
         return self._plain(can_id, self._rng.randbytes(self._rng.choice((0, 1, 1, 2, 4, 6, 8, 8))))
 
@@ -127,7 +127,7 @@ class NoisyBus(can.BusABC):
         self.level = 0
         """Frames at most behind one that the program sends; 0: it is quiet."""
         self.frames = 0
-        """How many were heard."""
+        """Number of unexpected frames that were received."""
         self.channel_info = bus.channel_info
         super().__init__(channel=bus.channel_info)
 
@@ -161,7 +161,7 @@ class NoisyBus(can.BusABC):
         return frame, True
 
     def _shouted(self) -> can.Message:
-        """A frame that nobody should send; drives hear it, too, unless it commands them: they would obey."""
+        """Return an unexpected frame; drives receive it too, unless it commands them: they would obey."""
         self._due, self.frames = self._due - 1, self.frames + 1
         frame = self._noise.frame()
         self._words.describe(frame)

@@ -96,7 +96,9 @@ def fuzz(
 
 
 def why_not(folder: Path, path: Path, check: Callable[[Path], object]) -> str:
-    """What goes wrong when a file in a folder is checked; empty if it passes, or is refused in words."""
+    """Return the violation when a file in a folder is checked; "" if it passes or is refused with a
+    message.
+    """
     before = _fingerprint(folder)
     try:
         with _at_most(MAX_CHECK_CPU_S, MAX_MEMORY_BYTES):

@@ -1,4 +1,4 @@
-"""What a run's operator line may be sent by somebody who means no good, or has a fault."""
+"""Faulty and malicious messages to a run's operator line."""
 
 from __future__ import annotations
 

@@ -25,12 +25,12 @@ _PARTS = ("", "0", "1", "-1", "1_0", "nan", "inf", "1e999", "N", "E", "4800.1", 
 
 @dataclass(frozen=True)
 class Account:
-    """What came of some sentences."""
+    """Result of some sentences."""
 
     sentences: int
     fixes: int
     wrong: str
-    """What must not be: an error, a fix without place, the same or an older time of day again."""
+    """Violation: an error, a fix without a position, or a time of day that repeats or goes back."""
 
 
 class _Fed:
@@ -126,7 +126,7 @@ def _sentence(rng: random.Random, now: float, said: list[bytes]) -> bytes:
 
 
 def _sound(rng: random.Random, now: float) -> bytes:
-    """As a receiver sends it; now and then its clock is wrong."""
+    """Return a sentence as a receiver sends it; in some of them its clock is wrong."""
     utc = now - rng.uniform(0.0, 4.0) if rng.random() < 0.5 else now
     if rng.random() < 0.05:
         utc += rng.uniform(-43000.0, 43000.0)

@@ -144,7 +144,7 @@ def _any_pair(
 
 
 def places_in(words: str, name: str) -> list[int]:
-    """The lines of a file of that name that are told in words of `check`."""
+    """Return the lines of the file `name` that the output of `check` names."""
     return [int(found) for found in re.findall(rf"{re.escape(name)}:(\d+):\d+: ", words)]
 
 

@@ -30,16 +30,16 @@ class Recipe:
 
     name: str
     task: str
-    """In the folder of tasks."""
+    """Path of the task in the tasks folder."""
     after: tuple[int, ...]
     """Actions after which it is left."""
     backend: str | None = None
     bench: str | None = None
     settings: tuple[tuple[str, str], ...] = ()
     whole: bool = False
-    """Whether it is run to its end; else it is left after the last of these actions."""
+    """True if the task is run to its end; otherwise it is left after the last of these actions."""
     weight: float = 1.0
-    """How often folders of it are taken."""
+    """Relative frequency with which its folders are chosen."""
 
 
 _OF_BLOCKS = (("method", "fix_once"), ("look", "false"))
@@ -124,7 +124,7 @@ def _copy(folder: Path, to: Path) -> None:
 
 
 def _give_up(folder: Path) -> None:
-    """As if the next action had given up."""
+    """Append records as if the next action had given up."""
     contents = read_run_journal(folder)
     done = sum(each["kind"] == "START" for each in contents.records)
     plan = next(each for each in contents.records if each["kind"] == "PLAN")
@@ -141,7 +141,7 @@ def _give_up(folder: Path) -> None:
 
 
 def state_of(prepared: Prepared) -> str:
-    """What names the state that a run was put back to; the engine's own part has its own checks."""
+    """Return a digest of the state of a run; the engine's own part has checks of its own."""
     backend = prepared.backend.state()
     kept = (
         {key: value for key, value in backend.items() if key != "engine"} if isinstance(backend, dict) else {}
@@ -150,7 +150,7 @@ def state_of(prepared: Prepared) -> str:
 
 
 def key_of(header: Mapping[str, Any]) -> bytes:
-    """What two headers share whose runs are gone on with alike."""
+    """Return the key that two headers share if their runs continue alike."""
     names = ("task_path", "backend", "settings", "seed", "start", "errors", "bench")
     return orjson.dumps({name: header[name] for name in names})
 

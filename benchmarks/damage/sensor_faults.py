@@ -1,9 +1,10 @@
 """Plant sensor faults in logs: `python -m benchmarks.damage.sensor_faults [--logs N] [--seed N]`
 
-Logs of a lawn mower, a truck and a skid-steer robot (`benchmarks.field.foreign_logs`). In the second half of
-each the wheels stand, the gyros freeze or the receiver repeats its fix; or over the whole log the wheels have
-another sign or unit, or the fixes' axes are exchanged. Printed for each fault: in how many logs `handcart
-localize` reports it. Without a fault, and for a vehicle that parks, it has to say nothing of the kind.
+Logs of a lawn mower, a truck and a skid-steer robot (`benchmarks.field.foreign_logs`). In the second half
+of each the wheels stop, the gyros freeze or the receiver repeats its fix; or over the whole log the wheels
+have another sign or unit, or the axes of the fixes are exchanged. Prints for each fault the number of logs
+in which `handcart localize` reports it. Without a fault, and for a parked vehicle, it has to report
+nothing.
 """
 
 from __future__ import annotations
@@ -71,7 +72,7 @@ def without_fault(log: DriveLog) -> DriveLog:
 
 
 def parked(log: DriveLog) -> DriveLog:
-    """Let the vehicle stand from the middle of a log on; its receiver errs as before."""
+    """Let the vehicle stand still from the middle of a log; the errors of its receiver continue."""
     half = _half(log)
     wheels, turns = _zero_from(log.wheels, half), _zero_from(log.odometry_turns, half)
     rates, felt = log.rates.copy(), log.accelerations.copy()

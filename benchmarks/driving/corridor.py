@@ -1,11 +1,11 @@
-"""Corridors with and without pillars, driven by wheels that are off: python -m benchmarks.driving.corridor
+"""Drive corridors with and without pillars with wheel errors: python -m benchmarks.driving.corridor
 
-Each run has a corridor of 20 to 100 m, closed at both ends, wheels whose radius and slip err by a sigma of
-0.2 to 5 %, a lidar of 4 to 12 m reach, and in half of the runs a pallet across the way. The robot's file says
-nothing about its wheels. The ground truth judges, with limits that no claim changes: a Success of MOVE_TO is
-false where the base is farther off than the place's tolerance (40 mm; in a quarter of the runs 500 mm, with
-odd seeds along the corridor alone; 1 degree), a Fail where it is over 45 mm or 2 degrees from where it
-began. With pillars, a run without a pallet should reach both places.
+Each run has a corridor of 20 to 100 m, closed at both ends, wheels whose radius and slip have errors with
+a sigma of 0.2 to 5 %, a lidar of 4 to 12 m range, and in half of the runs a pallet across the corridor.
+The robot's file does not state these errors. The ground truth judges, within limits that no claim changes:
+a Success of MOVE_TO is false if the base is farther off than the place's tolerance (40 mm; in a quarter of
+the runs 500 mm, with odd seeds along the corridor alone; 1 degree), a Fail if it is over 45 mm or 2
+degrees from its start. With pillars, a run without a pallet should reach both places.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ class Case(NamedTuple):
 
 
 class Ended(NamedTuple):
-    """What came of one MOVE_TO."""
+    """Result of one MOVE_TO."""
 
     outcome: str
     reason: str
@@ -127,7 +127,7 @@ def make_files(case: Case, folder: Path) -> RigFiles:
 
 
 def moved_start(case: Case) -> Pose2:
-    """How far off the base is set down: none, or farther than a task's start is known."""
+    """Return the offset of the true start: none, or more than the stated start allows."""
     if not case.wrong_start:
         return Pose2(0.0, 0.0, 0.0)
     rng = np.random.default_rng([case.seed, 78])
@@ -138,7 +138,7 @@ def moved_start(case: Case) -> Pose2:
 
 
 def is_by_direction(case: Case) -> bool:
-    """Whether places allow more along the corridor than across it."""
+    """Return True if places allow a larger error along the corridor than across it."""
     return case.tolerance_mm > SUCCESS_LIMIT[0] and case.seed % 2 == 1
 
 

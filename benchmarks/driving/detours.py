@@ -34,7 +34,7 @@ Array = NDArray[np.float64]
 
 
 class Drive(NamedTuple):
-    """What came of a path."""
+    """Result of one path."""
 
     length: float
     nearest: float  # [m] between body and obstacles, negative in them
@@ -80,7 +80,7 @@ def drive(path: CarPath, discs: Array, rng: np.random.Generator) -> Drive:
 
 
 class Car:
-    """What really happens: steering that takes its time, a localization that is off."""
+    """True motion of a car with slow steering and localization errors."""
 
     def __init__(self, discs: Array, rng: np.random.Generator) -> None:
         self.pose, self.speed, self.length, self.nearest = START, 0.0, 0.0, math.inf

@@ -1,9 +1,9 @@
-"""Tasks with a lidar as its driver delivers it: `python -m benchmarks.driving.lidar_faults --seeds 20`
+"""Run tasks with a faulty lidar: `python -m benchmarks.driving.lidar_faults --seeds 20`
 
-Each task runs with a lidar that sees 180 degrees (`--view`). Of its beams, in each period anew, 5 percent
-(`--percent`) each read zero, NaN, -infinity and the robot's own body. Prints how many runs reach the goal,
-how many have outcomes that the ground truth contradicts, and how many touch anything that no action means to.
-Status 1 where a run failed, touched something or said something false.
+Each task runs with a lidar that sees 180 degrees (`--view`). In each period, 5 percent (`--percent`) of
+its beams each read zero, NaN, -infinity and the robot's own body. Prints how many runs reach the goal, how
+many have outcomes that the ground truth contradicts, and how many have unintended contacts. Status 1 if a
+run failed, touched something or had a false outcome.
 """
 
 from __future__ import annotations

@@ -93,7 +93,9 @@ def length_and_room(graph: VoronoiGraph, path: NDArray[np.float64]) -> tuple[flo
 
 
 def ideal_path(graph: VoronoiGraph, pair: NDArray[np.int64]) -> NDArray[np.float64]:
-    """The path of least 1 / clearance of all on the grid: what a search that isn't bound to a graph finds."""
+    """Return the path of least 1 / clearance on the grid, as found by a search that isn't bound to a
+    graph.
+    """
     price = np.where(graph.free, 1.0 / np.maximum(graph.clearance, 1e-3), -1.0)
     search = MCP_Geometric(price)
     search.find_costs([tuple(pair[0])], [tuple(pair[1])])

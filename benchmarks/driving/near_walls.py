@@ -47,7 +47,7 @@ NEAR, TOO_NEAR = 6, 2
 
 
 class Stood(NamedTuple):
-    """How it went at one place, by the ground truth."""
+    """Result of one place, by the ground truth."""
 
     name: str
     reached: bool
@@ -58,7 +58,7 @@ class Stood(NamedTuple):
 
 @dataclass
 class Trial:
-    """What came of one world."""
+    """Result of one world."""
 
     seed: int
     cell: float
@@ -99,7 +99,7 @@ class Eye(RunObserver):
 
 
 def try_world(seed: int, nearer: bool) -> Trial:
-    """Make a world, ask `check` about its places, drive to those that it allows."""
+    """Make a world, run `check` on its places, and drive to the allowed ones."""
     begun, room = time.process_time(), Room(seed)
     result = Trial(seed, room.cell, room.body, bool(room.surprises))
     with TemporaryDirectory(prefix="near-walls-") as name:
@@ -153,7 +153,7 @@ def _tour(at: tuple[float, float], places: dict[str, tuple[float, float, float]]
 
 
 def _drive(folder: Path, settings: dict[str, str], tour: list[str], result: Trial) -> None:
-    """As `handcart run` does it."""
+    """Run the tour as `handcart run` does."""
     settings = {**settings, "tour": f"[{', '.join(tour)}]"}
     with prepare(TASK_FILE, settings=settings, seed=result.seed) as prepared:
         scene = prepared.backend.scene  # type: ignore[attr-defined]
@@ -190,7 +190,7 @@ def _home(folder: Path) -> tuple[float, float, float]:
 
 
 def report(results: list[Trial], nearer: bool) -> str:
-    """What came of all of them."""
+    """Return a report on all worlds."""
     results = sorted(results, key=lambda each: each.seed)
     lines = [f"{len(results)} worlds"]
     for surprised in (False, True):

@@ -1,4 +1,4 @@
-"""Grids to plan on that nobody drew: speckle, rooms, diagonal walls and boxes, on cells of any size."""
+"""Random grids to plan on: speckle, rooms, diagonal walls and boxes, with cells of any size."""
 
 from __future__ import annotations
 
@@ -108,11 +108,11 @@ def random_grid(seed: int) -> tuple[GridMap, float]:
 
 
 def distance_to_squares(blocked: Cells, points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(n,) distances of points (n, 2), in [cells], to the nearest blocked square.
+    """Return the (n,) distances of (n, 2) points to the nearest blocked square, in [cells].
 
-    Nothing of the planner's is used. What lies beyond the map is blocked. The nearest square has one of the
-    nearest centres: a square is nearer than its centre by half a cell at least and half a cell's diagonal at
-    most. Where too many centres are about as near, all squares are tried.
+    The planner's code is not used. Everything beyond the map is blocked. The nearest square is one of
+    those with the nearest centres: a square is nearer than its centre by at least half a cell and at most
+    half a cell's diagonal. If too many centres are about equally near, all squares are tried.
     """
     padded = np.pad(blocked, 1, constant_values=True)
     rim = np.argwhere(padded & ~ndimage.binary_erosion(padded, border_value=1))

@@ -26,7 +26,7 @@ Box = tuple[float, float, float, float, float, float]
 
 
 class Body(NamedTuple):
-    """Which robot, and the radius of its footprint in [m]."""
+    """Name of a robot, and the radius of its footprint [m]."""
 
     robot: str
     radius: float
@@ -62,7 +62,7 @@ class Room:
 
     @property
     def least(self) -> float:
-        """From a place to anything, as `check` asks for, in [m]."""
+        """Least distance from a place to an obstacle that `check` requires [m]."""
         return self.body.radius + ROOM + UNSURE * max(0.0, self.cell - FINE)
 
     def clearance(self, points: Floats) -> Floats:

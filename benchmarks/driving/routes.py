@@ -1,16 +1,16 @@
-"""Routes, measured from outside: python -m benchmarks.driving.routes [--samples N] [--pairs N] [--maps DIR]
+"""Measure routes independently: python -m benchmarks.driving.routes [--samples N] [--pairs N] [--maps DIR]
 
-First, whether any spot of a route is nearer to a blocked cell's square than the route says: on random grids
-(speckle, rooms behind walls one cell thick, diagonal walls, boxes at any angle) with cells from an eighth of
-the robot's radius to much larger than the robot, starts and goals at cells' centres and anywhere in cells.
-Distances are worked out anew, by scipy's k-d tree. Where no route is found, there must be none: by labels of
-a picture that has pixels between the cells as well.
+First, whether any point of a route is nearer to a blocked cell's square than the route states: on random
+grids (speckle, rooms behind walls one cell thick, diagonal walls, boxes at any angle) with cells from an
+eighth of the robot's radius to much larger than the robot, starts and goals at cell centres and anywhere
+in cells. Distances are computed anew, by scipy's k-d tree. Where no route is found, there must be none, by
+labels of an image that has pixels between the cells as well.
 
-Second, how long routes are on an office, on real maps (left out where missing), on these reduced to cells of
-0.2 m, and on made streets and rooms on cells of 1 m. Their length is divided by that of the shortest path
-from cell to cell, 8-connected (skimage's MCP_Geometric), on the cells that are free for the robot's radius;
-and by that of an any-angle path (Theta*, pulled tight) that keeps the radius everywhere. The first is up to
-8 % longer than what one has to drive, but may cut corners.
+Second, the length of routes on an office, on real maps (skipped if missing), on these reduced to cells of
+0.2 m, and on generated streets and rooms with cells of 1 m. Their length is divided by that of the
+shortest 8-connected path (skimage's MCP_Geometric) on the cells that are free for the robot's radius; and
+by that of an any-angle path (Theta*, pulled tight) that keeps the radius everywhere. The first is up to 8
+% longer than necessary, but may cut corners.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ MIN_PAIR_CELLS = 20  # [cells] between start and goal where lengths are compared
 
 
 class Found(NamedTuple):
-    """What was counted on the random grids."""
+    """Counts on the random grids."""
 
     samples: int
     nearer: int
@@ -51,7 +51,7 @@ class Found(NamedTuple):
     tight: int
     """Routes with less room than the radius somewhere, although start and goal have it."""
     missing: int
-    """No route where there is a way, or one where there is none."""
+    """Number of routes that were missed, or found where none exists."""
 
 
 def in_cells(grid: GridMap, points: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -45,12 +45,12 @@ Box = tuple[float, float, float, float, float, float, float]
 
 @dataclass
 class Trial:
-    """What came of one world."""
+    """Result of one world."""
 
     seed: int
     boxes: int = 0
     touched: Counter[str] = field(default_factory=Counter)
-    """How often each box was touched."""
+    """Number of contacts with each box."""
     pushed: float = 0.0
     """Longest time in [s] for which the base was driven while it touched a box."""
     reached: int = 0
@@ -194,7 +194,7 @@ def _listed(key: str, name: str, boxes: list[Box]) -> str:
 
 
 def report(results: list[Trial], backend: str) -> tuple[str, bool]:
-    """What came of all worlds, and whether it is as it should be."""
+    """Return a report on all worlds, and True if all requirements are met."""
     boxes, touched = sum(each.boxes for each in results), Counter[int]()
     for each in results:
         touched.update(each.touched.values())

@@ -1,9 +1,9 @@
-"""False outcomes with wheels worse than the file: python -m benchmarks.driving.worse_odometry [--seeds N]
+"""Count false outcomes with larger wheel errors: python -m benchmarks.driving.worse_odometry [--seeds N]
 
 Every shipped task runs on simulated wheels whose errors (radius, tread, slip; outdoors the ground's) are 5
-times those of the robot's file, while the localizer goes on assuming the file's. Every outcome is compared
-with the ground truth, within limits that don't grow with a claim. Prints a row for each task, and each false
-outcome with its seed; the status is 1 if there is one. Ended by Ctrl-C, it reports on the runs until then.
+times those of the robot's file, while the localizer assumes the file's. Every outcome is compared with the
+ground truth, within limits that don't grow with a claim. Prints a row for each task, and each false
+outcome with its seed; the status is 1 if there is one. After Ctrl-C it reports on the runs until then.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ ERROR_FACTOR = 5.0
 
 
 class WorseRun(NamedTuple):
-    """How one run ended, and which of its outcomes are false."""
+    """End of one run, with its false outcomes."""
 
     task: str
     seed: int

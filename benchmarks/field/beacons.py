@@ -1,9 +1,9 @@
-"""How well ranges to beacons tell the place, and the biases: python -m benchmarks.field.beacons
+"""Measure the accuracy of positions and biases from beacon ranges: python -m benchmarks.field.beacons
 
-Three beacons stand beside the zigzag course; each has a bias of its own. The filter estimates the biases,
-which may wander or not; or it supposes that there are none. Worlds: biases that are constant; that wander; a
-beacon that somebody moves half way through. Errors are those of all places where a sensor is laid; NEES is 2
-where claims are honest, `beyond` the share of those laid that are more than three claimed sigma off.
+Three beacons stand beside the zigzag course, each with its own bias. The filter estimates the biases,
+which may wander or not; or it supposes that there are none. Worlds: constant biases; wandering biases; a
+beacon that is moved half way through. Errors are those of all places where a sensor is laid; NEES is 2 for
+honest claims, `beyond` the share of laid sensors that are more than three claimed sigma off.
 """
 
 from __future__ import annotations
@@ -36,12 +36,12 @@ Array = NDArray[np.float64]
 
 
 class BeaconWorld(NamedTuple):
-    """How beacons really are."""
+    """True errors of beacons."""
 
     bias_walk: float = 0.0
-    """Of each one's bias, in [m/√s]."""
+    """Random walk of each beacon's bias [m/√s]."""
     moved: float = 0.0
-    """How far the first one is moved half way through, in [m]."""
+    """Distance by which the first beacon is moved half way through [m]."""
 
 
 BEACON_WORLDS = {
@@ -53,7 +53,7 @@ BEACON_WORLDS = {
 
 
 class BeaconDrive(NamedTuple):
-    """A drive, and what beacons told of it."""
+    """A drive, and the measured ranges to beacons."""
 
     log: FieldLog
     ranges: Array
@@ -85,7 +85,7 @@ def beacon_drive(seed: int, world: BeaconWorld = BeaconWorld(), stops: int = 7) 
 
 
 class BeaconTrial(NamedTuple):
-    """What a filter made of a drive."""
+    """Result of a filter on one drive."""
 
     errors: Array
     """(m, 2) in [m] of the places where sensors are laid."""

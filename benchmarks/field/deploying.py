@@ -1,15 +1,15 @@
-"""Laying sensors, the arm moving while the base drives, against one after the other.
+"""Measure laying sensors with the arm moving while the base drives, against one after the other.
 
 python -m benchmarks.field.deploying [--course straight|zigzag|short] [--way all|NAME]
                                [--runs N] [--first SEED] [--jobs N] [--raw CSV]
 
-Whole tasks on the kinematic backend, nothing rendered or written. The time of a target is from the sensor
-before let go to its own let go. "together" stands for 2 s before the hand moves over the target, "0 s" not at
-all: the less it stands, the fewer fixes it hears. Each period all links, hand and sensor are held against
-wheels (steered as they are), body and mast: "nearest" is the least distance, below zero a contact; "met"
-counts contacts with ground and rocks but for sensors being lowered. "short" has two targets at random, to
-have many runs of all that the arm does on the way. With --raw the rows of other seeds in that file are kept
-and count too.
+Whole tasks on the kinematic backend, nothing rendered or written. The time of a target is from the release
+of the sensor before to its own. "together" rests for 2 s before the hand moves over the target, "0 s" not
+at all: the shorter the rest, the fewer fixes are received. In each period all links, hand and sensor are
+compared with wheels (with their steering), body and mast: "nearest" is the least distance, negative in
+contact; "met" counts contacts with ground and rocks except for sensors being lowered. "short" has two
+targets at random, for many runs of all that the arm does on the way. With --raw the rows of other seeds in
+that file are kept and count too.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ class Laying(NamedTuple):
     let_go_s: float
     """Since the sensor before was; of the first, NaN."""
     nearest_mm: float
-    """Of all pairs of arm and robot, in the whole run."""
+    """Least distance of all pairs of arm and robot in the whole run [mm]."""
     met: int
     """Contacts with something else in the whole run."""
 

@@ -1,10 +1,10 @@
-"""How well it is known how far a base has come: python -m benchmarks.field.displacements
+"""Measure how well the displacement of a base is known: python -m benchmarks.field.displacements
 
-Straight courses are driven, and at each stop, where DEPLOY would lay, an origin is set; what the filter says
-at a later stop of the way since then is held against the truth. Beside it, what was known without the cloned
-pose: the difference of two poses, each as well known as it is claimed. The filter is always told `REFERENCE`;
-worlds are as told, and otherwise (see `benchmarks.field.mismatches`). NEES is 2 where claims are honest;
-`beyond` is the share that is further off than three claimed sigma along the worst direction.
+Straight courses are driven. An origin is set at each stop, where DEPLOY would lay; the filter's
+displacement from there to a later stop is compared with the truth. Beside it, the result without the
+cloned pose: the difference of two poses, each with its claimed covariance. The filter is always given
+`REFERENCE`; worlds are as given, and otherwise (see `benchmarks.field.mismatches`). NEES is 2 for honest
+claims; `beyond` is the share that is further off than three claimed sigma along the worst direction.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ Array = NDArray[np.float64]
 
 
 class Way(NamedTuple):
-    """From one stop to a later one."""
+    """Displacement from one stop to a later one."""
 
     error: Array
     """(2,) of what is said of it, in [m]."""
@@ -46,7 +46,7 @@ class Way(NamedTuple):
 
 
 def ways(log: FieldLog, legs: int) -> list[Way]:
-    """Of one drive, each `legs` legs long."""
+    """Return the displacements of one drive over `legs` legs each."""
     localizer = GpsFilter(start_pose(log), REFERENCE_NOISE)
     fixes = dict(zip(log.fix_rows.tolist(), log.fixes, strict=True))
     ends = log.drive.placings.tolist()[:: max(1, legs)] if legs else log.drive.placings.tolist()

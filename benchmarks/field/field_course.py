@@ -18,9 +18,9 @@ class FieldCourse(NamedTuple):
     targets: NDArray[np.float64]
     """(n, 2), in [m]."""
     line: NDArray[np.float64]
-    """(m, 2) densely, in [m]; past the last stop it goes on straight."""
+    """(m, 2) dense points of the line [m]; it continues straight past the last stop."""
     stops: NDArray[np.int64]
-    """(n,) rows of `line` at which the base stands, its target on its right."""
+    """(n,) rows of `line` at which the base stops, with its target on its right."""
 
     @classmethod
     def through(cls, stops: NDArray[np.float64]) -> FieldCourse:

@@ -1,4 +1,4 @@
-"""A base with front steering drives a course over rough ground: what really happens."""
+"""True motion of a base with front steering that drives a course over rough ground."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ CREEP_SPEED_M_S = 0.02  # [m/s], the last centimetre of a leg
 
 
 class FieldTimes(NamedTuple):
-    """When the base moves and stands."""
+    """Times at which the base moves and stops."""
 
     speed: float = 0.5
-    """In [m/s]."""
+    """Speed [m/s]."""
     acceleration: float = 0.3
-    """In [m/s²]."""
+    """Acceleration [m/s²]."""
     wait: float = 60.0
     """At rest before the first leg, in [s]."""
     dwell: float = 40.0
     """At rest at each target, in [s]."""
     placing: float = 10.0
-    """From standing still to letting go, in [s]."""
+    """Time from the stop to the release [s]."""
 
 
 class FieldDrive(NamedTuple):
@@ -40,7 +40,7 @@ class FieldDrive(NamedTuple):
     tilts: NDArray[np.float64]
     """(n, 2): roll and pitch in [rad]."""
     travel: NDArray[np.float64]
-    """(n, 2): what the rear wheels, left and right, say of the period that ends with the row, in [m]."""
+    """(n, 2) readings of the rear wheels, left and right, for the period that ends with the row [m]."""
     driven: NDArray[np.float64]
     """(n, 2): of that period, way really driven in [m] and curvature in [1/m]."""
     placings: NDArray[np.int64]
@@ -153,7 +153,7 @@ def _drive(
 
 @compiled
 def _nearer(pose: NDArray[np.float64], line: NDArray[np.float64], at: int) -> bool:
-    """Whether the next point of the line is nearer than this one."""
+    """Return True if the next point of the line is nearer than this one."""
     here = (line[at, 0] - pose[0]) ** 2 + (line[at, 1] - pose[1]) ** 2
     return bool((line[at + 1, 0] - pose[0]) ** 2 + (line[at + 1, 1] - pose[1]) ** 2 < here)
 

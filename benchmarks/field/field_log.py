@@ -1,4 +1,4 @@
-"""What a robot's sensors read while it drives a course outdoors."""
+"""Sensor readings of a robot that drives a course outdoors."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ class FieldLog(NamedTuple):
     fixes: Array
     """(m, 2) east and north in [m]."""
     start_heading: float
-    """What the robot believes to start with, in [rad]."""
+    """Heading that the robot assumes at the start [rad]."""
     drive: FieldDrive
-    """The truth: for evaluation only."""
+    """Ground truth, for evaluation only."""
 
 
 def record_course(
@@ -61,7 +61,7 @@ def _turned(drive: FieldDrive) -> Array:
 
 
 def _rates(drive: FieldDrive, noise: FieldNoise, rng: np.random.Generator) -> Array:
-    """(n, 3) mean turn rates of each period, as the gyros tell them."""
+    """Return the (n, 3) mean turn rates of each period as the gyros measure them [rad/s]."""
     world_R_base = _turned(drive)
     step = np.einsum("nji,njk->nik", world_R_base[:-1], world_R_base[1:])  # before_R_after
     axis = np.stack(

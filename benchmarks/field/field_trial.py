@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 
 
 class FieldTrial(NamedTuple):
-    """Where sensors were laid, seen from where they should be."""
+    """Positions of laid sensors relative to their targets."""
 
     errors: Array
     """(k, 2) in [m]: the arm goes where the target would be if the estimate were true."""
@@ -30,7 +30,7 @@ class FieldTrial(NamedTuple):
 
 
 def start_pose(log: FieldLog) -> Pose2:
-    """What the robot believes before the first reading."""
+    """Return the pose that the robot assumes before the first reading."""
     return Pose2(0.0, 0.0, log.start_heading)
 
 
@@ -53,7 +53,7 @@ def try_course(log: FieldLog, localizer: FieldLocalizer) -> FieldTrial:
 
 
 def as_laid(log: FieldLog, smoothed: list[Belief]) -> FieldTrial:
-    """What the report after the drive says of the same placements."""
+    """Return the same placements as the report after the drive gives them."""
     poses = [Pose2(*belief.mean[:3].tolist()) for belief in smoothed]
     return _trial(log, poses, [belief.covariance[:3, :3] for belief in smoothed])
 

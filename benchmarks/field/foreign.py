@@ -36,7 +36,7 @@ SETTLING_TIME_S = 30.0  # [s] from which on jumps are counted
 
 
 class Played(NamedTuple):
-    """How a log was played."""
+    """Result of one played log."""
 
     known_after: float
     """[s]; infinite if never."""

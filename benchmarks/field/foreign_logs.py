@@ -23,10 +23,10 @@ Array = NDArray[np.float64]
 
 
 class Receiver(NamedTuple):
-    """How wrong the fixes are."""
+    """Errors of the fixes."""
 
     period: float
-    """In [s]."""
+    """Time between fixes [s]."""
     white: float
     """An axis, in [m]; its tails are those of Student's t with 5 degrees of freedom."""
     slow: tuple[tuple[float, float], ...]
@@ -38,16 +38,16 @@ class Receiver(NamedTuple):
     jump_time: float = 6.0
     """Mean time that a jump lasts, in [s]."""
     stated: float = math.nan
-    """What it says of each fix, an axis, in [m]; NaN: nothing."""
+    """Sigma that it states for each fix, per axis [m]; NaN: it states none."""
 
 
 class Vehicle(NamedTuple):
-    """How it drives, and how wrong its wheels and gyros are."""
+    """Motion of a vehicle, and the errors of its wheels and gyros."""
 
     speed: float
-    """In [m/s]."""
+    """Speed [m/s]."""
     scale: float
-    """Of the wheels' travel, relative; one sigma."""
+    """Relative error of the wheels' travel; one sigma."""
     spin: float
     """Share by which the wheels turn too far in a burst."""
     spin_every: float
@@ -57,10 +57,10 @@ class Vehicle(NamedTuple):
     turn_factor: float
     """Times the true turn that the wheels' odometry says."""
     gyro_bias: float
-    """In [rad/s], one sigma."""
+    """Bias of the gyros [rad/s]; one sigma."""
     receiver: Receiver
     is_sideways: bool = False
-    """Whether its IMU is mounted as `SIDEWAYS_IMU`."""
+    """True if its IMU is mounted as `SIDEWAYS_IMU`."""
 
 
 class ForeignLog(NamedTuple):
@@ -159,7 +159,7 @@ def _legs(vehicle: Vehicle, legs: list[tuple[float, float]], count: int) -> tupl
 
 
 def _mown(vehicle: Vehicle, count: int, rng: np.random.Generator) -> tuple[Array, Array]:
-    """Lanes to and fro, turned about at their ends; it stands still for a moment first."""
+    """Return speeds and turn rates of lanes back and forth with half turns, after a short rest."""
     legs, side = list[tuple[float, float]](), 1.0
     length = rng.uniform(18.0, 30.0)
     while sum(time for time, _ in legs) < PERIOD_S * count:

@@ -1,9 +1,9 @@
-"""Starts whose heading nobody told: python -m benchmarks.field.headings [--runs N] [--jobs N]
+"""Start with an unknown heading: python -m benchmarks.field.headings [--runs N] [--jobs N]
 
-Runs drive the straight course and the zigzag by turns, through the worlds of `benchmarks.field.mismatches`
-one after the other, and start with a heading that is drawn. Printed: after how many seconds of driving the
-heading is known, in how many drives it is said to be unknown until the end, and how often what is claimed is
-off by more than three sigma.
+Runs drive the straight course and the zigzag alternately, through the worlds of
+`benchmarks.field.mismatches` one after the other, and start with a random heading. Prints the driving time
+until the heading is known, the number of drives in which it is reported as unknown until the end, and how
+often the claim is off by more than three sigma.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class Start(NamedTuple):
     """One drive until the heading is known, or for as long as it lasts."""
 
     seconds: float
-    """Of driving; infinite: never known, and said so."""
+    """Driving time until the heading was known [s]; infinite: never, and reported so."""
     off: float
     """Then, in claimed sigmas."""
     wrong: bool

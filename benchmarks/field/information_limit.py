@@ -1,7 +1,7 @@
-"""The best that any filter can do with given sensors: the posterior Cramér-Rao bound.
+"""Best accuracy of any filter with given sensors: the posterior Cramér-Rao bound.
 
-For the nearly linear model of `FieldModel` it is the covariance of a Kalman filter that is linearised about
-the truth and knows every sigma (Tichavský, Muravchik and Nehorai, 1998).
+For the nearly linear model of `FieldModel` it is the covariance of a Kalman filter that is linearised
+about the truth and knows every sigma (Tichavský, Muravchik and Nehorai, 1998).
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ def information_limit(
 
 
 def _advance(drive: FieldDrive, rows: slice) -> Advance:
-    """What sensors without errors would have said."""
+    """Return the readings of sensors without errors."""
     way, bend = drive.driven[rows].T
     time = PERIOD_S * len(way)
     level = float((way * np.cos(drive.tilts[rows, 1])).sum())

@@ -1,10 +1,10 @@
-"""How well sensors are laid outdoors: python benchmarks/field/localization.py [--runs N] [--raw CSV]
+"""Measure how well sensors are laid outdoors: python benchmarks/field/localization.py [--runs N] [--raw CSV]
 
-Two courses, 17 targets in a row and 7 in a zigzag, with the noise of `FieldNoise`. An error is where a sensor
-was laid less where it should be, the arm being exact. Printed beside it: what Ohki et al. (2012) measured,
-and the information limit, below which no filter gets with these sensors. Values in brackets hold 95 % of what
-other runs would have given (whole runs drawn anew); a band is 10 to 90 % of the runs. "turned" starts with a
-heading that is half a turn off; its placements before the filter finds out count too.
+Two courses, 17 targets in a row and 7 in a zigzag, with the noise of `FieldNoise`. An error is the
+position of a laid sensor less its target, with an exact arm. Printed beside it: the measurements of Ohki
+et al. (2012), and the information limit, which no filter can beat with these sensors. Values in brackets
+are bootstrap 95 % intervals over whole runs; a band is 10 to 90 % of the runs. "turned" starts with a
+heading that is half a turn off; its placements before the filter notices count too.
 """
 
 from __future__ import annotations
@@ -101,7 +101,7 @@ def limit(log: FieldLog, noise: FieldNoise) -> FieldTrial:
 
 
 def bootstrap(runs: list[FieldTrial], figure: Callable[[list[FieldTrial]], float]) -> tuple[float, float]:
-    """95 % interval of a figure, whole runs drawn anew."""
+    """Return the 95 % interval of a figure by resampling whole runs."""
     rng = np.random.default_rng(0)
     drawn = [figure([runs[k] for k in rng.integers(0, len(runs), len(runs))]) for _ in range(300)]
     low, high = np.percentile(drawn, [2.5, 97.5])
@@ -109,7 +109,7 @@ def bootstrap(runs: list[FieldTrial], figure: Callable[[list[FieldTrial]], float
 
 
 def mean_nees(runs: list[FieldTrial]) -> float:
-    """Of all placements: 2 where the covariance is honest."""
+    """Return the mean NEES of all placements: 2 for an honest covariance."""
     return float(np.mean([nees(run.errors, run.covariances).mean() for run in runs]))
 
 
@@ -153,7 +153,7 @@ def spreads(results: Results) -> Table:
 
 
 def errors(results: Results) -> Table:
-    """What was missed, against what can be had, and whether the robot knows."""
+    """Return a table of errors, against the information limit and the claims."""
     table = Table(
         "noise", "course", "way", "RMS x / y [mm]", "/ limit", "NEES (2)", "in 95 % [%]", "r95 [mm]", "r99.7"
     )

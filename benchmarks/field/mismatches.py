@@ -1,10 +1,10 @@
-"""What outdoor filters claim where the world isn't as they are told: python -m benchmarks.field.mismatches
+"""Test outdoor filters in worlds that differ from their model: python -m benchmarks.field.mismatches
 
-Each mismatch is a world of `WORLDS`; the filter is always told `REFERENCE`. Runs drive the straight course
-and the zigzag by turns. NEES in two dimensions (2 where the claim is true), the radius that holds 95 %, and
-the median claim are those of all places; where the fixes of the last minute contradict the claim, DEPLOY
-wouldn't lay: of the sensors that it would, the share that lies further off than three claimed sigma (1.1 %
-where errors are normal).
+Each mismatch is a world of `WORLDS`; the filter is always given `REFERENCE`. Runs drive the straight
+course and the zigzag alternately. NEES in two dimensions (2 for a true claim), the radius that holds 95 %,
+and the median claim are those of all places. DEPLOY does not lay where the fixes of the last minute
+contradict the claim; of the sensors that it lays, the share further off than three claimed sigma (1.1 %
+for normal errors).
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ NOISE_WORLDS = {
 
 
 def one_run(job: tuple[str, int]) -> FieldTrial:
-    """One drive through a world, with what `REFERENCE_NOISE` says told to the filter."""
+    """Drive once through a world; the filter is given `REFERENCE_NOISE`."""
     world, seed = job
     log = record_course((straight_course, zigzag_course)[seed % 2](), NOISE_WORLDS[world], seed)
     return try_course(log, GpsFilter(start_pose(log)))

@@ -1,8 +1,8 @@
-"""What a step of the particle filter costs: python benchmarks/field/particle_filter.py
+"""Measure the cost of one step of the particle filter: python benchmarks/field/particle_filter.py
 
 1,024 particles, one thread, a full step: prediction, a fix, resampling, average. Beside it the same six
-phases built in numpy on the resamplers of filterpy, in the same process, by turns; the least of many. Without
-filterpy only our own is measured: pip install filterpy.
+phases built in numpy on the resamplers of filterpy, in the same process, alternately; minima of many.
+Without filterpy only our own is measured: pip install filterpy.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ def ours(with_fix: bool) -> Step:
 
 
 def on_filterpy(resample: Callable[[NDArray[np.float64]], NDArray[np.int64]]) -> Step:
-    """The same in numpy, with one of filterpy's resamplers."""
+    """Return the same step in numpy, with one of filterpy's resamplers."""
     rng = np.random.default_rng(0)
     particles = np.zeros((COUNT, 3))
     particles[:, 2] = 0.02 * rng.standard_normal(COUNT)

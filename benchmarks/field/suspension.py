@@ -1,10 +1,10 @@
-"""What the El-Verde's rockers with their differential take of rough ground, beside the same robot without.
+"""Measure how much rough ground the El-Verde's rockers with their differential absorb.
 
 python -m benchmarks.field.suspension [--backend mujoco|pybullet] [--seeds N] [--metres M]
 
-It drives straight ahead over the ground of the field test, 2.5 degrees rough. Tilt is the body's, to level; a
-side's is the inclination of its two wheels, which the body would have if that side alone carried it. A wheel
-hangs where it is 15 mm over the ground. "rigid" has the rockers' joints fixed.
+It drives straight ahead over the ground of the field test, 2.5 degrees rough. Tilt is the body's, to
+level; a side's is the inclination of its two wheels, which the body would have if that side alone carried
+it. A wheel hangs if it is 15 mm over the ground. "rigid" has the rockers' joints fixed.
 """
 
 from __future__ import annotations
@@ -33,9 +33,9 @@ class Drive(NamedTuple):
     """One drive, in each period of it."""
 
     tilts: list[float]
-    """Of the body, in [rad]."""
+    """Tilts of the body [rad]."""
     sides: list[float]
-    """Of the sides, in [rad]."""
+    """Inclinations of the sides [rad]."""
     hanging: list[int]
     """Wheels that hang."""
 

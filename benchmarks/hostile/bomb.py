@@ -1,4 +1,4 @@
-"""How long a YAML bomb takes to be refused: `python -m benchmarks.hostile.bomb`."""
+"""Measure how soon a YAML bomb is refused: `python -m benchmarks.hostile.bomb`."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ BOMB_LEVELS = 9  # nine levels of nine: 387 million values
 
 
 def bomb() -> bytes:
-    """A file of 421 bytes that stands for hundreds of millions of values."""
+    """Return a file of 421 bytes that expands to hundreds of millions of values."""
     lines = ["a0: &a0 [" + ", ".join(["x"] * 9) + "]"]
     lines += [f"a{n}: &a{n} [" + ", ".join([f"*a{n - 1}"] * 9) + "]" for n in range(1, BOMB_LEVELS)]
     return ("\n".join(lines) + "\n").encode().ljust(421, b"#")[:421]

@@ -1,8 +1,9 @@
-"""A program that is killed leaves no drive turning: `python -m benchmarks.hostile.can_kills --kills 100`.
+"""Kill a program, and check that no drive keeps turning: `python -m benchmarks.hostile.can_kills --kills
+100`.
 
 `handcart bench` runs as a process of its own, on python-can's `udp_multicast`. A second process drives the
 cart by CAN and is killed (SIGKILL) at a random moment. From then on the drives have the heartbeat time and
-their ramp to stand still; then they must stay so.
+their ramp to come to rest; then they must stay at rest.
 """
 
 from __future__ import annotations
@@ -45,17 +46,17 @@ class Kill:
     """One of them."""
 
     speed: float
-    """Commanded to the faster wheel, in [m/s]: a drive goes on speeding up until it misses the heartbeat."""
+    """Speed commanded to the faster wheel [m/s]: a drive keeps accelerating until it misses the heartbeat."""
     stood_after: float
-    """[s] until no drive turned any more; infinite if one never stood, or moved again."""
+    """Time until no drive turned any more [s]; infinite if one never stopped, or moved again."""
     distance: float
-    """By which the faster wheel rolled on, in [m]."""
+    """Distance that the faster wheel rolled after the kill [m]."""
     allowed: float
     """[s]: heartbeat time, ramp, and 20 ms to be seen."""
 
     @property
     def held(self) -> bool:
-        """Whether that was kept."""
+        """True if the drives stopped within the allowed time."""
         return self.stood_after <= self.allowed
 
 
@@ -67,7 +68,7 @@ def reachable(robot: RobotFile) -> RobotFile:
 
 
 def motion(seed: int) -> tuple[float, float]:
-    """What it commands: speed in [m/s] and turn rate in [rad/s]."""
+    """Return the commanded speed [m/s] and turn rate [rad/s]."""
     rng = random.Random(f"motion {seed}")
     return rng.choice((-1, 1)) * rng.uniform(0.3, SPEED_M_S), rng.uniform(-0.3, 0.3)
 
@@ -107,7 +108,7 @@ def bench(log: Path) -> Iterator[None]:
 
 
 def rows(log: Path, since: float) -> list[tuple[float, list[float], list[float]]]:
-    """What the bench wrote: monotonic time in [s], positions and velocities in counts."""
+    """Read the bench's rows: monotonic time [s], positions and velocities in counts."""
     read = []
     with log.open("rb") as file:
         file.seek(max(0, log.stat().st_size - 100_000))
@@ -181,7 +182,7 @@ def run(kills: int, tell: Callable[[str], None], seed: int = 0) -> list[Kill]:
 
 
 def figures(results: list[Kill]) -> dict[str, float | int]:
-    """What is claimed."""
+    """Return the figures that are reported."""
     stood = np.array([each.stood_after for each in results])
     margin = np.array([each.allowed - each.stood_after for each in results])
     return {
@@ -203,7 +204,7 @@ def main(
     ] = False,
     as_json: Annotated[bool, typer.Option("--json", help="one JSON object on stdout")] = False,
 ) -> None:
-    """Kill, look, and tell; status 1 if a drive stood too late."""
+    """Kill, watch, and report; status 1 if a drive stopped too late."""
     if fifo:
         os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(20))
     results = run(kills, lambda words: print(words, file=sys.stderr, flush=True), seed)

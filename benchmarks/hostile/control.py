@@ -1,6 +1,6 @@
-"""Send a run what is no message: `python -m benchmarks.hostile.control 10000 [SEED]`. Status 1: no answer.
+"""Send a run invalid messages: `python -m benchmarks.hostile.control 10000 [SEED]`. Status 1: no answer.
 
-Then how long `handcart stop` takes to be heard with 50 idle lines, half messages and floods (rows U9, U11).
+Then the delay of `handcart stop` with 50 idle lines, half messages and floods (rows U9, U11).
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """Kill return_book at random instants and resume it: `python -m benchmarks.hostile.crashes [NUMBER [SEED]]`.
 
-Each run is killed (SIGKILL) at an instant drawn from a run's whole duration, and resumed; where it was over
+Each run is killed (SIGKILL) at an instant drawn from a run's whole duration, and resumed; if it was over
 by then, another instant is drawn from the duration it had. Counted are: outcomes of the journal that are
-lost, finished actions that are done again, and ends that differ from those of a run that nobody killed
-(outcome, situation, simulated time).
+lost, finished actions that are done again, and ends that differ from those of an undisturbed run (outcome,
+situation, simulated time).
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
-"""How soon a STOP arrives through the console while hostile sockets of this machine crowd it.
+"""Measure how soon a STOP arrives through the console while hostile local sockets crowd it.
 
 `python -m benchmarks.hostile.crowded_console` serves a console on this machine alone, lets another process
-open 300 sockets to it without the token, again as soon as they are hung up on, and sends stops beside them,
-each on a new connection. It prints how many arrived within a second, and ends with status 1 unless all did.
-Nothing leaves this machine, and it ends after `--longest-s`.
+open 300 sockets to it without the token, again as soon as they are closed, and sends stops at the same
+time, each on a new connection. It prints how many arrived within a second, and ends with status 1 unless
+all did. Nothing leaves this machine, and it ends after `--longest-s`.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ HOSTILE_REQUESTS = (
     b"GET / HTTP/1.1\r\nHost: ",
     b"GET /api/events HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n\r\n",
 )
-"""What hostile sockets say: nothing, half a request, or a whole one without the token."""
+"""Bytes of hostile sockets: nothing, half a request, or a whole one without the token."""
 
 
 def main() -> None:
@@ -69,7 +69,7 @@ def main() -> None:
 
 
 def crowded_stops(folder: Path, port: int, token: str, chosen: argparse.Namespace) -> np.ndarray:
-    """How long each stop took, in [s]; infinity for one that did not arrive."""
+    """Return the delay of each stop [s]; infinity for one that did not arrive."""
     heard = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
     (folder / STOP_SOCKET).unlink(missing_ok=True)
     with socket_path(folder / STOP_SOCKET) as name:

@@ -1,10 +1,10 @@
 """Attack run folders: python -m benchmarks.hostile.hostile_folders [--folders 10000] [--seed 0] [--of NAME]
 
-Real runs are made and left at several instants, ended and given up; copies of their folders are damaged by
-accident (bits, cuts, swaps, losses) or made to do harm (pickles, links, pipes, huge files, forged journals
-and checkpoints with right checksums), and read by all that reads run folders. Counted are: code that ran,
-things outside that were touched, tracebacks, hangs, and runs that were put back elsewhere than they stood.
-Exit status 1 if there is one.
+Real runs are made and stopped at several instants, at their ends and after GiveUps; copies of their
+folders are damaged by accident (bits, cuts, swaps, losses) or made to do harm (pickles, links, pipes, huge
+files, forged journals and checkpoints with right checksums), and read by every reader of run folders.
+Counted are: code that ran, changes outside the folder, tracebacks, hangs, and runs that were put back into
+another state than they were left in. Exit status 1 if there is one.
 """
 
 from __future__ import annotations

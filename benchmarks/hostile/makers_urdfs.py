@@ -1,11 +1,11 @@
 """Check makers' URDFs and mutants: `python -m benchmarks.hostile.makers_urdfs FOLDER... --mutants 300`.
 
-Each URDF under the folders is checked as it is, drafted as a robot and checked as that, by `handcart check`
-in a process of its own; a robot without a fault is then built and stepped on simulated backends. Without a
-folder: the robots that are shipped, and those that come with PyBullet. Exit status 1 where one isn't told
-clearly: another status than 0 or 2, a traceback, something on stderr beside `--json`, no place in the URDF
-for what is wrong in it, more lines than a person reads, no end in time, or a backend that raises another
-error than one of bad input.
+Each URDF under the folders is checked as it is, drafted as a robot and checked as that, by `handcart
+check` in a process of its own; a robot without a fault is then built and stepped on simulated backends.
+Without a folder: the shipped robots, and those that come with PyBullet. Exit status 1 if one is not
+reported clearly: another status than 0 or 2, a traceback, output on stderr beside `--json`, a finding
+without its place in the URDF, more lines than a person reads, no end in time, or a backend that raises
+another error than one of bad input.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ MAX_LINES = 60  # lines that a person is told without asking for more
 NAMED_CAUSE = re.compile(r"link|joint|URDF|mesh|xacro|well-formed|DOCTYPE|character|stand at")
 CRASH_WORDS = re.compile(r"status (5|1|-)|a traceback|it crashed")
 PROGRESS_WORDS = re.compile(r"checking .* \.\.\.$")
-"""What a command says that takes long, as it may on a busy machine."""
+"""Progress line of a command that takes long, as it may on a busy machine."""
 LOOK_PERIOD = 4  # of the looks at what people are told
 WALL_TIME_RATIO = 20  # times as long as a processor's time it may take on a busy machine
 
@@ -54,16 +54,16 @@ class Case(NamedTuple):
 
     path: Path
     text: str | None
-    """What stands in it instead; None: it is as it is."""
+    """Text that replaces the file's; None: the file is used as it is."""
     what: str
     people: bool
-    """Whether what people are told is looked at too, and `--allow`."""
+    """True if the output without `--json` and `--allow` are tested too."""
     backends: tuple[str, ...] = ()
     """On which the robot drafted from it is built."""
 
 
 class Seen(NamedTuple):
-    """What came of it."""
+    """Result of one case."""
 
     statuses: tuple[int, ...]
     violations: tuple[str, ...]
@@ -71,7 +71,7 @@ class Seen(NamedTuple):
 
 
 def main() -> None:
-    """Print progress, and what isn't told clearly."""
+    """Print progress, and everything that is not reported clearly."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folders", nargs="*", type=Path)
     parser.add_argument("--mutants", type=int, default=300)
@@ -98,7 +98,7 @@ def _package_folders(name: str) -> list[Path]:
 
 
 def _linked(folder: Path, target: Path) -> Path:
-    """The same files under another folder, without copying them: a draft is written beside each URDF."""
+    """Link the files into another folder without copying them: a draft is written beside each URDF."""
 
     def link(source: str, to: str) -> None:
         try:
@@ -150,7 +150,7 @@ def _look(cases: list[Case], jobs: int, limit: int) -> int:
 
 
 def _all(cases: list[Case], jobs: int, limit: int) -> Iterator[tuple[Case, Seen]]:
-    """Each in a process of its own, forked from one that has the libraries: what crashes is seen."""
+    """Yield each case with its result, each in a forked process of its own, so that crashes are seen."""
     for name in (
         "handcart.tools.main",
         "handcart.tools.commands.check_file",
@@ -290,7 +290,7 @@ def _check(
 
 
 def _for_people(status: int, path: Path, wrong: list[str]) -> tuple[str, str]:
-    """What is said without `--json`; of a robot that is sound, `--allow` is asked for instead."""
+    """Return the output without `--json`; for a sound robot, that of `--allow`."""
     if status == 0 and path.suffix != ".urdf":
         return "", ""
     again, out, err = _said("check", str(path))
@@ -317,7 +317,7 @@ def _of_json(status: int, out: str, urdf: str) -> Iterator[str]:
 
 
 def _said(*words: str) -> tuple[int, str, str]:
-    """What a command says, that of libraries below Python too."""
+    """Return a command's status and output, including that of libraries below Python."""
     from handcart.tools.main import main as handcart
 
     out = io.StringIO()

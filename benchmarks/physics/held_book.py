@@ -1,10 +1,10 @@
-"""How well a hand holds a book while its robot drives.
+"""Measure how well a hand holds a book while its robot drives.
 
     python -m benchmarks.physics.held_book [BACKEND] [SECONDS]
 
-The librarian takes a book from its tray, and drives, turns, stops and drives back, with a swing of its arm in
-between. Says by how much the book has moved and turned in the hand since it was lifted, at most, every ten
-seconds. The tray's book of `tasks/return_book`.
+The librarian takes a book from its tray, and drives, turns, stops and drives back, with a swing of its arm
+in between. Prints every ten seconds the largest motion and rotation of the book in the hand since the
+lift. The tray's book of `tasks/return_book`.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ SWING_RAD = 0.3  # of the arm's first joint, to and fro [rad]
 
 
 class Slid(NamedTuple):
-    """By how much what is held is off where it was, at most."""
+    """Largest motion of the held object in the hand."""
 
     mm: float
     mrad: float
@@ -72,7 +72,7 @@ class HeldBook:
         self._began, self._posture, self._driven = self._hand_T_book(), self._arm.command(), 0
 
     def drive(self, seconds: float) -> Slid:
-        """Drive about, and swing the arm; a second call goes on where the first has ended."""
+        """Drive to and fro, and swing the arm; a second call continues at the end of the first."""
         worst = Slid(0.0, 0.0)
         for _ in range(round(seconds / self.backend.period)):
             self._driven += 1

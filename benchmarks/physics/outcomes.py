@@ -1,10 +1,10 @@
-"""Whether two backends have the same outcomes.
+"""Compare the outcomes of two backends.
 
     python -m benchmarks.physics.outcomes [TASK] [SEEDS] [BACKENDS]
 
-A task, `return_book` unless another is named, is run with each seed on each backend (`mujoco,pybullet`), in
-turns in one process. Compared are actions and their outcomes, in their order. Prints what differs, and what a
-run took of the processor on each backend, as a median without pictures and report, and the ratio.
+A task, `return_book` by default, is run with each seed on each backend (`mujoco,pybullet`), alternately in
+one process. Compared are actions and their outcomes, in their order. Prints the differences, the median
+CPU time of a run on each backend without pictures and report, and the ratio.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ Outcomes = list[tuple[str, str]]
 
 
 def outcomes(task: Path, backend: str, seed: int) -> tuple[Outcomes, list[str], float]:
-    """Of a run: its actions with their outcomes, what of them is untrue, and its CPU time in [s]."""
+    """Return a run's actions with their outcomes, its untrue outcomes, and its CPU time [s]."""
     options = RunOptions(backend=backend, seed=seed, draw=False, report=False, playback=False)
     with tempfile.TemporaryDirectory() as folder:
         began = time.process_time()

@@ -1,8 +1,8 @@
-"""Whether a world in MuJoCo that is put back goes on: `python -m benchmarks.physics.resumed [TASK]`.
+"""Test that a restored MuJoCo world continues alike: `python -m benchmarks.physics.resumed [TASK]`.
 
-A run of a task, `return_book` unless another is named, keeps the whole state of its backend every `EVERY`
-periods. Another backend is put back into each of them, gets the commands that the run gave, and must be where
-the run was `LATER` periods after: engine and ground truth equal to the last bit. Exit status 1 if one isn't.
+A run of a task, `return_book` by default, keeps the whole state of its backend every `EVERY` periods.
+Another backend is set to each of these states, gets the commands of the run, and must be in the state of
+the run `LATER` periods after: engine and ground truth equal to the last bit. Exit status 1 if one isn't.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ COMMANDED_PARTS = ("_base", "_arm", "_gripper")
 
 
 class Kept:
-    """What was kept of a run: states by the period before which they were, and each period's commands."""
+    """States of a run by the period that they precede, and the commands of each period."""
 
     def __init__(self) -> None:
         self.backend: MujocoBackend | None = None
@@ -59,7 +59,7 @@ def world_of(backend: MujocoBackend) -> bytes:
 
 
 def goes_on(kept: Kept, begins: int) -> bool:
-    """Whether another backend is where the run was."""
+    """Return True if another backend reaches the state of the run."""
     assert kept.backend is not None
     again = MujocoBackend(kept.backend._robot, kept.backend._world_file, kept.backend._seed)
     again.set_state(unpack(kept.whole[begins]))

@@ -1,4 +1,4 @@
-"""A room with five places to drive to, for robots of other people."""
+"""A room with five places to drive to, for foreign robots."""
 
 from __future__ import annotations
 

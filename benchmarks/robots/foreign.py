@@ -47,7 +47,7 @@ class Driven(NamedTuple):
     false: int
     """Outcomes that the ground truth contradicts."""
     why: Sequence[str]
-    """What was reported of places that were not reached."""
+    """Reported reasons of places that were not reached."""
 
 
 class Tally(RunObserver):

@@ -57,7 +57,7 @@ class ForeignRobot(NamedTuple):
     collect: Callable[[Path, Path], Path]
     """Copies its files from a folder of packages into another one; returns the URDF to draft a robot from."""
     overlay: Overlay
-    """What its user writes into the draft: merged key by key, None removes a key."""
+    """Edits of its user to the draft: merged key by key, None removes a key."""
 
 
 def _copied(packages: Path, into: Path, *inside: str) -> Path:
@@ -83,7 +83,7 @@ def _folders(packages: Path, inside: str) -> Iterator[Path]:
 
 
 def _data(description: str, urdf: str) -> Callable[[Path, Path], Path]:
-    """Of example-robot-data."""
+    """Return a function that collects a URDF of example-robot-data."""
 
     def collect(packages: Path, into: Path) -> Path:
         return _copied(packages, into, f"robots/{description}") / "robots" / description / urdf

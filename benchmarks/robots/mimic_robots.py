@@ -18,7 +18,7 @@ INERTIAL_TEMPLATE = (
     '<inertial><mass value="{m}"/><inertia ixx="{i}" ixy="0" ixz="0" iyy="{i}" iyz="0" izz="{i}"/></inertial>'
 )
 WIDE_LIMIT = '<limit lower="-10" upper="10" effort="{effort}" velocity="10"/>'
-"""Of joints that follow: a limit that a leader drives them beyond would stop it."""
+"""Limit of following joints: a tighter one could stop their leader."""
 JOINT_LIMITS = {
     "revolute": '<limit lower="-2" upper="2" effort="{effort}" velocity="3"/>',
     "prismatic": '<limit lower="-0.3" upper="0.3" effort="{effort}" velocity="1"/>',
@@ -42,7 +42,7 @@ tolerance: {{base_mm: 25, base_deg: 1.5, joints_deg: 0.3, gripper_mm: 1, object_
 
 
 class Mimic(NamedTuple):
-    """Which joint one follows."""
+    """Leader of a following joint, with multiplier and offset."""
 
     leader: str
     multiplier: float
@@ -76,7 +76,7 @@ class Joint:
         return 60 if self.name.startswith("aa") else 0
 
     def xml(self, effort: float) -> str:
-        """The same in a URDF."""
+        """Return the joint as URDF text."""
         rpy = Rotation.from_matrix(self.origin[:3, :3]).as_euler("xyz")
         parts = [
             f'<parent link="{self.parent}"/><child link="{self.name}"/>',

@@ -1,8 +1,8 @@
-"""Base placements for a path longer than the arm's reach, measured: `python -m benchmarks.seam.placements`.
+"""Measure base placements for a path longer than the arm's reach: `python -m benchmarks.seam.placements`.
 
-Seeded. Times are the least of several warm calls in one process; what is compared is measured turn by turn.
-The plain loops are the same closed form in Python; they run on a part of the placements (drawn by the seed)
-and their time is scaled. `--quick` uses a smaller part.
+Seeded. Times are minima of several warm calls in one process; compared functions alternate. The plain
+loops are the same closed form in Python; they run on a part of the placements (drawn by the seed) and
+their time is scaled. `--quick` uses a smaller part.
 """
 
 from __future__ import annotations

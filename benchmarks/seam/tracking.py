@@ -1,11 +1,11 @@
-"""How far a tool is off its seam, the base standing or driving along.
+"""Measure the distance of a tool from its seam, with a standing and with a driving base.
 
 python -m benchmarks.seam.tracking [RUNS] [--backend NAME] [--plot FILE]
 
 RUNS (40) seeded runs each: the task track_seam, and the same with a base that drives. "Open loop" is the
-latter with an arm that doesn't know how the base strays, as Shin et al. (2005), figure 5, compares them; what
-TRACK itself thinks of it is left out there. All errors are those of the robot's file: wheels that slip and
-aren't as large as it says, positioning, arm. The error is the tool's distance from the seam, by ground truth.
+latter with an arm that does not correct the base's deviations, as Shin et al. (2005), figure 5, compare
+them; TRACK's own outcome is ignored there. All errors are those of the robot's file: slipping wheels with
+other radii, positioning, arm. The error is the tool's distance from the seam, by ground truth.
 """
 
 from __future__ import annotations
@@ -88,7 +88,7 @@ def runs(name: str, task: Path, count: int, backend: str | None) -> tuple[Row, R
 
 
 def _surveyed(task: Path, folder: Path, seed: int, backend: str | None) -> tuple[SeamSurvey, list[str]]:
-    """What the ground truth says of a run, and what in it isn't so."""
+    """Return the survey of a run by ground truth, and the untrue outcomes."""
     with prepare(task, backend, seed=seed) as prepared:
         judge = Judge(prepared)
         end = execute(prepared, folder, RunOptions(observers=(judge,))).end

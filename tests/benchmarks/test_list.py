@@ -28,7 +28,7 @@ def test_each_is_listed_with_what_it_measures() -> None:
 
 def test_a_word_chooses() -> None:
     assert all("campaign" in f"{name} {about}".lower() for name, about in listed("Campaign"))
-    assert "benchmarks.campaigns.kills" in dict(listed("killed"))
+    assert "benchmarks.hostile.crashes" in dict(listed("Kill return_book"))
     assert list(listed("no such thing")) == []
 
 

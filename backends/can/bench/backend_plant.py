@@ -24,10 +24,11 @@ Vector = NDArray[np.float64]
 
 
 class BackendPlant(Plant):
-    """What the drives ask of their motors becomes commands of a backend; its readings are what they tell.
+    """Plant that turns the motors' demands into commands of a simulated backend, and its readings into
+    encoders.
 
-    Joints tell torques (6077h): those that carry the arm's weight and the force that the backend reads at
-    the hand. The gripper's drive tells its greatest torque while the fingers press.
+    Joints report torques (6077h): those that carry the arm's weight and the force that the backend reads
+    at the hand. The gripper's drive reports its greatest torque while the fingers press.
     """
 
     def __init__(self, robot: RobotFile, spec: CanSpec, axes: Axes, inner: Backend) -> None:

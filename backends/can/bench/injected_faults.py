@@ -33,7 +33,7 @@ class InjectedFault(NamedTuple):
 
 
 def injected_fault(name: str) -> InjectedFault:
-    """Return the fault of that name; raise `UnknownFault` if there is none."""
+    """Return the fault named `name`; raise `UnknownFault` if there is none."""
     if name not in INJECTED_FAULTS:
         raise UnknownFault(name)
     return INJECTED_FAULTS[name]

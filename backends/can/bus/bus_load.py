@@ -29,7 +29,7 @@ class CyclicFrame(NamedTuple):
     """A frame that goes out again and again."""
 
     what: str
-    """Sender and kind of the frame, for people."""
+    """Sender and kind of the frame, as shown to the user."""
     cob_id: int
     length: int
     """Length of its data in [bytes]."""

@@ -21,11 +21,11 @@ _FULL = (errno.ENOBUFS, errno.EAGAIN)
 
 
 class CanLine(canopen.Network):
-    """A CANopen network whose frames are taken in by who waits for them, in its own thread.
+    """A CANopen network that takes in frames in the thread of its caller.
 
-    `canopen` has a thread for that, which dies of a fault of the interface and leaves old readings behind.
-    Here the same call raises, nothing runs that would have to be ended, and on python-can's `virtual` the
-    same frames come in the same order in every run.
+    `canopen` starts a thread for that, which ends at a fault of the interface and leaves old readings
+    behind. Here the same call raises, there is no thread to be ended, and on python-can's `virtual` the
+    frames come in the same order in every run.
     """
 
     def __init__(

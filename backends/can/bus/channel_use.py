@@ -26,15 +26,15 @@ def taken_by(
     is_shared: bool,
     clock: Callable[[], float] = time.monotonic,
 ) -> str:
-    """Return who else is on a channel, "" if nobody is whom our nodes would disturb.
+    """Return a description of the other nodes on a channel; "" if our nodes would disturb none of them.
 
-    First it is only listened: a question from us would stop a robot that runs there. On a channel without a
+    At first it only listens: a request from us would stop a robot that runs there. On a channel without a
     running master all nodes are asked for their device type.
 
     Args:
-        bus: open; nothing of ours is on it yet.
+        bus: an open bus without any of our nodes.
         nodes: node IDs that are to be put on it.
-        is_shared: whether other nodes may be there, as on a bus of wires.
+        is_shared: whether other nodes are allowed, as on a wired bus.
         clock: gives the time in [s].
     """
     found = _first_heard(bus, nodes, is_shared, clock() + LISTEN_S, clock)

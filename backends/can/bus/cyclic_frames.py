@@ -14,7 +14,7 @@ _SYNC, _HEARTBEAT = 0x080, 0x700
 
 
 def bus_load(spec: CanSpec, period: float) -> BusLoad:
-    """Return the load of a robot's cyclic frames on its bus, for a control period of `period` in [s]."""
+    """Return the bus load of a robot's cyclic frames with a control period of `period` [s]."""
     return BusLoad.of(cyclic_frames(spec, period), 1000 * spec.bitrate_kbit_s)
 
 

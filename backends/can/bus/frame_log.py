@@ -47,10 +47,10 @@ class _Line:
 
 
 class FrameLog(Recording):
-    """Every frame that is sent or taken in: `frames_000.log`, `frames_001.log` ..., beside `frames.json`.
+    """Log of every frame that is sent or received: `frames_000.log`, `frames_001.log` ..., and `frames.json`.
 
-    A file holds 16 MiB, about 350,000 frames; of more than 9 the second oldest goes. Stamps are the
-    interface's for what it received, where its clock is the same; the rest are `clock`'s.
+    A file holds 16 MiB, about 350,000 frames; when there are more than 9, the second oldest is deleted.
+    Received frames have the interface's time stamps if its clock is the same; all others have `clock`'s.
     """
 
     suffix = "_frames.log"

@@ -18,9 +18,9 @@ class NoAnswer(SdoCommunicationError):
 
 
 class LineSdoClient(SdoClient):
-    """The library's, that takes its answer in itself instead of waiting for another thread to do so.
+    """SDO client that receives its answer itself instead of waiting for another thread.
 
-    Answers that are none by CiA 301, and those without end, are `SdoCommunicationError`.
+    Answers that violate CiA 301, and endless ones, raise `SdoCommunicationError`.
     """
 
     RESPONSE_TIMEOUT = 0.8

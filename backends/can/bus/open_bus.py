@@ -15,7 +15,7 @@ _UNDER_WAY = 4096  # own frames that are waited for at most
 
 
 class EchoFreeBus(can.BusABC):
-    """A bus that gives back what it sends, without that: python-can's `udp_multicast` can't be told to."""
+    """Bus that drops the echoes of its own frames: python-can's `udp_multicast` can't switch them off."""
 
     def __init__(self, bus: can.BusABC) -> None:
         """Take over an open bus; closed by `shutdown`."""

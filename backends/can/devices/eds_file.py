@@ -49,13 +49,13 @@ class _Section(NamedTuple):
 
 
 def read_eds(path: Path, node: int) -> ObjectDictionary:
-    """Read a maker's EDS or DCF for a node with this ID, by the library `canopen`.
+    """Read a maker's EDS or DCF for the node ID `node`, with the library `canopen`.
 
-    The spellings that CiA 306 allows and the library does not are accepted (`eds_text`). Default values that
-    are not numbers are left out, as the library does.
+    Spellings that CiA 306 allows and the library does not are accepted (`eds_text`). Default values that
+    are not numbers are ignored, as in the library.
 
     Raises:
-        FileError: it is missing, or the library can't read it: each place with what is allowed there.
+        FileError: the file is missing, or the library can't read it: each place, with the allowed content.
     """
     name = str(path)
     text = as_the_library_spells(decoded(read_regular_file(path, MAX_BYTES)))
@@ -152,7 +152,7 @@ def _is_number(text: str) -> bool:
 
 
 def _syntax(name: str, error: configparser.Error) -> list[Finding]:
-    """What the library's reader of lines says, at its place."""
+    """Return findings for a syntax error of the library's line reader."""
     match error:
         case configparser.MissingSectionHeaderError(lineno=line):
             return [Finding(name, line, 1, "is outside any section; allowed: [SECTION] before it")]

@@ -1,4 +1,4 @@
-"""What a drive's EDS file has to describe, and what the robot's file has to accept that it doesn't."""
+"""Objects that a drive's EDS file has to describe, and those that the robot's file must accept as missing."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ def _unaccepted(dictionary: ObjectDictionary, axis: AxisSpec, name: str) -> Iter
 
 
 def _described(dictionary: ObjectDictionary, index: int) -> bool:
-    """Whether it is there, with what is written to: of an array the first entry."""
+    """Return True if the object is described; of an array, its first entry."""
     if index not in dictionary:
         return False
     found = dictionary[index]

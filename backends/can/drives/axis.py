@@ -92,13 +92,13 @@ class Axis(canopen.RemoteNode):
         self._asked = self._answered = 0
         self._counts: int | None = None
         self.counted: PositionRange = INTEGER32_RANGE
-        """In which the drive counts, by what it says itself."""
+        """Range in which the drive counts, as it reports it."""
         self._jumps = PositionJumps(limits, units.scale, period)
         self._taken = 0
         """The SYNC whose position was the last that could be."""
         self._jump, self._jump_way = 0, 0.0
         self._reported_travel = 0.0
-        """How far it has moved since then by the velocities that it told, in [counts]."""
+        """Travel since then by the reported velocities [counts]."""
         self.odd = 0
         """Number of impossible positions in a row."""
         self.ignored = 0
@@ -107,7 +107,7 @@ class Axis(canopen.RemoteNode):
         self.travel = 0.0
         """Travel since it was built, in [m] or [rad]."""
         self.contradiction = 0.0
-        """By how much that differs from what the velocities say that it told, in [m] or [rad]."""
+        """Difference between this travel and that by the reported velocities [m] or [rad]."""
         for pdo, planned in zip(self._commands, self.layout.commands, strict=False):
             _map(pdo, planned.objects, planned.transmission)
         for pdo, planned in zip(self._answers, self.layout.answers, strict=True):
@@ -193,7 +193,7 @@ class Axis(canopen.RemoteNode):
         self._target = target
 
     def stand(self, position: float) -> None:
-        """It stands there, enabled: hold."""
+        """Hold `position`, where the enabled drive is at rest."""
         self._target = position if self.positioned else 0.0
         self._sent = self.units.counts(position) if self.positioned else None
         self.expected.stand_at(position)
@@ -338,7 +338,7 @@ class Axis(canopen.RemoteNode):
         return self.units.position(0 if self._counts is None else self._counts)
 
     def place(self, counts: int, velocity: int = 0, torque: int = 0) -> None:
-        """It stands at these counts: asked for before the first SYNC."""
+        """Set the counts, velocity and torque that were read by SDO before the first SYNC."""
         self._counts, self._taken, self._reported_travel, self.odd = counts, self._asked, 0.0, 0
         self._jumps.forget()
         self._reported |= {0x606C: velocity, 0x6077: torque}
@@ -384,7 +384,7 @@ class Axis(canopen.RemoteNode):
 
     @property
     def fault(self) -> str:
-        """Description of the fault, "" if none: the error code, or else the last emergency message."""
+        """Return the fault of the error code, or of the last emergency message; "" if there is none."""
         active = self.emcy.active[-1].code if self.emcy.active else 0
         return fault_words(self._reported.get(0x603F, 0) or active)
 

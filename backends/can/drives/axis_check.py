@@ -37,9 +37,9 @@ class AxisCheck:
         self._off_for = 0.0
         self._rolled, self._due = axis.travel, 0.0
         self._drift: deque[float] = deque(maxlen=max(1, round(_LOOKS_BACK / axis.period)))
-        """Of a wheel: how much further than it should it has rolled, in each of the last periods."""
+        """Excess travel of a wheel over its expected one, for each of the last periods."""
         self._contradictions: deque[float] = deque([axis.contradiction], maxlen=self._drift.maxlen)
-        """Of its position and its velocity, in the last periods."""
+        """Contradictions between position and velocity in the last periods."""
 
     def check(self) -> None:
         """Check the axis after a period.
@@ -106,7 +106,7 @@ class AxisCheck:
 
 
 def _names(pdo: Pdo) -> str:
-    """What it would tell, such as "statusword and position (6041h, 6064h)"."""
+    """Return the names of a PDO's readings, such as "statusword and position (6041h, 6064h)"."""
     indices = [index for index in pdo.objects if index in _NAMES]
     *first, last = (_NAMES[index] for index in indices)
     names = f"{', '.join(first)} and {last}" if first else last

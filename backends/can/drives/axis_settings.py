@@ -36,7 +36,7 @@ class ObjectValue:
 
 
 def settings(axis: Axis, spec: CanSpec, period: float) -> list[ObjectValue]:
-    """All settings of a drive but its PDOs, for a period in [s] between two SYNCs."""
+    """Return all settings of a drive except its PDOs; `period` is the time between two SYNCs [s]."""
     planned = [*_communication(spec, period), *_stopping(axis), *_ramps(axis), *_mode(axis, period)]
     wanted = [each for each in planned if each.index not in axis.left_out]
     optional = [each for each in wanted if (each.index, each.subindex) in _IF_THERE]
@@ -44,7 +44,7 @@ def settings(axis: Axis, spec: CanSpec, period: float) -> list[ObjectValue]:
 
 
 def mapping(axis: Axis) -> Iterator[ObjectValue]:
-    """What its PDOs have to read back as."""
+    """Yield the values that the objects of its PDOs must have when they are read back."""
     for first, mapped, pdos in (
         (0x1400, 0x1600, axis.layout.commands),
         (0x1800, 0x1A00, axis.layout.answers),

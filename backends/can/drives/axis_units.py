@@ -27,11 +27,11 @@ class AxisUnits:
         return round(value * self.scale)
 
     def size(self, value: float) -> int:
-        """The same without a sign."""
+        """Return the same rate without a sign."""
         return abs(self.rate(value))
 
     def speed(self, counts: float) -> float:
-        """Of counts/s."""
+        """Return the speed [m/s] or [rad/s] of counts/s."""
         return counts / self.scale
 
 

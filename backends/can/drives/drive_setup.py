@@ -35,15 +35,15 @@ def set_up(axes: Iterable[Axis], spec: CanSpec, period: float) -> None:
     """Write all settings and PDOs, then read everything back; no drive gets torque.
 
     Args:
-        axes: on a network.
+        axes: axes on a network.
         spec: the section `can` of the robot's file.
-        period: between two SYNCs, in [s].
+        period: time between two SYNCs [s].
 
     Raises:
-        SilentDrive: nothing answers.
-        WrongDrive: it is no such drive.
+        SilentDrive: a drive doesn't answer.
+        WrongDrive: a node is not such a drive.
         EncoderWraps: its counts start over inside the travel of its axis.
-        ReadBackDiffers: with every setting that isn't what was written.
+        ReadBackDiffers: with every setting that reads back differently.
     """
     axes = list(axes)
     for axis in axes:
@@ -60,7 +60,7 @@ def set_up(axes: Iterable[Axis], spec: CanSpec, period: float) -> None:
 
 
 def look(axes: Iterable[Axis]) -> None:
-    """See where drives stand; raises `CanFault`."""
+    """Read the positions of the drives; raise `CanFault` if one can't be read."""
     for axis in axes:
         readings = [
             0 if each in axis.left_out else _known(axis, ObjectValue(each, 0, 0))
@@ -112,7 +112,7 @@ def _known(axis: Axis, what: ObjectValue) -> int:
 
 
 def _write(axis: Axis, setting: ObjectValue) -> None:
-    """Write an object; one that is refused is told when it is read back."""
+    """Write an object; a refused one is reported when it is read back."""
     with suppress(SdoAbortedError, KeyError):
         axis.write(setting.index, setting.subindex, setting.value)
 
@@ -125,7 +125,7 @@ def _save_pdos(axis: Axis) -> None:
 
 
 def _read(axis: Axis, setting: ObjectValue) -> int | str:
-    """What an object is, or why nobody knows."""
+    """Return the value of an object, or why it can't be read."""
     try:
         return axis.read(setting.index, setting.subindex)
     except SdoAbortedError as abort:

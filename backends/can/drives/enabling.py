@@ -28,17 +28,17 @@ _NEXT = {
 
 
 def enable(axes: Sequence[Axis], simulated: bool, beat: Callable[[], None]) -> None:
-    """Enable all, standing; then start them on the network. If one isn't ready, none stays enabled.
+    """Enable all axes at rest; then start them on the network. If one isn't ready, none stays enabled.
 
     Args:
-        axes: set up.
+        axes: axes that are set up.
         simulated: whether they answer at once, or never.
         beat: sends our heartbeat if it is due.
 
     Raises:
-        DriveNotReady: one has a fault, or doesn't become ready.
-        SilentDrive: one doesn't answer.
-        WrongDrive: one stands where it can't, or refuses.
+        DriveNotReady: a drive has a fault, or doesn't become ready.
+        SilentDrive: a drive doesn't answer.
+        WrongDrive: a drive is at an impossible position, or refuses.
     """
     try:
         _enable(axes, simulated, beat)

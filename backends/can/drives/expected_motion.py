@@ -1,4 +1,4 @@
-"""What an axis should do by now, if its drive does what it is told."""
+"""Expected motion of an axis whose drive follows its commands."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .profile import approach, ramp
 
 @dataclass
 class ExpectedMotion:
-    """The same ramps that the drive plans; a cyclic target counts one period later."""
+    """Ramps as the drive plans them; a cyclic set-point is valid one period later."""
 
     mode: int
     limits: AxisLimits
@@ -21,24 +21,24 @@ class ExpectedMotion:
     velocity: float = 0.0
     """[m/s] or [rad/s]"""
     way: float = 0.0
-    """Of the last period, in [m] or [rad]."""
+    """Travel in the last period [m] or [rad]."""
     speed: float = 0.0
-    """In it, in [m/s] or [rad/s]."""
+    """Speed in the last period [m/s] or [rad/s]."""
     _next: float = 0.0
     """The cyclic target that the next SYNC makes count."""
 
     def stand_at(self, position: float) -> None:
-        """It stands."""
+        """Set the axis to rest at `position`."""
         self.position, self.velocity = position, 0.0
         self._next = 0.0 if self.mode == CYCLIC_VELOCITY else position
 
     def advance(self, target: float, top: float, period: float) -> None:
-        """Let a period in [s] pass.
+        """Advance by one period.
 
         Args:
-            target: speed of a wheel, else position.
-            top: speed on the way to a position.
-            period: in [s].
+            target: speed of a wheel, otherwise a position.
+            top: speed of the motion to a position.
+            period: control period [s].
         """
         before, rate = self.position, self.limits.acceleration
         if self.mode == PROFILE_POSITION:

@@ -1,4 +1,4 @@
-"""Whether a position can follow from the one before it, by what the drive says of its speed."""
+"""Test whether a position can follow the one before, by the drive's reported speed."""
 
 from __future__ import annotations
 
@@ -15,10 +15,11 @@ _LIKE = 0.02  # share by which a jump may differ from the range of an encoder
 
 
 class PositionJumps:
-    """Compares the way between two positions with the speeds told and commanded around it, in counts.
+    """Compare the travel between two positions with the reported and commanded speeds around it, in counts.
 
-    The way lies between no motion and twice the fastest of these speeds, because periods are not all of one
-    length. An encoder that wraps jumps against its motion, also by less than the following error allows.
+    The travel must be between no motion and twice that of the fastest of these speeds, because periods
+    differ in length. An encoder that wraps jumps against its motion, even by less than the following error
+    window.
     """
 
     def __init__(self, limits: AxisLimits, scale: float, period: float) -> None:

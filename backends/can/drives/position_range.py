@@ -16,7 +16,7 @@ _PERIODS = 8.0  # of the fastest motion: a shorter range leaves open which way a
 
 
 class PositionRange(NamedTuple):
-    """From the lowest to the highest count, both included."""
+    """Range from the lowest to the highest count, both included."""
 
     lowest: int
     highest: int
@@ -28,7 +28,7 @@ class PositionRange(NamedTuple):
 
 
 INTEGER32_RANGE = PositionRange(-(2**31), 2**31 - 1)
-"""Of an INTEGER32, as CiA 402 has object 6064h."""
+"""Range of an INTEGER32, the type of object 6064h in CiA 402."""
 
 
 def described_range(dictionary: ObjectDictionary) -> PositionRange:
@@ -43,7 +43,9 @@ def described_range(dictionary: ObjectDictionary) -> PositionRange:
 
 
 def narrowed(known: PositionRange, lowest: object, highest: object) -> PositionRange:
-    """Return a range within another one; limits that are no numbers or equal (both 0: none) are ignored."""
+    """Return a range narrowed by limits; limits that aren't numbers, or are equal (both 0: none), are
+    ignored.
+    """
     if not isinstance(lowest, int) or not isinstance(highest, int) or lowest >= highest:
         return known
     return PositionRange(max(known.lowest, lowest), min(known.highest, highest))
@@ -65,12 +67,13 @@ def wrap_inside_travel(
     """Return how a drive's counts wrap inside the travel of its axis, "" if they do not.
 
     Args:
-        units: of the axis.
-        limits: the same.
-        period: of control, in [s].
+        units: units of the axis.
+        limits: limits of the axis.
+        period: control period [s].
         counted: the range in which the drive counts.
-        is_positioned: whether the axis is told positions. One that rolls may wrap, in less than half a range
-            each period.
+        is_positioned: whether the axis gets positions. A rolling one may wrap, in less than half a range
+            each
+            period.
     """
     size = f"its position (6064h) wraps every {counted.size} counts ({counted.size / abs(units.scale):.3g}"
     if not is_positioned:

@@ -1,4 +1,4 @@
-"""How a drive plans its ramps."""
+"""Ramps as a drive plans them."""
 
 from __future__ import annotations
 

@@ -1,8 +1,6 @@
-"""What can go wrong with a sensor.
+"""Errors of sensors.
 
-HandcartError
-├── InputError
-│   └── NoSensor        it can't be opened, or isn't what the robot's file says
+HandcartError ├── InputError │   └── NoSensor        it can't be opened, or differs from the robot's file
 └── RobotFault
     └── StaleSensor     its last reading is too old, or it can't be read any more
 """

@@ -20,7 +20,7 @@ class LineSensor(LiveSensor):
     """Takes lines of one kind; drops, and counts, those that are damaged or not newer than the last."""
 
     KIND: str
-    """How its lines begin."""
+    """First word of its lines."""
 
     def __init__(self, name: str, source: LineSource, clock: Clock = time.monotonic) -> None:
         """Open its port; raises `NoSensor`."""
@@ -34,7 +34,7 @@ class LineSensor(LiveSensor):
 
     @abstractmethod
     def _sound(self, values: NDArray[np.float64]) -> bool:
-        """Whether they can be a reading."""
+        """Return True if the values can be a reading."""
 
     def _take_in(self) -> None:
         if self.trouble:

@@ -1,4 +1,4 @@
-"""The base of all sensors that go on by themselves."""
+"""Base class of sensors that send readings by themselves."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ Clock = Callable[[], float]
 
 
 class LiveSensor(ABC):
-    """Takes in, once a period, what has come since, and knows how old it is.
+    """Sensor that receives, once a period, the readings that have arrived, and knows their age.
 
-    `advance` never waits and never raises; what can't be read any more grows old, and who asks for it then
-    gets a `StaleSensor`.
+    `advance` never waits and never raises; readings of a lost sensor grow old, and the next access raises
+    a `StaleSensor`.
     """
 
     def __init__(self, name: str, stale: float, clock: Clock = time.monotonic) -> None:
@@ -30,7 +30,7 @@ class LiveSensor(ABC):
         self._came: float | None = None
         self._now = clock()
         self.rejected = 0
-        """How many readings were dropped: damaged, not finite, of another size, out of order."""
+        """Number of dropped readings: damaged, not finite, of another size, out of order."""
         self.trouble = ""
         """Why it can't be read any more; "" while it can."""
         self.doubt = ""
@@ -51,7 +51,7 @@ class LiveSensor(ABC):
 
     @property
     def age(self) -> float | None:
-        """Of the last good reading in this period, in [s]; None before the first."""
+        """Return the age of the last good reading in this period [s]; None before the first."""
         return None if self._came is None else self._now - self._came
 
     def check_fresh(self) -> None:

@@ -29,7 +29,7 @@ _KINDS: dict[str, type[Capability]] = {
 
 
 def sensor_kinds(sensors: SensorsSpec) -> tuple[type[Capability], ...]:
-    """What a robot with these can sense; nothing is opened."""
+    """Return the capabilities that these sensors give a robot; nothing is opened."""
     return tuple(kind for key, kind in _KINDS.items() if getattr(sensors, key) is not None)
 
 

@@ -19,10 +19,11 @@ from .utc_order import UtcOrder
 
 
 class NmeaGps(LiveSensor, Gps):
-    """Takes GGA, and GST where the receiver sends it; positions are told in a plane about the task's origin.
+    """Satellite receiver that reads GGA, and GST if it is sent; positions are in a plane at the task's
+    origin.
 
-    In that plane a distance is right to 1 mm up to 10 km from the origin. A fix counts once, and only if its
-    time of day goes on as this machine's clock does: see `UtcOrder`.
+    In that plane a distance is correct to 1 mm up to 10 km from the origin. A fix counts once, and only if
+    its time of day advances with this machine's clock: see `UtcOrder`.
     """
 
     def __init__(self, source: GpsSource, clock: Clock = time.monotonic) -> None:
@@ -89,7 +90,7 @@ class NmeaGps(LiveSensor, Gps):
         return not self.doubt
 
     def _sigma(self, position: Position) -> float:
-        """What the receiver said of about that time, else by the satellites' geometry."""
+        """Return the receiver's sigma for that time, otherwise that of the satellites' geometry [m]."""
         accuracy = self._accuracy
         if accuracy is not None and abs(position.utc - accuracy.utc) <= self._stale:
             return accuracy.sigma

@@ -1,4 +1,4 @@
-"""The sentences of NMEA 0183 that tell where a receiver is: GGA, and GST, how sure that is."""
+"""Sentences of NMEA 0183 for a receiver's position (GGA) and its accuracy (GST)."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Position(NamedTuple):
 
     @property
     def is_fix(self) -> bool:
-        """Whether satellites measured it."""
+        """Return True if satellites measured the position."""
         return self.quality in SATELLITE_FIXES
 
 
@@ -53,16 +53,16 @@ class Accuracy(NamedTuple):
     """GST: how sure a fix is."""
 
     utc: float
-    """Of which time of day, in [s]."""
+    """Time of day to which it belongs [s]."""
     sigma: float
-    """Of an axis, in [m]."""
+    """Sigma per axis [m]."""
 
 
 def read_sentence(line: bytes) -> Position | Accuracy | None:
-    """A sentence; None where it is another one, or tells no place: the receiver sees no sky.
+    """Read a sentence; None for another kind, or without a position: the receiver sees no sky.
 
     Raises:
-        ValueError: it is damaged, or of another shape than NMEA 0183 says.
+        ValueError: it is damaged, or has another form than in NMEA 0183.
     """
     body = body_of(line).decode("ascii")
     match body[2:5]:

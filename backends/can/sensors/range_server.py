@@ -11,7 +11,7 @@ from .sensor_lines import sensor_line
 
 
 class RangeServer:
-    """Listens on a port of this machine and sends each scan, by the line protocol, to who has connected."""
+    """Listen on a local port and send each scan, by the line protocol, to connected clients."""
 
     def __init__(self, sensor: RangeSensor, port: int) -> None:
         """Begin to listen; raises OSError."""
@@ -19,11 +19,13 @@ class RangeServer:
         self._listening = socket.create_server(("127.0.0.1", port), backlog=1)
         self._listening.setblocking(False)
         self.port = self._listening.getsockname()[1]
-        """Where it listens; 0 given, the system chose one."""
+        """Port on which it listens; the system chose it if 0 was given."""
         self._heard: list[socket.socket] = []
 
     def send(self, time: float) -> None:
-        """Send this period's scan; `time` in [s] is the sensor's. Never waits: who doesn't read is let go."""
+        """Send this period's scan; `time` [s] is the sensor's. Never waits: clients that don't read are
+        disconnected.
+        """
         with contextlib.suppress(BlockingIOError):  # nobody calls
             caller, _ = self._listening.accept()
             caller.setblocking(False)

@@ -69,7 +69,7 @@ def _range(text: str) -> float:
 
 
 def body_of(line: bytes) -> bytes:
-    """What stands between `$` and `*`; raises ValueError where that isn't what the check sum is of."""
+    """Return the text between `$` and `*`; raise ValueError if its checksum differs."""
     framed = _FRAMED.fullmatch(line)
     if framed is None or int(framed.group(2), 16) != checksum(framed.group(1)):
         raise ValueError("damaged")

@@ -9,10 +9,11 @@ _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 
 
 def strict_number(text: str) -> float:
-    """A finite decimal number; Python's own reading takes `1_0`, ` 7`, `nan` and other scripts' digits, too.
+    """Read a finite decimal number; Python's `float` also accepts `1_0`, ` 7`, `nan` and digits of other
+    scripts.
 
     Raises:
-        ValueError: it is none.
+        ValueError: the text is not such a number.
     """
     if not _NUMBER.fullmatch(text):
         raise ValueError(f"{text!r} is no number")

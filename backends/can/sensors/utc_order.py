@@ -1,4 +1,4 @@
-"""Whether what a satellite receiver sends is of now."""
+"""Test whether a satellite receiver's sentences are current."""
 
 from __future__ import annotations
 
@@ -11,32 +11,31 @@ _DRIFT = 1e-4  # by which this machine's clock may run slower or faster than UTC
 
 
 class UtcOrder:
-    """Holds times of day against this machine's clock: none counts twice, and none that is old.
+    """Compare times of day with this machine's clock: no time counts twice, and no old one counts.
 
-    How far the receiver is behind the clock nobody knows; but it isn't further behind than it was, but for
-    what clocks drift. Times that are ahead of their turn count when four more bear them out: after a sleep of
-    the machine. One that is behind never does: a receiver whose clock is put back is believed when the
-    program is begun anew.
+    The delay of the receiver behind the clock is unknown; but it does not grow by more than the clocks'
+    drift. Times that are early count once four more confirm them, as after a sleep of the machine. A late
+    one never counts: a receiver whose clock was set back is believed after a restart of the program.
     """
 
     def __init__(self, late: float) -> None:
         """Nothing has come yet; `late` is how much later than usual a time may come, in [s]."""
         self._late = late
         self._last: tuple[float, float] | None = None
-        """Of the last that counted: UTC and the clock."""
+        """UTC and clock of the last time that counted [s]."""
         self._behind = 0.0
-        """How much UTC is behind the clock, if a time comes as soon as it ever does."""
+        """Least delay of UTC behind the clock [s]."""
         self._sooner: deque[float] = deque(maxlen=_BEARS_OUT + 1)
-        """Of the last that counted: how much sooner than that they came, in [s]."""
+        """How much earlier than with that delay the last counted times came [s]."""
         self._ahead: list[tuple[float, float]] = []
-        """The last that didn't count because they were ahead, and go on as the clock does."""
+        """Last times that did not count because they were early, and advance with the clock."""
 
     def is_new(self, utc: float, now: float) -> bool:
-        """Whether a time of day that has come counts; then it is the last.
+        """Return True if a received time of day counts; then it is kept as the last one.
 
         Args:
-            utc: in [s].
-            now: by this machine's clock, in [s].
+            utc: time of day [s].
+            now: time of this machine's clock [s].
         """
         if self._last is None:
             self._begin(utc, now)
@@ -58,7 +57,7 @@ class UtcOrder:
         return True
 
     def _come_sooner(self, by: float) -> None:
-        """What all of the last came sooner they may not come later any more: one alone may be wrong."""
+        """Reduce the least delay by what all of the last times came earlier: a single one may be wrong."""
         self._sooner.append(by)
         least = min(self._sooner)
         if len(self._sooner) > _BEARS_OUT and least > 0.0:

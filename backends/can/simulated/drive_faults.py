@@ -1,4 +1,4 @@
-"""What a simulated drive does wrong."""
+"""Faults of a simulated drive."""
 
 from __future__ import annotations
 
@@ -14,15 +14,17 @@ class DriveFaults:
     """It sends no PDOs any more, though it still listens."""
     no_heartbeat: bool = False
     gain: float = 1.0
-    """What the motor makes of its demand: 0 stuck, -1 the wrong way, 2 twice as far; it notices nothing."""
+    """Ratio of the motor's motion to its demand: 0 stuck, -1 reversed, 2 twice as far; the drive does not
+    notice.
+    """
     late: int = 0
     """Periods by which the motor is behind its demand."""
     frozen: bool = False
-    """It tells the position and velocity that it had."""
+    """True if it keeps reporting an old position and velocity."""
     jump: int = 0
-    """Added to the position that it tells, in [counts]."""
+    """Offset of the reported position [counts]."""
     jumps_in_turn: bool = False
-    """That is told every other time only."""
+    """True if the offset is applied every second time only."""
     wraps: int = 0
     """Counts after which its encoder starts over, in secret: 0 never."""
     drops: float = 0.0
@@ -38,18 +40,18 @@ class DriveFaults:
 
     @property
     def notices(self) -> bool:
-        """Whether the drive's own supervision of its motor works."""
+        """Return True if the drive's own supervision of its motor works."""
         return self.gain == 1.0 and self.late == 0
 
     def astray(self, way: float) -> float:
-        """How far the motor is from its demand, which goes a way in a period, in [counts]."""
+        """Return the motor's distance from its demand [counts], which moves by `way` in a period."""
         if not self.notices:
             self._behind.append(way * self.gain)
             self._astray += (self._behind.popleft() if len(self._behind) > self.late else 0.0) - way
         return self._astray
 
     def lost(self) -> bool:
-        """Whether the next answer gets lost, evenly spread."""
+        """Return True if the next answer is lost; losses are evenly spread."""
         self._dropped += self.drops
         if self._dropped < 1.0:
             return False

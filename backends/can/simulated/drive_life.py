@@ -32,7 +32,7 @@ _STAYING = range(5, 9)  # quick stop option codes (605Ah) that end in QUICK STOP
 
 
 class DriveLife:
-    """A state machine behind typed methods; what has no transition in a state does nothing there."""
+    """State machine with typed methods; a method without a transition from the current state does nothing."""
 
     def __init__(self) -> None:
         self._state = OFF

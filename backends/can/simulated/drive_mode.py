@@ -1,4 +1,4 @@
-"""What a drive does in a mode of operation."""
+"""Motion of a drive in a mode of operation."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ NEW_SETPOINT, AT_ONCE, RELATIVE = 1 << 4, 1 << 5, 1 << 6
 
 @dataclass
 class Demand:
-    """What the drive's own planning asks of its motor."""
+    """Set-points that the drive's own planning gives its motor."""
 
     position: float = 0.0
     """[counts], of the motor: homing doesn't change it."""
     velocity: float = 0.0
     """[counts/s]"""
     home: float = 0.0
-    """What is added to the motor's position to tell it (6064h), in [counts]."""
+    """Offset between the motor's position and the reported one (6064h) [counts]."""
     switch: float = field(default=-50_000.0)
     """Below this position of the motor the negative limit switch is pressed, in [counts]."""
 
@@ -63,5 +63,5 @@ class DriveMode(ABC):
 
     @property
     def position_loop(self) -> bool:
-        """Whether the drive watches its following error."""
+        """Return True if the drive watches its following error."""
         return True

@@ -43,16 +43,16 @@ HEARTBEAT_LOST, RPDO_LATE, FOLLOWING = 0x8130, 0x8250, 0x8611
 class DriveNode(canopen.LocalNode):
     """A servo drive: state machine, profile and cyclic modes, homing, supervision of bus and motor.
 
-    It reads no clock: `advance` lets time pass, `latch` and `answer` are a SYNC. What its planning asks of
-    the motor is `driven`; where the motor then stands is told by `moved`, see `Plant`. Without torque
-    (SWITCH ON DISABLED ...) a brake stops it as the quick stop does, and holds it.
+    It reads no clock: `advance` lets time pass, `latch` and `answer` are a SYNC. `driven` is the set-point
+    of the motor; `moved` sets its resulting position, see `Plant`. Without torque (SWITCH ON DISABLED ...)
+    a brake stops it as the quick stop does, and holds it.
 
-    It has the objects of its EDS and no others, and of its modes of operation those that it says it supports
-    (6502h); what isn't there is aborted.
+    It has only the objects of its EDS, and of its modes of operation only those that it supports (6502h);
+    access to others is aborted.
 
-    How it differs from metal: a motor of a `Plant` has no current; it takes any setting in any state;
-    following errors are watched in position modes alone; of digital inputs there is the negative limit
-    switch.
+    Differences from real drives: the motor of a `Plant` has no current; any setting is accepted in any
+    state; following errors are watched in position modes alone; the only digital input is the negative
+    limit switch.
     """
 
     def __init__(self, node: int, dictionary: ObjectDictionary | None = None) -> None:
@@ -66,17 +66,17 @@ class DriveNode(canopen.LocalNode):
         self._write_callbacks = [self.nmt.on_write, self._written]
         self.add_read_callback(self._read)
         self.wrong = DriveFaults()
-        """What it does wrong."""
+        """Faults of the drive."""
         self.position = 0.0
-        """Where its motor truly stands, in [counts]; homing doesn't change it."""
+        """True position of its motor [counts]; homing doesn't change it."""
         self.torque = 0
-        """Of its motor, in thousandths of the rated one."""
+        """Torque of its motor, in thousandths of the rated torque."""
         self.driven = 0.0
-        """Where it drives its motor to, in [counts]."""
+        """Set-point of its motor [counts]."""
         self.velocity = 0.0
-        """Of its motor, in [counts/s]."""
+        """Velocity of its motor [counts/s]."""
         self.pressed = False
-        """Whether its E-stop input takes the torque away."""
+        """True if its E-stop input removes the torque."""
         self._power_on()
 
     def _power_on(self) -> None:
@@ -91,7 +91,7 @@ class DriveNode(canopen.LocalNode):
         self._heard: float | None = None
         """Seconds since the heartbeat that it waits for; None before the first."""
         self._commanded: float | None = None
-        """The same for its first RPDO."""
+        """Time since its last RPDO [s]; None before the first."""
         self._waiting: list[tuple[int, int, int]] = []
 
     def associate_network(self, network: canopen.Network) -> None:
@@ -111,7 +111,7 @@ class DriveNode(canopen.LocalNode):
         self.nmt.state = "PRE-OPERATIONAL"
 
     def stand_at(self, position: float) -> None:
-        """Stand at a position of the motor, in [counts], before it is enabled."""
+        """Set the motor to rest at a position [counts], before the drive is enabled."""
         self.position = self.driven = self.demand.position = position
 
     def fail(self, code: int) -> None:
@@ -271,7 +271,7 @@ class DriveNode(canopen.LocalNode):
             self.nmt.state = becomes
 
     def latch(self) -> None:
-        """A SYNC has come: what waited for it counts."""
+        """Apply what waited for this SYNC."""
         waiting, self._waiting = self._waiting, []
         self._take_all(waiting)
         mode = self._modes.get(self._mode)
@@ -344,7 +344,7 @@ class DriveNode(canopen.LocalNode):
 
 
 def _wrapped(counts: int, counted: PositionRange) -> int:
-    """Return counts as a drive tells them that counts in a range (607Bh)."""
+    """Return counts wrapped into the range in which the drive counts (607Bh)."""
     return (counts - counted.lowest) % counted.size + counted.lowest
 
 

@@ -1,4 +1,4 @@
-"""What a simulated drive keeps in its objects."""
+"""Objects of a simulated drive."""
 
 from __future__ import annotations
 
@@ -9,20 +9,20 @@ from canopen.objectdictionary import ObjectDictionary, ODVariable
 from handcart.backends.can.drives.drive_dictionary import drive_dictionary
 
 _OWN: Mapping[int, int] = {0x6085: 2_000_000, 0x607F: 2**32 - 1}
-"""What a drive does by itself that can't be told: how it brakes, in counts/s², and no limit of its speed."""
+"""Fixed objects that can't be written: braking in counts/s², and no limit of the speed."""
 
 
 class DriveObjects:
-    """Values by index and sub-index: those of the EDS until something else is written.
+    """Values by index and sub-index: those of the EDS until another value is written.
 
-    What a maker's EDS doesn't describe, or has no default for, the drive has for itself alone.
+    Objects that a maker's EDS lacks, or gives no default for, are internal to the drive.
     """
 
     def __init__(self, node: int, dictionary: ObjectDictionary | None = None) -> None:
-        """Those of a node, by a maker's EDS, or by our own."""
+        """Create the objects of a node, by a maker's EDS, or by our own."""
         self._plain = drive_dictionary(node)
         self.dictionary = self._plain if dictionary is None else dictionary
-        """What it can be asked for."""
+        """Objects that can be read by SDO."""
         self._values: dict[tuple[int, int], int] = {}
 
     def __call__(self, index: int, subindex: int = 0) -> int:
@@ -38,11 +38,11 @@ class DriveObjects:
         self._values[(index, 0) if isinstance(index, int) else index] = value
 
     def reset(self) -> None:
-        """As after power on."""
+        """Reset all values, as at power on."""
         self._values.clear()
 
     def described(self, index: int, subindex: int = 0) -> bool:
-        """Whether it can be asked for."""
+        """Return True if the object can be read by SDO."""
         return _entry(self.dictionary, index, subindex) is not None
 
     def _default(self, index: int, subindex: int) -> int:

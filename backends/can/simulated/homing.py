@@ -9,7 +9,7 @@ from handcart.backends.can.drives.profile import ramp
 from .drive_mode import NEW_SETPOINT, SETPOINT_TAKEN, TARGET_REACHED, DriveMode
 
 HOME_HERE_METHODS = (35, 37)
-"""Methods: where it stands is home."""
+"""Homing methods that make the current position home."""
 NEGATIVE_SWITCH = 17
 """Method: towards the negative limit switch, and back until it opens: there is home."""
 _FAILED = 1 << 13

@@ -1,4 +1,4 @@
-"""What simulated drives turn."""
+"""Loads that simulated drives turn."""
 
 from __future__ import annotations
 
@@ -11,15 +11,17 @@ from .drive_node import DriveNode
 
 
 class Plant(ABC):
-    """What moves when motors are driven."""
+    """Load that moves when its motors are driven."""
 
     @abstractmethod
     def step(self, drives: Mapping[int, DriveNode], seconds: float) -> None:
-        """Let a period in [s] pass in which each motor is driven to `drive.driven`; tell each where it is."""
+        """Advance by `seconds` [s] with each motor driven to `drive.driven`; give each drive its new
+        position.
+        """
 
 
 class IdealMotors(Plant):
-    """Motors without load, which stand exactly where they are driven to."""
+    """Motors without load, which are always exactly at their set-points."""
 
     @override
     def step(self, drives: Mapping[int, DriveNode], seconds: float) -> None:

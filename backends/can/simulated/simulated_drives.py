@@ -17,7 +17,7 @@ SYNC_COB_ID = 0x80
 
 
 class SimulatedDrives:
-    """Drives that are served in the thread of who talks to them.
+    """Drives that run in the thread of their caller.
 
     Their time is the bus's: each SYNC is one period, and no clock is read.
     """
@@ -34,10 +34,10 @@ class SimulatedDrives:
 
         Args:
             nodes: node IDs.
-            period: that a SYNC stands for, in [s].
-            plant: what they turn; None: nothing but their motors.
-            bus: taken over; None: a virtual one of their own.
-            dictionaries: by node ID the objects that drives have; others have those of our own EDS.
+            period: time that a SYNC stands for [s].
+            plant: load that they turn; None: only their motors.
+            bus: taken over; None: a new virtual bus.
+            dictionaries: objects of drives by node ID; others have those of our own EDS.
         """
         self._period, self._plant = period, plant or IdealMotors()
         self._channel = f"drives {id(self):#x}"
@@ -55,7 +55,7 @@ class SimulatedDrives:
         self.line.subscribe(SYNC_COB_ID, self._on_sync)
 
     def open(self) -> can.BusABC:
-        """Another end of their own virtual bus, for who talks to them."""
+        """Return another end of their virtual bus, for a client."""
         return VirtualBus(self._channel)
 
     def serve(self) -> None:

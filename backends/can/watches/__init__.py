@@ -1,1 +1,1 @@
-"""What is looked out for on a bus."""
+"""Watches over a bus."""

@@ -25,10 +25,10 @@ class BusGuard:
         """Begin to listen.
 
         Args:
-            line: to the drives.
-            axes: these.
+            line: the network of the drives.
+            axes: the watched axes.
             spec: the section `can` of the robot's file.
-            clock: tells the time in [s].
+            clock: gives the time in [s].
         """
         self._clock = clock
         names = axes.names

@@ -1,4 +1,4 @@
-"""What the CAN controller tells of itself."""
+"""Watch over the CAN controller's own state."""
 
 from __future__ import annotations
 

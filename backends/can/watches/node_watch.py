@@ -1,4 +1,4 @@
-"""Whether every drive is there, once, and goes on."""
+"""Watch over the drives: each is there, once, and has not restarted."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class NodeWatch(Watch):
         self._names, self._allowed = names, allowed
         self._begun = False
         self._set: set[int] = set()
-        """Nodes that something has been written to, or read of: who boots then has forgotten it."""
+        """Nodes that were written to or read: after a boot they have lost their settings."""
         self._last: dict[int, float] = {}
         self._answers: Counter[int] = Counter()
         self._open: Counter[int] = Counter()

@@ -1,4 +1,4 @@
-"""Whether somebody else commands the drives."""
+"""Watch over commands to the drives from another node."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ _HEARTBEAT = 0x700
 
 
 class StrangerWatch(Watch):
-    """Frames that only a master sends, and that we haven't sent.
+    """Watch for frames that only a master sends, and that we haven't sent.
 
-    CAN tells no sender: what a stranger sends is detected, and has reached the drives by then.
+    CAN frames name no sender: a stranger's frame is detected after it has reached the drives.
     """
 
     def __init__(self, nodes: Iterable[int], our_node: int) -> None:

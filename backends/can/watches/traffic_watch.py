@@ -1,4 +1,4 @@
-"""How busy the bus is, and how sound what comes over it."""
+"""Watch over the load of the bus, and over malformed frames."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is looked out for on the bus."""
+"""Base class of the watches over the bus."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import can
 
 
 def plain(frame: can.Message) -> bool:
-    """Whether CANopen nodes send frames of that kind."""
+    """Return True if CANopen nodes send frames of that kind."""
     return not (frame.is_error_frame or frame.is_extended_id or frame.is_remote_frame or frame.is_fd)
 
 
@@ -23,7 +23,7 @@ class Watch(ABC):
         return
 
     def hear(self, frame: can.Message, sent: bool, now: float) -> None:
-        """A frame has been taken in, or sent."""
+        """Take in a frame that was received or sent."""
         return
 
     @abstractmethod

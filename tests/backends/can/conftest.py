@@ -28,7 +28,7 @@ ROOM: dict[str, Any] = {
     ],
 }
 COUNTS_PER_M = 16384 * 20 / (2 * math.pi * 0.1)
-"""Of the cart's wheels."""
+"""Counts per metre of the cart's wheels."""
 LEFT, RIGHT = 1, 2
 """Nodes of the cart's drives."""
 Make = Callable[..., Any]

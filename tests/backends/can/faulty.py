@@ -31,7 +31,7 @@ def move(backend: Any, periods: int) -> None:
 
 
 def fault_of(backend: Any, name: str, node: int | None = None, within: int = 20) -> CanFault:
-    """What a injected_fault under way ends in."""
+    """Return the fault that ends a run in which a fault is injected."""
     move(backend, BEFORE)
     inject(backend.bench, name, backend.bench.time, node)
     with pytest.raises(CanFault) as raised:
@@ -40,7 +40,7 @@ def fault_of(backend: Any, name: str, node: int | None = None, within: int = 20)
 
 
 def assert_stopped(backend: Any, fault: CanFault, gone: Collection[int] = ()) -> None:
-    """All axes, each in its own way, for good; drives that are `gone` are not asked for."""
+    """Assert that all axes have stopped for good, each in its own way; drives in `gone` are not asked."""
     drives = {node: drive for node, drive in backend.bench.drives.items() if node not in gone}
     assert [drive.velocity for drive in drives.values()] == [0.0] * len(drives)
     for axis in backend.axes.values():

@@ -1,4 +1,4 @@
-"""What goes wrong on the bus and at the interface, each by the row of docs/reference/faults.md."""
+"""Faults of the bus and the interface, each by its row of docs/reference/faults.md."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def test_one_lost_frame_is_tolerated_and_three_stop_the_robot(make: Make, robot:
 
 
 def commands(bus: Any) -> list[can.Message]:
-    """Set-points that wait in the interface's queue: for wheels those of a speed."""
+    """Return the set-points in the interface's queue: for wheels those of a speed."""
     return [
         frame
         for frame in bus.held
@@ -83,7 +83,7 @@ def commands(bus: Any) -> list[can.Message]:
 def test_what_was_queued_moves_nothing_when_the_cable_is_back(
     make: Make, robot: RobotFile, flushes: bool
 ) -> None:
-    """C6: what the interface still holds is thrown away; where it can't, the drives don't take it."""
+    """C6: frames in the interface are thrown away; if that is impossible, the drives don't accept them."""
     backend = make(robot=robot, room=False)
     move(backend, BEFORE)
     bus, drives = backend.bench.master, backend.bench.drives

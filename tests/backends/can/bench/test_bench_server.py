@@ -55,7 +55,7 @@ def test_without_syncs_time_goes_by_the_clock(cart: RobotFile, bench: Bench, clo
 def test_k1_drives_stop_by_themselves_when_the_program_is_gone(
     cart: RobotFile, bench: Bench, clock: Any
 ) -> None:
-    """K1: heartbeat time and ramp after the last sign of life all drives stand, and stay so."""
+    """K1: all drives are at rest heartbeat time and ramp after the last sign of life, and stay so."""
     assert cart.can is not None
     backend: Any
     with CanBackend(cart, bench) as backend:

@@ -1,4 +1,4 @@
-"""State of a robot on simulated drives: another backend goes on with the same commands and way."""
+"""State of a robot on simulated drives: a restored backend continues with the same commands and travel."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How much of a bus frames take."""
+"""Bus load of frames."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from handcart.backends.description.robot_loading import load_robot
 
 
 def stuffed_bits(bits: list[int]) -> int:
-    """As a sender does it: five alike are followed by one that is not (ISO 11898-1)."""
+    """Count bits as a sender does: five equal ones are followed by an opposite one (ISO 11898-1)."""
     count, run, last = 0, 0, -1
     for bit in bits:
         run = run + 1 if bit == last else 1

@@ -34,7 +34,7 @@ def bus(monkeypatch: pytest.MonkeyPatch) -> Iterator[VirtualBus]:
 
 @pytest.fixture
 def others() -> Iterator[Callable[[Frame], VirtualBus]]:
-    """Puts a frame of somebody else on the channel; returns their end."""
+    """Yield a function that puts another node's frame on the channel and returns its end."""
     with ExitStack() as opened:
 
         def send(frame: Frame) -> VirtualBus:
@@ -67,7 +67,7 @@ def test_channel_in_use_is_found_by_listening_alone(
 
 
 def test_idle_bench_on_the_channel_is_found_by_asking(bus: VirtualBus, cart: RobotFile) -> None:
-    """C23: drives that nobody has set up send nothing by themselves."""
+    """C23: drives that are not set up send nothing by themselves."""
     assert cart.can is not None
     bench, end = Bench(cart, cart.can, None, VirtualBus(CHANNEL)), threading.Event()
     while bus.recv(0.0):  # boot-up messages

@@ -103,7 +103,7 @@ def test_the_seconds_around_a_mark(tmp_path: Path, clock: Any, make_log: Make) -
 
 
 def test_the_seconds_are_stamped_with_the_robots_time(tmp_path: Path, clock: Any, make_log: Make) -> None:
-    """A pause, or a clock that counts from 1970: the excerpt tells what the journal calls that time."""
+    """After a pause, or with a clock that counts from 1970, the excerpt has the journal's times."""
     log = make_log()
     clock.now = 1.7e9
     log.note(frame(1), sent=True)

@@ -1,4 +1,4 @@
-"""What goes over the bus by itself: our heartbeat, and which objects are in the frames of each mode."""
+"""Frames that are sent cyclically: our heartbeat, and the objects in the frames of each mode."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is refused in the section `can` of a robot's file, with its place."""
+"""Errors in the section `can` of a robot's file, with their places."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Drives as their makers describe them: what they lack is told, accepted by name, and done without."""
+"""Drives as their makers describe them: missing objects are reported, accepted by name, and not used."""
 
 from __future__ import annotations
 
@@ -108,14 +108,14 @@ def test_what_nobody_can_do_without_is_told_in_the_eds_file(tmp_path: Path) -> N
 
 
 def test_an_axis_that_may_fall_at_a_stop_is_refused(tmp_path: Path) -> None:
-    """C10: gravity, no brake, and nobody knows whether a quick stop keeps its torque."""
+    """C10: gravity, no brake, and it is unknown whether a quick stop keeps its torque."""
     with pytest.raises(FileError, match=r"may fall at a stop without: .quick_stop_option.; allowed"):
         load_robot(written(tmp_path, maker_eds(0x605A), (JOINT_1,), without("quick_stop_option")))
 
 
 ALL = tuple(index for lack in DEVICE_LACKS.values() for index in lack.objects)
 SILENT = (0x1006, 0x1029, "1400sub5", 0x6080, 0x6084)
-"""What is done without, and needn't be accepted."""
+"""Objects that may be missing without being accepted."""
 
 
 @pytest.fixture
@@ -142,7 +142,7 @@ def test_drives_are_used_with_what_they_have(bare: Any) -> None:
 
 
 def test_faults_of_such_drives_stop_the_robot(bare: Any) -> None:
-    """C11 C12: told by their emergency message."""
+    """C11 C12: reported by their emergency message."""
     fault = fault_of(bare, "fault", JOINT_1)
     assert isinstance(fault, Emergency)
     assert "error 2310h, continuous over-current" in str(fault)
@@ -150,7 +150,7 @@ def test_faults_of_such_drives_stop_the_robot(bare: Any) -> None:
 
 
 def test_what_follows_is_true(bare: Any) -> None:
-    """C7 C8: without 1016h and 1400h:5 a drive goes on when this program is gone."""
+    """C7 C8: without 1016h and 1400h:5 a drive keeps running when this program is gone."""
     move(bare, 20)
     drive = bare.bench.drives[LEFT]
     for _ in range(40):

@@ -1,4 +1,4 @@
-"""Positions that a drive reports: what an axis takes over, what it refuses, and what it says then."""
+"""Reported positions of a drive: which ones an axis accepts and refuses, and its messages."""
 
 from __future__ import annotations
 

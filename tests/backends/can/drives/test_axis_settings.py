@@ -1,4 +1,4 @@
-"""What each drive is set to, object by object, and what it should do then."""
+"""Settings of each drive, object by object, and its behaviour with them."""
 
 from __future__ import annotations
 

@@ -40,7 +40,7 @@ CAMERA = CameraSpec(width_px=64, height_px=48, focal_px=60.0)
 
 
 class Device:
-    """What is at the other end of a pseudo-terminal."""
+    """Device at the other end of a pseudo-terminal."""
 
     def __init__(self) -> None:
         self._ours, theirs = pty.openpty()
@@ -148,7 +148,7 @@ def test_s3_s5_what_is_no_reading_is_dropped(device: Device, scanner: LineRangeS
 
 
 def test_s6_a_sensor_that_is_unplugged(device: Device, scanner: LineRangeSensor, clock: Any) -> None:
-    """S6: `advance` doesn't raise; who asks is told, and why."""
+    """S6: `advance` doesn't raise; reading raises an error with the reason."""
     device.unplug()
     for _ in range(3):
         clock.now += 1.0
@@ -223,7 +223,7 @@ def test_a_receiver_that_isnt_good_enough(device: Device, clock: Any) -> None:
 def test_qualities_of_fixes_rank_as_the_standard_says(
     device: Device, clock: Any, needed: Any, taken: set[int]
 ) -> None:
-    """All ten digits; 0, 6, 7, 8 and 9 are no satellite fixes."""
+    """All ten digits; 0, 6, 7, 8 and 9 aren't satellite fixes."""
     receiver = NmeaGps(GpsSource(port=device.port, **ORIGIN, quality=needed), clock)
     found = set()
     for quality in range(10):
@@ -319,7 +319,7 @@ def test_s5_a_sentence_counts_once(device: Device, receiver: NmeaGps, clock: Any
 
 @pytest.mark.parametrize("old", ["003519", "123518", "123459", "113520"])
 def test_s5_an_old_sentence_does_not_count(device: Device, receiver: NmeaGps, clock: Any, old: str) -> None:
-    """S5: a second, twelve hours old, though it goes on as the clock does."""
+    """S5: a second sentence, twelve hours old, though its time advances with the clock."""
     device.say(gga("123519"))
     receiver.advance()
     for second in range(3):
@@ -330,7 +330,7 @@ def test_s5_an_old_sentence_does_not_count(device: Device, receiver: NmeaGps, cl
 
 
 def test_s5_what_was_held_back_does_not_count(device: Device, receiver: NmeaGps, clock: Any) -> None:
-    """S1 S5: sentences of some seconds ago, each newer than the last, out of somebody's buffer."""
+    """S1 S5: sentences some seconds old, each newer than the last, from a buffer."""
     device.say(gga("123500"))
     receiver.advance()
     clock.now += 10.0
@@ -424,7 +424,7 @@ def test_a_scan_covers_the_field_of_view_of_the_robots_file(device: Device, cloc
     ["1_0.5", " 1.5", "1.5 ", "NaN", "Infinity", "+inf", "1e999", "0x1", "\u0661", "--1", "1e", ".", "+"],
 )
 def test_s3_numbers_are_decimal(field: str) -> None:
-    """S3: what Python would take for a number besides; of ranges and of an inertial unit."""
+    """S3: texts that Python would accept as numbers, in ranges and in readings of an inertial unit."""
     for kind, values in (("RANGE", f"1.0,{field},2.0"), ("IMU", f"{field},0.0,0.0,0.0,0.0,9.81")):
         body = f"{kind},1250,{values}".encode()
         read = read_line(b"$%b*%02X" % (body, checksum(body)))
@@ -526,7 +526,7 @@ def test_sensors_of_a_robot(device: Device) -> None:
 
 
 class Walls(RangeSensor):
-    """Tells what it is told."""
+    """Range sensor with given ranges."""
 
     def __init__(self) -> None:
         self.ranges = np.array([1.0, np.inf, 2.5, 3.0])
@@ -536,7 +536,9 @@ class Walls(RangeSensor):
 
 
 def test_scans_of_a_bench_in_another_process(clock: Any) -> None:
-    """As `handcart bench --range-port` sends them; who doesn't read, or hangs up, is let go."""
+    """Scans as `handcart bench --range-port` sends them; clients that don't read, or hang up, are
+    disconnected.
+    """
     walls = Walls()
     server = RangeServer(walls, 0)
     scanner = LineRangeSensor(LineSource(port=f"socket://127.0.0.1:{server.port}"), RANGE, np.eye(4), clock)

@@ -103,7 +103,7 @@ def test_a_bit_4_that_was_set_before_is_no_new_set_point() -> None:
 
 
 def test_cyclic_set_point_is_reached_evenly_in_interpolation_time() -> None:
-    """60C2h: 50 * 10^-3 s; where the next one is late the drive stands on the last."""
+    """60C2h: 50 * 10^-3 s; if the next set-point is late, the drive rests at the last one."""
     objects, demand = DriveObjects(11), Demand()
     objects[0x60C2, 1], objects[0x60C2, 2] = 50, -3
     objects[0x607D, 1], objects[0x607D, 2] = -(10**6), 10**6
