@@ -49,8 +49,8 @@ class CanBackend(Backend):
     On a bench (the interface `virtual`, or `build_on_bench`) the drives are simulated in this process, in
     front of a simulated backend: a period passes with each step, no clock is read, and the same seed gives
     the same run. Sensors that are not on the bus are that backend's. Otherwise drives are expected on the
-    bus, and a step lasts a period of the wall clock. Long computing doesn't block that loop
-    (`Robot.compute` uses a thread); if anything blocks it for longer than the drives' heartbeat time, they
+    bus, and a step lasts a period of the wall clock. Long computing doesn't stop that loop
+    (`Robot.compute` uses a thread); if anything stops it for longer than the drives' heartbeat time, they
     stop.
     """
 

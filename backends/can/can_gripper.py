@@ -16,7 +16,7 @@ _AWAY = 1e-3  # [m]
 
 
 class CanGripper(Gripper):
-    """Fingers whose drive moves to a width with limited torque: blocked fingers press.
+    """Fingers whose drive moves to a width with limited torque: stopped by an object, they press.
 
     Pressing is detected by torque (6077h) at rest; without a reported torque, by fingers that rest away
     from their expected position.
