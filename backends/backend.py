@@ -197,6 +197,10 @@ class Backend(ABC):
         """The capability of that kind, None where the robot has none."""
         return next((each for each in self.capabilities() if isinstance(each, kind)), None)
 
+    def sensor(self, name: str) -> Capability | None:
+        """Return the sensor with a name of the robot's file; None if there is none."""
+        return next((each for each in self.capabilities() if each.sensor_name == name), None)
+
     def __enter__(self) -> Self:
         return self
 

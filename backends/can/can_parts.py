@@ -111,7 +111,7 @@ def capabilities_of(robot: RobotFile) -> tuple[type[Capability], ...]:
         Base: spec.left,
         Arm: spec.joints,
         Gripper: spec.gripper,
-        Camera: sensors.camera,
+        Camera: sensors.camera if robot.hand_camera is not None else None,
         RangeSensor: sensors.range_sensor,
         Imu: sensors.imu,
         Gps: sensors.gps,

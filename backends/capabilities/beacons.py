@@ -22,7 +22,6 @@ class Beacons(Capability):
     """Radio beacons that measure ranges, such as ultra-wideband."""
 
     READINGS: ClassVar = {"ranges": Reading("beacons", ("distances",))}
-    FILE_KEY = "beacons"
 
     @abstractmethod
     def ranges(self) -> BeaconRanges | None:

@@ -1,4 +1,4 @@
-"""The camera on the hand."""
+"""Cameras."""
 
 from __future__ import annotations
 
@@ -15,10 +15,9 @@ from .capability import Capability, Reading
 
 
 class Camera(Capability):
-    """A grey camera fixed to the hand."""
+    """A grey camera, on the hand or elsewhere on the robot."""
 
     READINGS: ClassVar = {"image": Reading("camera", noisy=True)}
-    FILE_KEY = "camera"
 
     @abstractmethod
     def image(self) -> NDArray[np.uint8]:
@@ -32,4 +31,18 @@ class Camera(Capability):
     @property
     @abstractmethod
     def hand_T_camera(self) -> Transform:
-        """Pose of the optical frame (z forward, x right, y down) in the hand frame, as calibrated, (4, 4)."""
+        """Pose of the optical frame (z forward, x right, y down) in the hand frame, as calibrated, (4, 4).
+
+        Raises:
+            NotOnHand: the hand does not carry the camera.
+        """
+
+    @property
+    def carrier(self) -> str:
+        """Link that carries the camera: its pose follows from the measured joints."""
+        return "hand"
+
+    @property
+    def carrier_T_camera(self) -> Transform:
+        """Pose of the optical frame in the frame of the link `carrier`, as calibrated, (4, 4)."""
+        return self.hand_T_camera

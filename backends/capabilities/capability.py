@@ -32,7 +32,13 @@ class Capability(ABC):  # noqa: B024  what it can do is abstract in each kind
     COMMANDS: ClassVar[tuple[str, ...]] = ()
     """Its methods that move something with the next step."""
     FILE_KEY: ClassVar[str | None] = None
-    """Key of a robot's file that says whether the robot has one; None: each has."""
+    """Section of a robot's file that says whether the robot has such an actuator; None: each has. Sensors
+    are in the table `sensors`.
+    """
+    sensor_name: str = ""
+    """Name of a sensor in the robot's file; "" for an actuator, and for the only sensor of its kind if a
+    backend does not set it.
+    """
 
     @classmethod
     def words(cls) -> str:

@@ -24,7 +24,6 @@ class Gps(Capability):
     """A satellite receiver; its antenna is the URDF's frame `gps`."""
 
     READINGS: ClassVar = {"fix": Reading("gps")}
-    FILE_KEY = "gps"
 
     @abstractmethod
     def fix(self) -> Fix | None:

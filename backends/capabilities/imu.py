@@ -15,7 +15,6 @@ class Imu(Capability):
     """Three gyros and three accelerometers, their axes along those of the base: x forward, y left, z up."""
 
     READINGS: ClassVar = {"rates": Reading("imu", noisy=True), "accelerations": Reading("imu", noisy=True)}
-    FILE_KEY = "imu"
 
     @abstractmethod
     def rates(self) -> NDArray[np.float64]:

@@ -25,7 +25,6 @@ class Positioning(Capability):
     """An indoor positioning system: laser trackers, cameras on the ceiling. It is aligned with the map."""
 
     READINGS: ClassVar = {"reading": Reading("positioning")}
-    FILE_KEY = "positioning"
 
     @abstractmethod
     def reading(self) -> PoseReading | None:

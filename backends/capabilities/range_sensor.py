@@ -18,7 +18,6 @@ class RangeSensor(Capability):
     """
 
     READINGS: ClassVar = {"scan": Reading("range", ("ranges",), noisy=True)}
-    FILE_KEY = "range_sensor"
 
     @abstractmethod
     def scan(self) -> Scan:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Literal, Self
 
 from pydantic import Field
+from typing_extensions import override
 
-from handcart.files.models.model import FileModel
+from handcart.backends.sensors.sensor_spec import SensorSpec
 
 Positive = Annotated[float, Field(gt=0.0)]
 NotNegative = Annotated[float, Field(ge=0.0)]
@@ -14,8 +15,10 @@ BeaconPlace = tuple[float, float, float]
 """x, y of a world, height above the ground."""
 
 
-class BeaconsSpec(FileModel):
+class BeaconsSpec(SensorSpec):
     """Fixed radio beacons, and the robot's own radio, which measures its distance from them."""
+
+    kind: Literal["beacons"] = "beacons"
 
     places_m: Annotated[dict[str, BeaconPlace], Field(min_length=1)]
     """Position of each beacon, by its name; at least three that are not collinear determine the robot's
@@ -37,3 +40,8 @@ class BeaconsSpec(FileModel):
     """Assumed random walk of the constant error after one second; it grows with the square root of time. The
     simulated value is in the world's file.
     """
+
+    @override
+    def without_errors(self) -> Self:
+        sure = dict.fromkeys(("sigma_m", "bias_m", "scale_percent", "bias_walk_m_rt_s"), 0.0)
+        return self.model_copy(update=sure)

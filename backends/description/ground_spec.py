@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 from pydantic import Field
+from typing_extensions import override
 
+from handcart.backends.sensors.sensor_spec import MountedSensorSpec
 from handcart.files.models.model import FileModel
 
 Positive = Annotated[float, Field(gt=0.0)]
@@ -49,8 +51,10 @@ class GroundSpec(FileModel):
     """Side slip angle in a curve, for each 1/m of curvature: a known effect, not an error."""
 
 
-class GpsSpec(FileModel):
-    """A satellite receiver; its antenna is the URDF's frame `gps`."""
+class GpsSpec(MountedSensorSpec):
+    """A satellite receiver; its frame in the URDF is that of its antenna."""
+
+    kind: Literal["gps"] = "gps"
 
     period_s: Positive = 1.0
     """Between fixes."""
@@ -62,3 +66,7 @@ class GpsSpec(FileModel):
     """Over which it changes."""
     start_heading_deg: NotNegative | Literal["unknown"] = 1.0
     """Sigma of the given start heading, or `unknown` (see ORIENT)."""
+
+    @override
+    def without_errors(self) -> Self:
+        return type(self)(frame=self.frame, period_s=self.period_s, white_m=0.0)

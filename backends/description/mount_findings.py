@@ -1,4 +1,4 @@
-"""Sensors that are not rigidly mounted where the rest of the program takes them to be."""
+"""Sensors that are mounted where a joint moves them without the program knowing."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from handcart.backends.urdf.driven_wheels import driven_wheels
 from handcart.robotics.kinematics.urdf_contents import joints_of, link_names
-from handcart.robotics.kinematics.urdf_mounts import joints_above, joints_between
+from handcart.robotics.kinematics.urdf_mounts import joints_above
 from handcart.robotics.kinematics.urdf_tree import joint_leaders
 
 if TYPE_CHECKING:
@@ -14,16 +14,19 @@ if TYPE_CHECKING:
 
     from handcart.files.errors import Finding
     from handcart.files.yaml.yaml_document import Document
+    from handcart.files.yaml.yaml_node import KeyPath
 
     from .robot_file import RobotFile
 
 FINGER_LINKS = ("left_finger", "right_finger")
-ON_THE_BASE = ("range_sensor", "imu", "gps", "tray")
-"""Frames whose pose in the base is computed once, with all joints at zero."""
 
 
 def mount_findings(robot: RobotFile, urdf: str, document: Document) -> Iterator[Finding]:
-    """Find a camera that moves against the hand, and sensors and a tray that move against the base.
+    """Find sensors whose pose in the base nobody knows, and a tray that moves against the base.
+
+    A sensor that may be anywhere, such as a camera, needs joints above it whose positions are read: those of
+    the arm. Others, and a tray, have to be fixed on the base: their pose is computed once, with all joints
+    at zero.
 
     Args:
         robot: by its file.
@@ -31,37 +34,53 @@ def mount_findings(robot: RobotFile, urdf: str, document: Document) -> Iterator[
         document: the robot's file.
     """
     links = link_names(urdf)
-    if robot.camera is not None and robot.arm is not None and {"camera", "hand"} <= set(links):
-        between = joints_between(urdf, "camera", "hand")
-        if between:
-            allowed = "a camera fixed on the hand; without the section `camera` the robot can be used"
-            wrong = f"{_named(robot, between)} between the links `camera` and `hand`"
-            yield document.finding(_key(robot, "camera"), f"{wrong}; allowed: {allowed}")
-    moved = _moved_joints(robot, urdf)
-    for role in ON_THE_BASE:
-        if role not in links or (role != "tray" and getattr(robot, role) is None):
+    moved, read = _moved_joints(robot, urdf), _read_joints(robot, urdf)
+    for name, spec in robot.sensors.items():
+        link = robot.link_of(spec)
+        if link not in links:
             continue
-        found = [name for name in joints_above(urdf, role) if name in moved]
-        if found:
-            wrong = f"{_named(robot, found)} between the links `base` and {role!r}"
-            yield document.finding(_key(robot, role), f"{wrong}; allowed: one fixed on the base")
+        above = joints_above(urdf, link)
+        if spec.CARRIER == "any":
+            if unread := [joint for joint in above if joint not in read]:
+                wrong = f"{_named(robot, unread)} between the links `base` and {link!r}, and nothing reads "
+                wrong += "it" if len(unread) == 1 else "them"
+                allowed = "a sensor behind joints of the section `arm` only"
+                yield document.finding(_key(robot, name, link), f"{wrong}; allowed: {allowed}")
+        elif found := [joint for joint in above if joint in moved]:
+            yield _moves(robot, found, link, document, _key(robot, name, link))
+    if "tray" in links and (found := [joint for joint in joints_above(urdf, "tray") if joint in moved]):
+        key = ("links", "tray") if "tray" in robot.links else ("urdf",)
+        yield _moves(robot, found, "tray", document, key)
+
+
+def _moves(robot: RobotFile, joints: list[str], link: str, document: Document, key: KeyPath) -> Finding:
+    wrong = f"{_named(robot, joints)} between the links `base` and {link!r}"
+    return document.finding(key, f"{wrong}; allowed: one fixed on the base")
+
+
+def _read_joints(robot: RobotFile, urdf: str) -> set[str]:
+    """Return the joints whose positions are read: the arm's, and those that follow them."""
+    own = set(robot.arm.joints if robot.arm else ())
+    return own | {name for name, (leader, *_) in joint_leaders(urdf).items() if leader in own}
 
 
 def _moved_joints(robot: RobotFile, urdf: str) -> set[str]:
-    """The joints that a run moves: of arm, fingers and wheels, and those that follow them."""
+    """Return the joints that a run moves: of arm, fingers and wheels, and those that follow them."""
     names = [each.name for each in joints_of(urdf)]
     own = {*(robot.arm.joints if robot.arm else ()), *FINGER_LINKS, *driven_wheels(names).all}
     return own | {name for name, (leader, *_) in joint_leaders(urdf).items() if leader in own}
 
 
-def _key(robot: RobotFile, role: str) -> tuple[str | int, ...]:
-    if role in robot.links:
-        return ("links", role)
-    return ("urdf",) if role == "tray" else (role,)
+def _key(robot: RobotFile, name: str, link: str) -> KeyPath:
+    """Return where the robot's file says that a sensor is mounted at a link."""
+    if link in robot.links:
+        return ("links", link)
+    key = robot.key_of(name)
+    return (*key, "frame") if getattr(robot.sensors[name], "frame", None) else key
 
 
 def _named(robot: RobotFile, joints: list[str]) -> str:
-    """The joints in words, each with its line in the URDF."""
+    """Return the joints in words, each with its line in the URDF."""
     shown = []
     for name in joints:
         place = robot.whole.places.get(("joint", name))

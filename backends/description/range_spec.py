@@ -7,8 +7,9 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import AliasChoices, Field, model_validator
+from typing_extensions import override
 
-from handcart.files.models.model import FileModel
+from handcart.backends.sensors.sensor_spec import MountedSensorSpec
 
 Positive = Annotated[float, Field(gt=0.0)]
 NotNegative = Annotated[float, Field(ge=0.0)]
@@ -18,8 +19,10 @@ FULL_TURN = 360.0
 ROUNDING_DEG = 1e-6  # [deg]
 
 
-class RangeSpec(FileModel):
-    """The range sensor at the URDF's frame `range_sensor`."""
+class RangeSpec(MountedSensorSpec):
+    """A lidar, its plane parallel to the floor."""
+
+    kind: Literal["lidar"] = "lidar"
 
     beams: Annotated[int, Field(gt=2)]
     """Number of beams of a scan, evenly spread from `start_deg` to `end_deg`."""
@@ -55,6 +58,10 @@ class RangeSpec(FileModel):
     def is_full_turn(self) -> bool:
         """True if the field of view is a full turn."""
         return self.end_deg - self.start_deg > FULL_TURN - ROUNDING_DEG
+
+    @override
+    def without_errors(self) -> Self:
+        return self.model_copy(update={"sigma_mm": 0.0})
 
     def angles(self) -> NDArray[np.float64]:
         """(beams,) in [rad], counter-clockwise."""

@@ -8,11 +8,12 @@ import tempfile
 import weakref
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
 from pydantic import Field, PrivateAttr
 
+from handcart.backends.sensors.sensor_table import SensorTable
 from handcart.backends.urdf.packages import PACKAGE_PREFIX
 from handcart.backends.urdf.robot_parts import KeyPath, PartSpec, UrdfPlace
 from handcart.backends.urdf.robot_urdf import RobotUrdf, robot_urdf
@@ -21,18 +22,19 @@ from handcart.files.inside import resolve_inside
 from handcart.files.models.model import FileModel
 from handcart.robotics.kinematics.urdf_contents import joints_of, link_names
 from handcart.robotics.kinematics.urdf_frames import base_T_frame
+from handcart.robotics.kinematics.urdf_mounts import joints_between
 from handcart.robotics.manipulation.suspension.suspension_model import SuspensionModel
 
-from .beacons_spec import BeaconsSpec
 from .can_spec import CanSpec
-from .ground_spec import GpsSpec, GroundSpec
+from .ground_spec import GroundSpec
 from .joint_units import JointUnits
-from .sensor_specs import CameraSpec, ImuSpec, OdometrySpec, PositioningSpec, RangeSpec
+from .sensor_specs import CameraSpec, OdometrySpec
 from .simulated_errors import Errors
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from handcart.backends.sensors.sensor_spec import SensorSpec
     from handcart.backends.urdf.robot_shape import FingerShape, TrayShape
     from handcart.robotics.kinematics.arm_model import ArmModel
 
@@ -162,7 +164,7 @@ class UnknownPosture(InputError):
     """A robot's file doesn't have the posture that is asked for."""
 
 
-class RobotFile(FileModel):
+class RobotFile(SensorTable):
     """A robot: drive, arm, sensors, limits, tolerances, postures, and how its simulation errs."""
 
     format: Literal["handcart-robot/1"]
@@ -191,12 +193,6 @@ class RobotFile(FileModel):
     """Connection of the backend `can` to the robot's drives."""
     arm: ArmSpec | None = None
     gripper: GripperSpec | None = None
-    camera: CameraSpec | None = None
-    range_sensor: RangeSpec | None = None
-    imu: ImuSpec | None = None
-    positioning: PositioningSpec | None = None
-    gps: GpsSpec | None = None
-    beacons: BeaconsSpec | None = None
     ground: GroundSpec = GroundSpec()
     """Assumed properties of open ground."""
     odometry: OdometrySpec = OdometrySpec()
@@ -317,8 +313,29 @@ class RobotFile(FileModel):
         """Position of the receiver's antenna in the base frame, in [m]; the origin without one."""
         if self.gps is None:
             return (0.0, 0.0, 0.0)
-        x, y, z = base_T_frame(self.urdf_text(), "gps")[:3, 3].tolist()
+        x, y, z = base_T_frame(self.urdf_text(), self.link_of(self.gps))[:3, 3].tolist()
         return (x, y, z)
+
+    def link_of(self, sensor: SensorSpec) -> str:
+        """Return the link of the URDF that one of the robot's sensors is mounted at; "" without one.
+
+        Links are called as the program knows them: by the names under the key `links`.
+        """
+        wanted = sensor.link(self.name_of(sensor))
+        return next((role for role, link in self.links.items() if link == wanted), wanted)
+
+    @property
+    def lidar_link(self) -> str:
+        """Link of the first lidar; that of a lidar by the older key if the robot has none."""
+        return "range_sensor" if self.range_sensor is None else self.link_of(self.range_sensor)
+
+    @property
+    def hand_camera(self) -> CameraSpec | None:
+        """The first camera that is fixed on the hand."""
+        if self.arm is None:
+            return None
+        cameras, urdf = self.all_of(CameraSpec).values(), self.urdf_text()
+        return next((each for each in cameras if not joints_between(urdf, self.link_of(each), "hand")), None)
 
     @cached_property
     def body_height(self) -> float:
@@ -358,20 +375,8 @@ class RobotFile(FileModel):
 
     def without_errors(self) -> RobotFile:
         """Return the robot with an error-free simulation, as with `errors: {none: true}` in its file."""
-        changed: dict[str, Any] = {"errors": Errors.nowhere()}
-        if self.range_sensor is not None:
-            changed["range_sensor"] = self.range_sensor.model_copy(update={"sigma_mm": 0.0})
-        if self.imu is not None:
-            changed["imu"] = ImuSpec(angle_random_walk_deg_rt_s=0.0, accelerometer_sigma_m_s2=0.0)
-        if self.gps is not None:
-            changed["gps"] = GpsSpec(period_s=self.gps.period_s, white_m=0.0)
-        if self.beacons is not None:
-            sure = dict.fromkeys(("sigma_m", "bias_m", "scale_percent", "bias_walk_m_rt_s"), 0.0)
-            changed["beacons"] = self.beacons.model_copy(update=sure)
-        if self.positioning is not None:
-            exact = {"sigma_mm": 0.0, "heading_sigma_mrad": 0.0}
-            changed["positioning"] = self.positioning.model_copy(update=exact)
-        ideal = self.model_copy(update=changed)
+        ideal_sensors = {name: spec.without_errors() for name, spec in self.sensors.items()}
+        ideal = self.model_copy(update={"errors": Errors.nowhere()}).with_sensors(ideal_sensors)
         ideal._path = None  # a temporary file would go with this object
         return ideal
 

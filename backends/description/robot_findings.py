@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
     from handcart.files.errors import Finding
     from handcart.files.yaml.yaml_document import Document
+    from handcart.files.yaml.yaml_node import KeyPath
     from handcart.robotics.kinematics.arm_model import ArmModel
 
     from .joint_units import JointUnits
@@ -69,23 +70,31 @@ def _positioning_findings(robot: RobotFile, document: Document) -> list[Finding]
     if blind and robot.gps is not None and robot.gps.start_heading_deg == "unknown":
         looks = f"the localizer {robot.localizer} looks at no fix that could tell it"
         wrong = f"unknown, and {looks}; needed: a number of degrees"
-        return [document.finding(("gps", "start_heading_deg"), wrong)]
+        return [document.finding((*robot.key_of(robot.name_of(robot.gps)), "start_heading_deg"), wrong)]
     return []
 
 
 def _frame_findings(robot: RobotFile, urdf: str, document: Document) -> list[Finding]:
     """Links and joints that our names are expected of."""
     links = link_names(urdf)
-    needed = {("urdf",): "base", **({} if robot.arm is None else {("arm",): "hand"})}
-    for key in ("range_sensor", "camera", "imu", "gps"):
-        if getattr(robot, key) is not None:
-            needed[(key,)] = key
-    how = "; or name one of them under the key `links`"
+    needed: dict[KeyPath, str] = {("urdf",): "base", **({} if robot.arm is None else {("arm",): "hand"})}
+    for name, spec in robot.sensors.items():
+        if link := robot.link_of(spec):
+            key = robot.key_of(name)
+            needed[(*key, "frame") if getattr(spec, "frame", None) else key] = link
     return [
-        document.finding(key, f"the URDF has no link {link!r}{suggest(link, links)}{how}")
+        document.finding(key, f"the URDF has no link {link!r}{suggest(link, links)}{_how(key)}")
         for key, link in needed.items()
         if link not in links
     ]
+
+
+def _how(key: KeyPath) -> str:
+    """Return how to name a link that has another name than expected."""
+    if key[-1] == "frame":
+        return ""
+    where = "as the sensor's `frame`" if key[0] == "sensors" else "under the key `links`"
+    return f"; or name one of them {where}"
 
 
 def _box_findings(robot: RobotFile, document: Document) -> list[Finding]:

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from handcart.files.errors import FileError, Finding, UnsafePath
-from handcart.files.inside import resolve_inside
+from handcart.backends.sensors.robot_model import model_for
+from handcart.backends.sensors.sensor_spec import UnreadableFile
+from handcart.files.errors import FileError, Finding
 from handcart.files.models.loading import Loaded, load_document
 from handcart.files.yaml.yaml_document import Document, read_document
 
-from .camera_info import load_camera_info
 from .robot_file import RobotFile
 from .robot_findings import robot_findings
 from .robot_names import robot_path
@@ -31,27 +31,25 @@ def load_robot(name: str, drives: bool = True) -> RobotFile:
     """
     path = robot_path(name)
     document, warnings = _with_new_keys(read_document(path))
-    loaded = load_document(document, RobotFile)
-    robot = _with_camera_info(loaded, path.parent).read_in(path.parent, warnings)
+    loaded = load_document(document, model_for(document))
+    robot = _with_files(loaded, path.parent).read_in(path.parent, warnings)
     findings = robot_findings(robot, loaded.document, drives)
     if findings:
         raise FileError(findings)
     return robot.without_errors() if robot.errors.none else robot
 
 
-def _with_camera_info(loaded: Loaded[RobotFile], folder: Path) -> RobotFile:
-    """Return the robot with its camera as its `camera_info` file says."""
-    robot, key = loaded.value, ("camera", "camera_info")
-    if robot.camera is None or robot.camera.camera_info is None:
-        return robot
-    try:
-        path = resolve_inside(folder, robot.camera.camera_info)
-    except UnsafePath as unsafe:
-        raise loaded.refuse(key, str(unsafe)) from None
-    if not path.is_file():
-        wrong = f"there is no file {robot.camera.camera_info!r}; allowed: one beside the robot's file"
-        raise loaded.refuse(key, wrong)
-    return robot.model_copy(update={"camera": robot.camera.with_info(load_camera_info(path))})
+def _with_files(loaded: Loaded[RobotFile], folder: Path) -> RobotFile:
+    """Return the robot with its sensors as the files say that their sections name."""
+    robot, changed = loaded.value, {}
+    for name, spec in robot.sensors.items():
+        try:
+            read = spec.with_files(folder)
+        except UnreadableFile as wrong:
+            raise loaded.refuse((*robot.key_of(name), wrong.key), str(wrong)) from None
+        if read is not spec:
+            changed[name] = read
+    return robot.with_sensors(changed) if changed else robot
 
 
 def _with_new_keys(document: Document) -> tuple[Document, tuple[str, ...]]:

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Self
+from pathlib import Path
+from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
+from typing_extensions import override
 
-from handcart.files.inside import FilePath
+from handcart.backends.sensors.sensor_spec import Carrier, MountedSensorSpec, SensorSpec, UnreadableFile
+from handcart.files.errors import UnsafePath
+from handcart.files.inside import FilePath, resolve_inside
 from handcart.files.models.model import FileModel
 from handcart.robotics.navigation.localization.odometry import OdometryErrors
 
-from .camera_info import CameraInfo
+from .camera_info import CameraInfo, load_camera_info
 from .range_spec import RangeSpec as RangeSpec
 
 Positive = Annotated[float, Field(gt=0.0)]
@@ -63,12 +67,14 @@ class CalibratedCamera(FileModel):
     """Orientation of the camera in that frame: roll, pitch, yaw, as in a URDF."""
 
 
-class CameraSpec(FileModel):
-    """The camera at the URDF's frame `camera`, as it should be; the optical axis in the picture's middle.
+class CameraSpec(MountedSensorSpec):
+    """A camera as it should be; the optical axis in the picture's middle.
 
     A `camera_info` file of ROS says the same, with the axis and the lens as they were calibrated.
     """
 
+    CARRIER: ClassVar[Carrier | None] = "any"
+    kind: Literal["camera"] = "camera"
     camera_info: FilePath | None = None
     """A YAML file of ROS beside the robot's file, instead of size, focal length and lens."""
     width_px: Annotated[int, Field(ge=0)] = 0
@@ -95,12 +101,25 @@ class CameraSpec(FileModel):
             raise ValueError(f"camera_info and {', '.join(also)}; allowed: camera_info, which has them")
         return self
 
+    @override
+    def with_files(self, folder: Path) -> Self:
+        if self.camera_info is None:
+            return self
+        try:
+            path = resolve_inside(folder, self.camera_info)
+        except UnsafePath as unsafe:
+            raise UnreadableFile("camera_info", str(unsafe)) from None
+        if not path.is_file():
+            wrong = f"there is no file {self.camera_info!r}; allowed: one beside the robot's file"
+            raise UnreadableFile("camera_info", wrong)
+        return self.with_info(load_camera_info(path))
+
     @property
     def info(self) -> CameraInfo | None:
         """Content of the `camera_info` file; None without one."""
         return self._info
 
-    def with_info(self, info: CameraInfo) -> CameraSpec:
+    def with_info(self, info: CameraInfo) -> Self:
         """Return the camera as a `camera_info` file describes it."""
         K = info.K
         size = {"width_px": info.image_width, "height_px": info.image_height, "focal_px": float(K[0, 0])}
@@ -109,8 +128,10 @@ class CameraSpec(FileModel):
         return camera
 
 
-class ImuSpec(FileModel):
+class ImuSpec(MountedSensorSpec):
     """Gyros and accelerometers, their axes along those of the base."""
+
+    kind: Literal["imu"] = "imu"
 
     angle_random_walk_deg_rt_s: NotNegative
     """White noise of the gyros, in degrees after a second; it grows with the square root of time."""
@@ -131,9 +152,15 @@ class ImuSpec(FileModel):
     vibration_m_s2: NotNegative = 0.0
     """Additional sigma of a reading while the base drives."""
 
+    @override
+    def without_errors(self) -> Self:
+        return type(self)(frame=self.frame, angle_random_walk_deg_rt_s=0.0, accelerometer_sigma_m_s2=0.0)
 
-class PositioningSpec(FileModel):
+
+class PositioningSpec(SensorSpec):
     """An indoor positioning system that sees the robot."""
+
+    kind: Literal["positioning"] = "positioning"
 
     sigma_mm: NotNegative
     """Sigma of a reading, along each axis."""
@@ -142,3 +169,7 @@ class PositioningSpec(FileModel):
     """Readings a second; not more than periods."""
     latency_s: NotNegative = 0.0
     """Delay of a reading."""
+
+    @override
+    def without_errors(self) -> Self:
+        return self.model_copy(update={"sigma_mm": 0.0, "heading_sigma_mrad": 0.0})

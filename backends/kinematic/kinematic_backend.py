@@ -12,21 +12,12 @@ from handcart.backends.simulation.body.base_contact import move_base
 from handcart.backends.simulation.body.hand import Hand
 from handcart.backends.simulation.body.rough_ride import RoughRide
 from handcart.backends.simulation.body.suspension import lean_of
-from handcart.backends.simulation.sensors.field_imu import FieldImu
-from handcart.backends.simulation.sensors.simulated_camera import SceneCamera
-from handcart.backends.simulation.sensors.simulated_imu import SimulatedImu
 from handcart.backends.simulation.simulated_backend import Part, SimulatedBackend
 from handcart.backends.simulation.world.world_file import WorldFile
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.kinematics.urdf_frames import base_T_frame
 
 from .kinematic_car import KinematicCar
-from .kinematic_parts import (
-    KinematicArm,
-    KinematicBase,
-    KinematicGripper,
-    KinematicRangeSensor,
-)
+from .kinematic_parts import KinematicArm, KinematicBase, KinematicGripper
 
 LEVEL_GROUND = GroundSpec(roughness_deg=0.0)
 """Ground that a car drives on if the world's file has no ground."""
@@ -60,6 +51,7 @@ class KinematicBackend(SimulatedBackend):
     """
 
     name = "kinematic"
+    SIMULATIONS = ("kinematic", "scene")
     _base: KinematicBase | KinematicCar
     _arm: KinematicArm | None
     _gripper: KinematicGripper | None
@@ -76,16 +68,8 @@ class KinematicBackend(SimulatedBackend):
             self._arm = KinematicArm(robot, self._hand, seed)
             if robot.gripper is not None:
                 self._gripper = KinematicGripper(robot.gripper, self._hand, self.period, seed)
-            if robot.camera is not None:
-                self._camera = SceneCamera(robot, robot.camera, self.scene, seed)
-        if robot.range_sensor is not None:
-            mount = base_T_frame(robot.urdf_text(), "range_sensor")
-            self._range = KinematicRangeSensor(robot.range_sensor, mount, self.scene, seed)
-        if robot.imu is not None:
-            imu = FieldImu if self.scene.open_ground else SimulatedImu
-            self._imu = imu(robot.imu, self.scene, self.period, seed)
-        self._receive()
-        self._position()
+        self._build_sensors(settled=False)
+        self._build_sensors(settled=True)
 
     def _wheels(
         self, robot: RobotFile, world: WorldFile, seed: int
@@ -112,10 +96,7 @@ class KinematicBackend(SimulatedBackend):
             self._lean()
             if self._arm.swung:
                 self._move_base(Pose2(0.0, 0.0, self._arm.swing_yaw()))
-        outside = self._gps, self._beacons, self._positioning
-        for sensor in (self._camera, self._range, self._imu, *outside):
-            if sensor is not None:
-                sensor.advance(self._periods)
+        self._advance_sensors()
         self.scene.touch(touching)
 
     def _move_base(self, motion: Pose2) -> frozenset[tuple[str, str]]:

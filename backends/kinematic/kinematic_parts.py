@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from functools import cached_property
-from typing import ClassVar
+from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,9 +28,11 @@ from handcart.backends.simulation.scene import Scene
 from handcart.backends.simulation.sensors.range_faults import RangeFaults
 from handcart.backends.simulation.sensors.ranges import cast_rays
 from handcart.backends.simulation.sensors.simulated_range_sensor import SimulatedRangeSensor
+from handcart.backends.simulation.sensors.simulated_sensor import SensorSite
 from handcart.backends.simulation.world.solids import FloorPlan
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.kinematics.urdf_frames import base_T_frame
 
 _PRESSES = 2e-4  # commanded this far beyond where they stand, the fingers press [m]
 
@@ -152,6 +154,12 @@ class KinematicRangeSensor(SimulatedRangeSensor):
         self._plan = FloorPlan(scene.solids, height, height)
         self._seen_from: tuple[Pose2, bytes] | None = None
         self._seen = np.empty(0)
+
+    @classmethod
+    @override
+    def build(cls, site: SensorSite[RangeSpec]) -> Self:
+        mount = base_T_frame(site.robot.urdf_text(), site.link)
+        return cls(site.spec, mount, site.scene, site.seed)
 
     def scan_later(self) -> Callable[[], Scan]:
         """See `RangeSensor`: nothing is cast before it is called."""

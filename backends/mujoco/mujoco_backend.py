@@ -11,16 +11,13 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.description.sensor_specs import CameraSpec
 from handcart.backends.physics.display import needs_display
 from handcart.backends.physics.physics_backend import PhysicsBackend
 from handcart.backends.simulation.world.world_file import WorldFile
-from handcart.robotics.kinematics.arm_model import ArmModel
 
 from .body.mujoco_body import MujocoBody
 from .mujoco_engine import MujocoEngine
 from .mujoco_module import mujoco
-from .rendering.mujoco_camera import MujocoCamera
 from .rendering.studio import Studio
 from .rendering.style import FILM_STYLE
 
@@ -41,6 +38,7 @@ class MujocoBackend(PhysicsBackend):
     """
 
     name = "mujoco"
+    SIMULATIONS = ("mujoco", "physics", "scene")
     _engine: MujocoEngine
     _body: MujocoBody
     _window: Window | None = None
@@ -50,9 +48,6 @@ class MujocoBackend(PhysicsBackend):
 
     def _load_robot(self, robot: RobotFile) -> MujocoBody:
         return MujocoBody(self._engine, robot, self.scene.base)
-
-    def _make_engine_camera(self, spec: CameraSpec, arm: ArmModel) -> MujocoCamera:
-        return MujocoCamera(self._robot, spec, arm, self._body, self._world, self._engine, self._seed)
 
     @classmethod
     def build_in_window(cls, robot: RobotFile, world: Path | WorldFile | None, seed: int) -> MujocoBackend:
@@ -88,6 +83,4 @@ class MujocoBackend(PhysicsBackend):
             self._window.close()
         if "_studio" in self.__dict__:
             self._studio.close()
-        if isinstance(self._camera, MujocoCamera):
-            self._camera.close()
         super().close()

@@ -14,18 +14,13 @@ from typing_extensions import override
 from handcart.backends.backend import RobotFault
 from handcart.backends.description.ground_spec import GroundSpec
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.description.sensor_specs import CameraSpec
 from handcart.backends.plain_values import Kinds
 from handcart.backends.saved_state import NotAState
-from handcart.backends.simulation.sensors.range_faults import RangeFaults
-from handcart.backends.simulation.sensors.simulated_camera import SceneCamera, SimulatedCamera
 from handcart.backends.simulation.simulated_backend import Part, SimulatedBackend
 from handcart.backends.simulation.world.thing import Thing
 from handcart.backends.simulation.world.world_file import WorldFile
 from handcart.backends.urdf.robot_shape import finger_shape
 from handcart.robotics.geometry.transform import Transform, inverse
-from handcart.robotics.kinematics.arm_model import ArmModel
-from handcart.robotics.kinematics.urdf_frames import base_T_frame
 
 from .body.grip import Grip, pads_in
 from .body.physics_arm import PhysicsArm
@@ -40,9 +35,7 @@ from .engine import Engine
 from .onlooker import Onlooker
 from .props_body import Pieces, PropsBody
 from .scene_sync import SceneSync
-from .sensors.physics_field_imu import PhysicsFieldImu
-from .sensors.physics_imu import PhysicsImu
-from .sensors.physics_range_sensor import PhysicsRangeSensor
+from .sensors.physics_site import PhysicsSite
 from .world.terrain import Terrain
 from .world.world_bodies import WorldBodies
 
@@ -101,15 +94,6 @@ class PhysicsBackend(SimulatedBackend):
     def _load_robot(self, robot: RobotFile) -> RobotBody:
         """The robot in it, where the scene has its base."""
 
-    @abstractmethod
-    def _make_engine_camera(self, spec: CameraSpec, arm: ArmModel) -> SimulatedCamera:
-        """The robot's camera, drawn by the engine's renderer."""
-
-    def _make_camera(self, spec: CameraSpec, arm: ArmModel) -> SimulatedCamera:
-        if self._world_file.camera == "engine":
-            return self._make_engine_camera(spec, arm)
-        return SceneCamera(self._robot, spec, self.scene, self._seed)
-
     @cached_property
     def _onlooker(self) -> Onlooker:
         return Onlooker(self._engine)
@@ -133,11 +117,12 @@ class PhysicsBackend(SimulatedBackend):
         )
         self._body.cover(self._body.casters, CASTER_SURFACE)
         self._on_floor = terrain is None
-        self._build_sensors(robot, seed, outdoors=terrain is not None)
+        site = PhysicsSite(self._engine, self._body, self._world)
+        self._build_sensors(settled=False, engine=site)
         for _ in range(round((SETTLING_TIME_S if terrain is None else SETTLES_OUTDOORS) / self.period)):
             self._run_period()
         self._base.rezero()
-        self._position()
+        self._build_sensors(settled=True, engine=site)
 
     def _put_up(self, robot: RobotFile, world: WorldFile, seed: int) -> Terrain | None:
         """The world, and the robot's body in it; gives the ground where it is rough."""
@@ -158,7 +143,7 @@ class PhysicsBackend(SimulatedBackend):
         return terrain
 
     def _build_arm(self, robot: RobotFile, seed: int) -> None:
-        """The arm and what it carries: gripper and camera."""
+        """Build the arm and its gripper."""
         self._springs: SuspensionSprings | None = None
         self._grip: Grip | None = None
         model, body, engine = self.scene.arm, self._body, self._engine
@@ -175,21 +160,6 @@ class PhysicsBackend(SimulatedBackend):
                 robot.gripper, robot.errors, body, pads_in(engine), self.period, seed
             )
             self._grip = Grip(robot.gripper, finger_shape(model), engine, body)
-        if robot.camera is not None:
-            self._camera = self._make_camera(robot.camera, model)
-
-    def _build_sensors(self, robot: RobotFile, seed: int, outdoors: bool) -> None:
-        """Build the sensors that are mounted on the base."""
-        if robot.range_sensor is not None:
-            mount = base_T_frame(robot.urdf_text(), "range_sensor")
-            faults = RangeFaults.of(robot.errors)
-            self._range = PhysicsRangeSensor(
-                robot.range_sensor, mount, self._body, self._engine, seed, faults
-            )
-        if robot.imu is not None:
-            imu = PhysicsFieldImu if outdoors else PhysicsImu
-            self._imu = imu(robot.imu, self.scene, self.period, seed)
-        self._receive()
 
     def link_pose(self, link: str) -> Transform:
         """True world pose (4, 4) of a link's frame, as the engine has it."""
@@ -215,9 +185,6 @@ class PhysicsBackend(SimulatedBackend):
         for part in (self._arm, self._gripper):
             if part is not None:
                 part.begin(self._periods)
-        for sensor in (self._camera, self._range):
-            if sensor is not None:
-                sensor.advance(self._periods)
         if self._arm is not None and self._arm.swung:
             self._base.give(self._arm.swing_yaw())
         held = None if self._held is None else self._world.bodies[self._held.name]
@@ -250,14 +217,10 @@ class PhysicsBackend(SimulatedBackend):
     def _end_period(self, felt: np.ndarray, touched: Set[tuple[str, str]]) -> None:
         self._base.read()
         self._sync.base()
-        self._check_upright()
         if self._springs is not None:
             self.scene.lean = self._springs.lean
-        if self._imu is not None:
-            self._imu.advance(self._periods)
-        for outside in (self._gps, self._beacons, self._positioning):
-            if outside is not None:
-                outside.advance(self._periods)
+        self._advance_sensors()
+        self._check_upright()
         if self._gripper is not None:
             self._gripper.end()
             self._held = self._find_held()
@@ -334,4 +297,6 @@ class PhysicsBackend(SimulatedBackend):
 
     @override
     def close(self) -> None:
+        for sensor in self._sensors.values():
+            sensor.close()
         self._engine.close()

@@ -6,12 +6,16 @@ from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.sensor_specs import CameraSpec
 from handcart.backends.physics.body.robot_body import RobotBody
 from handcart.backends.physics.sensors.engine_camera import SAMPLES_PER_SIDE, EngineCamera
+from handcart.backends.physics.sensors.physics_site import physics_of
 from handcart.backends.physics.world.world_bodies import WorldBodies
+from handcart.backends.simulation.sensors.simulated_camera import SceneCamera, SimulatedCamera
+from handcart.backends.simulation.sensors.simulated_sensor import SensorSite
 from handcart.robotics.geometry.transform import Transform, inverse
 from handcart.robotics.kinematics.arm_model import ArmModel
 
@@ -30,7 +34,7 @@ class BulletCamera(EngineCamera):
         self,
         robot: RobotFile,
         spec: CameraSpec,
-        arm: ArmModel,
+        arm: ArmModel | None,
         body: RobotBody,
         world: WorldBodies,
         engine: BulletEngine,
@@ -38,6 +42,16 @@ class BulletCamera(EngineCamera):
     ) -> None:
         super().__init__(robot, spec, arm, body, world, seed)
         self._engine = engine
+
+    @classmethod
+    @override
+    def build(cls, site: SensorSite[CameraSpec]) -> SimulatedCamera:
+        """Build the camera that the world's file asks for."""
+        if site.world.camera != "engine":
+            return SceneCamera.build(site)
+        engine, body, world = physics_of(site)
+        assert isinstance(engine, BulletEngine)
+        return cls(site.robot, site.spec, site.scene.arm, body, world, engine, site.seed)
 
     def _draw(
         self, world_T_camera: Transform, K: NDArray[np.float64], size: tuple[int, int]

@@ -9,14 +9,12 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.description.sensor_specs import CameraSpec
 from handcart.backends.physics.display import needs_display
 from handcart.backends.physics.physics_backend import PhysicsBackend
 from handcart.backends.simulation.world.world_file import WorldFile
-from handcart.robotics.kinematics.arm_model import ArmModel
 
 from .bullet_body import BulletBody
-from .bullet_camera import BulletCamera, render
+from .bullet_camera import render
 from .bullet_engine import BulletEngine
 
 _VIEW_SIZE = (960, 540)  # [px]: Bullet's EGL renderer draws no more than 1024 x 768 at once
@@ -31,6 +29,7 @@ class PyBulletBackend(PhysicsBackend):
     """
 
     name = "pybullet"
+    SIMULATIONS = ("pybullet", "physics", "scene")
     _engine: BulletEngine
 
     def _start_engine(self, window: bool) -> BulletEngine:
@@ -38,9 +37,6 @@ class PyBulletBackend(PhysicsBackend):
 
     def _load_robot(self, robot: RobotFile) -> BulletBody:
         return BulletBody(self._engine, robot, self.scene.base)
-
-    def _make_engine_camera(self, spec: CameraSpec, arm: ArmModel) -> BulletCamera:
-        return BulletCamera(self._robot, spec, arm, self._body, self._world, self._engine, self._seed)
 
     @classmethod
     @override

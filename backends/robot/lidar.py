@@ -24,10 +24,11 @@ ANY_LIDAR = RangeSpec(beams=3, reach_m=1e6, sigma_mm=10.0)
 class Lidar(RangeSensor):
     """Reads the raw scans of a backend's range sensor: primitives, guard and recorders see these."""
 
-    def __init__(self, sensor: RangeSensor, robot: RobotFile) -> None:
-        """Read a sensor's scans by the section `range_sensor` of a robot's file."""
+    def __init__(self, sensor: RangeSensor, robot: RobotFile, spec: RangeSpec | None = None) -> None:
+        """Read a sensor's scans by its section of a robot's file (default: that of the first lidar)."""
         self._sensor, self._footprint = sensor, robot.footprint_radius_m
-        self.spec = robot.range_sensor or ANY_LIDAR
+        self.sensor_name = sensor.sensor_name
+        self.spec = spec or robot.range_sensor or ANY_LIDAR
         """Its limits; where the file has none, any reading is one."""
         self._raw: Scan | None = None
         self._read: Scan | None = None

@@ -1,4 +1,4 @@
-"""A camera with its place on the hand: as it should be, as it was calibrated, as it truly is."""
+"""A camera with its place on the robot: as it should be, as it was calibrated, as it truly is."""
 
 from __future__ import annotations
 
@@ -7,18 +7,75 @@ from typing import NamedTuple
 
 import numpy as np
 
+from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.sensor_specs import CalibratedCamera, CameraSpec
+from handcart.files.errors import HandcartError
 from handcart.robotics.geometry.transform import Transform, inverse, transform
 from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.kinematics.urdf_mounts import joints_between
 from handcart.robotics.perception.cameras.camera_model import CameraModel
+
+HAND = "hand"
+
+
+class NotOnHand(HandcartError, ValueError):
+    """A camera is not fixed on the hand, and something needs one that is."""
+
+
+class CameraMount(NamedTuple):
+    """Place of a camera's frame by the URDF, on a link whose pose is known from the joints."""
+
+    carrier: str
+    """Link that carries the camera: the hand, or the camera's own link."""
+    carrier_T_frame: Transform
+    """(4, 4)."""
 
 
 class MountedCamera(NamedTuple):
-    """A camera on the hand."""
+    """A camera on the hand, or elsewhere on the robot."""
 
     model: CameraModel
-    hand_T_camera: Transform
+    carrier_T_camera: Transform
     """(4, 4) of the optical frame: z forward, x right, y down."""
+    carrier: str = HAND
+    """Link that carries the camera: the hand, or the camera's own link."""
+
+    @property
+    def hand_T_camera(self) -> Transform:
+        """Pose (4, 4) of the optical frame in the hand frame.
+
+        Raises:
+            NotOnHand: the hand does not carry the camera.
+        """
+        if self.carrier != HAND:
+            raise NotOnHand(f"the camera is at the link {self.carrier!r}; needed: one on the hand")
+        return self.carrier_T_camera
+
+
+def camera_mount(robot: RobotFile, link: str, arm: ArmModel | None) -> CameraMount:
+    """Return the mount of a camera at a link of the URDF: on the hand if no joint is between them.
+
+    Args:
+        robot: robot file.
+        link: frame of the camera.
+        arm: kinematics of the arm; None without one.
+    """
+    if arm is None or joints_between(robot.urdf_text(), link, HAND):
+        return CameraMount(link, np.eye(4))
+    return hand_mount(arm, link)
+
+
+def mount_of(robot: RobotFile, camera: CameraSpec, arm: ArmModel | None = None) -> CameraMount:
+    """Return the mount of one of a robot's cameras; `arm` saves building the robot's arm again."""
+    if arm is None and robot.arm is not None:
+        arm = robot.arm_model()
+    return camera_mount(robot, robot.link_of(camera), arm)
+
+
+def hand_mount(arm: ArmModel, link: str = "camera") -> CameraMount:
+    """Return the mount of a camera that is fixed on the hand of an arm."""
+    straight = np.zeros(arm.dof)
+    return CameraMount(HAND, inverse(arm.forward(straight)) @ arm.forward(straight, link))
 
 
 def camera_model(spec: CameraSpec) -> CameraModel:
@@ -29,24 +86,22 @@ def camera_model(spec: CameraSpec) -> CameraModel:
     return _model(spec, spec, middle)
 
 
-def stated_camera(spec: CameraSpec, arm: ArmModel) -> MountedCamera:
-    """The camera as the robot's file and its URDF have it, without what a calibration found."""
-    straight = np.zeros(arm.dof)
-    hand_T_camera = inverse(arm.forward(straight)) @ arm.forward(straight, "camera")
-    return MountedCamera(camera_model(spec), hand_T_camera)
+def stated_camera(spec: CameraSpec, mount: CameraMount) -> MountedCamera:
+    """Return the camera as the robot's file and its URDF have it, without what a calibration found."""
+    return MountedCamera(camera_model(spec), mount.carrier_T_frame, mount.carrier)
 
 
-def known_camera(spec: CameraSpec, arm: ArmModel) -> MountedCamera:
+def known_camera(spec: CameraSpec, mount: CameraMount) -> MountedCamera:
     """Return the camera as the robot knows it: calibrated if a calibration was made, otherwise as stated."""
-    stated, found = stated_camera(spec, arm), spec.calibrated
+    stated, found = stated_camera(spec, mount), spec.calibrated
     if found is None:
         return stated
     model = _model(spec, found, (found.cx_px, found.cy_px))
-    return MountedCamera(model, stated.hand_T_camera @ correction(found))
+    return MountedCamera(model, stated.carrier_T_camera @ correction(found), mount.carrier)
 
 
 def correction(found: CalibratedCamera) -> Transform:
-    """Pose (4, 4) of the calibrated camera in the URDF's frame `camera`."""
+    """Pose (4, 4) of the calibrated camera in the camera's frame in the URDF."""
     return transform(
         [each / 1e3 for each in found.xyz_mm],
         [math.radians(each) for each in found.rpy_deg],

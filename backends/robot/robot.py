@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Iterator
 from functools import cached_property
 from typing import Any, ClassVar, TypeVar
 
@@ -18,10 +18,13 @@ from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.capabilities.imu import Imu
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.description.ground_spec import OUTDOOR_LOCALIZERS
+from handcart.backends.description.range_spec import RangeSpec
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.plain_values import Kinds, attributes, set_attributes
 from handcart.backends.saved_state import NotAState
+from handcart.backends.sensors.sensor_kind import capability_of
 from handcart.files.errors import HandcartError
+from handcart.files.suggest import suggest
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.arm_model import ArmModel
@@ -44,6 +47,7 @@ CapabilityT = TypeVar("CapabilityT", bound=Capability)
 LOW_HAND_HEIGHT_M = 0.6  # [m] of the hand above the ground: higher, and a scan goes below what it holds
 HAND_RADIUS_M = 0.15  # [m] about the hand, in which a scan sees it and what it holds
 MAX_STOP_PERIODS = 3  # control periods within which the command to stop leaves
+HAND_LINK = "hand"
 STALE_PICTURE_MOTION = 1e-3  # [m], [rad] of motion in which a picture can't stay the same to the last bit
 
 
@@ -57,12 +61,30 @@ class MissingCapability(HandcartError, ValueError):
         super().__init__(f"the robot has no {kind.__name__}; it has: {have}")
 
 
+class MissingSensor(HandcartError, ValueError):
+    """The robot has no sensor of that name."""
+
+    exit_status = 2
+
+    def __init__(self, name: str, spec: RobotFile) -> None:
+        wrong = "the backend does not provide" if name in spec.sensors else "the robot's file has no"
+        super().__init__(f"{wrong} sensor {name!r}{suggest(name, spec.sensors)}")
+
+
 class StaleReading(HandcartError, RuntimeError):
     """A sensor gives an old reading for a new one."""
 
 
 def _name(kind: type) -> str:
     return next(each.__name__ for each in kind.__mro__ if Capability in each.__bases__)
+
+
+def _other_lidars(backend: Backend, spec: RobotFile, first: RangeSensor | None) -> Iterator[Lidar]:
+    """Yield the lidars of a robot besides the first one."""
+    for each in backend.capabilities():
+        section = spec.sensors.get(each.sensor_name)
+        if isinstance(each, RangeSensor) and each is not first and isinstance(section, RangeSpec):
+            yield Lidar(each, spec, section)
 
 
 class Robot:
@@ -90,7 +112,9 @@ class Robot:
         self.time = 0.0
         sensor = backend.get(RangeSensor)  # type: ignore[type-abstract]
         self.lidar = None if sensor is None else Lidar(sensor, spec)
-        """Its range sensor, with scans that are read by the robot's file; None without one."""
+        """Its first lidar, with scans that are read by the robot's file; None without one."""
+        self.other_lidars = tuple(_other_lidars(backend, spec, sensor))
+        """Further lidars: the base keeps off what they see, too."""
         wheels = self.get(Base)  # type: ignore[type-abstract]
         self._unseen = None if self.lidar is None else self._unseen_ground(self.lidar)
         self._guarded = GuardedBase(wheels, spec, grid, lambda: self.pose, self.surroundings, self._unseen)
@@ -117,13 +141,41 @@ class Robot:
     # What it can do
 
     def get(self, kind: type[CapabilityT]) -> CapabilityT:
-        """A capability; raises `MissingCapability` where the robot has none of that kind."""
+        """Return the capability of a kind, the first one of several; a `Camera` is the one on the hand.
+
+        Raises:
+            MissingCapability: the robot has none of that kind.
+        """
         if isinstance(self.lidar, kind):
             return self.lidar
         found = self.backend.get(kind)
+        if isinstance(found, Camera) and found.carrier != HAND_LINK:
+            cameras = (each for each in self.backend.capabilities() if isinstance(each, kind))
+            found = next((each for each in cameras if getattr(each, "carrier", "") == HAND_LINK), None)
         if found is None:
             raise MissingCapability(kind, self.backend)
         return found
+
+    def sensor(self, name: str) -> Capability:
+        """Return a sensor by its name in the robot's file.
+
+        Raises:
+            MissingSensor: the robot's file has no such sensor, or the backend does not provide it.
+        """
+        lidars = (self.lidar, *self.other_lidars)
+        read = (each for each in lidars if each is not None and each.sensor_name == name)
+        found: Capability | None = next(read, None) or self.backend.sensor(name)
+        if found is None and name in self.spec.sensors:
+            kind = capability_of(self.spec.sensors[name].kind)
+            alone = sum(capability_of(each.kind) is kind for each in self.spec.sensors.values()) == 1
+            found = self.get(kind) if alone and self.backend.get(kind) is not None else None
+        if found is None:
+            raise MissingSensor(name, self.spec)
+        return found
+
+    def base_T_camera(self, camera: Camera) -> Transform:
+        """Pose of a camera's optical frame in the base frame by the measured joints, (4, 4)."""
+        return self.base_T(camera.carrier) @ camera.carrier_T_camera
 
     @property
     def base(self) -> GuardedBase:
@@ -199,7 +251,7 @@ class Robot:
     @cached_property
     def range_sensor_height(self) -> float:
         """Height of the lidar above the ground that the base is on, in [m]."""
-        return float(base_T_frame(self.spec.urdf_text(), "range_sensor")[2, 3])
+        return float(base_T_frame(self.spec.urdf_text(), self.spec.lidar_link)[2, 3])
 
     def surroundings(self) -> NDArray[np.float64]:
         """Return the obstacles in this period's scan, without lone readings and without a lowered hand.
@@ -210,6 +262,8 @@ class Robot:
         if self.lidar is None:
             return NO_STANDS
         points = steady_points(self.lidar.scan())
+        if self.other_lidars:
+            points = np.vstack([points, *(steady_points(each.scan()) for each in self.other_lidars)])
         return self.without_hand(points) if self.spec.localizer in OUTDOOR_LOCALIZERS else points
 
     def without_hand(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -226,7 +280,9 @@ class Robot:
         return np.asarray(points[np.hypot(*(points - hand[:2]).T) > HAND_RADIUS_M])
 
     def base_T(self, frame: str) -> Transform:
-        """Pose of a frame of the arm in the base frame by the measured joints, (4, 4)."""
+        """Pose of a frame of the robot in the base frame by the measured joints, (4, 4)."""
+        if self.spec.arm is None:
+            return base_T_frame(self.spec.urdf_text(), frame)
         return self.arm_model.forward(self.arm.joints(), frame)
 
     # Time

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import hashlib
 import zlib
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from handcart.backends.sensors.sensor_table import OLD_KEYS
 
 from .split_seed import SplitSeed
 
@@ -32,6 +35,17 @@ def keyed_normal(seed: int, purpose: str, period: int, size: int) -> NDArray[np.
     counter[2], counter[3] = _branch(seed, purpose, period), period
     rng.bit_generator.state = begun
     return rng.standard_normal(size)
+
+
+def sensor_seed(seed: int, name: str) -> int:
+    """Return the seed of the errors of one sensor, by its name in the robot's file.
+
+    A sensor that is called like the older key of its kind has the seed itself: runs are as before.
+    """
+    if name in OLD_KEYS:
+        return seed
+    other = int.from_bytes(hashlib.blake2b(f"{int(seed)} {name}".encode(), digest_size=7).digest(), "big")
+    return seed.named(name, other) if isinstance(seed, SplitSeed) else other
 
 
 def _branch(seed: int, purpose: str, period: int) -> int:

@@ -20,6 +20,7 @@ from handcart.backends.simulation.world.thing import Rest, Thing
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, inverse
 from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.kinematics.urdf_frames import base_T_frame
 
 from .scene_props import SceneProps
 
@@ -149,7 +150,7 @@ class Scene:
     def world_T(self, frame: str) -> Transform:
         """True pose (4, 4) of a frame of the robot."""
         if self.arm is None:
-            raise ValueError("the robot has no arm")
+            return self.world_T_base @ base_T_frame(self.robot.urdf_text(), frame)
         return self.world_T_base @ self.arm.forward(self.joints, frame)
 
     def of(self, kind: type[ScenePropsT]) -> ScenePropsT:

@@ -16,22 +16,24 @@ from handcart.backends.ground_truth import GroundTruth
 from handcart.backends.plain_values import Kinds, attributes, set_attributes
 from handcart.backends.saved_state import NotAState
 from handcart.backends.simulation.body.simulated_parts import CommandedBase, SimulatedArm, SimulatedGripper
-from handcart.backends.simulation.sensors.simulated_beacons import SimulatedBeacons
-from handcart.backends.simulation.sensors.simulated_camera import SimulatedCamera
-from handcart.backends.simulation.sensors.simulated_gps import SimulatedGps
-from handcart.backends.simulation.sensors.simulated_imu import SimulatedImu
-from handcart.backends.simulation.sensors.simulated_positioning import SimulatedPositioning
-from handcart.backends.simulation.sensors.simulated_range_sensor import SimulatedRangeSensor
+from handcart.backends.simulation.sensors.sensor_making import make_sensors
+from handcart.backends.simulation.sensors.simulated_sensor import SensorSite, SimulatedSensor
 from handcart.backends.simulation.world.load_world import load_world, load_world_or_map
 from handcart.backends.simulation.world.solids import THE_GROUND, room_of
 from handcart.backends.simulation.world.world_file import MissingWorld, WorldFile, floor_pose
 from handcart.backends.simulation.world.world_model import kinds_of_props
 from handcart.robotics.geometry.pose2 import Pose2
 
-from .keyed_noise import keyed
+from .keyed_noise import keyed, sensor_seed
 from .scene import Scene
 
 CapabilityT = TypeVar("CapabilityT", bound=Capability)
+
+OLD_PARTS = {
+    "range": "sensor range_sensor",
+    **{name: f"sensor {name}" for name in ("camera", "imu", "gps", "beacons", "positioning")},
+}
+"""Sensors in older checkpoints, by what they were called there."""
 
 
 class Part(Protocol):
@@ -50,6 +52,8 @@ class SimulatedBackend(Backend):
     """
 
     STATE: ClassVar[Kinds] = {"_periods": int}
+    SIMULATIONS: ClassVar[tuple[str, ...]] = ("scene",)
+    """Names under which kinds of sensors are simulated for this backend, the most special one first."""
     _base: CommandedBase
 
     def __init__(self, robot: RobotFile, world: WorldFile, seed: int) -> None:
@@ -60,12 +64,7 @@ class SimulatedBackend(Backend):
         self._periods = 0
         self._arm: SimulatedArm | None = None
         self._gripper: SimulatedGripper | None = None
-        self._camera: SimulatedCamera | None = None
-        self._range: SimulatedRangeSensor | None = None
-        self._imu: SimulatedImu | None = None
-        self._gps: SimulatedGps | None = None
-        self._beacons: SimulatedBeacons | None = None
-        self._positioning: SimulatedPositioning | None = None
+        self._sensors: dict[str, SimulatedSensor] = {}
         self._by_kind: dict[type[Capability], Capability] = {}
 
     @classmethod
@@ -95,20 +94,36 @@ class SimulatedBackend(Backend):
             raise MissingWorld(f"the backend {cls.name!r} simulates; needed: a world file")
         return world if isinstance(world, WorldFile) else load_world(world)
 
-    def _receive(self) -> None:
-        """Build the sensors that locate the base by external signals: satellites, beacons."""
-        if self._robot.gps is not None:
-            sky = self._world_file.sky
-            self._gps = SimulatedGps(self._robot.gps, sky, self.scene, self.period, self._seed)
-        if self._robot.beacons is not None:
-            spec, there = self._robot.beacons, self._world_file.beacons
-            self._beacons = SimulatedBeacons(spec, there, self.scene, self.period, self._seed)
+    def _build_sensors(self, settled: bool, engine: object = None) -> None:
+        """Build the robot's sensors.
 
-    def _position(self) -> None:
-        """Build the indoor positioning: it measures at once."""
-        if self._robot.positioning is not None:
-            spec = self._robot.positioning
-            self._positioning = SimulatedPositioning(spec, self.scene, self.period, self._seed)
+        Args:
+            settled: False to build those that may be built before everything has come to rest, True for the
+                others.
+            engine: what sensors of this simulation are given next to the scene.
+        """
+        for name, make in make_sensors(self._robot, self.SIMULATIONS, self.name).items():
+            if make.settled_first is settled:
+                self._sensors[name] = make(self._site(name, engine))
+
+    def _site(self, name: str, engine: object) -> SensorSite[Any]:
+        spec = self._robot.sensors[name]
+        return SensorSite(
+            name=name,
+            spec=spec,
+            robot=self._robot,
+            world=self._world_file,
+            scene=self.scene,
+            period=self.period,
+            seed=sensor_seed(self._seed, name),
+            joints=lambda: np.zeros(0) if self._arm is None else self._arm.joints(),
+            link=self._robot.link_of(spec),
+            engine=engine,
+        )
+
+    def _advance_sensors(self) -> None:
+        for sensor in self._sensors.values():
+            sensor.advance(self._periods)
 
     def get(self, kind: type[CapabilityT]) -> CapabilityT | None:
         """See `Backend`; asked many times a period."""
@@ -121,7 +136,7 @@ class SimulatedBackend(Backend):
 
     @override
     def capabilities(self) -> tuple[Capability, ...]:
-        sensors = (self._camera, self._range, self._imu, self._gps, self._beacons, self._positioning)
+        sensors = (each for each in self._sensors.values() if isinstance(each, Capability))
         parts = (self._base, self._arm, self._gripper, *sensors)
         return tuple(part for part in parts if part is not None)
 
@@ -146,12 +161,7 @@ class SimulatedBackend(Backend):
             "base": self._base,
             "arm": self._arm,
             "gripper": self._gripper,
-            "camera": self._camera,
-            "range": self._range,
-            "imu": self._imu,
-            "gps": self._gps,
-            "beacons": self._beacons,
-            "positioning": self._positioning,
+            **{f"sensor {name}": sensor for name, sensor in self._sensors.items()},
             **self._own_parts(),
         }
         return {name: part for name, part in named.items() if part is not None}
@@ -163,6 +173,8 @@ class SimulatedBackend(Backend):
     @override
     def set_state(self, state: object) -> None:
         parts = self._parts()
+        if isinstance(state, dict):
+            state = {OLD_PARTS.get(name, name): part for name, part in state.items()}
         if not isinstance(state, dict) or state.keys() != parts.keys():
             raise NotAState(f"no state of this robot in {self.name}; needed: {', '.join(parts)}")
         for name, part in parts.items():

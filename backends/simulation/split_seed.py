@@ -25,11 +25,18 @@ class SplitSeed(int):
 
     _branches: tuple[Branch, ...]
     _drawn: dict[str, int]
+    _prefix: str
 
     def __new__(cls, seed: int, branches: tuple[Branch, ...] = ()) -> SplitSeed:
         """Make a seed from a plain one; `branches` are the splits so far, the latest one last."""
         made = super().__new__(cls, seed)
-        made._branches, made._drawn = branches, {}
+        made._branches, made._drawn, made._prefix = branches, {}, ""
+        return made
+
+    def named(self, name: str, value: int) -> SplitSeed:
+        """Return the seed `value` of a part of the robot, which branches wherever this seed does."""
+        made = SplitSeed(value, self._branches)
+        made._drawn, made._prefix = self._drawn, f"{self._prefix}{name} "
         return made
 
     def split(self, number: int) -> SplitSeed:
@@ -42,6 +49,7 @@ class SplitSeed(int):
         """Return the number of the branch that a draw belongs to, 0 for the plain seed, and record the
         draw.
         """
+        purpose = self._prefix + purpose
         self._drawn[purpose] = max(period, self._drawn.get(purpose, period))
         for branch in reversed(self._branches):
             if period > branch.drawn.get(purpose, -1):

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.robot.mounted_camera import known_camera
+from handcart.backends.robot.mounted_camera import known_camera, mount_of
 from handcart.primitives.blocks.building_site import VIEW_DISTANCE_M
 from handcart.primitives.blocks.pick_up_block import (
     BLOCK_APPROACH_SPEED_M_S,
@@ -50,7 +50,7 @@ class StopReach:
         Raises:
             Discrepancy: it lacks arm, gripper or camera, or its arm can't do it anywhere.
         """
-        if spec.gripper is None or spec.camera is None:
+        if spec.gripper is None or spec.hand_camera is None:
             lacking = "gripper" if spec.gripper is None else "camera"
             raise Discrepancy(f"the robot's file has no {lacking}", permanent=True)
         arm = working_arm(spec)
@@ -58,8 +58,9 @@ class StopReach:
             self.placer = Placer(arm, Work(BLOCK_APPROACH_SPEED_M_S, DESCENT_MAX_FORCE_N, FreeTurn.NONE, 0.0))
         except ValueError as wrong:
             raise Discrepancy(str(wrong), permanent=True) from None
+        camera = spec.hand_camera
         self._block, self._tip = block, spec.finger_shape.tip
-        self._hand_T_camera = known_camera(spec.camera, arm).hand_T_camera
+        self._hand_T_camera = known_camera(camera, mount_of(spec, camera, arm)).hand_T_camera
         width = (block[0] + OPENING_CLEARANCE_M) / 2.0
         self._open = arm.with_others({"left_finger": width, "right_finger": width})
 

@@ -169,7 +169,7 @@ class CameraRung(Rung):
 
     @override
     def left_out(self, site: Site) -> str:
-        if site.robot.camera is None or site.robot.arm is None:
+        if site.robot.hand_camera is None:
             return "the robot has no camera on an arm"
         if site.bench and not site.camera_on_bench:
             return "on the bench only with --camera: it takes minutes"

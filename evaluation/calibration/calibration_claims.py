@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.robot.mounted_camera import stated_camera
+from handcart.backends.robot.mounted_camera import mount_of, stated_camera
+from handcart.backends.simulation.keyed_noise import sensor_seed
 from handcart.backends.simulation.sensors.true_camera import true_camera
 from handcart.evaluation.truth.sensor_sigmas import LIMIT_SIGMAS
 from handcart.primitives.contract.calibrated import Calibrated
@@ -27,10 +28,12 @@ FIXED_SHARE = 2.5  # fixed limit of a calibration's error in the figures above, 
 
 def camera_faults(robot: RobotFile, seed: int, found: Mapping[str, Calibrated]) -> list[str]:
     """Return the parameters that are further off than 5 sigma explain, or than their fixed limits."""
-    assert robot.camera is not None
+    camera = robot.hand_camera
+    assert camera is not None
     assert robot.arm is not None
-    arm = robot.arm_model()
-    true, stated = true_camera(robot.camera, arm, robot.errors, seed), stated_camera(robot.camera, arm)
+    mount_stated = mount_of(robot, camera)
+    true = true_camera(camera, mount_stated, robot.errors, sensor_seed(seed, robot.name_of(camera)))
+    stated = stated_camera(camera, mount_stated)
     off = inverse(stated.hand_T_camera) @ true.hand_T_camera
     K, lens = true.model.K, true.model.distortion
     mount = LIMIT_SIGMAS * robot.arm.accuracy_mm

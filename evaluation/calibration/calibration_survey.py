@@ -58,8 +58,8 @@ class CalibrationSurvey(FiguresSurvey):
     def _take(self, do: str, found: Mapping[str, Calibrated]) -> None:
         """The figures of a calibration that has succeeded."""
         spec = self.run.spec
-        if do == CAMERA and spec.camera is not None:
-            self._figures |= camera_figures(spec.camera, spec.arm_model(), spec.errors, self.run.seed, found)
+        if do == CAMERA and spec.hand_camera is not None:
+            self._figures |= camera_figures(spec, spec.hand_camera, self.run.seed, found)
         elif do == SUSPENSION:
             values = {key.rpartition(".")[2]: each.value for key, each in found.items()}
             self._figures |= {key: round(each, 4) for key, each in values.items() if isinstance(each, float)}

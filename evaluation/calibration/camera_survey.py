@@ -7,36 +7,36 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.sensor_specs import CalibratedCamera, CameraSpec
-from handcart.backends.description.simulated_errors import Errors
-from handcart.backends.robot.mounted_camera import MountedCamera, known_camera
+from handcart.backends.robot.mounted_camera import MountedCamera, known_camera, mount_of
+from handcart.backends.simulation.keyed_noise import sensor_seed
 from handcart.backends.simulation.sensors.true_camera import true_camera
 from handcart.primitives.contract.calibrated import Calibrated
 from handcart.robotics.geometry.transform import apply, difference
-from handcart.robotics.kinematics.arm_model import ArmModel
 
 VIEW_DISTANCE_M = 0.3  # [m] from the camera, where blocks and landmarks are looked at
 _COLUMNS, _ROWS = 17, 13
-_KEY = "camera.calibrated."
 
 
 def camera_figures(
-    spec: CameraSpec, arm: ArmModel, errors: Errors, seed: int, found: Mapping[str, Calibrated]
+    robot: RobotFile, spec: CameraSpec, seed: int, found: Mapping[str, Calibrated]
 ) -> dict[str, float]:
     """Return figures for a run's metrics: errors of points located by a picture, before and after.
 
     Args:
-        spec: camera as it was in the run.
-        arm: arm that carries it.
-        errors: errors of the simulated robot.
+        robot: robot as it was in the run.
+        spec: its camera on the hand.
         seed: seed of the run.
         found: results of the run's calibration, by key.
     """
-    true = true_camera(spec, arm, errors, seed)
-    after = {key.removeprefix(_KEY): each.value for key, each in found.items() if key.startswith(_KEY)}
+    mount, name = mount_of(robot, spec), robot.name_of(spec)
+    true = true_camera(spec, mount, robot.errors, sensor_seed(seed, name))
+    start = ".".join((*robot.key_of(name), "calibrated", ""))
+    after = {key.removeprefix(start): each.value for key, each in found.items() if key.startswith(start)}
     calibrated = spec.model_copy(update={"calibrated": CalibratedCamera.model_validate(after)})
     figures: dict[str, float] = {}
-    for name, camera in (("before", known_camera(spec, arm)), ("after", known_camera(calibrated, arm))):
+    for name, camera in (("before", known_camera(spec, mount)), ("after", known_camera(calibrated, mount))):
         off = 1e3 * np.linalg.norm(_points(camera) - _points(true), axis=1)
         far, turned = difference(camera.hand_T_camera, true.hand_T_camera)
         figures |= {

@@ -13,7 +13,7 @@ from pydantic import Field, model_validator
 
 from handcart.backends.backend import Backend
 from handcart.backends.robot.robot import Robot
-from handcart.evaluation.conformance.faults.fault import SENSOR_NAMES, Fault, FaultKind
+from handcart.evaluation.conformance.faults.fault import Fault, FaultKind, all_sensors
 from handcart.evaluation.conformance.faults.faulty_backend import FaultyBackend
 from handcart.files.models.loading import load
 from handcart.files.models.model import FileModel
@@ -49,8 +49,8 @@ class PlannedFault(FileModel):
     def _whole(self) -> PlannedFault:
         if sum(each is not None for each in (self.at_s, self.every_s, self.rate_per_s)) != 1:
             raise ValueError("when it comes isn't clear; needed: one of at_s, every_s, rate_per_s")
-        if self.sensor not in SENSOR_NAMES and (self.sensor or self.kind in _OF_A_SENSOR):
-            raise ValueError(f"unknown sensor {self.sensor!r}{suggest(self.sensor, SENSOR_NAMES)}")
+        if self.sensor not in all_sensors() and (self.sensor or self.kind in _OF_A_SENSOR):
+            raise ValueError(f"unknown sensor {self.sensor!r}{suggest(self.sensor, all_sensors())}")
         return self
 
     def fault(self) -> Fault:

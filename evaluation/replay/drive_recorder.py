@@ -119,7 +119,8 @@ def _header(robot: Robot) -> str:
     columns, beacons = dict(COLUMN_UNITS), list[str]()
     if robot.spec.beacons is not None:
         columns |= {f"range_{name}": "m" for name in robot.spec.beacons.places_m}
-        beacons = [f"beacons: {robot.spec.beacons.model_dump_json()}"]  # JSON is YAML
+        section = robot.spec.beacons.model_dump_json(exclude={"kind"})
+        beacons = [f"beacons: {section}"]  # JSON is YAML
     lines = [
         "---",
         "format: handcart-log/1",

@@ -19,7 +19,6 @@ from handcart.robotics.kinematics.urdf_mounts import joints_above
 from .masses import corners_of
 from .remark import Remark
 
-LIDAR_LINK = "range_sensor"
 MIN_HEIGHT_M = 0.02  # of a lidar above the floor
 MAX_TILT_DEG = 3.0  # of its plane against the floor
 FOOT_TOLERANCE_M = 0.01  # above the lowest wheel, within which a body touches the floor
@@ -33,14 +32,18 @@ def mount_remarks(robot: RobotFile) -> list[Remark]:
     urdf = robot.urdf_text()
     if "base" not in link_names(urdf):
         return []
-    found = list(_lidar_remarks(robot, urdf)) if robot.range_sensor and LIDAR_LINK in link_names(urdf) else []
+    found = (
+        list(_lidar_remarks(robot, urdf))
+        if robot.range_sensor and robot.lidar_link in link_names(urdf)
+        else []
+    )
     return found + list(_standing_remarks(urdf))
 
 
 def _lidar_remarks(robot: RobotFile, urdf: str) -> Iterator[Remark]:
-    mount, place = base_T_frame(urdf, LIDAR_LINK), robot.whole.finding("link", LIDAR_LINK, "")
+    mount, place = base_T_frame(urdf, robot.lidar_link), robot.whole.finding("link", robot.lidar_link, "")
     height, upright = float(mount[2, 3]), float(mount[2, 2])
-    subject = f"link {LIDAR_LINK!r}"
+    subject = f"link {robot.lidar_link!r}"
     if height < MIN_HEIGHT_M:
         where = f"{height:.3f} m above the floor" if height >= 0.0 else f"{-height:.3f} m below the floor"
         wrong = f"the lidar is {where}: it sees nothing that the base may run into; needed: its true frame"
@@ -68,9 +71,9 @@ def hidden_links(robot: RobotFile) -> list[tuple[str, tuple[float, float]]]:
     its housing.
     """
     urdf = robot.urdf_text()
-    if robot.range_sensor is None or not {"base", LIDAR_LINK} <= set(link_names(urdf)):
+    if robot.range_sensor is None or not {"base", robot.lidar_link} <= set(link_names(urdf)):
         return []
-    slices = _slices(robot, urdf, base_T_frame(urdf, LIDAR_LINK))
+    slices = _slices(robot, urdf, base_T_frame(urdf, robot.lidar_link))
     sectors = ((link, hidden_sector(points)) for link, points in slices)
     return [(link, each) for link, each in sectors if each is not None and _is_seen(robot, each)]
 

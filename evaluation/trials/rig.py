@@ -10,7 +10,7 @@ from types import TracebackType
 from handcart.backends.backend import Backend
 from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.registry import make_backend
-from handcart.backends.robot.robot import MissingCapability, Robot
+from handcart.backends.robot.robot import Robot
 from handcart.files.errors import InputError
 from handcart.files.findings import Findings
 from handcart.files.suggest import suggest
@@ -79,8 +79,7 @@ class Rig:
             MissingCapability: the robot lacks a capability that the primitive needs; nothing has moved.
         """
         for kind in primitive.needs:
-            if self.backend.get(kind) is None:
-                raise MissingCapability(kind, self.backend)
+            self.robot.get(kind)
         periods = attempt(primitive, self.robot, self.model, self.restored.append)
         while True:
             try:

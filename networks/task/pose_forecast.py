@@ -142,7 +142,7 @@ def _poses(route: Array, start: Pose2, step: float) -> Iterator[Pose2]:
 
 def _expected(field: LikelihoodField, robot: RobotFile, lidar: RangeSpec, pose: Pose2) -> Beams:
     """The scan that the map lets expect at a pose."""
-    mount = base_T_frame(robot.urdf_text(), "range_sensor")
+    mount = base_T_frame(robot.urdf_text(), robot.lidar_link)
     sensor = Pose2(float(mount[0, 3]), float(mount[1, 3]), math.atan2(mount[1, 0], mount[0, 0]))
     angles = lidar.angles()
     ranges = map_ranges(field, pose.compose(sensor), angles, lidar.reach_m)

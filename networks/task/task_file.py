@@ -71,7 +71,8 @@ class Task:
 
     def check_capabilities(self, backend: Backend) -> None:
         """Raise `FileError` naming every action whose primitive needs what the robot doesn't have."""
-        self.check_kinds([type(each) for each in backend.capabilities()])
+        usable = (each for each in backend.capabilities() if getattr(each, "carrier", "hand") == "hand")
+        self.check_kinds([type(each) for each in usable])
 
     def check_kinds(self, kinds: Sequence[type[Capability]]) -> None:
         """Check the actions' needs by the classes of the robot's capabilities; raises `FileError`."""

@@ -10,7 +10,7 @@ from pydantic import Field
 
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.camera import Camera
-from handcart.backends.robot.mounted_camera import stated_camera
+from handcart.backends.robot.mounted_camera import mount_of, stated_camera
 from handcart.backends.robot.robot import Robot
 from handcart.files.suggest import suggest
 from handcart.primitives.blocks.building import BoardPlan
@@ -111,22 +111,24 @@ class CalibrateCamera(ActionPrimitive):
         return HandEyeView(robot.base_T("hand"), seen)
 
     def _tell(self, robot: Robot, found: Found) -> None:
-        assert robot.spec.camera is not None
+        spec = robot.spec.hand_camera
+        assert spec is not None
         camera, sigmas = found.camera.camera, found.camera.sigmas
-        mount = stated_camera(robot.spec.camera, robot.arm_model).hand_T_camera
+        mount = stated_camera(spec, mount_of(robot.spec, spec, robot.arm_model)).hand_T_camera
         off = inverse(mount) @ found.hand_eye.hand_T_camera
         turn = np.degrees(pin.rpy.matrixToRpy(off[:3, :3]))
         of_mount = found.hand_eye.sigmas
+        start = ".".join((*robot.spec.key_of(robot.spec.name_of(spec)), "calibrated"))
         self.evidence.calibrated.update(
             {
-                "camera.calibrated.focal_px": Calibrated(float(camera.K[1, 1]), float(sigmas[1])),
-                "camera.calibrated.cx_px": Calibrated(float(camera.K[0, 2]), float(sigmas[2])),
-                "camera.calibrated.cy_px": Calibrated(float(camera.K[1, 2]), float(sigmas[3])),
-                **_lens(found.camera),
-                "camera.calibrated.xyz_mm": Calibrated(
+                f"{start}.focal_px": Calibrated(float(camera.K[1, 1]), float(sigmas[1])),
+                f"{start}.cx_px": Calibrated(float(camera.K[0, 2]), float(sigmas[2])),
+                f"{start}.cy_px": Calibrated(float(camera.K[1, 2]), float(sigmas[3])),
+                **_lens(start, found.camera),
+                f"{start}.xyz_mm": Calibrated(
                     tuple((1e3 * off[:3, 3]).tolist()), tuple((1e3 * of_mount[:3]).tolist())
                 ),
-                "camera.calibrated.rpy_deg": Calibrated(
+                f"{start}.rpy_deg": Calibrated(
                     tuple(turn.tolist()), tuple(np.degrees(of_mount[3:]).tolist())
                 ),
             }
@@ -142,11 +144,11 @@ class CalibrateCamera(ActionPrimitive):
         )
 
 
-def _lens(found: CameraCalibration) -> dict[str, Calibrated]:
+def _lens(start: str, found: CameraCalibration) -> dict[str, Calibrated]:
     """The coefficients that the pictures bear; the others stay 0."""
     values, sigmas = found.camera.distortion, found.sigmas[4:]
     return {
-        f"camera.calibrated.{name}": Calibrated(float(value), float(sigma))
+        f"{start}.{name}": Calibrated(float(value), float(sigma))
         for name, value, sigma in zip(("k1", "k2", "p1", "p2", "k3"), values, sigmas, strict=True)
         if sigma > 0.0
     }

@@ -38,7 +38,7 @@ class ActionPrimitive(FileModel, ABC):
     """
 
     needs: ClassVar[tuple[type[Capability], ...]] = ()
-    """Capabilities that the robot must have."""
+    """Capabilities that the robot must have; `Camera` means a camera on the hand."""
     reads: ClassVar[tuple[str, ...]] = ()
     """Entries of the world model that it may read."""
     writes: ClassVar[tuple[str, ...]] = ()

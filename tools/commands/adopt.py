@@ -85,15 +85,17 @@ def _check(text: str, file: Path) -> None:
     """Check that the new text is a valid robot's file; raises `FileError`."""
     import tempfile
 
-    from handcart.backends.description.robot_file import RobotFile
+    from handcart.backends.sensors.robot_model import model_for
     from handcart.files.errors import FileError, Finding
-    from handcart.files.models.loading import load
+    from handcart.files.models.loading import load_document
+    from handcart.files.yaml.yaml_document import read_document
 
     with tempfile.TemporaryDirectory() as folder:
         trial = Path(folder) / file.name
         trial.write_text(text, encoding="utf-8")
         try:
-            load(trial, RobotFile)
+            document = read_document(trial)
+            load_document(document, model_for(document))
         except FileError as error:
             raise FileError(
                 Finding(f"{file}, calibrated", each.line, each.column, each.message)

@@ -11,7 +11,7 @@ from handcart.backends.capabilities.imu import Imu
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.description.can_sensor_spec import SensorsSpec
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.robot.mounted_camera import known_camera
+from handcart.backends.robot.mounted_camera import known_camera, mount_of
 from handcart.robotics.kinematics.urdf_frames import base_T_frame
 
 from .errors import NoSensor
@@ -81,7 +81,8 @@ def _open(key: str, robot: RobotFile, sensors: SensorsSpec, clock: Clock) -> Liv
 
         assert sensors.camera is not None
         assert robot.camera is not None
-        return VideoCamera(sensors.camera, known_camera(robot.camera, robot.arm_model()), clock)
+        known = known_camera(robot.camera, mount_of(robot, robot.camera))
+        return VideoCamera(sensors.camera, known, clock)
     if key == "range_sensor":
         from .line_range_sensor import LineRangeSensor
 

@@ -6,13 +6,17 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.sensor_specs import CameraSpec
 from handcart.backends.mujoco.body.mujoco_body import MujocoBody
 from handcart.backends.mujoco.mujoco_engine import MujocoEngine
 from handcart.backends.physics.sensors.engine_camera import SAMPLES_PER_SIDE, EngineCamera
+from handcart.backends.physics.sensors.physics_site import physics_of
 from handcart.backends.physics.world.world_bodies import WorldBodies
+from handcart.backends.simulation.sensors.simulated_camera import SceneCamera, SimulatedCamera
+from handcart.backends.simulation.sensors.simulated_sensor import SensorSite
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.arm_model import ArmModel
 
@@ -27,7 +31,7 @@ class MujocoCamera(EngineCamera):
         self,
         robot: RobotFile,
         spec: CameraSpec,
-        arm: ArmModel,
+        arm: ArmModel | None,
         body: MujocoBody,
         world: WorldBodies,
         engine: MujocoEngine,
@@ -35,6 +39,17 @@ class MujocoCamera(EngineCamera):
     ) -> None:
         super().__init__(robot, spec, arm, body, world, seed)
         self._engine, self._robot_body = engine, body
+
+    @classmethod
+    @override
+    def build(cls, site: SensorSite[CameraSpec]) -> SimulatedCamera:
+        """Build the camera that the world's file asks for."""
+        if site.world.camera != "engine":
+            return SceneCamera.build(site)
+        engine, body, world = physics_of(site)
+        assert isinstance(engine, MujocoEngine)
+        assert isinstance(body, MujocoBody)
+        return cls(site.robot, site.spec, site.scene.arm, body, world, engine, site.seed)
 
     @cached_property
     def studio(self) -> Studio:
@@ -49,7 +64,7 @@ class MujocoCamera(EngineCamera):
         picture: NDArray[np.uint8] = self.studio.take(world_T_camera, K, world_T_camera[:3, 3])[..., 1]
         return picture
 
+    @override
     def close(self) -> None:
-        """Let go of OpenGL; a second call does nothing."""
         if "studio" in self.__dict__:
             self.studio.close()

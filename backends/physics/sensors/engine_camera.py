@@ -32,7 +32,7 @@ class EngineCamera(SimulatedCamera):
         self,
         robot: RobotFile,
         spec: CameraSpec,
-        arm: ArmModel,
+        arm: ArmModel | None,
         body: RobotBody,
         world: WorldBodies,
         seed: int,
@@ -54,7 +54,8 @@ class EngineCamera(SimulatedCamera):
         """
 
     def _take(self) -> NDArray[np.uint8]:
-        return self._lens.take(self.ideal(self._body.link_pose("hand") @ self._true.hand_T_camera), self._now)
+        world_T_camera = self._body.link_pose(self.carrier) @ self._true.carrier_T_camera
+        return self._lens.take(self.ideal(world_T_camera), self._now)
 
     def ideal(self, world_T_camera: Transform) -> NDArray[np.uint8]:
         """Return the grey picture of a pinhole camera at a pose (4, 4), large enough for the lens."""

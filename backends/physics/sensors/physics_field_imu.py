@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from handcart.backends.description.sensor_specs import ImuSpec
 from handcart.backends.simulation.sensors.field_imu import FieldImu
 from handcart.backends.simulation.sensors.simulated_imu import SimulatedImu
+from handcart.backends.simulation.sensors.simulated_sensor import SensorSite
+
+from .physics_imu import PhysicsImu
 
 REST_SPEED_M_S = 2e-3  # [m/s]: slower, a base stands
 
@@ -23,3 +27,9 @@ class PhysicsFieldImu(FieldImu):
         self._speed = speed if abs(speed) > REST_SPEED_M_S else 0.0
         speeding = (self._speed - before) / self._period
         self._felt = np.array([speeding, self._speed * moved.theta / self._period, 0.0])
+
+
+def physics_imu_for(site: SensorSite[ImuSpec]) -> SimulatedImu:
+    """Return the unit that a simulation with physics has: on rough ground that of a car."""
+    rough = site.robot.drive.kind == "ackermann" and site.world.ground is not None
+    return PhysicsFieldImu.build(site) if rough else PhysicsImu.build(site)

@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+from typing import Self
+
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from handcart.backends.description.sensor_specs import RangeSpec
 from handcart.backends.physics.body.robot_body import RobotBody
 from handcart.backends.physics.engine import Engine
 from handcart.backends.simulation.sensors.range_faults import NO_FAULTS, RangeFaults
 from handcart.backends.simulation.sensors.simulated_range_sensor import SimulatedRangeSensor
+from handcart.backends.simulation.sensors.simulated_sensor import SensorSite
 from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.kinematics.urdf_frames import base_T_frame
+
+from .physics_site import physics_of
 
 
 class PhysicsRangeSensor(SimulatedRangeSensor):
@@ -30,6 +37,13 @@ class PhysicsRangeSensor(SimulatedRangeSensor):
         self._base_T_sensor = base_T_sensor
         turned = np.column_stack((np.cos(self._angles), np.sin(self._angles), np.zeros(spec.beams)))
         self._ends = spec.reach_m * turned
+
+    @classmethod
+    @override
+    def build(cls, site: SensorSite[RangeSpec]) -> Self:
+        there, mount = physics_of(site), base_T_frame(site.robot.urdf_text(), site.link)
+        faults = RangeFaults.of(site.robot.errors)
+        return cls(site.spec, mount, there.body, there.engine, site.seed, faults)
 
     def _cast(self) -> NDArray[np.float64]:
         reach = self._spec.reach_m

@@ -13,6 +13,7 @@ from handcart.backends.simulation.scene import Scene
 from handcart.robotics.geometry.pose2 import Pose2
 
 from .simulated_imu import SimulatedImu, Vector
+from .simulated_sensor import SensorSite
 
 
 class FieldImu(SimulatedImu):
@@ -70,3 +71,8 @@ class FieldImu(SimulatedImu):
         """The gyros' bias, a period later."""
         wander = np.radians(self._spec.rate_random_walk_deg_s_rt_s) * math.sqrt(self._period)
         self._walk = self._walk + wander * keyed_normal(self._seed, "gyros' walk", period, 3)
+
+
+def imu_for(site: SensorSite[ImuSpec]) -> SimulatedImu:
+    """Return the unit that a simulation without physics has: on open ground that of a car."""
+    return (FieldImu if site.scene.open_ground else SimulatedImu).build(site)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import ClassVar
+from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,8 +15,10 @@ from handcart.backends.simulation.keyed_noise import keyed
 from handcart.backends.simulation.scene import Scene
 from handcart.backends.simulation.world.world_file import BeaconsThere
 
+from .simulated_sensor import SensorSite, SimulatedSensor
 
-class SimulatedBeacons(Beacons):
+
+class SimulatedBeacons(Beacons, SimulatedSensor):
     """Ranges to radio beacons, with errors from the robot's and the world's file.
 
     The robot's file has white noise, a bias of each beacon and a scale of all ranges; the world's file has
@@ -37,6 +39,11 @@ class SimulatedBeacons(Beacons):
         self._bias = spec.bias_m * keyed(seed, "beacon biases").standard_normal(len(self._nominal))
         self._scale = 1.0 + spec.scale_percent / 100 * keyed(seed, "beacon scale").standard_normal()
         self._ranges: BeaconRanges | None = None
+
+    @classmethod
+    @override
+    def build(cls, site: SensorSite[BeaconsSpec]) -> Self:
+        return cls(site.spec, site.world.beacons, site.scene, site.period, site.seed)
 
     @override
     def ranges(self) -> BeaconRanges | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from functools import cached_property
-from typing import ClassVar
+from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ from handcart.backends.capabilities.camera import Camera
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.sensor_specs import CameraSpec
 from handcart.backends.plain_values import Kinds
-from handcart.backends.robot.mounted_camera import MountedCamera, known_camera
+from handcart.backends.robot.mounted_camera import MountedCamera, camera_mount, known_camera
 from handcart.backends.simulation.rendering.renderer import Renderer
 from handcart.backends.simulation.scene import Scene
 from handcart.backends.simulation.sensors.true_camera import true_camera
@@ -22,26 +22,29 @@ from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.perception.cameras.camera_model import CameraModel
 
+from .simulated_sensor import SensorSite, SimulatedSensor
 
-class SimulatedCamera(Camera):
+
+class SimulatedCamera(Camera, SimulatedSensor):
     """Takes a picture as the true camera sees, on demand, once a period; model and mount are those known."""
 
     STATE: ClassVar[Kinds] = {"_now": int}
     """Attributes that a checkpoint keeps, with their types."""
 
-    def __init__(self, robot: RobotFile, spec: CameraSpec, arm: ArmModel, seed: int) -> None:
-        """Mounted at the URDF's link `camera`, unless `errors` has its mount or focal length off."""
-        self._errors, self._spec, self._arm, self._seed = robot.errors, spec, arm, seed
+    def __init__(self, robot: RobotFile, spec: CameraSpec, arm: ArmModel | None, seed: int) -> None:
+        """Mounted at its link in the URDF, unless `errors` has its mount or focal length off."""
+        self._errors, self._spec, self._seed = robot.errors, spec, seed
+        self._mount = camera_mount(robot, robot.link_of(spec), arm)
         self._now = 0
         self._last: tuple[int, NDArray[np.uint8]] | None = None
 
     @cached_property
     def _known(self) -> MountedCamera:
-        return known_camera(self._spec, self._arm)
+        return known_camera(self._spec, self._mount)
 
     @cached_property
     def _true(self) -> MountedCamera:
-        return true_camera(self._spec, self._arm, self._errors, self._seed)
+        return true_camera(self._spec, self._mount, self._errors, self._seed)
 
     @abstractmethod
     def _take(self) -> NDArray[np.uint8]:
@@ -65,6 +68,16 @@ class SimulatedCamera(Camera):
     def hand_T_camera(self) -> Transform:
         return self._known.hand_T_camera.copy()
 
+    @property
+    @override
+    def carrier(self) -> str:
+        return self._mount.carrier
+
+    @property
+    @override
+    def carrier_T_camera(self) -> Transform:
+        return self._known.carrier_T_camera.copy()
+
     def advance(self, period: int) -> None:
         """A new period begins."""
         self._now = period
@@ -74,15 +87,18 @@ class SceneCamera(SimulatedCamera):
     """Renders the scene's faces."""
 
     def __init__(self, robot: RobotFile, spec: CameraSpec, scene: Scene, seed: int) -> None:
-        if scene.arm is None:
-            raise ValueError("the camera needs an arm that carries it")
         super().__init__(robot, spec, scene.arm, seed)
         self._scene = scene
+
+    @classmethod
+    @override
+    def build(cls, site: SensorSite[CameraSpec]) -> Self:
+        return cls(site.robot, site.spec, site.scene, site.seed)
 
     @cached_property
     def _renderer(self) -> Renderer:
         return Renderer(self._true.model, self._scene.robot.errors, self._seed)
 
     def _take(self) -> NDArray[np.uint8]:
-        pose = self._scene.world_T("hand") @ self._true.hand_T_camera
+        pose = self._scene.world_T(self.carrier) @ self._true.carrier_T_camera
         return self._renderer.render(self._scene, pose, self._now)

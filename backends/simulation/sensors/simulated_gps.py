@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import ClassVar
+from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,9 +15,12 @@ from handcart.backends.simulation.keyed_noise import keyed
 from handcart.backends.simulation.scene import Scene
 from handcart.backends.simulation.world.world_file import SkySpec
 from handcart.robotics.far import Far
+from handcart.robotics.kinematics.urdf_frames import base_T_frame
+
+from .simulated_sensor import SensorSite, SimulatedSensor
 
 
-class SimulatedGps(Gps):
+class SimulatedGps(Gps, SimulatedSensor):
     """White and slow errors by the receiver; reflections, outliers and outages by the sky above it."""
 
     STATE: ClassVar = {
@@ -29,14 +32,29 @@ class SimulatedGps(Gps):
         "_off": NDArray[np.float64],
     }
 
-    def __init__(self, spec: GpsSpec, sky: SkySpec, scene: Scene, period: float, seed: int) -> None:
+    def __init__(
+        self,
+        spec: GpsSpec,
+        sky: SkySpec,
+        scene: Scene,
+        period: float,
+        seed: int,
+        antenna: NDArray[np.float64] | None = None,
+    ) -> None:
+        """Prepare a receiver whose antenna is at (3,) in [m] in the base (default: the robot's first)."""
         self._spec, self._sky, self._scene, self._seed = spec, sky, scene, seed
         self._every = max(1, round(spec.period_s / period))
-        self._antenna = np.array([*scene.robot.antenna, 1.0])
+        self._antenna = np.array([*(scene.robot.antenna if antenna is None else antenna), 1.0])
         self._fix: Fix | None = None
         self._drift = spec.drift_m * keyed(seed, "gps drift").standard_normal(2)
         self._count, self._spell, self._off = 0, 0, np.zeros(2)
         self._until = self._next_spell()
+
+    @classmethod
+    @override
+    def build(cls, site: SensorSite[GpsSpec]) -> Self:
+        antenna = base_T_frame(site.robot.urdf_text(), site.link)[:3, 3]
+        return cls(site.spec, site.world.sky, site.scene, site.period, site.seed, antenna)
 
     @override
     def fix(self) -> Fix | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,12 +15,14 @@ from handcart.backends.simulation.keyed_noise import keyed, keyed_normal
 from handcart.backends.simulation.scene import Scene
 from handcart.robotics.kinematics.libraries import pin
 
+from .simulated_sensor import SensorSite, SimulatedSensor
+
 GRAVITY_M_S2 = 9.81  # [m/s²]
 
 Vector = NDArray[np.float64]
 
 
-class SimulatedImu(Imu):
+class SimulatedImu(Imu, SimulatedSensor):
     """Gyros with white noise and a constant bias; accelerometers that feel nothing but gravity, and noise."""
 
     STATE: ClassVar[Kinds] = {"_turn": Vector, "_turned": Vector, "_now": int}
@@ -35,6 +37,11 @@ class SimulatedImu(Imu):
         self._turned, self._now = np.zeros(3), 0
         self._rates: tuple[int, Vector, Vector] | None = None
         self._accelerations: tuple[int, Vector, Vector] | None = None
+
+    @classmethod
+    @override
+    def build(cls, site: SensorSite[ImuSpec]) -> Self:
+        return cls(site.spec, site.scene, site.period, site.seed)
 
     @override
     def rates(self) -> Vector:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import ClassVar
+from typing import ClassVar, Self
 
 from typing_extensions import override
 
@@ -13,15 +13,18 @@ from handcart.backends.simulation.keyed_noise import keyed_normal
 from handcart.backends.simulation.scene import Scene
 from handcart.robotics.geometry.pose2 import Pose2
 
+from .simulated_sensor import SensorSite, SimulatedSensor
+
 _ROUNDING = 1e-9
 
 
-class SimulatedPositioning(Positioning):
+class SimulatedPositioning(Positioning, SimulatedSensor):
     """The true pose with white noise, at the system's own rate, reported after its latency.
 
     The robot is always in sight and the system never slips; the map's frame is its own.
     """
 
+    SETTLED_FIRST = True
     STATE: ClassVar = {
         "_now": int,
         "_taken": int,
@@ -38,6 +41,11 @@ class SimulatedPositioning(Positioning):
         """Number, pose, and when it was measured, in [s], of what hasn't arrived."""
         self._last: tuple[int, Pose2, float] | None = None
         self._take()
+
+    @classmethod
+    @override
+    def build(cls, site: SensorSite[PositioningSpec]) -> Self:
+        return cls(site.spec, site.scene, site.period, site.seed)
 
     @override
     def reading(self) -> PoseReading | None:

@@ -18,9 +18,10 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform
 
 from .range_faults import NO_FAULTS, RangeFaults
+from .simulated_sensor import SimulatedSensor
 
 
-class SimulatedRangeSensor(RangeSensor):
+class SimulatedRangeSensor(RangeSensor, SimulatedSensor):
     """Beams all at one instant, with Gaussian noise and the driver's faults; nothing is black or oblique.
 
     It delivers what a driver does: readings below `range_min_m` as -infinity (REP 117), and the shares of

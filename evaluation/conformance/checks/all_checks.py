@@ -6,16 +6,13 @@ from collections.abc import Mapping
 from functools import cache
 from types import MappingProxyType
 
+from handcart.backends.sensors.sensor_kind import sensor_kinds
 from handcart.tasks.domain import domains, imported
 
 from . import (
-    beacon_checks,
     capability_checks,
     command_checks,
     geometry_checks,
-    gps_checks,
-    imu_checks,
-    positioning_checks,
     snapshot_checks,
     time_checks,
 )
@@ -27,16 +24,13 @@ CHECK_MODULES = (
     time_checks,
     snapshot_checks,
     geometry_checks,
-    positioning_checks,
-    imu_checks,
-    gps_checks,
-    beacon_checks,
 )
 
 
 @cache
 def checks() -> Mapping[str, Check]:
-    """The framework's, then those of the domains."""
+    """Return the framework's, then those of the kinds of sensors, then those of the domains."""
     own = [check for module in CHECK_MODULES for check in module.CHECKS]
+    own += [check for kind in sensor_kinds().values() if kind.checks for check in imported(kind.checks)]
     others = [check for domain in domains() if domain.checks for check in imported(domain.checks)]
     return MappingProxyType({check.name: check for check in (*own, *others)})

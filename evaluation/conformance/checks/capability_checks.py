@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.capabilities.all_kinds import ALL_CAPABILITIES
+from handcart.backends.capabilities.all_kinds import all_capabilities, is_declared
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.camera import Camera
@@ -16,7 +16,7 @@ from handcart.backends.capabilities.range_sensor import RangeSensor, Scan
 from handcart.backends.description.range_spec import RangeSpec
 from handcart.backends.description.simulated_errors import Errors
 from handcart.backends.robot.lidar import Lidar
-from handcart.backends.robot.mounted_camera import known_camera
+from handcart.backends.robot.mounted_camera import known_camera, mount_of
 from handcart.evaluation.conformance.rig.bench import Bench
 from handcart.evaluation.conformance.rig.parts import needed, part_of
 from handcart.evaluation.conformance.rig.periods import (
@@ -48,8 +48,8 @@ def declared(bench: Bench, finding: CheckResult) -> None:
     """The capabilities that the robot's file promises are there, and no others of these kinds."""
     spec = bench.spec()
     with bench.rig() as rig:
-        for kind in ALL_CAPABILITIES:
-            wanted = kind.FILE_KEY is None or getattr(spec, kind.FILE_KEY) is not None
+        for kind in all_capabilities():
+            wanted = is_declared(kind, spec)
             there = rig.backend.get(kind) is not None
             finding.expect(there or not wanted, f"the robot's file has a {kind.__name__}, the backend none")
             finding.expect(wanted or not there, f"the backend has a {kind.__name__}, the robot's file none")
@@ -182,14 +182,17 @@ def mounts(bench: Bench, finding: CheckResult) -> None:
         robot = rig.robot
         if (camera := part_of(rig.backend, Camera)) is not None:
             assert robot.spec.camera is not None
-            mount = known_camera(robot.spec.camera, robot.arm_model).hand_T_camera
-            finding.at_most("camera off", float(np.abs(camera.hand_T_camera - mount).max()), 1e-6)
+            known = known_camera(robot.spec.camera, mount_of(robot.spec, robot.spec.camera))
+            finding.expect(camera.carrier == known.carrier, f"the camera is carried by {camera.carrier!r}")
+            off = float(np.abs(camera.carrier_T_camera - known.carrier_T_camera).max())
+            finding.at_most("camera off", off, 1e-6)
         if (sensor := part_of(rig.backend, RangeSensor)) is not None:
             from handcart.robotics.kinematics.urdf_frames import base_T_frame
 
-            urdf = base_T_frame(robot.spec.urdf_text(), "range_sensor")
-            off = np.abs(np.array(sensor.scan().base_T_sensor[:2]) - urdf[:2, 3]).max()
-            finding.at_most("range sensor off", float(off), 1e-6, "m")
+            assert robot.spec.range_sensor is not None
+            urdf = base_T_frame(robot.spec.urdf_text(), robot.spec.link_of(robot.spec.range_sensor))
+            beside = np.abs(np.array(sensor.scan().base_T_sensor[:2]) - urdf[:2, 3]).max()
+            finding.at_most("range sensor off", float(beside), 1e-6, "m")
 
 
 def rates(bench: Bench, finding: CheckResult) -> None:

@@ -52,11 +52,9 @@ def ranges(bench: Bench, finding: CheckResult) -> None:
 
 
 def _true_ranges(rig: Rig, reach: float) -> NDArray[np.float64]:
-    from handcart.robotics.kinematics.urdf_frames import base_T_frame
-
     scene, scan = simulated_world(rig.backend), rig.robot.range_sensor.scan()
     assert scene is not None, "the check has asked for it"
-    height = float(base_T_frame(rig.robot.spec.urdf_text(), "range_sensor")[2, 3])
+    height = rig.robot.range_sensor_height
     plan = FloorPlan(scene.solids, height, height)
     return cast_rays(plan, scene.base.compose(scan.base_T_sensor), scan.angles, scene.time, reach)
 

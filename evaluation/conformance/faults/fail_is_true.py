@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .fault import NO_FAULT, PRIMITIVE_FAULTS, SENSOR_NAMES, Fault, FaultKind, faults_of, variant
+from .fault import NO_FAULT, PRIMITIVE_FAULTS, Fault, FaultKind, all_sensors, faults_of, variant
 from .forked import Died, Hung, forkable, forked
 from .rehearsal import Rehearsal, Solo
 from .underway import Ending, Underway
@@ -79,7 +79,7 @@ class Batch:
             while period < instant:
                 underway.advance()
                 period += 1
-            for fault in self.faults(name, number, nominal.sensors or SENSOR_NAMES):
+            for fault in self.faults(name, number, nominal.sensors or all_sensors()):
                 ending = self._tried(underway, fault)
                 yield FaultTrial(name, self.action, period, str(fault), fault.kind.value, ending)
 

@@ -5,19 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import Enum
+from functools import cache
 from typing import Any
 
-from handcart.backends.capabilities.all_kinds import ALL_CAPABILITIES
+from handcart.backends.capabilities.all_kinds import all_capabilities
 from handcart.tasks.domain import domains, imported
 
 NO_FAULT = "nothing"
 """The kind of a trial in which no fault is injected."""
 FOR_GOOD = 1_000_000
 """Periods: longer than anything lasts."""
-SENSOR_NAMES = tuple(
-    dict.fromkeys(each.sensor for kind in ALL_CAPABILITIES for each in kind.READINGS.values())
-)
-"""Names of the sensors of all capabilities."""
 
 
 class FaultKind(Enum):
@@ -64,8 +61,8 @@ class Fault:
 
     kind: FaultKind
     sensor: str = ""
-    """Affected sensor, one of `SENSORS`; for an exception, empty means the next command. For a fault of the
-    world, a short name of the event.
+    """Affected sensor, one of `all_sensors`; for an exception, empty means the next command. For a fault
+    of the world, a short name of the event.
     """
     periods: int = 1
     """Duration in periods."""
@@ -87,14 +84,22 @@ _STUCK, _STALE, _NAN = (20, FOR_GOOD, 5), (20, FOR_GOOD, 60), (1, 10, FOR_GOOD)
 _SLIDES = ((0.1, 0.0), (-0.1, 0.0), (0.0, 0.12), (0.0, -0.12))
 
 
-def variant(kind: FaultKind, number: int, sensors: Sequence[str] = SENSOR_NAMES) -> Fault:
+@cache
+def all_sensors() -> tuple[str, ...]:
+    """Return the names of the sensors of all capabilities."""
+    readings = (reading for kind in all_capabilities() for reading in kind.READINGS.values())
+    return tuple(dict.fromkeys(reading.sensor for reading in readings))
+
+
+def variant(kind: FaultKind, number: int, sensors: Sequence[str] = ()) -> Fault:
     """One of the ways in which that kind of fault comes; `number` goes through them all.
 
     Args:
         kind: of fault.
         number: 0 and on.
-        sensors: those that are read at all.
+        sensors: those that are read at all (default: all).
     """
+    sensors = sensors or all_sensors()
     sensor = sensors[number % len(sensors)]
     turn = number // len(sensors)
     match kind:

@@ -24,7 +24,7 @@ from handcart.evaluation.conformance.rig.parts import part_of
 from handcart.evaluation.conformance.rig.periods import SETTLING_PERIODS
 from handcart.evaluation.truth.survey import simulated_world
 
-from .fault import SENSOR_NAMES, Fault, FaultKind
+from .fault import Fault, FaultKind, all_sensors
 
 LOST_ROLL_RATIO = 0.5  # share of the wheels' roll that is lost
 LIDAR_FAULTS = RangeFaults(zero=0.05, nan=0.05, too_close=0.05, own_body=0.05)
@@ -66,7 +66,7 @@ class FaultyBackend(LayeredBackend):
     @property
     def sensors_read(self) -> tuple[str, ...]:
         """Names of the sensors that were read so far."""
-        return tuple(name for name in SENSOR_NAMES if name in self._read_once)
+        return tuple(name for name in all_sensors() if name in self._read_once)
 
     def _slide(self, base: Base, fault: Fault) -> None:
         """Slide a base at rest; a base that cannot turn on the spot slides ahead or back instead."""

@@ -10,7 +10,7 @@ from typing import Any
 from typing_extensions import override
 
 from handcart.backends.backend import Backend
-from handcart.backends.capabilities.all_kinds import ALL_CAPABILITIES
+from handcart.backends.capabilities.all_kinds import all_capabilities
 from handcart.backends.capabilities.capability import Capability
 from handcart.backends.description.robot_file import RobotFile
 
@@ -23,7 +23,7 @@ class LayeredBackend(Backend):
     Each capability gets a layer of its own kind, which asks this object. A method `arm_move(arm, joints)` of
     a subclass is asked instead of `Arm.move(joints)`, `range_sensor_scan(sensor)` instead of
     `RangeSensor.scan()` and so on; it gets the capability inside. Those of kinds that aren't among
-    `ALL_CAPABILITIES` are handed out as they are.
+    `all_capabilities` are handed out as they are.
     """
 
     def __init__(self, inner: Backend) -> None:
@@ -37,7 +37,7 @@ class LayeredBackend(Backend):
         return self._inner
 
     def _layer(self, part: Capability) -> Capability:
-        kind = next((kind for kind in ALL_CAPABILITIES if isinstance(part, kind)), None)
+        kind = next((kind for kind in all_capabilities() if isinstance(part, kind)), None)
         if kind is None:
             return part
         layer: Capability = _layered(kind)(self, part)
@@ -73,16 +73,20 @@ class LayeredBackend(Backend):
 @cache
 def _layered(kind: Kind) -> Callable[[LayeredBackend, Capability], Any]:
     """The class of layers around a kind of capability: its abstract methods ask the whole."""
-    names = sorted(kind.__abstractmethods__)
+    names = sorted(kind.__abstractmethods__ | {name for name in dir(kind) if _is_property(kind, name)})
     methods = {name: _passing(kind, name) for name in names}
     return type(f"Layered{kind.__name__}", (kind,), {"__init__": _begin, **methods})
 
 
 def _begin(self: Any, whole: LayeredBackend, inner: Capability) -> None:
-    self.whole, self.inner = whole, inner
+    self.whole, self.inner, self.sensor_name = whole, inner, inner.sensor_name
+
+
+def _is_property(kind: Kind, name: str) -> bool:
+    return isinstance(getattr(kind, name), property)
 
 
 def _passing(kind: Kind, name: str) -> Any:
-    if isinstance(getattr(kind, name), property):
+    if _is_property(kind, name):
         return property(lambda self: getattr(self.inner, name))
     return lambda self, *words: self.whole.pass_on(self.inner, kind, name, *words)

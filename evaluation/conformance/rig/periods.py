@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.backend import Backend, CommandError
-from handcart.backends.capabilities.all_kinds import ALL_CAPABILITIES
+from handcart.backends.capabilities.all_kinds import all_capabilities
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.capability import Capability
@@ -114,5 +114,5 @@ def noisy_readings(backend: Backend) -> set[str]:
 
 def reading_name(part: Capability, method: str) -> str:
     """Return the name of a reading for messages."""
-    kind = next((each for each in ALL_CAPABILITIES if isinstance(part, each)), type(part))
+    kind = next((each for each in all_capabilities() if isinstance(part, each)), type(part))
     return f"{kind.words()} {method}"

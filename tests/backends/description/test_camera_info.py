@@ -11,7 +11,7 @@ import pytest
 
 from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.description.robot_names import robot_path
-from handcart.backends.robot.mounted_camera import camera_model, known_camera
+from handcart.backends.robot.mounted_camera import camera_model, known_camera, mount_of
 from handcart.evaluation.trials.rig import build_rig
 from handcart.files.errors import FileError
 from handcart.primitives.books.recognize import Recognize
@@ -53,7 +53,7 @@ def refused(path: Path) -> str:
 def test_camera_is_as_its_file_of_ros_says(tmp_path: Path) -> None:
     robot = load_robot(str(robot_with(tmp_path, INFO)))
     assert robot.camera is not None
-    model = known_camera(robot.camera, robot.arm_model()).model
+    model = known_camera(robot.camera, mount_of(robot, robot.camera)).model
     assert (model.width, model.height, robot.camera.focal_px) == (640, 480, 601.5)
     assert model.K[1].tolist() == [0.0, 602.5, 241.7]
     assert model.distortion.tolist() == [-0.28, 0.09, 0.001, -0.0005, 0.0]

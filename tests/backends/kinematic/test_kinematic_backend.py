@@ -222,7 +222,7 @@ def test_the_picture_shows_a_tag_where_the_camera_model_puts_it(make: Make) -> N
     backend = make()
     camera, scene = backend.get(Camera), backend.scene
     optical = np.array([[0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, 1.0]])
-    renderer, errors = backend._camera._renderer, []
+    renderer, errors = camera._renderer, []
     for y in (-0.08, -0.04, 0.0, 0.04, 0.08):
         pose = (
             scene.of(BookProps).shelves["shelf_1"].pose

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from handcart.backends.description.robot_loading import load_robot
-from handcart.backends.robot.mounted_camera import stated_camera
+from handcart.backends.robot.mounted_camera import mount_of, stated_camera
 from handcart.backends.simulation.sensors.true_camera import true_camera
 from handcart.evaluation.calibration.calibration_claims import camera_faults, suspension_faults
 from handcart.primitives.contract.calibrated import Calibrated
@@ -16,9 +16,9 @@ ROBOT = load_robot("toyama/uncalibrated")
 
 def found(sigmas: float = 1.0, **off: float) -> dict[str, Calibrated]:
     """The truth, but for what is off, and so many times as uncertain."""
-    arm = ROBOT.arm_model()
     assert ROBOT.camera is not None
-    true, stated = true_camera(ROBOT.camera, arm, ROBOT.errors, 3), stated_camera(ROBOT.camera, arm)
+    mount = mount_of(ROBOT, ROBOT.camera)
+    true, stated = true_camera(ROBOT.camera, mount, ROBOT.errors, 3), stated_camera(ROBOT.camera, mount)
     x, y, z = (1e3 * (inverse(stated.hand_T_camera) @ true.hand_T_camera)[:3, 3]).tolist()
     values = {"focal_px": true.model.K[1, 1], "cx_px": true.model.K[0, 2], "k1": true.model.distortion[0]}
     claims = {

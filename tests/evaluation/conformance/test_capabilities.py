@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from handcart.backends.backend import Backend, CommandError
-from handcart.backends.capabilities.all_kinds import ALL_CAPABILITIES
+from handcart.backends.capabilities.all_kinds import all_capabilities
 from handcart.backends.capabilities.capability import Capability, Reading
 from handcart.backends.capabilities.gps import Fix, Gps
 from handcart.backends.capabilities.imu import Imu
-from handcart.evaluation.conformance.faults.fault import FOR_GOOD, SENSOR_NAMES, Fault, FaultKind
+from handcart.evaluation.conformance.faults.fault import FOR_GOOD, Fault, FaultKind, all_sensors
 from handcart.evaluation.conformance.faults.faulty_backend import FaultyBackend, InjectedError
 from handcart.evaluation.conformance.rig import layered_backend
 from handcart.evaluation.conformance.rig.bench import Bench
@@ -84,7 +84,8 @@ class WithScale(Backend):
 @pytest.fixture
 def faulty(monkeypatch: pytest.MonkeyPatch) -> FaultyBackend:
     """Around a robot with a scale, a capability of a test's own."""
-    monkeypatch.setattr(layered_backend, "ALL_CAPABILITIES", (*ALL_CAPABILITIES, Scale))
+    kinds = (*all_capabilities(), Scale)
+    monkeypatch.setattr(layered_backend, "all_capabilities", lambda: kinds)
     return FaultyBackend(WithScale())
 
 
@@ -126,7 +127,7 @@ def test_a_new_capability_s_commands_can_be_refused(faulty: FaultyBackend) -> No
 
 
 def test_imu_and_gps_are_in_the_kit_like_the_others() -> None:
-    assert {"imu", "gps", "positioning"} < set(SENSOR_NAMES)
+    assert {"imu", "gps", "positioning"} < set(all_sensors())
     with Bench("kinematic", "el_verde").rig() as rig:
         faulty = FaultyBackend(rig.backend)
         for _ in range(40):
@@ -148,7 +149,7 @@ def test_imu_and_gps_are_in_the_kit_like_the_others() -> None:
 def test_what_can_fail_is_declared_and_there() -> None:
     """Each method is a reading, a command, or answered from what was commanded or from the robot's file."""
     never_fail = {"command", "model", "hand_T_camera", "spec"}
-    for kind in ALL_CAPABILITIES:
+    for kind in all_capabilities():
         assert kind.READINGS, kind
         assert {*kind.READINGS, *kind.COMMANDS} == kind.__abstractmethods__ - never_fail, kind
 

@@ -17,9 +17,9 @@ from handcart.evaluation.conformance.faults import fault
 from handcart.evaluation.conformance.faults.fail_is_true import Batch, FaultTrial
 from handcart.evaluation.conformance.faults.fault import (
     PRIMITIVE_FAULTS,
-    SENSOR_NAMES,
     Fault,
     FaultKind,
+    all_sensors,
     faults_of,
     variant,
 )
@@ -171,10 +171,9 @@ def test_full_mode_injects_over_2500_faults_on_kinematic() -> None:
 
 
 def test_each_kind_of_fault_goes_through_its_ways() -> None:
-    assert {variant(FaultKind.STALE, number).sensor for number in range(len(SENSOR_NAMES))} == set(
-        SENSOR_NAMES
-    )
-    assert {"wheels", "joints", "width", "positioning", "imu", "gps"} < set(SENSOR_NAMES)
+    every = all_sensors()
+    assert {variant(FaultKind.STALE, number).sensor for number in range(len(every))} == set(every)
+    assert {"wheels", "joints", "width", "positioning", "imu", "gps"} < set(all_sensors())
     assert len({variant(FaultKind.SLIP, number) for number in range(8)}) == 4
     assert str(Fault(FaultKind.NAN, "joints", 10)) == "NaN joints for 10 periods"
 
@@ -290,11 +289,11 @@ def test_a_domain_declares_what_may_happen_in_its_world(monkeypatch: pytest.Monk
     monkeypatch.setattr(fault, "imported", {"lamps:FAULTS": [PUSH]}.__getitem__)
     assert faults_of("MOVE_TO") == ()
     batch = Batch(Solo(BENCH, Reach()), 0, 1)
-    assert [each.kind for each in batch.faults("REACH", 0, SENSOR_NAMES)] == [
+    assert [each.kind for each in batch.faults("REACH", 0, all_sensors())] == [
         *PRIMITIVE_FAULTS,
         FaultKind.WORLD,
     ]
-    assert [each.kind for each in batch.faults("STAND", 0, SENSOR_NAMES)] == [*PRIMITIVE_FAULTS]
+    assert [each.kind for each in batch.faults("STAND", 0, all_sensors())] == [*PRIMITIVE_FAULTS]
 
 
 def test_a_fault_in_the_world_happens_for_its_periods() -> None:

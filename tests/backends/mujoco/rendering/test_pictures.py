@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from handcart.backends.mujoco.mujoco_backend import VIEW_SIZE
 from handcart.backends.mujoco.rendering import gl_context
 from handcart.backends.mujoco.rendering.gl_context import NoPictures
+from handcart.backends.mujoco.rendering.mujoco_camera import MujocoCamera
 from handcart.backends.physics.onlooker import looking
 from handcart.backends.saved_state import pack
 from handcart.backends.simulation.rendering.renderer import Renderer
@@ -22,9 +23,16 @@ EYE, AT = np.array([-0.05, 0.35, 0.95]), np.array([0.05, 0.5, 0.4])
 TOP = 209  # grey of the block's top
 
 
+def engine_camera(backend: Any) -> MujocoCamera:
+    """The robot's camera, drawn by MuJoCo whatever the world's file says."""
+    robot = backend._robot
+    parts = backend._body, backend._world, backend._engine, 3
+    return MujocoCamera(robot, robot.camera, backend.scene.arm, *parts)
+
+
 def drawn_twice(backend: Any, pose: Transform) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
     """By the scene's painter, and by MuJoCo; both ideal pictures, grey."""
-    camera = backend._make_engine_camera(backend._robot.camera, backend.scene.arm)
+    camera = engine_camera(backend)
     try:
         painted = Renderer(camera._true.model, backend._robot.errors, 3).ideal(backend.scene, pose)
         return painted, camera.ideal(pose)
@@ -53,7 +61,7 @@ def test_two_renderers_see_the_same_places(make: Make) -> None:
 @pytest.mark.usefixtures("gl")
 def test_what_moves_moves_in_the_picture_as_well(make: Make) -> None:
     backend, pose = make(), looking(EYE, AT)
-    camera = backend._make_engine_camera(backend._robot.camera, backend.scene.arm)  # type: ignore[arg-type]
+    camera = engine_camera(backend)
     before = camera.ideal(pose)
     body = backend._world.bodies["block 1"]
     backend._engine.set_pose(body, transform((0.05, 0.0, 0.0)) @ backend._engine.pose(body))
@@ -102,7 +110,7 @@ def test_what_stands_still_is_drawn_once(make: Make) -> None:
 
 @pytest.mark.usefixtures("gl")
 def test_who_draws_what_the_camera_sees_stands_in_the_worlds_file(make: Make) -> None:
-    pictures = [make(more)._camera for more in ("", "camera: engine\n")]
+    pictures: list[Any] = [make(more)._sensors["camera"] for more in ("", "camera: engine\n")]
     greys = [each.image().astype(int) for each in pictures if each is not None]
     assert len(greys) == 2
     assert (greys[0] != greys[1]).any()

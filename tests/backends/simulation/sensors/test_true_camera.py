@@ -6,7 +6,7 @@ import pytest
 from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.description.sensor_specs import CalibratedCamera
 from handcart.backends.kinematic.kinematic_backend import KinematicBackend
-from handcart.backends.robot.mounted_camera import camera_model, known_camera, stated_camera
+from handcart.backends.robot.mounted_camera import camera_model, known_camera, mount_of, stated_camera
 from handcart.backends.simulation.calibration.mark_props import MarkProps
 from handcart.backends.simulation.rendering.renderer import Renderer
 from handcart.backends.simulation.sensors.true_camera import true_camera
@@ -30,41 +30,43 @@ WORLD = {"format": "handcart-world/1", "start": {"x_m": 0.0, "y_m": 0.0}}
 
 def test_without_errors_the_camera_is_as_stated() -> None:
     robot = load_robot("toyama")
-    arm = robot.arm_model()
     assert robot.camera is not None
-    stated, true = stated_camera(robot.camera, arm), true_camera(robot.camera, arm, robot.errors, 3)
+    mount = mount_of(robot, robot.camera)
+    stated, true = stated_camera(robot.camera, mount), true_camera(robot.camera, mount, robot.errors, 3)
     assert np.array_equal(true.hand_T_camera, stated.hand_T_camera)
     assert np.array_equal(true.model.K, camera_model(robot.camera).K)
-    assert np.array_equal(known_camera(robot.camera, arm).hand_T_camera, stated.hand_T_camera)
+    assert np.array_equal(known_camera(robot.camera, mount).hand_T_camera, stated.hand_T_camera)
 
 
 def test_the_seed_draws_how_the_camera_is_off() -> None:
     robot = load_robot("toyama/uncalibrated")
-    arm, spec = robot.arm_model(), robot.camera
+    spec = robot.camera
     assert spec is not None
-    stated = stated_camera(spec, arm)
-    drawn = [true_camera(spec, arm, robot.errors, seed) for seed in range(60)]
+    mount = mount_of(robot, spec)
+    stated = stated_camera(spec, mount)
+    drawn = [true_camera(spec, mount, robot.errors, seed) for seed in range(60)]
     far, turned = np.array([difference(stated.hand_T_camera, each.hand_T_camera) for each in drawn]).T
     assert np.sqrt(np.mean(far**2)) == pytest.approx(1.5e-3 * np.sqrt(3), rel=0.2)
     assert np.sqrt(np.mean(turned**2)) == pytest.approx(10e-3 * np.sqrt(3), rel=0.2)
     assert np.std([each.model.K[0, 0] for each in drawn]) == pytest.approx(8.0, rel=0.3)
-    again = true_camera(spec, arm, robot.errors, 7)
+    again = true_camera(spec, mount, robot.errors, 7)
     assert np.array_equal(again.hand_T_camera, drawn[7].hand_T_camera)
     ideal = robot.without_errors()
-    assert np.array_equal(true_camera(spec, arm, ideal.errors, 7).hand_T_camera, stated.hand_T_camera)
+    assert np.array_equal(true_camera(spec, mount, ideal.errors, 7).hand_T_camera, stated.hand_T_camera)
 
 
 def test_a_calibration_changes_what_is_known_and_not_what_is() -> None:
     robot = load_robot("toyama/uncalibrated")
-    arm, before = robot.arm_model(), robot.camera
+    before = robot.camera
     assert before is not None
+    mount = mount_of(robot, before)
     after = before.model_copy(update={"calibrated": FOUND})
-    known = known_camera(after, arm)
+    known = known_camera(after, mount)
     assert pytest.approx(np.array([[812.5, 0, 321], [0, 812.5, 238], [0, 0, 1]])) == known.model.K
     assert known.model.distortion == pytest.approx([-0.3, 0.1, 0, 0, 0])
-    off = inverse(stated_camera(before, arm).hand_T_camera) @ known.hand_T_camera
+    off = inverse(stated_camera(before, mount).hand_T_camera) @ known.hand_T_camera
     assert off == pytest.approx(transform((1e-3, -2e-3, 3e-3), (0.0, 0.0, np.radians(1.0))))
-    ways = [true_camera(spec, arm, robot.errors, 5) for spec in (before, after)]
+    ways = [true_camera(spec, mount, robot.errors, 5) for spec in (before, after)]
     assert np.array_equal(ways[0].hand_T_camera, ways[1].hand_T_camera)
     assert np.array_equal(ways[0].model.K, ways[1].model.K)
     changed = robot.model_copy(update={"camera": after})

@@ -1,0 +1,29 @@
+"""What sensors in a physics engine are built from, next to the scene."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from handcart.backends.physics.body.robot_body import RobotBody
+from handcart.backends.physics.engine import Engine
+from handcart.backends.physics.world.world_bodies import WorldBodies
+from handcart.backends.simulation.sensors.simulated_sensor import SensorSite
+
+
+class PhysicsSite(NamedTuple):
+    """Engine, robot and world of a backend with physics."""
+
+    engine: Engine
+    body: RobotBody
+    world: WorldBodies
+
+
+def physics_of(site: SensorSite[Any]) -> PhysicsSite:
+    """Return the engine behind a site.
+
+    Raises:
+        TypeError: the sensor is not built by a backend with physics.
+    """
+    if not isinstance(site.engine, PhysicsSite):
+        raise TypeError(f"the sensor {site.name!r} needs a physics engine")
+    return site.engine

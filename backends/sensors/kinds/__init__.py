@@ -1,0 +1,1 @@
+"""The shipped kinds of sensors, one a module."""

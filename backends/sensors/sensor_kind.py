@@ -1,0 +1,111 @@
+"""Registry of the kinds of sensors."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+from handcart.files.plugins import BrokenPlugin, entry_points_of, import_plugin, package_of
+
+if TYPE_CHECKING:
+    from handcart.backends.capabilities.capability import Capability
+
+    from .sensor_spec import SensorSpec
+
+GROUP = "handcart.sensors"
+"""Entry points of other packages: the name of a kind, and the path of its `SensorKind`."""
+SHIPPED_KINDS = ("lidar", "camera", "positioning", "imu", "gps", "beacons")
+"""Shipped kinds, each declared in a module of its name in `handcart.backends.sensors.kinds`."""
+
+
+@dataclass(frozen=True, eq=False)
+class SensorKind:
+    """All parts of a kind of sensor, each by the import path "module:name".
+
+    Another package names its kind in an entry point of the group `handcart.sensors`.
+    """
+
+    name: str
+    """Value of the key `kind` in a robot's file."""
+    spec: str
+    """A `handcart.backends.sensors.sensor_spec:SensorSpec`: its section in a robot's file."""
+    capability: str
+    """A `handcart.backends.capabilities.capability:Capability`: its readings."""
+    simulated: Mapping[str, str] = field(default_factory=dict)
+    """A `handcart.backends.simulation.sensors.simulated_sensor:SimulatedSensor` by simulation: the name of a
+    backend, "physics" for each backend with a physics engine, or "scene" for each simulated backend.
+    """
+    connected: str | None = None
+    """A `handcart.backends.can.sensors.connection:Connection`: how the backend `can` reads a real one."""
+    checks: str | None = None
+    """A sequence of `handcart.evaluation.conformance.checks.check:Check`, for the conformance kit."""
+    frames: str | None = None
+    """A regular expression for names of links that are its frame, for `handcart check --draft`."""
+
+
+def sensor_kinds() -> Mapping[str, SensorKind]:
+    """Return all kinds by name: the shipped ones first, then those of other packages by their names.
+
+    Raises:
+        BrokenPlugin: a kind of another package cannot be imported, is not a `SensorKind`, or shares a name.
+    """
+    return _kinds()
+
+
+@cache
+def _kinds() -> dict[str, SensorKind]:
+    found = {name: imported(f"handcart.backends.sensors.kinds.{name}:KIND") for name in SHIPPED_KINDS}
+    for point in entry_points_of(GROUP):
+        what = f"the kind of sensor {point.name!r}{package_of(point)}"
+        try:
+            kind = import_plugin(point.value, what)
+        except ModuleNotFoundError as missing:
+            raise BrokenPlugin(what, str(missing)) from None
+        except AttributeError as missing:
+            raise BrokenPlugin(what, f"AttributeError: {missing}") from None
+        if not isinstance(kind, SensorKind):
+            raise BrokenPlugin(what, f"{point.value} is not a SensorKind")
+        if kind.name != point.name:
+            raise BrokenPlugin(what, f"{point.value} is of the kind {kind.name!r}")
+        if point.name in found:
+            raise BrokenPlugin(what, f"there is another kind with the name {point.name!r}")
+        found[point.name] = kind
+    return found
+
+
+def imported(path: str) -> Any:
+    """Return the object at an import path "module:name" of a kind.
+
+    Raises:
+        BrokenPlugin: it cannot be imported.
+    """
+    return import_plugin(path, "a part of a kind of sensor")
+
+
+@cache
+def sensor_specs() -> Mapping[str, type[SensorSpec]]:
+    """Return the class of the section of each kind, by its name.
+
+    Raises:
+        BrokenPlugin: a kind of another package is broken, or the default of its key `kind` is another name.
+    """
+    found = {name: imported(kind.spec) for name, kind in sensor_kinds().items()}
+    for name, spec in found.items():
+        if (default := spec.model_fields["kind"].default) != name:
+            what = f"the kind of sensor {name!r}"
+            raise BrokenPlugin(what, f"the key `kind` of {spec.__name__} is {default!r} by default")
+    return found
+
+
+@cache
+def capability_of(kind: str) -> type[Capability]:
+    """Return the class of the readings of a kind of sensor."""
+    found: type[Capability] = imported(sensor_kinds()[kind].capability)
+    return found
+
+
+def sensor_capabilities() -> tuple[type[Capability], ...]:
+    """Return the capabilities of all kinds of sensors."""
+    return tuple(dict.fromkeys(capability_of(name) for name in sensor_kinds()))

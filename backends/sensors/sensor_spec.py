@@ -1,0 +1,62 @@
+"""Base classes of the sensors in a robot's file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, ClassVar, Literal, Self
+
+from pydantic import Field
+
+from handcart.files.errors import HandcartError
+from handcart.files.models.model import FileModel
+
+SensorName = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_-]*$", max_length=60)]
+"""Name of a sensor in a robot's file."""
+Carrier = Literal["base", "any"]
+"""Part of the robot that a sensor may be mounted on: the base, or any part whose joints are read."""
+
+
+class UnreadableFile(HandcartError, ValueError):
+    """A file that a sensor's section names cannot be used."""
+
+    def __init__(self, key: str, wrong: str) -> None:
+        self.key = key
+        super().__init__(wrong)
+
+
+class SensorSpec(FileModel):
+    """One sensor in a robot's file. A kind of sensor adds its own keys, and sets the default of `kind`."""
+
+    kind: str
+    """Kind of the sensor."""
+    CARRIER: ClassVar[Carrier | None] = None
+    """Where the URDF may mount it; None: it has no frame in the URDF."""
+
+    def link(self, name: str) -> str:
+        """Return the link of the URDF that the sensor `name` is mounted at; "" if it has no frame."""
+        return ""
+
+    def without_errors(self) -> Self:
+        """Return the sensor as it is in a simulation without errors."""
+        return self
+
+    def with_files(self, folder: Path) -> Self:
+        """Return the sensor with the content of the files that its section names, relative to `folder`.
+
+        Raises:
+            UnreadableFile: a file is missing, or outside the folder.
+            FileError: something in a file is wrong.
+        """
+        return self
+
+
+class MountedSensorSpec(SensorSpec):
+    """A sensor with a frame in the URDF."""
+
+    CARRIER: ClassVar[Carrier | None] = "base"
+    frame: Annotated[str, Field(min_length=1)] | None = None
+    """Link of the URDF that is the sensor's frame (default: the link with the sensor's name)."""
+
+    def link(self, name: str) -> str:
+        """Return the link of the URDF that the sensor `name` is mounted at."""
+        return self.frame or name

@@ -1,0 +1,76 @@
+"""Base of all simulated sensors, and what they are given to be built."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, ClassVar, Generic, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.plain_values import Kinds
+from handcart.backends.sensors.sensor_spec import SensorSpec
+from handcart.backends.simulation.scene import Scene
+from handcart.backends.simulation.world.world_file import WorldFile
+
+S = TypeVar("S", bound=SensorSpec, covariant=True)
+
+
+@dataclass(frozen=True)
+class SensorSite(Generic[S]):
+    """What a simulated sensor is built from.
+
+    `world`, `scene` and `engine` are ground truth, from which a simulation computes its readings.
+    """
+
+    name: str
+    """Name of the sensor in the robot's file."""
+    spec: S
+    """Its section there."""
+    robot: RobotFile
+    world: WorldFile
+    scene: Scene
+    period: float
+    """Control period, in [s]."""
+    seed: int
+    """Seed of the sensor's errors: two sensors of one kind have different ones."""
+    joints: Callable[[], NDArray[np.float64]]
+    """Returns the measured joints of the arm, (n,); empty without an arm."""
+    link: str
+    """Link of the URDF that it is mounted at; "" for one without a frame."""
+    engine: Any = None
+    """The simulation behind the scene, for kinds of sensors that know it: with physics a
+    `handcart.backends.physics.sensors.physics_site:PhysicsSite`.
+    """
+
+
+class SimulatedSensor(ABC):
+    """A part of each simulated sensor, next to its capability.
+
+    A simulation builds it with `build`, calls `advance` once a period, and saves the attributes of `STATE`
+    in checkpoints.
+    """
+
+    STATE: ClassVar[Kinds] = {}
+    """Attributes that a checkpoint keeps, with their types."""
+    SETTLED_FIRST: ClassVar[bool] = False
+    """True to build it only after a simulation with physics has come to rest: it measures at once."""
+
+    @classmethod
+    @abstractmethod
+    def build(cls, site: SensorSite[Any]) -> SimulatedSensor:
+        """Build the sensor.
+
+        Raises:
+            InputError: it cannot be simulated for this robot.
+        """
+
+    @abstractmethod
+    def advance(self, period: int) -> None:
+        """A period has passed; `period` is the number of those that have."""
+
+    def close(self) -> None:
+        """Let go of everything; a second call does nothing."""
