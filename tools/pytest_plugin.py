@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -64,20 +65,27 @@ def conformance() -> Callable[..., KitReport]:
 
     def test_my_backend(conformance):
         conformance("my_backend", robot="my_robot/robot.yaml", quick=True)
+
+    def test_my_primitive(conformance):
+        conformance("kinematic", tasks=["my_task.yaml"], parts=["faults"], primitives=["WATER"])
     """
-    from handcart.evaluation.conformance.kit import KitSetting, run_kit
+    from handcart.evaluation.conformance.kit import KitSetting, default_robot, run_kit
 
     def check(
         backend: str,
         *,
-        robot: str = "librarian",
+        robot: str | None = None,
         quick: bool = True,
         parts: Sequence[str] = (),
         primitives: Sequence[str] = (),
         instants: int | None = None,
         processes: int = 2,
+        tasks: Sequence[Path | str] = (),
     ) -> KitReport:
-        report = run_kit(KitSetting(backend, robot, quick, parts, primitives, instants), processes)
+        own = [Path(each) for each in tasks]
+        named = robot or default_robot(own)
+        setting = KitSetting(backend, named, quick, parts, primitives, instants, own_tasks=own)
+        report = run_kit(setting, processes)
         assert report.ok, "\n".join(report.lines())
         return report
 

@@ -55,6 +55,8 @@ class KitSetting:
     """Number of seeds of each shipped task; None: the mode's default."""
     only_tasks: Sequence[str] = ()
     """Folder names of the whole tasks to run; empty: all tasks that the robot can do."""
+    own_tasks: Sequence[Path] = ()
+    """Task files to test in, in place of those that domains declare; empty: those."""
 
     @property
     def bench(self) -> Bench:
@@ -68,7 +70,7 @@ class KitSetting:
         return RigFiles() if task is None or task.path("knowledge", "map") is None else RigFiles.of(task)
 
     def batches(self) -> list[Batch]:
-        """Faults in each primitive of a shipped task that the robot can do, and in REACH."""
+        """Faults in each primitive of a task that the robot is tried in, and in REACH."""
         full, quick = QUICK_INSTANTS.get(self.backend, OTHER_INSTANTS)
         count = self.instants or (quick if self.quick else full)
         shares = math.ceil(count / MAX_INSTANTS_PER_JOB)
@@ -94,15 +96,18 @@ class KitSetting:
 
     @cached_property
     def rehearsals(self) -> tuple[Rehearsal, ...]:
-        """The shipped tasks that the robot is tried in, each cut short as its domain says."""
+        """The tasks that the robot is tried in, each cut short as its domain says."""
         short = declared()
         return tuple(
-            Rehearsal(task, self.backend, settings={**self._chosen, **short[task]}) for task in self.tasks
+            Rehearsal(task, self.backend, settings={**self._chosen, **short.get(task, {})})
+            for task in self.tasks
         )
 
     @cached_property
     def tasks(self) -> tuple[Path, ...]:
-        """The shipped tasks that the robot is tried in."""
+        """The tasks that the robot is tried in: the user's own, or shipped ones."""
+        if self.own_tasks:
+            return tuple(Path(each).resolve() for each in self.own_tasks)
         return repertoire(self.robot, self._chosen, self.backend)
 
     def task_runs(self) -> list[OneRun]:
@@ -120,6 +125,15 @@ class KitSetting:
     def _chosen(self) -> dict[str, str]:
         by_path = self.robot.endswith((".yaml", ".yml"))
         return {"robot": str(Path(self.robot).resolve()) if by_path else self.robot}
+
+
+def default_robot(own_tasks: Sequence[Path]) -> str:
+    """Return the robot of the first task of the user's own; without one, the kit's default.
+
+    Raises:
+        FileError: the task's file is invalid.
+    """
+    return load_task(own_tasks[0]).robot if own_tasks else KitSetting.robot
 
 
 @dataclass(frozen=True)

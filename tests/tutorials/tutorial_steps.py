@@ -37,23 +37,29 @@ def write_file(folder: Path, path: str, text: str) -> None:
 def carry_out(line: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[int, int]:
     """Run a command line in a folder; return its exit status and the status that the page states.
 
-    `handcart` runs in this process, until the page has installed a package of its own: `pip install -e
-    FOLDER` installs that package into a folder `site`, which only later processes see. `python` and
-    `pytest` are programs of this environment.
+    `handcart` runs in this process; `python` and `pytest` are programs of this environment. `pip install -e
+    FOLDER` installs a package of the page into a folder `site`, which this process and later ones see.
     """
     line, _, expected = line.partition(" # status ")
     program, *words = shlex.split(line)
-    site = folder / "site"
-    if (program, *words[:-1]) == INSTALL:
-        command = [sys.executable, "-m", "pip", "install", "-q", "--no-deps", "--no-build-isolation"]
-        subprocess.run([*command, "--target", str(site), str(folder / words[-1])], check=True)
-        monkeypatch.setenv("PYTHONPATH", str(site))
-        return 0, 0
-    if program == "handcart" and not site.exists():
+    if program == "handcart":
         return _in_this_process(words), int(expected or 0)
+    if (program, *words[:-1]) == INSTALL:
+        _install(folder / words[-1], folder / "site", monkeypatch)
+        return 0, 0
     start = [sys.executable] if program == "python" else [sys.executable, "-m", program]
-    assert program in ("handcart", "python", "pytest"), line
+    assert program in ("python", "pytest"), line
     return subprocess.run([*start, *words], cwd=folder, check=False).returncode, int(expected or 0)
+
+
+def _install(package: Path, site: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from handcart.primitives import registry
+
+    command = [sys.executable, "-m", "pip", "install", "-q", "--no-deps", "--no-build-isolation"]
+    subprocess.run([*command, "--target", str(site), str(package)], check=True)
+    monkeypatch.setenv("PYTHONPATH", str(site))
+    monkeypatch.syspath_prepend(site)
+    monkeypatch.setattr(registry, "_all", registry._all.__wrapped__)  # what a new process would read
 
 
 def _in_this_process(words: list[str]) -> int:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -22,7 +23,12 @@ PROGRESS_INTERVAL_S = 30.0  # minimum, between two lines
 
 def conformance(
     backend: Annotated[str, typer.Option(help="its name")] = "kinematic",
-    robot: Annotated[str, typer.Option(help="a shipped robot, or the path of a robot's file")] = "librarian",
+    robot: Annotated[
+        str | None,
+        typer.Option(
+            help="a shipped robot, or the path of a robot's file (default: librarian, or that of --rehearse)"
+        ),
+    ] = None,
     quick: Annotated[
         bool, typer.Option("--quick/--full", help="few faults and no complete tasks; full: everything")
     ] = True,
@@ -36,6 +42,10 @@ def conformance(
     instants: Annotated[
         int | None, typer.Option(min=1, help="of each primitive's run in which faults are injected")
     ] = None,
+    rehearse: Annotated[
+        list[Path] | None,
+        typer.Option(help="inject faults in the actions of this task of yours, in place of shipped ones"),
+    ] = None,
     tasks: Annotated[
         list[str] | None, typer.Option("--task", help="this whole task alone, such as return_book")
     ] = None,
@@ -44,10 +54,13 @@ def conformance(
     as_json: Annotated[bool, typer.Option("--json", help="end with one JSON object on stdout")] = False,
 ) -> None:
     """Check what the backend declares, break it at many instants, and plant liars; status 0 if all holds."""
-    from handcart.evaluation.conformance.kit import KitSetting, run_kit
+    from handcart.evaluation.conformance.kit import KitSetting, default_robot, run_kit
+    from handcart.tasks.task_names import task_path
 
-    chosen = _chosen(parts or [], primitives or [], tasks or [])
-    setting = KitSetting(backend, robot, quick, chosen, primitives or (), instants, seeds, tasks or ())
+    chosen = _chosen(parts or [], [*(primitives or []), *(rehearse or [])], tasks or [])
+    own = [task_path(each) for each in rehearse or []]
+    robot = robot or default_robot(own)
+    setting = KitSetting(backend, robot, quick, chosen, primitives or (), instants, seeds, tasks or (), own)
     _check(setting)
     if quick:
         print("quick: few faults and no complete tasks; --full tries everything", file=sys.stderr)
@@ -92,7 +105,7 @@ def _seldom(console: Console) -> Callable[[int, int], None]:
     return tell
 
 
-def _chosen(parts: list[str], primitives: list[str], tasks: list[str]) -> tuple[str, ...]:
+def _chosen(parts: list[str], faults: Sequence[object], tasks: list[str]) -> tuple[str, ...]:
     """The parts that are named, or that what is named belongs to; raises `typer.BadParameter`."""
     from handcart.evaluation.conformance.kit import KIT_PARTS
     from handcart.files.suggest import suggest
@@ -101,16 +114,21 @@ def _chosen(parts: list[str], primitives: list[str], tasks: list[str]) -> tuple[
         if part not in KIT_PARTS:
             raise typer.BadParameter(f"unknown part {part!r}{suggest(part, KIT_PARTS)}")
     if not parts:
-        parts = ["faults"] * bool(primitives) + ["tasks"] * bool(tasks)
+        parts = ["faults"] * bool(faults) + ["tasks"] * bool(tasks)
     return tuple(parts)
 
 
 def _check(setting: KitSetting) -> None:
     """Reject options that cannot be tested, before any test."""
     from handcart.backends.registry import backend_class
+    from handcart.files.errors import FileError
     from handcart.files.suggest import suggest
+    from handcart.networks.task.preparing import check
 
     backend_class(setting.backend)
+    for task in setting.own_tasks:
+        if errors := check(task, setting.backend, {"robot": setting.robot}).errors:
+            raise FileError(errors)
     tried = setting.tried()
     for name in setting.primitives:
         if name not in tried:

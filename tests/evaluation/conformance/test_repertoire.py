@@ -8,9 +8,11 @@ import pytest
 
 from handcart.backends.description.robot_names import robot_path
 from handcart.evaluation.conformance.faults.repertoire import repertoire
-from handcart.evaluation.conformance.kit import KitSetting
+from handcart.evaluation.conformance.kit import KitSetting, default_robot
 from handcart.evaluation.trials.rig import RigFiles
+from handcart.networks.task.task_file import load_task
 from handcart.primitives.registry import primitive_names
+from handcart.tools.main import main
 
 TASKS = Path(__file__).resolve().parents[3] / "tasks"
 TRIED = {
@@ -53,3 +55,25 @@ def test_checks_are_made_where_the_first_task_is_done() -> None:
     assert files.world == TASKS / "stack_blocks" / "unload_world.yaml"
     assert files.start == "stacking"
     assert KitSetting("kinematic", "el_verde").bench.files == RigFiles()
+
+
+def test_own_task_replaces_the_shipped_ones() -> None:
+    own = TASKS / "drive_map" / "task.yaml"
+    assert default_robot([own]) == "librarian"
+    setting = KitSetting("kinematic", "cart", own_tasks=[own])
+    assert (setting.tasks, setting.tried()) == ((own.resolve(),), ["MODIFY", "MOVE_TO", "REACH"])
+    assert setting.bench.files == RigFiles.of(load_task(own, {"robot": "cart"}))
+
+
+def test_own_task_with_a_fault_is_refused_before_a_trial(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for path in (TASKS / "drive_map").iterdir():
+        if path.is_file():
+            (tmp_path / path.name).write_bytes(path.read_bytes())
+    places = tmp_path / "places.yaml"
+    places.write_text(places.read_text(encoding="utf-8").replace("x_m: 2.0", "x_m: 90.0"), encoding="utf-8")
+    with pytest.raises(SystemExit) as end:
+        main(["conformance", "--rehearse", str(tmp_path / "task.yaml"), "--robot", "cart"])
+    assert end.value.code == 2
+    assert "places.yaml:5:" in capsys.readouterr().err
