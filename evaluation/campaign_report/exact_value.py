@@ -12,10 +12,11 @@ from scipy.special import gammaln, xlog1py, xlogy
 from handcart.evaluation.campaigns.action_ends import action_names
 from handcart.files.errors import InputError
 from handcart.networks.analysis.figures import figures, missing_chances
-from handcart.networks.chains.policy import TooLarge
 from handcart.networks.task.task_file import load_task
 
 UNLIKELY_PROBABILITY = 0.05
+MAX_EXACT_GAP = 1e-6
+"""Probability left open by states that were not looked at, up to which a value counts as exact."""
 
 
 @dataclass(frozen=True)
@@ -48,10 +49,9 @@ def exact_end(task: Path, settings: Mapping[str, str], outcome: str) -> float | 
     if missing := missing_chances(read):
         count = len(missing)
         return f"{count} action{'s have' if count > 1 else ' has'} no probability `p` in the task's file"
-    try:
-        found = figures(read).forecast
-    except TooLarge as error:
-        return str(error)
+    found = figures(read).forecast
+    if found.unknown > MAX_EXACT_GAP:
+        return f"between {found.goal:.5f} and {found.goal_high:.5f} for the goal: too many states"
     ends = {"Success": found.goal, "Fail": found.no_way + found.left_undone, "GiveUp": found.give_up}
     return ends[outcome]
 
@@ -65,7 +65,7 @@ def file_chances(task: Path, settings: Mapping[str, str]) -> dict[str, float]:
     except InputError:
         return {}
     named = zip(action_names(read), read.file.actions, strict=True)
-    return {name: action.p for name, action in named if action.p is not None}
+    return {name: action.p_success for name, action in named if action.p_success is not None}
 
 
 def beside(goal: float, successes: int, count: int) -> ExactValue:

@@ -15,6 +15,7 @@ from handcart.files.yaml.yaml_document import read_document
 from handcart.files.yaml.yaml_node import Node
 from handcart.networks.journal.run_header import robot_fingerprint
 from handcart.networks.task.task_file import Task
+from handcart.networks.task.task_model import MAX_TASK_BYTES, MAX_TASK_NODES
 
 from .campaign_folder import TRIALS
 from .campaign_setting import CampaignSetting
@@ -75,7 +76,7 @@ class _Files:
 def _words_in(path: Path) -> Iterator[_Word]:
     if path.suffix in _YAML:
         try:
-            yield from _words(read_document(path).root)
+            yield from _words(read_document(path, max_bytes=MAX_TASK_BYTES, max_nodes=MAX_TASK_NODES).root)
         except InputError:
             return  # who reads it tells what is wrong with it
 

@@ -21,6 +21,7 @@ from handcart.files.suggest import suggest
 from handcart.files.yaml.yaml_document import Changes, Document, read_document
 from handcart.files.yaml.yaml_node import KeyPath, Node
 from handcart.networks.task.task_file import Task
+from handcart.networks.task.task_model import MAX_TASK_BYTES, MAX_TASK_NODES
 
 Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
 
@@ -173,7 +174,7 @@ def load_variation(path: Path, task: Task | None = None) -> Variation:
     read = load(path, Variation)
     if task is None:
         return read
-    document = read_document(path)
+    document = read_document(path, max_bytes=MAX_TASK_BYTES, max_nodes=MAX_TASK_NODES)
     wrong = []
     for number, each in enumerate(read.vary):
         other = read_document(file_of(each.file, task))

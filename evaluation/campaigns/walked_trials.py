@@ -13,7 +13,8 @@ from handcart.evaluation.walks.file_odds import FileOdds
 from handcart.evaluation.walks.odds import End, Odds
 from handcart.evaluation.walks.walk_table import WalkTable
 from handcart.evaluation.walks.walker import NO_ACTION, Walked, Walker
-from handcart.networks.graph.planner import NoWay, Route
+from handcart.networks.graph.planner import NoWay
+from handcart.networks.graph.route import Route
 from handcart.networks.task.task_file import Task, load_task
 from handcart.primitives.contract.outcome import Success
 

@@ -8,8 +8,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from handcart.files.errors import InputError
 from handcart.networks.chains.effort import Effort
-from handcart.networks.chains.policy import State, StepMaker
+from handcart.networks.chains.step_maker import State, StepMaker
 from handcart.networks.graph.network import ActionNetwork
 
 GOAL, NO_WAY = -1, -2
@@ -18,14 +19,18 @@ GOAL, NO_WAY = -1, -2
 Numbers = NDArray[np.int32]
 
 
+class NotWalked(InputError):
+    """Error: the network has what walks do not know."""
+
+
 class Columns(NamedTuple):
-    """Columns with one row for each moment at which an action is about to start."""
+    """Columns with one row for each state; a row holds nothing of use until its state was reached."""
 
     action: Numbers
     fails: Numbers
     """Number of earlier Fails of the action."""
     next: Numbers
-    """The next moment after a Success, or `GOAL`."""
+    """Number of the state after a Success that leads to the action's target."""
     after_fail: Numbers
     """Number of the state after a Fail."""
     for_good: Numbers
@@ -35,10 +40,18 @@ class Columns(NamedTuple):
 
 
 class WalkTable:
-    """Table of the coordinator's decisions, each computed when a walk first reaches its state."""
+    """Table of the coordinator's decisions, each computed when a walk first reaches its state.
+
+    Raises:
+        NotWalked: a Success of an action may lead to several situations.
+    """
 
     def __init__(self, network: ActionNetwork) -> None:
         """Create the table of a network; only the decision at the start is computed."""
+        several = next((action for action in network.actions if action.others), None)
+        if several is not None:
+            words = f"{several} has several results; allowed with --level network: one for each action"
+            raise NotWalked(words)
         self._network = network
         self._maker = StepMaker(network, True, Effort(math.inf))
         self._states: list[State] = []
@@ -50,7 +63,7 @@ class WalkTable:
         self.start = self.first(np.array([start], dtype=np.int32))[0]
 
     def columns(self) -> Columns:
-        """Return the columns of all moments computed so far; a later call may return more."""
+        """Return the columns of all states known so far; a later call may return more."""
         if self._columns is None:
             columns = np.array(self._rows, dtype=np.int32).reshape(-1, 6).T
             action, fails, following, after_fail, for_good, skip = columns
@@ -58,7 +71,7 @@ class WalkTable:
         return self._columns
 
     def first(self, states: Numbers) -> Numbers:
-        """Return the first moment of each state's plan (n,); `GOAL` at the goal, `NO_WAY` if no route is
+        """Return the states (n,) with their decisions made; `GOAL` at the goal, `NO_WAY` if no route is
         left.
         """
         for number in set(states.tolist()):
@@ -72,14 +85,14 @@ class WalkTable:
             self._first[number] = GOAL
             return
         step = self._maker.step(state)
-        self._first[number] = len(self._rows) if step.plan else NO_WAY
-        fails = dict(state.fails)
-        fates = zip(step.plan, step.after_fail, step.for_good, strict=True)
-        for place, (action, once, good) in enumerate(fates, start=1):
-            following = GOAL if place == len(step.plan) else len(self._rows) + 1
-            failed, skip = fails.get(action.index, 0), action.binding is None
-            after = self._after(once), self._after(good)
-            self._rows.append((action.index, failed, following, *after, skip))
+        action = step.action
+        if action is None:
+            self._first[number] = NO_WAY
+            return
+        self._first[number] = number
+        failed = action.allowance.fails(dict(state.fails).get(action.counter, 0))
+        succeeded, after_fail, for_good = map(self._after, (step.succeeded[0], step.failed, step.for_good))
+        self._rows[number] = action.index, failed, succeeded, after_fail, for_good, action.binding is None
         self._columns = None
 
     def _after(self, state: State | None) -> int:
@@ -89,5 +102,7 @@ class WalkTable:
         number = self._number.setdefault(state, len(self._states))
         if number == len(self._states):
             self._states.append(state)
+            self._rows.append((-1, 0, -1, -1, -1, False))
             self._first.append(None)
+            self._columns = None
         return number

@@ -116,8 +116,12 @@ class Walker:
 
     def _next(self, moment: Numbers, ends: Codes) -> Numbers:
         columns = self._table.columns()
-        following = np.where(ends == End.SUCCESS, columns.next[moment], GAVE_UP).astype(np.int32)
-        for end, states in ((End.FAIL, columns.after_fail), (End.FOR_GOOD, columns.for_good)):
+        following = np.full(len(moment), GAVE_UP, dtype=np.int32)
+        for end, states in (
+            (End.SUCCESS, columns.next),
+            (End.FAIL, columns.after_fail),
+            (End.FOR_GOOD, columns.for_good),
+        ):
             failed = ends == end
             following[failed] = self._table.first(states[moment[failed]])
         return following

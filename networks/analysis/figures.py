@@ -8,7 +8,7 @@ from typing import Any
 
 from handcart.networks.chains.chance import Chance
 from handcart.networks.chains.effort import Effort, TooMuch
-from handcart.networks.chains.policy import DEFAULT_MAX_STEPS, TooLarge
+from handcart.networks.chains.policy import DEFAULT_MAX_STEPS, TooLarge, budget_of
 from handcart.networks.chains.stage import Stage
 from handcart.networks.task.task_file import Task
 from handcart.networks.task.task_model import ActionEntry
@@ -35,10 +35,12 @@ class Influence:
     one_more: Forecast | None
     """Forecast with one more attempt of the action; unchanged if it has the maximum already.
 
-    None: a part of the network would have too many states.
+    None: a part of the network would have too many states, and only `bounds` are known.
     """
     alternative: Forecast | None
     """Forecast with a second action next to it, of the same cost, attempts and probabilities; or None."""
+    bounds: tuple[float, float] = (0.0, 0.0)
+    """Least and largest change of P(goal) by either: both change only runs in which the action fails."""
 
 
 @dataclass(frozen=True)
@@ -55,9 +57,20 @@ class Figures:
         return {**forecast, "actions": [_row(each) for each in self.influences]}
 
 
+def entry_chances(task: Task) -> list[Chance]:
+    """Return the outcome probabilities of each action of the file; 0 where it gives none."""
+    return [Chance(each.p_success or 0.0, each.p_give_up) for each in task.file.actions]
+
+
+def network_chances(task: Task) -> list[Chance | None]:
+    """Return the outcome probabilities of each action of the network; None for a skip."""
+    known = entry_chances(task)
+    return [None if entry is None else known[entry] for entry in task.entries]
+
+
 def missing_chances(task: Task) -> list[int]:
     """Return the numbers in the file of the actions without a probability `p`."""
-    return [number for number, entry in enumerate(task.file.actions) if entry.p is None]
+    return [number for number, entry in enumerate(task.file.actions) if entry.p_success is None]
 
 
 def figures(task: Task, effort: Effort | None = None, more: Effort | None = None) -> Figures:
@@ -65,15 +78,13 @@ def figures(task: Task, effort: Effort | None = None, more: Effort | None = None
 
     Args:
         task: the task.
-        effort: budget of the forecast; None: `WORK`.
-        more: budget of the forecasts with more attempts; None: `WORK`.
-
-    Raises:
-        TooLarge: a part of its network has too many states for exact figures.
+        effort: budget of the forecast; None: `budget_of`.
+        more: budget of the forecasts with more attempts; None: `budget_of`.
     """
-    known = {number: Chance(each.p or 0.0, each.p_give_up) for number, each in enumerate(task.file.actions)}
-    chances = [None if entry is None else known[entry] for entry in task.entries]
-    forecaster = Forecaster(task.network, chances, effort or Effort(DEFAULT_MAX_STEPS))
+    known = dict(enumerate(entry_chances(task)))
+    chances = network_chances(task)
+    budget = budget_of(task.network)
+    forecaster = Forecaster(task.network, chances, effort or Effort(budget))
     now = forecaster.forecast()
     starts, slopes = forecaster.starts(), forecaster.slopes()
     changed = _Changes(forecaster, more or Effort(DEFAULT_MAX_STEPS))
@@ -91,6 +102,7 @@ def figures(task: Task, effort: Effort | None = None, more: Effort | None = None
             sum(slopes[number] for number in numbers),
             changed.forecast(Stage.with_one_more, numbers),
             changed.forecast(Stage.with_alternatives, numbers),
+            _bounds(now, known[entry].fail * sum(starts[number] for number in numbers)),
         )
         for entry, numbers in copies.items()
     ]
@@ -111,6 +123,13 @@ class _Changes:
             return None
 
 
+def _bounds(now: Forecast, fails: float) -> tuple[float, float]:
+    """Return bounds on the change of P(goal), by the average number of Fails: at least as many runs as that
+    have one.
+    """
+    return -min(now.goal_high, fails), min(1.0 - now.goal, fails + now.unknown)
+
+
 def _words(entry: ActionEntry) -> str:
     return f"{entry.do} ({entry.source} to {entry.target})"
 
@@ -128,6 +147,8 @@ def _row(each: Influence) -> Mapping[str, Any]:
         "one_more_cost_s": more.get("cost_s"),
         "alternative_p_goal": other.get("p_goal"),
         "alternative_cost_s": other.get("cost_s"),
+        "change_low": each.bounds[0],
+        "change_high": each.bounds[1],
     }
 
 

@@ -9,12 +9,14 @@ from itertools import accumulate
 
 from handcart.networks.chains.effort import Effort
 from handcart.networks.chains.ends import AT_GOAL, Ends
-from handcart.networks.chains.policy import DEFAULT_MAX_STEPS, Policy, policy
+from handcart.networks.chains.policy import TooLarge, budget_of, explored, likely_policy
 from handcart.networks.chains.policy_chain import Chain, Chances, policy_chain
 from handcart.networks.chains.stage import Stage
 from handcart.networks.chains.stages import stages
-from handcart.networks.graph.network import ActionNetwork
+from handcart.networks.graph.network import MAX_COST_S, ActionNetwork
 
+IMPOSSIBLE_SHARE = 0.05
+"""Share of the budget for states that only Fails of probability 0 lead to; slopes need them."""
 STAGE_STEPS = 20
 """Steps of effort for a stage whose chain is known already."""
 Change = Callable[[Stage, Collection[int]], Stage]
@@ -37,6 +39,18 @@ class Forecast:
     """Expected cost of a run, in [s]: the costs of the actions that it starts, whatever their outcome."""
     cost_sigma_s: float
     """Standard deviation of the cost, in [s]."""
+    unknown: float = 0.0
+    """Probability that a run comes to a state that was not looked at; 0: all figures are exact.
+
+    Each of the probabilities above is too small by at most this, and the cost leaves out what follows.
+    """
+    cost_high_s: float = 0.0
+    """Upper bound of the expected cost, in [s]."""
+
+    @property
+    def goal_high(self) -> float:
+        """Upper bound of the probability of the goal."""
+        return min(1.0, self.goal + self.unknown)
 
 
 def forecast(network: ActionNetwork, chances: Chances) -> Forecast:
@@ -47,9 +61,8 @@ def forecast(network: ActionNetwork, chances: Chances) -> Forecast:
 class Forecaster:
     """Forecaster that cuts a network into stages and computes equal stages once.
 
-    A stage's chain has the states (situation, Fails of each action that can still come up). It is acyclic
-    because attempts are limited. Of plans with the same weight the coordinator's own is followed, as long
-    as rounding does not decide between them.
+    A stage's chain has the states (situation, Fails of each action that can still come up). If there are
+    too many, the most likely ones are looked at, and `Forecast.unknown` is what they leave open.
     """
 
     def __init__(self, network: ActionNetwork, chances: Chances, effort: Effort | None = None) -> None:
@@ -58,13 +71,13 @@ class Forecaster:
         Args:
             network: the network.
             chances: the outcome probabilities of each action, by its number; None for a skip.
-            effort: budget of all forecasts together; None: `WORK`.
+            effort: budget of all forecasts together; None: `budget_of`.
         """
         self._chances = chances
-        self._effort = effort or Effort(DEFAULT_MAX_STEPS)
+        self._network = network
+        self._effort = effort or Effort(budget_of(network))
         self._stages = stages(network)
         self._stage_of = {number: at for at, each in enumerate(self._stages) for number in each.numbers}
-        self._policies: dict[object, Policy] = {}
         self._chains: dict[object, Chain] = {}
         self._before: list[Ends] = []
         self._behind: list[Ends] = []
@@ -85,12 +98,12 @@ class Forecaster:
         self._reckon_whole()
         changed = sorted({self._stage_of[number] for number in numbers if number in self._stage_of})
         if change is None or not changed:
-            return _forecast_of(self._behind[0])
+            return self._forecast_of(self._behind[0])
         ends, effort = self._before[changed[0]], effort or self._effort
         for at in range(changed[0], changed[-1] + 1):
             effort.spend(STAGE_STEPS)
             ends = ends.then(self._chain(self._stages[at], change, numbers, effort).ends)
-        return _forecast_of(ends.then(self._behind[changed[-1] + 1]))
+        return self._forecast_of(ends.then(self._behind[changed[-1] + 1]))
 
     def _reckon_whole(self) -> None:
         """Compute how runs end before each stage, and from each stage on."""
@@ -137,13 +150,31 @@ class Forecaster:
         chances = [self._chances[number] for number in stage.numbers]
         key = stage.shape, tuple(chances)
         if key not in self._chains:
-            if stage.shape not in self._policies:
-                self._policies[stage.shape] = policy(stage.network, effort=(effort or self._effort).half())
-            self._chains[key] = policy_chain(self._policies[stage.shape], chances)
+            found = _solved(stage.network, chances, (effort or self._effort).half(), change is None)
+            self._chains[key] = found
         return self._chains[key]
 
+    def _forecast_of(self, ends: Ends) -> Forecast:
+        total, unknown = ends.total(), ends.unknown.p
+        sigma = math.sqrt(max(0.0, total.second - total.first**2))
+        short = ends.no_way.p, ends.give_up.p
+        dearest = max((a.cost_s for a in self._network.actions if a.binding), default=MAX_COST_S)
+        high = total.first + (unknown * self._network.bound() * dearest if unknown else 0.0)
+        return Forecast(ends.goal.p, ends.skipped.p, *short, total.first, sigma, unknown, high)
 
-def _forecast_of(ends: Ends) -> Forecast:
-    total = ends.total()
-    sigma = math.sqrt(max(0.0, total.second - total.first**2))
-    return Forecast(ends.goal.p, ends.skipped.p, ends.no_way.p, ends.give_up.p, total.first, sigma)
+
+def _solved(network: ActionNetwork, chances: Chances, effort: Effort, partly: bool) -> Chain:
+    """Return the chain of a stage: of all states, else of those that can happen, else of likely ones.
+
+    Raises:
+        TooLarge: the budget does not suffice, and the likely ones alone were not asked for.
+    """
+    certain = any(each is not None and each.fail <= 1e-12 for each in chances)
+    found = explored(network, effort=effort.part(IMPOSSIBLE_SHARE) if certain else effort.half())
+    if not found.is_complete and certain:
+        found = explored(network, effort=effort.half(), chances=chances)
+    if not found.is_complete:
+        if not partly:
+            raise TooLarge(network, len(found.steps))
+        found = likely_policy(network, chances, effort, found.start)
+    return policy_chain(found, chances)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from handcart.networks.chains.policy import Policy
+from handcart.networks.chains.policy import Policy, State
 
 
 class Longest(NamedTuple):
@@ -21,24 +21,29 @@ class Longest(NamedTuple):
         return Longest(self.through + rest.through, max(self.ended, self.through + rest.ended))
 
 
+_NOWHERE = Longest(-math.inf, -math.inf)
+
+
 def longest_run(policy: Policy) -> Longest:
     """Return the longest run of a policy, computed backwards from its ends.
 
-    The policy should include Fails for good.
+    The policy should include Fails for good. Runs that chance may lead in circles have their bound as
+    length; of an incomplete policy the longest known run is returned.
     """
-    goal = policy.network.goal
-    known: dict[object, Longest] = {}
+    if policy.circles:
+        bound = float(policy.network.bound())
+        return Longest(bound, bound)
+    known: dict[State, Longest] = {}
     for state, step in policy.steps.items():
-        through, ended = -math.inf, -math.inf if step.plan else 0.0
-        count = 0
-        for number, action in enumerate(step.plan):
-            if action.binding is None:
-                continue
-            count += 1
-            ended = max(ended, count)  # a GiveUp
-            for after in {step.after_fail[number], step.for_good[number] if step.for_good else None} - {None}:
-                assert after is not None
-                rest = Longest(0.0, -math.inf) if after.situation == goal else known[after]
-                through, ended = max(through, count + rest.through), max(ended, count + rest.ended)
-        known[state] = Longest(max(through, count) if step.plan else through, ended)
+        if step.action is None:
+            known[state] = Longest(-math.inf, 0.0)
+            continue
+        count = 0 if step.action.binding is None else 1
+        rest = [
+            Longest(0.0, -math.inf) if policy.goal(each) else known.get(each, _NOWHERE)
+            for each in step.following()
+        ]
+        through = max(each.through for each in rest)
+        ended = max((0.0 if count else -math.inf), *(each.ended for each in rest))  # a GiveUp
+        known[state] = Longest(count + through, count + ended)
     return known.get(policy.start, Longest(0.0, -math.inf))

@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from handcart.networks.chains.chance import Chance
 from handcart.networks.chains.policy import State, policy
 from handcart.networks.chains.policy_chain import policy_chain
 from handcart.networks.task.task_file import Task
 
-from .figures import missing_chances
+from .figures import missing_chances, network_chances
 
 
 class NoOutlook(Exception):
@@ -59,7 +58,6 @@ def outlook(task: Task, situation: str, fails: Mapping[int, int], action: int) -
 def _goal(task: Task, situation: str, fails: Mapping[int, int]) -> float:
     if situation == task.network.goal:
         return 1.0
-    known = [Chance(each.p or 0.0, each.p_give_up) for each in task.file.actions]
-    chances = [None if entry is None else known[entry] for entry in task.entries]
+    chances = network_chances(task)
     start = State(situation, tuple(sorted(fails.items())))
-    return policy_chain(policy(task.network, start=start), chances).ends.goal.p
+    return policy_chain(policy(task.network, start=start, chances=chances), chances).ends.goal.p

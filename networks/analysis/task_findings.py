@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Collection
 
 import networkx as nx
 
 from handcart.files.errors import Finding
+from handcart.networks.graph.ahead import ways_of
 from handcart.networks.graph.network import Action
 from handcart.networks.task.task_file import Task
 
@@ -24,18 +26,8 @@ def task_findings(task: Task) -> list[Finding]:
     return [*_unreached(task), *_dead_ends(task), *fact_findings(task), *denied_hand_facts(task)]
 
 
-def _with_fails(task: Task) -> nx.DiGraph[str]:
-    graph: nx.DiGraph[str] = nx.DiGraph()
-    graph.add_nodes_from(task.network.situations)
-    for action in task.network.actions:
-        graph.add_edge(action.source, action.target)
-        if action.on_fail is not None:
-            graph.add_edge(action.source, action.on_fail)
-    return graph
-
-
 def _unreached(task: Task) -> list[Finding]:
-    network, graph = task.network, _with_fails(task)
+    network, graph = task.network, ways_of(task.network)
     reached = nx.descendants(graph, network.start) | {network.start}
     return [
         task.document.finding(
@@ -48,10 +40,11 @@ def _unreached(task: Task) -> list[Finding]:
 
 
 def _dead_ends(task: Task) -> list[Finding]:
-    network, graph = task.network, _with_fails(task)
-    leads_on = nx.ancestors(network.graph, network.goal) | {network.goal}
+    network, graph = task.network, ways_of(task.network)
+    leads_on = nx.ancestors(graph, network.goal) | {network.goal}
     reached = nx.descendants(graph, network.start) | {network.start}
-    failed_into = {action.on_fail for action in network.actions if action.source in reached & leads_on}
+    on = reached & leads_on
+    failed_into = {to for action in network.actions if action.source in on for to in action.leads_to[1:]}
     found: dict[str, Finding] = {}
     for name in network.situations:
         if name not in reached or name in leads_on:
@@ -67,10 +60,16 @@ def _dead_ends(task: Task) -> list[Finding]:
     return list(found.values())
 
 
-def unused_findings(task: Task, cases: WorstCases) -> list[Finding]:
-    """Actions that no run ever plans, though their situation is reached and they lead on to the goal."""
-    network, graph = task.network, _with_fails(task)
-    leads_on = nx.ancestors(network.graph, network.goal) | {network.goal}
+def unused_findings(task: Task, cases: WorstCases, best: Collection[int] | None = None) -> list[Finding]:
+    """Return findings on actions that no run ever plans, though they can be reached and lead on.
+
+    Args:
+        task: the task.
+        cases: its worst cases by the rule.
+        best: numbers of the actions that the best policy does; None if it is not known.
+    """
+    network, graph = task.network, ways_of(task.network)
+    leads_on = nx.ancestors(graph, network.goal) | {network.goal}
     reached = nx.descendants(graph, network.start) | {network.start}
     unused = {action.index for action in cases.unused}
     found = []
@@ -79,10 +78,16 @@ def unused_findings(task: Task, cases: WorstCases) -> list[Finding]:
         every.setdefault(number, []).append(action)
     for number, entry in enumerate(task.file.actions):
         copies = every.get(number, [])
-        asked = [a for a in copies if a.source in reached and a.target in leads_on]
+        asked = [a for a in copies if a.source in reached and not leads_on.isdisjoint(a.leads_to)]
         if asked and all(action.index in unused for action in copies):
+            better = [] if best is None else [a for a in copies if a.index in best]
             words = f"no run ever does {entry.do} from {entry.source!r}, whatever fails"
-            allowed = "needed: an action that is cheaper than what is done instead, or leave it out"
+            if better:
+                allowed = "the best policy does it; needed: policy: expected_cost, or a lower cost_s"
+            elif best is None:
+                allowed = "needed: a lower cost_s, or p for each action, to know whether it is worth while"
+            else:
+                allowed = "neither does the best policy; needed: a lower cost_s, or leave it out"
             found.append(task.document.finding(("actions", number), f"{words}; {allowed}"))
     return found
 

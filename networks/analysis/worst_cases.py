@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import heapq
+import itertools
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
@@ -9,7 +11,7 @@ from itertools import groupby
 from typing import NamedTuple
 
 from handcart.networks.chains.effort import Effort
-from handcart.networks.chains.policy import DEFAULT_MAX_STEPS, Policy, State, TooLarge, policy
+from handcart.networks.chains.policy import Policy, State, TooLarge, budget_of, explored
 from handcart.networks.chains.stage import Stage
 from handcart.networks.chains.stages import stages
 from handcart.networks.graph.network import Action, ActionNetwork
@@ -53,13 +55,15 @@ class WorstCases:
     """Worst cases of a network, Fails for good and GiveUps included."""
 
     longest: int
-    """The most actions that a run can start."""
+    """The most actions that a run can start, or a bound on it if parts are too large."""
     short: tuple[NoWayLeft, ...]
     """One such run for each situation in which nothing may be left to try."""
     unused: tuple[Action, ...]
     """Actions that no run plans, whatever fails; skips are not counted."""
     too_large: tuple[TooLarge, ...] = ()
-    """Parts that are too large; only the bound on their actions is known."""
+    """Parts whose states were not all looked at."""
+    longest_low: int = 0
+    """Actions of the longest run that is known."""
 
 
 def worst_cases(network: ActionNetwork, effort: Effort | None = None) -> WorstCases:
@@ -67,88 +71,96 @@ def worst_cases(network: ActionNetwork, effort: Effort | None = None) -> WorstCa
 
     Args:
         network: the network.
-        effort: budget of the computation; None: `WORK`.
+        effort: budget of the computation; None: `budget_of`.
     """
-    effort = effort or Effort(DEFAULT_MAX_STEPS)
-    known: dict[object, _Piece | TooLarge] = {}
-    longest, used = Longest(0.0, -math.inf), set[int]()
+    effort = effort or Effort(budget_of(network))
+    known: dict[object, _Piece] = {}
+    most, least, used = Longest(0.0, -math.inf), Longest(0.0, -math.inf), set[int]()
     short: list[NoWayLeft] = []
     too_large: list[TooLarge] = []
     for stage in stages(network):
         if stage.shape not in known:
             known[stage.shape] = _piece(stage, effort)
         piece = known[stage.shape]
-        if isinstance(piece, TooLarge):
-            too_large.append(piece)
-            bound = float(stage.network.bound())
-            piece = _Piece(Longest(bound, bound), (), range(len(stage.numbers)))
-        longest = longest.then(piece.longest)
+        too_large += [piece.too_large] if piece.too_large else []
+        most, least = most.then(piece.most), least.then(piece.least)
         used |= {stage.numbers[index] for index in piece.planned}
         for path in piece.ended:
             named = tuple((network.actions[stage.numbers[index]], failed) for index, failed in path)
             short.append(NoWayLeft(_end(named, stage.network.start), named))
-        if longest.through == -math.inf:
+        if most.through == -math.inf:
             break  # no run comes to the next one
     unused = tuple(a for a in network.actions if a.binding is not None and a.index not in used)
-    most = min(int(max(longest)), network.bound())
-    return WorstCases(most, tuple(short), unused, tuple(too_large))
+    bound = network.bound()
+    low = max(0.0, *least)
+    return WorstCases(
+        min(int(max(most)), bound), tuple(short), unused, tuple(too_large), min(int(low), bound)
+    )
 
 
 class _Piece(NamedTuple):
     """Worst cases of one stage."""
 
-    longest: Longest
+    most: Longest
+    least: Longest
     ended: Sequence[Path]
     planned: Collection[int]
+    too_large: TooLarge | None
 
 
-def _piece(stage: Stage, effort: Effort) -> _Piece | TooLarge:
-    try:
-        all_fails = policy(stage.network, for_good=True, effort=effort.half())
-    except TooLarge as large:
-        return large
-    planned = {each.index for step in all_fails.steps.values() for each in step.plan}
-    return _Piece(longest_run(all_fails), _ended(all_fails), planned)
+def _piece(stage: Stage, effort: Effort) -> _Piece:
+    found = explored(stage.network, for_good=True, effort=effort.half())
+    known, ended = longest_run(found), _ended(found)
+    if found.is_complete:
+        planned = {step.action.index for step in found.steps.values() if step.action is not None}
+        return _Piece(known, known, ended, planned, None)
+    bound = float(stage.network.bound())
+    large = TooLarge(stage.network, len(found.steps))
+    return _Piece(Longest(bound, bound), known, ended, range(len(stage.numbers)), large)
 
 
 class _Come(NamedTuple):
     """A run that reaches a state with the fewest Fails, as a link to the state before."""
 
-    unlikely: int
-    """Its Fails; one for good only counts where it takes one."""
-    before: State | None
-    """State whose plan contained the last Fail."""
-    failed: int
-    """Position of the failed action in that plan."""
+    before: State
+    action: int
     word: str
 
 
 def _ended(policy: Policy) -> list[Path]:
-    """Return, for each situation in which nothing may be left, a run with the fewest Fails."""
-    came = {policy.start: _Come(0, None, 0, "")}
+    """Return, for each situation in which nothing may be left, a run with the fewest Fails.
+
+    A Fail for good only counts where it takes one.
+    """
+    came: dict[State, _Come] = {}
+    known = {policy.start: (0, 0)}
+    order = itertools.count()
+    heap = [((0, 0), next(order), policy.start)]
     found: dict[str, State] = {}
-    for state in reversed(policy.steps):
-        step, here = policy.steps[state], came[state].unlikely
-        if not step.plan and (state.situation not in found or here < came[found[state.situation]].unlikely):
-            found[state.situation] = state
-        for number, after in enumerate(zip(step.after_fail, step.for_good, strict=True)):
-            for word, failed in zip((FAILS, FOR_GOOD), after, strict=True):
-                there = here + _UNLIKELY[word]
-                if failed is not None and (failed not in came or there < came[failed].unlikely):
-                    came[failed] = _Come(there, state, number, word)
-    return [_path(policy, came, state) for state in found.values()]
+    while heap:
+        here, _, state = heapq.heappop(heap)
+        step = policy.steps.get(state)
+        if step is None or here > known[state]:
+            continue
+        if step.action is None:
+            found.setdefault(state.situation, state)
+            continue
+        after = [(each, "") for each in step.succeeded]
+        for each, word in (*after, (step.failed, FAILS), (step.for_good, FOR_GOOD)):
+            there = here[0] + _UNLIKELY.get(word, 0), here[1] + 1
+            if each is not None and there < known.get(each, (math.inf, 0)):
+                known[each], came[each] = there, _Come(state, step.action.index, word)
+                heapq.heappush(heap, (there, next(order), each))
+    return [_path(came, policy.start, state) for state in found.values()]
 
 
-def _path(policy: Policy, came: Mapping[State, _Come], end: State) -> Path:
+def _path(came: Mapping[State, _Come], start: State, end: State) -> Path:
     """Return the path from the policy's start to a state."""
-    path: list[tuple[int, str]] = []
-    last = came[end]
-    while last.before is not None:
-        done = [(action.index, "") for action in policy.steps[last.before].plan[: last.failed + 1]]
-        done[-1] = (done[-1][0], last.word)
-        path = done + path
-        last = came[last.before]
-    return tuple(path)
+    path, here = list[tuple[int, str]](), end
+    while here != start:
+        path.append((came[here].action, came[here].word))
+        here = came[here].before
+    return tuple(reversed(path))
 
 
 def _end(path: tuple[tuple[Action, str], ...], start: str) -> str:

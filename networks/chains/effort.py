@@ -49,4 +49,8 @@ class Effort:
 
     def half(self) -> Effort:
         """Return a budget of at most half of the rest, so that later computations have some, too."""
-        return Effort((self._most - self._spent) / 2.0, whole=self)
+        return self.part(0.5)
+
+    def part(self, share: float) -> Effort:
+        """Return a budget of at most this share of the rest."""
+        return Effort((self._most - self._spent) * share, whole=self)

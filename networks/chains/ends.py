@@ -19,6 +19,8 @@ class Ends(NamedTuple):
     """Nothing is left to try."""
     give_up: Moments = NEVER_REACHED
     """A person is needed."""
+    unknown: Moments = NEVER_REACHED
+    """The run comes to a state that was not looked at."""
 
     def after(self, step: Moments) -> Ends:
         """Return the ends of a step followed by this part."""
@@ -30,16 +32,16 @@ class Ends(NamedTuple):
 
     def then(self, rest: Ends) -> Ends:
         """Return the ends of this part followed, from its goal, by the rest."""
-        short = Ends(no_way=self.no_way, give_up=self.give_up)
+        short = Ends(no_way=self.no_way, give_up=self.give_up, unknown=self.unknown)
         return short.plus(rest.after(self.goal)).plus(rest.with_a_skip().after(self.skipped))
 
     def with_a_skip(self) -> Ends:
         """Return these ends after an element was left undone."""
-        return Ends(NEVER_REACHED, self.goal + self.skipped, self.no_way, self.give_up)
+        return Ends(NEVER_REACHED, self.goal + self.skipped, self.no_way, self.give_up, self.unknown)
 
     def total(self) -> Moments:
         """Return the sum over all ends: the cost of a run, whatever its end."""
-        return self.goal + self.skipped + self.no_way + self.give_up
+        return self.goal + self.skipped + self.no_way + self.give_up + self.unknown
 
 
 AT_GOAL = Ends(goal=certain(1.0, 0.0))

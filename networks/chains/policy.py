@@ -2,56 +2,62 @@
 
 from __future__ import annotations
 
-from bisect import insort
-from collections.abc import Mapping
+import heapq
+import itertools
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
-from handcart.networks.analysis.ahead import Ahead
-from handcart.networks.analysis.plan_search import PlanSearch
 from handcart.networks.graph.network import Action, ActionNetwork
 
+from .chance import Chance
 from .effort import Effort, TooMuch
+from .step_maker import State as State
+from .step_maker import Step as Step
+from .step_maker import StepMaker
 
 DEFAULT_MAX_STEPS = 500_000
 """Default budget of a question, in steps: one or two seconds of computation."""
+STEPS_PER_ACTION = 400
+"""Further budget for each action of the network."""
+Chances = Sequence[Chance | None]
+"""Outcome probabilities of each action by its number; None for a skip, which always succeeds."""
+
+
+def budget_of(network: ActionNetwork) -> int:
+    """Return the default budget of a question about a network, in steps."""
+    return DEFAULT_MAX_STEPS + STEPS_PER_ACTION * len(network.actions)
 
 
 class TooLarge(Exception):
     """A part of the network has too many states for exact figures."""
 
     def __init__(self, network: ActionNetwork, count: int) -> None:
-        part = f"between {network.start} and {network.goal}"
-        super().__init__(f"the part {part} has more than {count} states; fewer attempts make it smaller")
-
-
-class State(NamedTuple):
-    """A state in which the coordinator plans."""
-
-    situation: str
-    fails: tuple[tuple[int, int], ...]
-    """Number and Fails of each action that failed and can still come up; its attempts, where it is out."""
-
-
-class Step(NamedTuple):
-    """Decision of the coordinator in a state: a plan that is followed until something fails."""
-
-    plan: tuple[Action, ...]
-    """Planned actions; empty if no route is left."""
-    after_fail: tuple[State | None, ...]
-    """State after a Fail of each of these actions; None for a skip, which cannot fail."""
-    for_good: tuple[State | None, ...]
-    """State after a Fail for good of each action; empty if those are not considered."""
+        self.part = f"between {network.start} and {network.goal}"
+        """Its place in the network, in words."""
+        self.count = count
+        """Number of states that were looked at."""
+        states = f"more than {count} states; fewer attempts make it smaller"
+        super().__init__(f"the part {self.part} has {states}")
 
 
 @dataclass(frozen=True)
 class Policy:
-    """The coordinator's decisions as an acyclic graph: attempts are limited."""
+    """The coordinator's decisions as a graph of states."""
 
     network: ActionNetwork
     start: State
     steps: dict[State, Step]
-    """Decisions by state; successors come before their predecessors. States in the goal are not included."""
+    """Decisions by state; without circles, successors come before their predecessors. States in the goal
+    are not included.
+    """
+    circles: bool = False
+    """True if chance may lead a run back to a state."""
+    is_complete: bool = True
+    """False if states that a run may reach are missing."""
+
+    def goal(self, state: State) -> bool:
+        """Return whether a state is at the goal."""
+        return state.situation == self.network.goal
 
 
 def policy(
@@ -59,6 +65,7 @@ def policy(
     for_good: bool = False,
     effort: Effort | None = None,
     start: State | None = None,
+    chances: Chances | None = None,
 ) -> Policy:
     """Return all that can happen from the start of a network.
 
@@ -68,71 +75,104 @@ def policy(
     Args:
         network: the network.
         for_good: whether to consider Fails that use up all attempts at once.
-        effort: budget of the computation; None: `WORK`.
+        effort: budget of the computation; None: `budget_of`.
         start: another state to begin at than the network's start.
+        chances: probabilities; what has none is not considered. None: all may happen.
 
     Raises:
         TooLarge: the budget does not suffice for the number of states.
     """
-    steps: dict[State, Step] = {}
-    try:
-        return _whole(
-            network, start or State(network.start, ()), for_good, effort or Effort(DEFAULT_MAX_STEPS), steps
-        )
-    except TooMuch:
-        raise TooLarge(network, len(steps)) from None
+    found = explored(network, for_good, effort, start, chances)
+    if not found.is_complete:
+        raise TooLarge(network, len(found.steps))
+    return found
 
 
-def _whole(
-    network: ActionNetwork, start: State, for_good: bool, effort: Effort, steps: dict[State, Step]
+def explored(
+    network: ActionNetwork,
+    for_good: bool = False,
+    effort: Effort | None = None,
+    start: State | None = None,
+    chances: Chances | None = None,
 ) -> Policy:
-    maker = StepMaker(network, for_good, effort)
-    made: dict[State, Step] = {}
-    ahead = [] if start.situation == network.goal else [start]
-    while ahead:
-        state = ahead[-1]
-        if state not in made:
+    """Return what `policy` does, as far as the budget suffices."""
+    begin = start or State(network.start, ())
+    steps: dict[State, Step] = {}
+    visit = _Visit(network, steps)
+    try:
+        maker = StepMaker(network, for_good, effort or Effort(budget_of(network)), chances)
+        visit.all_from(begin, maker)
+    except TooMuch:
+        return Policy(network, begin, visit.made, visit.circles, is_complete=False)
+    return Policy(network, begin, steps, visit.circles)
+
+
+class _Visit:
+    """Depth-first visit of all states."""
+
+    def __init__(self, network: ActionNetwork, steps: dict[State, Step]) -> None:
+        self.made: dict[State, Step] = {}
+        self.circles = False
+        self._goal, self._steps = network.goal, steps
+
+    def all_from(self, start: State, maker: StepMaker) -> None:
+        made, steps, active = self.made, self._steps, set[State]()
+        ahead = [] if start.situation == self._goal else [start]
+        while ahead:
+            state = ahead[-1]
+            if state in made:
+                ahead.pop()
+                active.discard(state)
+                steps.setdefault(state, made[state])
+                continue
             made[state] = maker.step(state)
-        left = [
-            each
-            for each in (*made[state].after_fail, *made[state].for_good)
-            if each is not None and each.situation != network.goal and each not in steps
-        ]
-        if left and state not in steps:
-            ahead += left
-            continue
-        steps[ahead.pop()] = made[state]
-    return Policy(network, start, steps)
+            active.add(state)
+            for each in made[state].following():
+                self.circles |= each in active
+                if each not in made and each.situation != self._goal:
+                    ahead.append(each)
 
 
-class StepMaker:
-    """Factory of the steps of one network's policy."""
+def likely_policy(network: ActionNetwork, chances: Chances, effort: Effort, start: State) -> Policy:
+    """Return the states that runs reach most likely, as many as the budget allows."""
+    steps: dict[State, Step] = {}
+    mass = {start: 1.0}
+    order = itertools.count()
+    heap = [(-1.0, next(order), start)]
+    try:
+        maker = StepMaker(network, False, effort, chances)
+        while heap:
+            share, _, state = heapq.heappop(heap)
+            if state in steps or -share < mass[state]:
+                continue
+            steps[state] = step = maker.step(state)
+            for p, each in shares(step, chances):
+                if each.situation != network.goal and each not in steps:
+                    mass[each] = mass.get(each, 0.0) - share * p
+                    heapq.heappush(heap, (-mass[each], next(order), each))
+    except TooMuch:
+        pass
+    return Policy(network, start, steps, circles=True, is_complete=not heap)
 
-    def __init__(self, network: ActionNetwork, for_good: bool, effort: Effort) -> None:
-        effort.spend(len(network.situations) + len(network.actions))
-        self._network, self._for_good, self._effort = network, for_good, effort
-        self._search, self._ahead = PlanSearch(network), Ahead(network)
-        self._bits = [self._ahead.bit(action.source) for action in network.actions]
 
-    def step(self, state: State) -> Step:
-        fails = dict(state.fails)
-        plan = self._search.plan(state.situation, fails)
-        length = len(plan or ()) * (2 if self._for_good else 1)
-        self._effort.spend(10 + 2 * self._search.steps + length * (5 + len(fails)))
-        if plan is None:
-            return Step((), (), ())
-        once = tuple(self._failed(a, fails, fails.get(a.index, 0) + 1) for a in plan)
-        good = tuple(self._failed(a, fails, a.attempts) for a in plan) if self._for_good else ()
-        return Step(plan, once, good)
+def shares(step: Step, chances: Chances) -> Iterator[tuple[float, State]]:
+    """Yield the states that follow a decision, each with its probability."""
+    action = step.action
+    if action is None:
+        return
+    chance = chances[action.index] or Chance(1.0)
+    for share, state in zip(success_shares(action), step.succeeded, strict=True):
+        if state is not None:
+            yield chance.success * share, state
+    if step.failed is not None:
+        yield chance.fail, step.failed
 
-    def _failed(self, action: Action, fails: Mapping[int, int], count: int) -> State | None:
-        if action.binding is None:
-            return None
-        there, bits = action.on_fail or action.source, self._bits
-        if there == self._network.goal:
-            return State(there, ())
-        comes = self._ahead.bits(there)
-        kept = [each for each in fails.items() if comes & bits[each[0]] and each[0] != action.index]
-        if comes & bits[action.index]:
-            insort(kept, (action.index, count))
-        return State(there, tuple(kept))
+
+def success_shares(action: Action) -> list[float]:
+    """Return the shares of the situations that a Success leads to; they sum to 1."""
+    if not action.others:
+        return [1.0]
+    if action.p_success is None:
+        return [1.0 / (1 + len(action.others))] * (1 + len(action.others))
+    every = [action.p or 0.0, *(each.p or 0.0 for each in action.others)]
+    return [p / action.p_success for p in every]

@@ -2,24 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.sparse import csc_array, eye_array
 
-from .chance import Chance
+from .chain_rows import ChainRows, End, Link
 from .ends import AT_GOAL, Ends
+from .linear_solver import Floats, LinearSolver
 from .moments import Moments
-from .policy import Policy, State
-
-Chances = Sequence[Chance | None]
-"""Outcome probabilities of each action by its number; None for a skip, which always succeeds."""
-Floats = NDArray[np.float64]
-DENSE_MAX_ROWS = 100
-"""Rows up to which a full matrix is faster than a sparse one."""
+from .policy import Chances as Chances
+from .policy import Policy
 
 
 @dataclass(frozen=True)
@@ -36,124 +29,64 @@ class Chain:
 def policy_chain(policy: Policy, chances: Chances) -> Chain:
     """The exact figures, by Kemeny and Snell, Finite Markov Chains (1960), chapter 3.
 
-    A transient state is an action of a plan, about to start. They are numbered so that what follows comes
-    before: I - Q is triangular, and what is asked of its inverse comes of a few sparse solutions.
+    A transient state is an action that is about to start. States are numbered so that what follows comes
+    before, as long as chance leads no run in circles: I - Q is triangular, and what is asked of its inverse
+    comes of a few sparse solutions.
     """
     count = len(policy.network.actions)
     if policy.start not in policy.steps:
         return Chain(AT_GOAL, (0.0,) * count, (0.0,) * count)
-    return _Table(policy, chances).chain(count)
+    return _Solution(ChainRows(policy, chances), policy.circles).chain(count)
 
 
-class _Sparse:
-    """Solver for large chains, by a sparse factorization of I - Q."""
+class _Solution:
+    """Solution of a chain's equations."""
 
-    def __init__(self, follows: Any) -> None:
-        from scipy.sparse.linalg import splu  # late: most networks are small
-
-        # Triangular, with a diagonal of ones: neither reordering nor pivots, nothing fills in.
-        whole = (eye_array(follows.shape[0]) - follows).tocsc()
-        self._factors = splu(whole, permc_spec="NATURAL", diag_pivot_thresh=0.0)
-
-    def solve(self, right: Floats, transposed: bool = False) -> Floats:
-        solution: Floats = self._factors.solve(right, "T" if transposed else "N")
-        return solution
-
-
-class _Dense:
-    """Solver for small chains, by a dense inverse."""
-
-    def __init__(self, follows: Any) -> None:
-        self._inverse = np.linalg.inv(np.eye(follows.shape[0]) - follows.toarray())
-
-    def solve(self, right: Floats, transposed: bool = False) -> Floats:
-        solution: Floats = (self._inverse.T if transposed else self._inverse) @ right
-        return solution
-
-
-_Solver = _Sparse | _Dense
-
-
-class _Table:
-    """A row for each action of each plan; rows of states in which nothing is left to try have no action."""
-
-    def __init__(self, policy: Policy, chances: Chances) -> None:
-        first: dict[State, int] = {}
-        self._action: list[int] = []
-        self._succeeds: list[tuple[int, int, float]] = []  # row, row that follows, probability
-        self._fails: list[tuple[int, int, float]] = []
-        self._skips: list[tuple[int, int, float]] = []
-        self._ends: list[tuple[int, int, float]] = []  # row, 0 goal, 1 goal by a Fail, 2 no way, 3 giving up
-        self._cost: list[float] = []
-        self._goal = policy.network.goal
-        for state, step in policy.steps.items():
-            if not step.plan:
-                self._ends.append((len(self._action), 2, 1.0))
-                self._row(-1, 0.0)
-            for number in range(len(step.plan) - 1, -1, -1):
-                self._add(policy, chances, state, number, first)
-            first[state] = len(self._action) - 1
-        self._start = first[policy.start]
-
-    def _row(self, action: int, cost: float) -> None:
-        self._action.append(action)
-        self._cost.append(cost)
-
-    def _add(
-        self, policy: Policy, chances: Chances, state: State, number: int, first: Mapping[State, int]
-    ) -> None:
-        step, here = policy.steps[state], len(self._action)
-        action, failed = step.plan[number], step.after_fail[number]
-        chance, last = chances[action.index], number == len(step.plan) - 1
-        if failed is None or chance is None:
-            self._row(-1, 0.0)
-            self._skips.append((here, -1 if last else here - 1, 1.0))
-            return
-        self._row(action.index, action.cost_s)
-        if last:
-            self._ends.append((here, 0, chance.success))
-        else:
-            self._succeeds.append((here, here - 1, chance.success))
-        if failed.situation == self._goal:
-            self._ends.append((here, 1, chance.fail))
-        else:
-            self._fails.append((here, first[failed], chance.fail))
-        self._ends.append((here, 3, chance.give_up))
+    def __init__(self, rows: ChainRows, circles: bool) -> None:
+        self._rows, self._size = rows, len(rows.action)
+        links = [*rows.succeeds, *rows.fails]
+        lost = _endless(rows, [*links, *rows.skips]) if circles else set[int]()
+        self._lost = sorted(lost)
+        keep = [link for link in links if link.row not in lost]
+        skips = [link for link in rows.skips if link.row not in lost]
+        self._plain = LinearSolver(self._size, keep, circles)
+        """Without skips: runs that leave nothing undone."""
+        self._every = LinearSolver(self._size, [*keep, *skips], circles) if rows.skips else self._plain
 
     def chain(self, count: int) -> Chain:
-        size = len(self._action)
-        on_skips = [each for each in self._skips if each[1] >= 0]
-        whole, every = self._solver([]), self._solver(on_skips)
-        into = np.zeros((size, 4))
-        for row, end, p in self._ends:
-            into[row, end] += p
-        goal = into[:, :1] + into[:, 1:2]
-        reached = goal.copy()
-        reached[[row for row, to, _ in self._skips if to < 0]] += 1.0
-        ends = np.hstack((reached, into[:, 2:]))
-        complete, anyway = self._moments(whole, goal), self._moments(every, ends)
-        at = [Moments(*map(float, each[self._start])) for each in (complete[:, 0], *anyway.swapaxes(0, 1))]
+        rows = self._rows
+        ends = self._moments(self._every, self._into(skips=True))
+        complete = self._moments(self._plain, self._into(skips=False)[:, :1])
+        at = [Moments(*map(float, each[rows.start])) for each in (complete[:, 0], *ends.swapaxes(0, 1))]
         skipped = Moments(*(max(0.0, a - b) for a, b in zip(at[1], at[0], strict=True)))
-        slopes, starts = np.zeros(count), np.zeros(count)
-        actions = np.array(self._action)
+        has_skips = bool(rows.skips or rows.skipped_to_goal)
+        known = Ends(at[0], skipped if has_skips else Moments(0.0), at[2], at[3], at[4])
+        begins = np.zeros(self._size)
+        begins[rows.start] = 1.0
+        starts = self._by_action(count, self._every.solve(begins, True))
+        slopes = self._by_action(count, self._plain.solve(begins, True) * self._gain(complete[:, 0, 0]))
+        return Chain(known, starts, slopes)
+
+    def _by_action(self, count: int, values: Floats) -> tuple[float, ...]:
+        found, actions = np.zeros(count), np.array(self._rows.action)
         acts = actions >= 0
-        begins = np.zeros(size)
-        begins[self._start] = 1.0
-        np.add.at(starts, actions[acts], every.solve(begins, True)[acts])
-        gain = whole.solve(begins, True) * self._gain(complete[:, 0, 0])
-        np.add.at(slopes, actions[acts], gain[acts])
-        known = Ends(at[0], skipped if self._skips else Moments(0.0), at[2], at[3])
-        return Chain(known, tuple(map(float, starts)), tuple(map(float, slopes)))
+        np.add.at(found, actions[acts], values[acts])
+        return tuple(map(float, found))
 
-    def _solver(self, more: Sequence[tuple[int, int, float]]) -> _Solver:
-        size = len(self._action)
-        rows, to, p = zip(*(*self._succeeds, *self._fails, *more, (0, 0, 0.0)), strict=True)
-        follows = csc_array((p, (rows, to)), shape=(size, size))
-        return _Dense(follows) if size <= DENSE_MAX_ROWS else _Sparse(follows)
+    def _into(self, skips: bool) -> Floats:
+        """Return the probabilities (rows, ends) of ending in each row, with skips that lead to the goal."""
+        into = np.zeros((self._size, len(End)))
+        for row, end, p, _ in self._rows.ends:
+            into[row, end] += p
+        into[self._lost] = 0.0
+        into[self._lost, End.NO_WAY] = 1.0
+        if skips:
+            into[self._rows.skipped_to_goal, End.GOAL] += 1.0
+        return into
 
-    def _moments(self, solver: _Solver, into: Floats) -> Floats:
+    def _moments(self, solver: LinearSolver, into: Floats) -> Floats:
         """Return moments of the cost by rows and ends: probability, E[C; end], E[C²; end]."""
-        cost = np.array(self._cost)[:, None]
+        cost = np.array(self._rows.cost)[:, None]
         p = solver.solve(into)
         first = solver.solve(cost * p)
         # With C' what is left after this step: (c + C')² = 2 c (c + C') - c² + C'².
@@ -162,11 +95,34 @@ class _Table:
 
     def _gain(self, goal: Floats) -> Floats:
         """Return for each row by how much P(goal) after a Success exceeds that after a Fail."""
-        gain = np.zeros(len(goal))
-        for row, to, _ in self._succeeds:
-            gain[row] += goal[to]
-        for row, to, _ in self._fails:
+        gain = np.zeros(self._size)
+        success = np.zeros(self._size)
+        for row, to, p in self._rows.succeeds:
+            gain[row] += p * goal[to]
+            success[row] += p
+        for row, end, p, failed in self._rows.ends:
+            if end in (End.GOAL, End.UNKNOWN) and not failed:
+                gain[row] += p * (end == End.GOAL)
+                success[row] += p
+        gain /= np.maximum(success, 1e-300)
+        for row, to, _ in self._rows.fails:
             gain[row] -= goal[to]
-        for row, end, _ in self._ends:
-            gain[row] += {0: 1.0, 1: -1.0}.get(end, 0.0)
+        for row, end, _, failed in self._rows.ends:
+            gain[row] -= 1.0 if end == End.GOAL and failed else 0.0
         return gain
+
+
+def _endless(rows: ChainRows, links: Sequence[Link]) -> set[int]:
+    """Return the rows from which no end is ever reached: the run then ends at its bound."""
+    before: dict[int, list[int]] = {}
+    for row, to, p in links:
+        if p > 0.0:
+            before.setdefault(to, []).append(row)
+    ahead = [row for row, _, p, _ in rows.ends if p > 0.0] + rows.skipped_to_goal
+    reached = set(ahead)
+    while ahead:
+        for row in before.get(ahead.pop(), ()):
+            if row not in reached:
+                reached.add(row)
+                ahead.append(row)
+    return set(range(len(rows.action))) - reached

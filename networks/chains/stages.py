@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 
 import networkx as nx
 
-from handcart.networks.analysis.ahead import ways_of
+from handcart.networks.graph.ahead import ways_of
 from handcart.networks.graph.network import Action, ActionNetwork
 
 from .stage import Stage

@@ -7,7 +7,8 @@ from contextlib import suppress
 
 from handcart.backends.robot.robot import Robot
 from handcart.networks.graph.network import Action, ActionNetwork, NotBound
-from handcart.networks.graph.planner import Elsewhere, NotStarted, NoWay, Plan, Planner, Route
+from handcart.networks.graph.planner import NoWay, Plan, Planner
+from handcart.networks.graph.route import Elsewhere, NotStarted, Route
 from handcart.networks.journal.journal import Journal
 from handcart.networks.journal.measured import in_words, measure
 from handcart.networks.journal.retracing import RunPosition

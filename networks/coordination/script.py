@@ -12,7 +12,8 @@ from pydantic import Field
 from handcart.files.models.loading import load
 from handcart.files.models.model import FileModel
 from handcart.networks.graph.network import ActionNetwork
-from handcart.networks.graph.planner import NoWay, Route
+from handcart.networks.graph.planner import NoWay
+from handcart.networks.graph.route import Route
 from handcart.primitives.contract.outcome import Success
 
 Word = Literal["Success", "Fail", "FailForGood", "GiveUp"]

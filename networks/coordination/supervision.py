@@ -10,7 +10,7 @@ from enum import Enum
 from typing import NamedTuple
 
 from handcart.backends.robot.robot import Robot
-from handcart.networks.graph.planner import NotStarted
+from handcart.networks.graph.route import NotStarted
 from handcart.networks.journal.measured import in_words
 from handcart.primitives.contract.cause import FRAMEWORK_MODULES
 from handcart.primitives.contract.discrepancy import Discrepancy

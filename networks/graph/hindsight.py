@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from handcart.networks.journal.past_run import PastAction, PastRun
 
 from .network import Action, ActionNetwork
-from .planner import SKIP_WEIGHT, NoWay, Plan, Planner
+from .plan_search import PlanSearch
+from .planner import NoWay, Plan, Planner
 
 
 @dataclass(frozen=True)
@@ -64,7 +65,7 @@ def choice_of(run: PastRun, action: PastAction) -> Choice | None:
         return None
     options = [then.option(each) for each in then.network.actions if each.source == action.source]
     options.sort(key=lambda each: (each.action.index != chosen.index, each.way is None, _cost(each)))
-    others = [then.plan(action.source, without=each) for each in plan.actions]
+    others = [then.plan(action.source, without=(each,)) for each in plan.actions]
     ways = [Way(other.actions, other.cost) for other in others if isinstance(other, Plan)]
     return Choice(
         chosen,
@@ -81,55 +82,79 @@ class _Then:
     def __init__(self, run: PastRun, action: PastAction) -> None:
         assert run.network is not None
         self.network: ActionNetwork = run.network.network
-        self._fails = list(_fails(run, action))
+        self._search = PlanSearch(self.network)
+        self._events = list(_counted(run, action))
+        self._planner = self._new_planner()
+        self._for_good = {index for index, word in self._events if word == FOR_GOOD}
 
-    def plan(self, situation: str, without: Action | None = None) -> Plan | NoWay:
-        return self._planner(without).plan(situation)
+    def plan(self, situation: str, without: Sequence[Action] = ()) -> Plan | NoWay:
+        return self._planner.plan(situation, without=without)
 
     def after_fail(self, action: Action) -> Way | None:
         if action.on_fail is None:
             return None
-        planner = self._planner()
+        planner = self._new_planner()
         planner.failed(action, "")
         plan = planner.plan(action.on_fail)
         return Way(plan.actions, plan.cost) if isinstance(plan, Plan) else None
 
     def option(self, action: Action) -> Option:
-        fails = sum(index == action.index for index, _ in self._fails)
-        weight = SKIP_WEIGHT if action.binding is None else action.cost_s * 2.0**fails
-        for_good = any(index == action.index and permanent for index, permanent in self._fails)
-        if for_good or fails >= action.attempts:
-            why = "failed for good" if for_good else f"failed {fails} of {action.attempts} times"
+        fails = self._planner.fails(action)
+        weight = self._search.weight(action, {}) * 2.0**fails
+        if self._planner.is_out(action):
+            times = f"failed {fails} of {action.attempts} times"
+            why = "failed for good" if action.index in self._for_good else times
             return Option(action, weight, fails, None, f"used up: {why}")
-        rest = self.plan(action.target)
-        if isinstance(rest, NoWay):
-            return Option(action, weight, fails, None, f"nothing leads on from {action.target}")
-        if any(each.source == action.source for each in rest.actions):
-            return Option(action, weight, fails, None, "leads only back here")
-        return Option(action, weight, fails, Way((action, *rest.actions), weight + rest.cost), "")
+        others = [each for each in self.network.actions if each.source == action.source]
+        rest = self.plan(action.target, without=others)
+        if isinstance(rest, Plan):
+            return Option(action, weight, fails, Way((action, *rest.actions), weight + rest.cost), "")
+        leads = isinstance(self.plan(action.target), Plan)
+        out = "leads only back here" if leads else f"nothing leads on from {action.target}"
+        return Option(action, weight, fails, None, out)
 
-    def _planner(self, without: Action | None = None) -> Planner:
-        planner = Planner(self.network)
-        for index, permanent in self._fails:
-            planner.failed(self.network.actions[index], "", permanent=permanent)
-        if without is not None:
-            planner.failed(without, "", permanent=True)
+    def _new_planner(self) -> Planner:
+        planner = Planner(self.network, self._search)
+        for index, word in self._events:
+            if word == SUCCEEDED:
+                planner.succeeded(self.network.actions[index])
+            else:
+                planner.failed(self.network.actions[index], "", permanent=word == FOR_GOOD)
         return planner
 
 
-def _fails(run: PastRun, action: PastAction) -> Iterator[tuple[int, bool]]:
-    """Each counted Fail before an action: the index of what failed, and whether for good."""
+SUCCEEDED, FAILED, FOR_GOOD = "succeeded", "failed", "failed for good"
+
+
+def _counted(run: PastRun, action: PastAction) -> Iterator[tuple[int, str]]:
+    """Yield what counts before an action: the index of what ended, and how."""
     indices = {each.number: each.index for each in run.actions}
     started: dict[int, int] = {}
+    needed: int | None = None  # the action whose Fail is needed, by the last plan
     for record in run.before(action):
-        if record["kind"] == "RESULT" and record["outcome"] == "Fail":
-            yield indices[record["n"]], bool(record["permanent"])
-        elif record["kind"] in ("START", "RESULT"):
+        kind = record["kind"]
+        if kind == "PLAN":
+            needed = _needs_fail(run, record.get("way", ()))
+        hoped = kind == "RESULT" and indices[record["n"]] == needed
+        if kind == "RESULT" and record["outcome"] == "Success":
+            yield indices[record["n"]], SUCCEEDED
+            if hoped:
+                yield indices[record["n"]], FAILED
+        elif kind == "RESULT" and record["outcome"] == "Fail":
+            yield indices[record["n"]], FOR_GOOD if record["permanent"] else FAILED
+        elif kind in ("START", "RESULT"):
             started[record["q"]] = indices[record["n"]]
-        elif record["kind"] == "NOT_STARTED" or (record["kind"] == "RECON" and record["situation"]):
-            yield int(record["action"]), False
-        elif record["kind"] == "ACK" and record["record"] in started:  # from there on it counts as a Fail
-            yield started[record["record"]], False
+        elif kind == "NOT_STARTED" or (kind == "RECON" and record["situation"]):
+            yield int(record["action"]), FAILED
+        elif kind == "ACK" and record["record"] in started:  # from there on it counts as a Fail
+            yield started[record["record"]], FAILED
+
+
+def _needs_fail(run: PastRun, way: Sequence[int]) -> int | None:
+    """Return the last action of a plan if it leads to the goal by a Fail alone."""
+    assert run.network is not None
+    network = run.network.network
+    return way[-1] if way and network.actions[way[-1]].target != network.goal else None
 
 
 def _cost(option: Option) -> float:

@@ -18,16 +18,19 @@ from handcart.files.suggest import suggest
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.knowledge.world_model import UnknownFact, WorldModel
 
+from .attempts import MAX_ATTEMPTS as MAX_ATTEMPTS
+from .attempts import Attempts
+
 Fact = str | bool | int | float
 
 MAX_COST_S = 86_400.0
 """Maximum cost of an action, in [s]: a day."""
-MAX_ATTEMPTS = 20
-"""Maximum attempts of an action; with `MAX_COST_S` it keeps doubled weights below `SKIP_WEIGHT`."""
-
-
 MAX_ACTIONS = 200_000
 """The most actions: a plan over half as many takes 0.13 s, so none ever takes 2 s (rows N10, N14)."""
+
+
+MAX_ROUNDS = 20
+"""Factor on the bound of a run that chance may lead in circles."""
 
 
 class NetworkError(InputError):
@@ -102,6 +105,17 @@ class Situation:
 
 
 @dataclass(frozen=True)
+class Ending:
+    """A further situation that a Success of an action may lead to, decided by what it measured."""
+
+    target: str
+    result: str = ""
+    """Result by which the primitive reports it."""
+    p: float | None = None
+    """Probability that an attempt ends so."""
+
+
+@dataclass(frozen=True)
 class Action:
     """A transition from one situation to another by a primitive with its parameters, and its cost."""
 
@@ -119,6 +133,42 @@ class Action:
     """True if the operator has to permit it each time."""
     time_out_s: float | None = None
     """Time after which an attempt is stopped, in [s] of the robot's time; None: never."""
+    p: float | None = None
+    """Probability that an attempt ends in Success and leads to the target; None: not known."""
+    p_give_up: float = 0.0
+    """Probability that it ends in GiveUp; that of Fail is what remains of 1."""
+    others: tuple[Ending, ...] = ()
+    """Further situations that Success may lead to."""
+    unlimited: bool = False
+    """True if Fails never exclude it."""
+    renewals: int = 0
+    """How often its Fails are forgotten after a Success of an action in `fresh_after`."""
+    fresh_after: tuple[str, ...] = ()
+    """Primitives, by their names in files, after whose Success its Fails are forgotten."""
+    budget: str = ""
+    """Name of the attempts that it shares with other actions; empty: its own."""
+    counter: int = -1
+    """Number of the first action that shares its attempts."""
+
+    @cached_property
+    def allowance(self) -> Attempts:
+        """The limit on its Fails."""
+        return Attempts(self.attempts, self.renewals, self.unlimited)
+
+    @property
+    def leads_to(self) -> tuple[str, ...]:
+        """All situations that it may lead to, that of Success first."""
+        on_fail = () if self.on_fail is None else (self.on_fail,)
+        return (self.target, *(each.target for each in self.others), *on_fail)
+
+    @property
+    def p_success(self) -> float | None:
+        """Probability of Success, whatever situation it leads to; None: not known."""
+        return None if self.p is None else self.p + sum(each.p or 0.0 for each in self.others)
+
+    def target_of(self, result: str) -> str:
+        """Return the situation after a Success with this result; the first for an unknown one."""
+        return next((each.target for each in self.others if each.result == result), self.target)
 
     @property
     def do(self) -> str:
@@ -141,19 +191,26 @@ class ActionNetwork:
     actions: tuple[Action, ...]
     start: str
     goal: str
+    otherwise: tuple[str, ...] = ()
+    """Situations to be reached, in order of preference, when no route to the goal is left."""
 
     @classmethod
     def build(
-        cls, situations: Iterable[Situation], actions: Iterable[Action], start: str, goal: str
+        cls,
+        situations: Iterable[Situation],
+        actions: Iterable[Action],
+        start: str,
+        goal: str,
+        otherwise: tuple[str, ...] = (),
     ) -> ActionNetwork:
         """Build a network of these situations and actions."""
         every = list(situations)
         known = {each.name: each for each in every}
-        numbered = tuple(replace(action, index=number) for number, action in enumerate(actions))
+        numbered = _numbered(actions)
         if len(numbered) > MAX_ACTIONS:
             raise NetworkError(f"the network has {len(numbered)} actions; allowed: at most {MAX_ACTIONS}")
         wrong = [f"the situation {name!r} is there twice" for name in _doubled(each.name for each in every)]
-        for role, name in (("start", start), ("goal", goal)):
+        for role, name in (("start", start), ("goal", goal), *(("otherwise", each) for each in otherwise)):
             if name not in known:
                 wrong.append(f"{role}: unknown situation {name!r}{suggest(name, known)}")
         wrong += [
@@ -164,27 +221,68 @@ class ActionNetwork:
         graph: nx.MultiDiGraph[str] = nx.MultiDiGraph()
         graph.add_nodes_from(known)
         graph.add_edges_from((a.source, a.target, a.index, {"action": a}) for a in numbered)
-        return cls(nx.freeze(graph), MappingProxyType(known), numbered, start, goal)
+        return cls(nx.freeze(graph), MappingProxyType(known), numbered, start, goal, otherwise)
+
+    @cached_property
+    def shared(self) -> Mapping[int, tuple[Action, ...]]:
+        """The actions of each counter of Fails, by the counter's number."""
+        found: dict[int, list[Action]] = {}
+        for action in self.actions:
+            found.setdefault(action.counter, []).append(action)
+        return {number: tuple(actions) for number, actions in found.items()}
+
+    @cached_property
+    def renewed_by(self) -> Mapping[int, tuple[int, ...]]:
+        """Counters that begin again after a Success of an action, by the action's number."""
+        waiting: dict[tuple[str, str | None], dict[int, None]] = {}
+        for action in self.actions:
+            element = self.situations[action.source].element
+            for do in action.fresh_after:
+                waiting.setdefault((do, element), {})[action.counter] = None
+        if not waiting:
+            return {}
+        named = ((a, waiting.get((a.do, self.situations[a.source].element))) for a in self.actions)
+        return {action.index: tuple(counters) for action, counters in named if counters}
 
     def bound(self) -> int:
         """The most actions that any run can start, whatever fails: (A + 1)(V - 1) + A.
 
         V situations, A attempts of all actions together: between two counted attempts a run visits no
-        situation twice.
+        situation twice. Where chance may lead a run in circles, it is ended after `MAX_ROUNDS` times as
+        many.
         """
-        attempts = sum(action.attempts for action in self.actions)
-        return (attempts + 1) * (len(self.situations) - 1) + attempts
+        counters = (actions[0] for actions in self.shared.values())
+        attempts = sum(each.allowance.most * (1 + each.renewals) for each in counters)
+        most = (attempts + 1) * (len(self.situations) - 1) + attempts
+        return most * (MAX_ROUNDS if self.may_circle else 1)
+
+    @cached_property
+    def may_circle(self) -> bool:
+        """True if chance may lead a run in circles: several results of a Success, unlimited attempts."""
+        return any(action.others or action.unlimited for action in self.actions)
 
     def fingerprint(self) -> str:
         """Return a checksum of everything that planning depends on, in hexadecimal."""
-        digest = hashlib.sha256(repr((self.start, self.goal)).encode())
+        digest = hashlib.sha256(repr((self.start, self.goal, self.otherwise)).encode())
         for each in self.situations.values():
             digest.update(repr((each.name, sorted(each.facts.items()), each.element)).encode())
         for action in self.actions:
             said = action.binding.said() if action.binding else {}
             row = (action.do, action.source, action.target, action.on_fail, action.cost_s, action.attempts)
             digest.update(repr((row, said, action.permit, action.time_out_s)).encode())
+            digest.update(repr((action.p, action.p_give_up, action.others, action.unlimited)).encode())
+            digest.update(repr((action.renewals, action.fresh_after, action.counter)).encode())
         return digest.hexdigest()
+
+
+def _numbered(actions: Iterable[Action]) -> tuple[Action, ...]:
+    """Return the actions with their numbers, and those of their counters of Fails."""
+    first: dict[str, int] = {}
+    found = []
+    for number, action in enumerate(actions):
+        counter = first.setdefault(action.budget, number) if action.budget else number
+        found.append(replace(action, index=number, counter=counter))
+    return tuple(found)
 
 
 def faults_of(action: Action, known: Mapping[str, Situation]) -> list[tuple[str, str]]:
@@ -197,10 +295,11 @@ def faults_of(action: Action, known: Mapping[str, Situation]) -> list[tuple[str,
     Returns:
         Pairs of the key in files, and the fault with the allowed values.
     """
-    named = {"from": action.source, "to": action.target, "on_fail": action.on_fail}
+    named = [("from", action.source), ("to", action.target), ("on_fail", action.on_fail)]
+    named += [("then", each.target) for each in action.others]
     wrong = [
         (key, f"unknown situation {name!r}{suggest(name, known)}")
-        for key, name in named.items()
+        for key, name in named
         if name is not None and name not in known
     ]
     if not (math.isfinite(action.cost_s) and 0 < action.cost_s <= MAX_COST_S):

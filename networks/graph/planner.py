@@ -1,21 +1,15 @@
-"""The cheapest route to the goal, with failed actions made dearer; and a run's position on it."""
+"""The cheapest route to the goal, with failed actions made dearer."""
 
 from __future__ import annotations
 
-import itertools
-import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any
 
 import networkx as nx
 
-from handcart.primitives.contract.outcome import Fail, Outcome, Success
-
 from .network import Action, ActionNetwork
-
-SKIP_WEIGHT = 1e12
-"""Weight of leaving an element undone, in [s]: more than all that could still be tried."""
+from .plan_search import SKIP_WEIGHT as SKIP_WEIGHT
+from .plan_search import PlanSearch
 
 
 @dataclass(frozen=True)
@@ -27,6 +21,10 @@ class Plan:
     """The sum of planning weights, in [s]."""
     excluded: tuple[Action, ...]
     """Excluded actions: those that failed as often as they may."""
+    hopes: bool = False
+    """True if the last action has to fail, or to have another result than its first, to lead on. Each of
+    its Successes uses up an attempt, so that a run ends.
+    """
 
 
 @dataclass(frozen=True)
@@ -39,139 +37,99 @@ class NoWay:
     explanation: str
 
 
-@dataclass(frozen=True)
-class NotStarted:
-    """An action that could not be started: refused, or a parameter isn't known. Counts as a Fail."""
-
-    reason: str
-
-
-@dataclass(frozen=True)
-class Elsewhere(NotStarted):
-    """An action that was not started because the world was changed: another situation holds."""
-
-    situation: str
-
-
 class Planner:
-    """Dijkstra's search over a network that it does not change: weights hide excluded actions."""
+    """Plans by the rule: the cheapest route, with the weight of an action doubled by each of its Fails.
 
-    def __init__(self, network: ActionNetwork) -> None:
+    The network never changes: Fails are counted here.
+    """
+
+    def __init__(self, network: ActionNetwork, search: PlanSearch | None = None) -> None:
+        """Create a planner of a network in which nothing has failed.
+
+        Args:
+            network: the network.
+            search: search of the same network, to be shared; None: a new one, made for the first plan.
+        """
         self.network = network
-        self._fails = [0] * len(network.actions)
-        self._out = [False] * len(network.actions)
-        self._weights = [SKIP_WEIGHT if a.binding is None else a.cost_s for a in network.actions]
-        self._reasons: dict[int, str] = {}
+        self._searches = {} if search is None else {network.goal: search}
+        self.counts: dict[int, int] = {}
+        """Counts of Fails by counter (`Action.counter`), as in `Attempts`; those at 0 are not included."""
+        self._reasons: dict[int, tuple[int, str]] = {}
+
+    def search(self, goal: str | None = None) -> PlanSearch:
+        """Return the search of routes to a goal, made when it is first needed."""
+        there = self.network.goal if goal is None else goal
+        if there not in self._searches:
+            self._searches[there] = PlanSearch(self.network, there)
+        return self._searches[there]
 
     def fails(self, action: Action) -> int:
-        """Return the number of Fails of an action."""
-        return self._fails[action.index]
+        """Return the number of Fails that count for an action."""
+        return action.allowance.fails(self.counts.get(action.counter, 0))
 
     def failed(self, action: Action, reason: str, *, permanent: bool = False) -> None:
         """Count a Fail; a permanent one uses up all attempts."""
-        index = action.index
-        self._fails[index] += 1
-        self._reasons[index] = reason
-        self._weights[index] = math.ldexp(action.cost_s, self._fails[index])
-        self._out[index] = permanent or self._fails[index] >= action.attempts
+        allowed, count = action.allowance, self.counts.get(action.counter, 0)
+        self.counts[action.counter] = allowed.used_up(count) if permanent else allowed.failed(count)
+        times, _ = self._reasons.get(action.index, (0, ""))
+        self._reasons[action.index] = times + 1, reason
 
-    def plan(self, situation: str) -> Plan | NoWay:
-        """Return the cheapest route from `situation` to the goal."""
-        try:
-            cost, nodes = nx.single_source_dijkstra(
-                self.network.graph, situation, self.network.goal, weight=self._weight
-            )
-        except nx.NetworkXNoPath:
-            return self._no_way(situation)
-        pairs = itertools.pairwise(nodes)
-        return Plan(tuple(self._best(*pair) for pair in pairs), float(cost), self._excluded())
+    def succeeded(self, action: Action) -> bool:
+        """Renew the counts that begin again after a Success of an action; return whether one changed."""
+        changed = False
+        for counter in self.network.renewed_by.get(action.index, ()):
+            if counter in self.counts:
+                before = self.counts[counter]
+                self.counts[counter] = self.network.actions[counter].allowance.renewed(before)
+                changed |= self.counts[counter] != before
+        return changed
 
-    def _weight(self, _source: str, _target: str, edges: Mapping[int, Any]) -> float | None:
-        # None hides an edge from networkx.
-        return min((self._weights[index] for index in edges if not self._out[index]), default=None)
+    def is_out(self, action: Action) -> bool:
+        """Return whether an action is excluded."""
+        return action.allowance.is_out(self.counts.get(action.counter, 0))
 
-    def _best(self, source: str, target: str) -> Action:
-        left = [index for index in self.network.graph[source][target] if not self._out[index]]
-        best: int = min(left, key=lambda index: (self._weights[index], index))
-        return self.network.actions[best]
+    def plan(self, situation: str, goal: str | None = None, without: Iterable[Action] = ()) -> Plan | NoWay:
+        """Return the cheapest route from `situation` to the goal.
+
+        It ends early with an action that has to fail, where no route of Successes is left.
+
+        Args:
+            situation: where the route begins.
+            goal: another goal than the network's.
+            without: further actions that are excluded.
+        """
+        search = self.search(goal)
+        actions = search.plan(situation, self.counts, [each.index for each in without])
+        if actions is None:
+            return self._no_way(situation, goal or self.network.goal)
+        weights = [search.weight(action, self.counts) for action in actions]
+        there = goal or self.network.goal
+        hopes = bool(actions) and actions[-1].target != there
+        return Plan(actions, sum(weights, 0.0), self._excluded(), hopes)
 
     def _excluded(self) -> tuple[Action, ...]:
-        return tuple(action for action in self.network.actions if self._out[action.index])
+        shared, actions = self.network.shared, self.network.actions
+        out = (c for c, count in self.counts.items() if actions[c].allowance.is_out(count))
+        return tuple(sorted((a for c in out for a in shared[c]), key=lambda action: action.index))
 
-    def _no_way(self, situation: str) -> NoWay:
-        graph, goal = self.network.graph, self.network.goal
+    def _no_way(self, situation: str, goal: str) -> NoWay:
+        graph = self.network.graph
         reached = self._reached(situation)
         useful = nx.ancestors(graph, goal) | {goal}
         blocking = tuple(
             action
             for action in self._excluded()
-            if action.source in reached and action.target in useful - reached
+            if action.source in reached and not (useful - reached).isdisjoint(action.leads_to)
         )
         words = "; ".join(self._why(action) for action in blocking) or f"nothing leads from {situation} there"
         return NoWay(situation, blocking, f"no way left from {situation} to {goal}: {words}")
 
     def _reached(self, situation: str) -> set[str]:
-        usable: Iterable[Action] = (a for a in self.network.actions if not self._out[a.index])
-        left: nx.DiGraph[str] = nx.DiGraph([(a.source, a.target) for a in usable])
+        usable: Iterable[Action] = (a for a in self.network.actions if not self.is_out(a))
+        left: nx.DiGraph[str] = nx.DiGraph([(a.source, to) for a in usable for to in a.leads_to])
         left.add_node(situation)
         return {situation, *nx.descendants(left, situation)}
 
     def _why(self, action: Action) -> str:
-        times = self._fails[action.index]
-        return f"{action} failed {times} time{'s' * (times != 1)}, last: {self._reasons[action.index]}"
-
-
-class Route:
-    """The decisions of a run, without a robot: the same whether outcomes are real, scripted or imagined.
-
-    Paper 003, section 2.6: follow the cheapest way; after a Fail, plan again from where it leads.
-    """
-
-    def __init__(self, network: ActionNetwork) -> None:
-        """Begin at the network's start, with nothing planned."""
-        self.network = network
-        self.situation = network.start
-        self.planner = Planner(network)
-        self._ahead: list[Action] = []
-
-    @property
-    def arrived(self) -> bool:
-        """True if the goal is reached."""
-        return self.situation == self.network.goal
-
-    @property
-    def planned(self) -> bool:
-        """True if the last plan still holds: its rest remains the cheapest route while nothing fails."""
-        return bool(self._ahead)
-
-    def plan(self) -> Plan | NoWay:
-        """Plan the cheapest route from here to the goal, and keep it."""
-        plan = self.planner.plan(self.situation)
-        if isinstance(plan, Plan):
-            self._ahead = list(reversed(plan.actions))
-        return plan
-
-    @property
-    def next(self) -> Action:
-        """The action to do now; there is one after `plan` gave no `NoWay`."""
-        return self._ahead[-1]
-
-    def took(self, outcome: Outcome | NotStarted) -> None:
-        """Note the outcome of the action that was `next`; a GiveUp changes nothing."""
-        match outcome:
-            case Success():
-                self.situation = self._ahead.pop().target
-            case Fail(reason, permanent):
-                self.failed(reason, permanent)
-            case Elsewhere(reason, situation):
-                self.failed(reason)
-                self.situation = situation
-            case NotStarted(reason):
-                self.failed(reason)
-
-    def failed(self, reason: str, permanent: bool = False) -> None:
-        """Note a Fail of the action that was `next`; a permanent Fail uses up all its attempts."""
-        action = self.next
-        self.planner.failed(action, reason, permanent=permanent)
-        self._ahead = []
-        self.situation = action.on_fail or self.situation
+        times, reason = self._reasons.get(action.index, (0, "others used up the attempts that it shares"))
+        return f"{action} failed {times} time{'s' * (times != 1)}, last: {reason}"

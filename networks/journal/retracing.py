@@ -9,7 +9,7 @@ from typing import Any
 from handcart.files.errors import HandcartError
 from handcart.files.printable import printable
 from handcart.networks.graph.network import ActionNetwork
-from handcart.networks.graph.planner import Elsewhere, Route
+from handcart.networks.graph.route import Elsewhere, Route
 from handcart.primitives.contract.outcome import Success
 from handcart.primitives.restoring.snapshot import Snapshot
 

@@ -20,7 +20,8 @@ from handcart.networks.coordination.events import (
 )
 from handcart.networks.coordination.run_end import RunEnd
 from handcart.networks.graph.network import Action
-from handcart.networks.graph.planner import NotStarted, NoWay, Plan
+from handcart.networks.graph.planner import NoWay, Plan
+from handcart.networks.graph.route import NotStarted
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.contract.cause import Cause
 from handcart.primitives.contract.evidence import Evidence

@@ -17,7 +17,7 @@ from .repetition import Element, UnknownElement, found_in
 PARAMETERS_KEY = "parameters"
 REPEAT_KEY = "repeat"
 MAX_VALUES = 50_000
-"""Maximum number of values in a file after substitution: two lists of references can expand to millions."""
+"""Maximum number of values that substitution adds: two lists of references can expand to millions."""
 MAX_DEPTH = 32
 """Maximum depth of lists and mappings, and of parameters that refer to each other."""
 
@@ -108,6 +108,8 @@ class _Value:
     size: int
     """Values in it, itself included."""
     depth: int
+    written: int = 1
+    """Values in it as it is written, before substitution."""
 
 
 class ParameterValues:
@@ -152,7 +154,8 @@ class ParameterValues:
             self._findings.add(_at(node, wrong))
             return _Value(node, 1, 0)
         known = self._value_of(name)
-        return replace(known, node=replace(known.node, key_line=node.key_line, key_column=node.key_column))
+        placed = replace(known.node, key_line=node.key_line, key_column=node.key_column)
+        return replace(known, node=placed, written=1)
 
     def _why_not(self, name: str) -> str:
         if name not in self._declared:
@@ -169,13 +172,14 @@ class ParameterValues:
     def _whole(self, node: Node, content: Any, parts: list[_Value]) -> _Value:
         size = 1 + sum(part.size for part in parts)
         depth = 1 + max((part.depth for part in parts), default=0)
-        if size > MAX_VALUES:
+        written = 1 + sum(part.written for part in parts)
+        if size - written > MAX_VALUES:
             wrong = f"with its parameters put in this holds more than {MAX_VALUES} values; allowed: fewer"
             raise FileError([_at(node, wrong)])
         if depth > MAX_DEPTH:
             wrong = f"with its parameters put in this is deeper than {MAX_DEPTH} levels; allowed: flatter"
             raise FileError([_at(node, wrong)])
-        return _Value(replace(node, content=content), size, depth)
+        return _Value(replace(node, content=content), size, depth, written)
 
 
 def reference(node: Node, kind: str) -> str | None:

@@ -24,6 +24,7 @@ from handcart.files.printable import printable
 from handcart.files.suggest import suggest
 from handcart.files.yaml.yaml_document import Document, read_document
 from handcart.files.yaml.yaml_node import KeyPath
+from handcart.networks.graph.ahead import ways_of
 from handcart.networks.graph.network import Action, ActionNetwork, Binding, Fact, Situation, faults_of
 from handcart.primitives.clock.wall_clock import ALLOWED_CLOCK, wall_clock_reads
 from handcart.primitives.contract.action_primitive import ActionPrimitive
@@ -35,7 +36,7 @@ from .repeat_faults import Situations, element_facts, repeat_faults
 from .repeating import Copied, Copies, repeated
 from .repetition import NotRepeated, repetitions
 from .task_knowledge import PLACES_KIND, TaskKnowledge, domain_keys, read_knowledge
-from .task_model import ActionEntry, GivenFact, Repeat, TaskFile
+from .task_model import MAX_TASK_BYTES, MAX_TASK_NODES, ActionEntry, GivenFact, Repeat, TaskFile
 from .unwritten import unwritten
 
 SPEED_MASK_KEYS = ("knowledge", "speed_limits", "mask")
@@ -102,7 +103,8 @@ def load_task(
     Raises:
         FileError: with every finding.
     """
-    return _Reader(_set(read_document(path), dict(settings or {})), primitives).task()
+    document = read_document(path, max_bytes=MAX_TASK_BYTES, max_nodes=MAX_TASK_NODES)
+    return _Reader(_set(document, dict(settings or {})), primitives).task()
 
 
 class _Reader:
@@ -179,8 +181,8 @@ class _Reader:
 
     def _named(self, key: str, situations: Mapping[str, object]) -> str:
         node = self._document.root.child(key)
-        name = str(node.content) if node else ""
-        if node and situations and name not in situations:
+        name = node.content if node and isinstance(node.content, str) else ""
+        if name and situations and name not in situations:
             self._add((key,), f"unknown situation {name!r}{suggest(name, situations)}")
         return name
 
@@ -305,7 +307,10 @@ class _Reader:
         ]
         every = [action for action in actions if action is not None]
         network = ActionNetwork.build(situations, every, copies.start, goal)
-        if not nx.has_path(network.graph, network.start, network.goal):
+        if network.start == network.goal:
+            wrong = f"the start is the goal, {goal!r}: a run would do nothing"
+            self._add(("goal",), f"{wrong}; allowed: another situation, or a repeat over its part")
+        elif not nx.has_path(ways_of(network), network.start, network.goal):
             self._add(
                 ("goal",),
                 f"no actions lead from {network.start} to {goal}; allowed: a goal that can be reached",

@@ -11,6 +11,10 @@ from handcart.networks.graph.network import MAX_ATTEMPTS, MAX_COST_S, Fact
 from handcart.primitives.knowledge.map_masks import SpeedMask
 from handcart.tasks.domain import domains
 
+MAX_TASK_BYTES = 1 << 24
+MAX_TASK_NODES = 1_000_000
+"""Limits of a task's file, which may be generated: some 50,000 actions."""
+
 
 class GeneralFiles(FileModel):
     """Prior knowledge of the robot: files next to the task's."""
@@ -69,6 +73,11 @@ class ActionEntry(FileModel):
     parameters: Annotated[dict[str, Any], Field(alias="with", default_factory=dict)]
     """The primitive's parameters; `{model: cup.size}` is looked up when the action starts, `{each: slot}`
     is the element of a repeat."""
+
+    @property
+    def p_success(self) -> float | None:
+        """Probability of Success, whatever situation it leads to; None: not given."""
+        return self.p
 
 
 class Each(FileModel):

@@ -39,7 +39,7 @@ def _ways(network: ActionNetwork) -> nx.DiGraph[str]:
     """Return the graph of situations, with an edge to each that an action may lead to, also after a Fail."""
     ways: nx.DiGraph[str] = nx.DiGraph()
     ways.add_nodes_from(network.situations)
-    ways.add_edges_from((a.source, to) for a in network.actions for to in (a.target, a.on_fail) if to)
+    ways.add_edges_from((a.source, to) for a in network.actions for to in a.leads_to)
     return ways
 
 

@@ -13,6 +13,8 @@ class Success:
     """The motion was completed and, if a sensor can observe it, its effect was observed at rest."""
 
     evidence: Mapping[str, float | str] = field(default_factory=dict)
+    result: str = ""
+    """Which of the primitive's `results` was measured; empty for the usual one."""
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from handcart.networks.analysis.figures import Figures, Influence
     from handcart.networks.analysis.forecast import Forecast
+    from handcart.networks.analysis.worst_cases import WorstCases
     from handcart.networks.task.task_file import Task
 
 Watch = Callable[[float], None]
@@ -33,7 +34,7 @@ def task_facts(task: Task, watch: Watch = lambda share: None) -> dict[str, Any]:
     from handcart.networks.analysis.task_findings import short_findings, task_findings, unused_findings
     from handcart.networks.analysis.worst_cases import worst_cases
     from handcart.networks.chains.effort import Effort
-    from handcart.networks.chains.policy import DEFAULT_MAX_STEPS
+    from handcart.networks.chains.policy import budget_of
 
     network = task.network
     facts: dict[str, Any] = {
@@ -42,21 +43,32 @@ def task_facts(task: Task, watch: Watch = lambda share: None) -> dict[str, Any]:
         "actions": len(network.actions),
     }
     warnings = task_findings(task)
-    cases = worst_cases(network, Effort(DEFAULT_MAX_STEPS, lambda share: watch(share / 3.0)))
+    cases = worst_cases(network, Effort(budget_of(network), lambda share: watch(share / 3.0)))
     if cases.too_large:
-        facts["worst cases"] = f"not known: {'; '.join(sorted({str(each) for each in cases.too_large}))}"
+        facts["worst cases"] = _looked_at(cases)
     warnings += unused_findings(task, cases)
     short = list(map(str, short_findings(task, cases)))
     figures, lines = _figures(task, watch)
     return {
         **facts,
-        "longest run": f"at most {cases.longest} actions",
+        "longest run": _longest(cases),
         "errors": hand_findings(task),
         "warnings": list(map(str, warnings)),
         "short": short,
         **figures,
         "lines": [*([SHORT_HEADING] if short else []), *_first([f"  {each}" for each in short]), *lines],
     }
+
+
+def _longest(cases: WorstCases) -> str:
+    low, high = cases.longest_low, cases.longest
+    return f"at most {high} actions" if low == high else f"between {low} and {high} actions"
+
+
+def _looked_at(cases: WorstCases) -> str:
+    """Return which parts of the network were not looked at completely, in words."""
+    parts = sorted({f"{each.part} ({each.count} states looked at)" for each in cases.too_large})
+    return f"not all states were looked at {'; '.join(parts)}; fewer attempts make a part smaller"
 
 
 def _first(lines: list[str]) -> list[str]:
@@ -69,7 +81,7 @@ def _figures(task: Task, watch: Watch) -> tuple[dict[str, Any], list[str]]:
     """Return how runs end, if the file gives all probabilities, as fields and as lines of text."""
     from handcart.networks.analysis.figures import figures, missing_chances
     from handcart.networks.chains.effort import Effort
-    from handcart.networks.chains.policy import DEFAULT_MAX_STEPS, TooLarge
+    from handcart.networks.chains.policy import DEFAULT_MAX_STEPS, budget_of
 
     missing = missing_chances(task)
     if len(missing) == len(task.file.actions):
@@ -81,14 +93,12 @@ def _figures(task: Task, watch: Watch) -> tuple[dict[str, Any], list[str]]:
             for number, line in zip(missing, places, strict=True)
         )
         return {"how runs end": f"not known: `p` is missing in {which}"}, []
-    try:
-        found = figures(
-            task,
-            Effort(DEFAULT_MAX_STEPS, lambda share: watch((1.0 + share) / 3.0)),
-            Effort(DEFAULT_MAX_STEPS, lambda share: watch((2.0 + share) / 3.0)),
-        )
-    except TooLarge as large:
-        return {"how runs end": f"not known: {large}"}, []
+    budget = budget_of(task.network)
+    found = figures(
+        task,
+        Effort(budget, lambda share: watch((1.0 + share) / 3.0)),
+        Effort(DEFAULT_MAX_STEPS, lambda share: watch((2.0 + share) / 3.0)),
+    )
     return {"figures": found.for_programs()}, _lines(found)
 
 
@@ -96,15 +106,14 @@ def _lines(found: Figures) -> list[str]:
     from handcart.networks.analysis.figures import FORECAST_ASSUMPTION
 
     now = found.forecast
-    undone = f", elements left undone {now.left_undone:.5f}" if now.left_undone else ""
-    ends = (
-        f"P(goal) {now.goal:.5f}{undone}, no way left {now.no_way:.5f}, a person is needed {now.give_up:.5f}"
-    )
+    undone = f", elements left undone {_ranged(now.left_undone, now)}" if now.left_undone else ""
+    short = f"no way left {_ranged(now.no_way, now)}, a person is needed {_ranged(now.give_up, now)}"
+    ends = f"P(goal) {_ranged(now.goal, now)}{undone}, {short}"
     head = f"  {'action':<48}{'line':>5}{'p':>7}{'starts':>9}{'slope':>9}"
     return [
         f"how runs end, if {FORECAST_ASSUMPTION}:",
         f"  {ends}",
-        f"  expected cost {now.cost_s:.1f} s, standard deviation {now.cost_sigma_s:.1f} s",
+        f"  {_cost(now)}",
         "influence on P(goal) (slope by p), and change of P(goal) and cost by more attempts:",
         f"{head}{'one more attempt':>22}{'an alternative':>22}",
         *_first([_row(each, now) for each in found.influences]),
@@ -113,11 +122,23 @@ def _lines(found: Figures) -> list[str]:
 
 def _row(each: Influence, now: Forecast) -> str:
     figures = f"{each.line:>5}{each.chance.success:>7.3g}{each.starts:>9.3f}{each.slope:>9.4f}"
-    changes = "".join(f"{_change(then, now):>22}" for then in (each.one_more, each.alternative))
+    changes = "".join(f"{_change(then, each, now):>22}" for then in (each.one_more, each.alternative))
     return f"  {each.words:<48}{figures}{changes}"
 
 
-def _change(then: Forecast | None, now: Forecast) -> str:
+def _change(then: Forecast | None, each: Influence, now: Forecast) -> str:
     if then is None:
-        return "not known"
+        low, high = each.bounds
+        return f"[{low:+.5f}, {high:+.5f}]"
     return f"{then.goal - now.goal:+.5f} {then.cost_s - now.cost_s:+.1f} s"
+
+
+def _ranged(p: float, now: Forecast) -> str:
+    """Return a probability, or its interval if states were not looked at."""
+    return f"{p:.5f}" if now.unknown < 5e-6 else f"[{p:.5f}, {min(1.0, p + now.unknown):.5f}]"
+
+
+def _cost(now: Forecast) -> str:
+    if now.unknown < 5e-6:
+        return f"expected cost {now.cost_s:.1f} s, standard deviation {now.cost_sigma_s:.1f} s"
+    return f"expected cost [{now.cost_s:.1f}, {now.cost_high_s:.3g}] s"

@@ -149,10 +149,12 @@ def file_facts(file: Path, settings: dict[str, str], asked: Asked = Asked()) -> 
         InputError: it names something that does not exist.
     """
     from handcart.files.errors import FileError
-    from handcart.files.maps.map_file import is_map_file
+    from handcart.files.maps.map_file import is_map
+    from handcart.files.maps.movingai_map import MOVINGAI_SUFFIX
     from handcart.files.models.loading import load
     from handcart.files.suggest import suggest
     from handcart.files.yaml.yaml_document import read_document
+    from handcart.networks.task.task_model import MAX_TASK_BYTES, MAX_TASK_NODES
     from handcart.primitives.knowledge.place import is_goals
     from handcart.tasks.task_names import task_path
     from handcart.tools.checks.file_kinds import is_urdf, kinds, model_of
@@ -162,9 +164,11 @@ def file_facts(file: Path, settings: dict[str, str], asked: Asked = Asked()) -> 
         from handcart.tools.checks.check_urdf import urdf_facts
 
         return urdf_facts(file, asked.every, asked.draft)
-    if is_map_file(file):
+    if file.suffix == MOVINGAI_SUFFIX:
         return _map_facts(file)
-    document = read_document(file)
+    document = read_document(file, max_bytes=MAX_TASK_BYTES, max_nodes=MAX_TASK_NODES)
+    if is_map(document):
+        return _map_facts(file)
     if is_goals(document):
         return _goals_facts(file)
     data = document.data if isinstance(document.data, dict) else {}

@@ -83,9 +83,10 @@ def _title(task: Path) -> str:
     """Return a task's title; a broken file hides no others."""
     from handcart.files.errors import FileError
     from handcart.files.yaml.yaml_document import read_document
+    from handcart.networks.task.task_model import MAX_TASK_BYTES, MAX_TASK_NODES
 
     try:
-        data = read_document(task).data
+        data = read_document(task, max_bytes=MAX_TASK_BYTES, max_nodes=MAX_TASK_NODES).data
     except FileError as error:
         return f"cannot be read: {error}"
     return str(data.get("title", "")) if isinstance(data, dict) else ""

@@ -14,7 +14,8 @@ from handcart.evaluation.walks.walker import GAVE_UP, NO_ACTION, Walked, Walker
 from handcart.networks.analysis.forecast import forecast
 from handcart.networks.chains.chance import Chance
 from handcart.networks.graph.network import Action, ActionNetwork, Binding, Situation
-from handcart.networks.graph.planner import NoWay, Route
+from handcart.networks.graph.planner import NoWay
+from handcart.networks.graph.route import Route
 from handcart.primitives.contract.outcome import Success
 from handcart.primitives.driving.modify import Modify
 

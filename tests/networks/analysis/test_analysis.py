@@ -24,7 +24,8 @@ from handcart.networks.analysis.forecast import forecast
 from handcart.networks.chains.absorbing_chain import absorption
 from handcart.networks.chains.chance import Chance
 from handcart.networks.graph.network import Action, ActionNetwork, Binding, Situation
-from handcart.networks.graph.planner import NoWay, Route
+from handcart.networks.graph.planner import NoWay
+from handcart.networks.graph.route import Route
 from handcart.primitives.contract.outcome import Success
 from handcart.primitives.driving.modify import Modify
 

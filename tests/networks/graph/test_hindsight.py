@@ -150,3 +150,30 @@ def test_last_fail_is_the_latest_and_a_resumed_run_is_not_ended(
     with Journal.go_on(path, read_journal(path), "never") as journal:
         journal.append("EPOCH", 9.0, {"after": past.records[-1]["q"], "in_doubt": None})
     assert read_run(tmp_path / "run").end is None
+
+
+RETURNING = """\
+format: handcart-task/1
+title: A route on, though the cheapest one comes back
+robot: librarian
+start: a
+goal: z
+situations: {a: {}, b: {}, c: {}, z: {}}
+actions:
+  - {do: THINK, from: a, to: z, cost_s: 5, with: {name: near}}
+  - {do: THINK, from: a, to: b, cost_s: 1, with: {name: aside}}
+  - {do: THINK, from: b, to: a, cost_s: 1, with: {name: back}}
+  - {do: THINK, from: b, to: z, cost_s: 90, with: {name: far}}
+  - {do: THINK, from: a, to: c, cost_s: 1, with: {name: blind}}
+  - {do: THINK, from: c, to: a, cost_s: 1, with: {name: out}}
+"""
+
+
+def test_an_alternative_that_leads_on_has_its_route(
+    run: Callable[..., tuple[PastRun, ActionNetwork]],
+) -> None:
+    past, _ = run(RETURNING)
+    near, aside, blind = known(choice_of(past, past.actions[0])).options
+    assert known(near.way).cost == 5.0
+    assert ([each.index for each in known(aside.way).actions], known(aside.way).cost) == ([1, 3], 91.0)
+    assert (blind.way, blind.out) == (None, "leads only back here")

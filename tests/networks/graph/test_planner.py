@@ -120,7 +120,7 @@ def test_leaving_undone_is_dearer_than_whatever_can_be_tried(stand: Stand) -> No
     for _ in range(11):
         assert plan_of(planner).actions[0].index == 1
         planner.failed(plan_of(planner).actions[0], "x")
-    planner.failed(ways[1] if ways[1].index else plan_of(planner).actions[0], "x")
+    planner.failed(planner.network.actions[1], "x")
     assert plan_of(planner).actions[0].index == 0
 
 

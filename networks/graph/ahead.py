@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import networkx as nx
 
-from handcart.networks.graph.network import ActionNetwork
+from .network import ActionNetwork
 
 
 def ways_of(network: ActionNetwork) -> nx.DiGraph[str]:
@@ -13,7 +13,7 @@ def ways_of(network: ActionNetwork) -> nx.DiGraph[str]:
     ways.add_nodes_from(network.situations)
     for action in network.actions:
         if action.source != network.goal:
-            ways.add_edges_from((action.source, to) for to in (action.target, action.on_fail) if to)
+            ways.add_edges_from((action.source, to) for to in action.leads_to)
     return ways
 
 

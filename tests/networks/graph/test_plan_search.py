@@ -8,12 +8,12 @@ import pytest
 
 from benchmarks.analysis import network
 from handcart.networks.analysis.forecast import forecast
-from handcart.networks.analysis.plan_search import PlanSearch
 from handcart.networks.analysis.worst_cases import worst_cases
 from handcart.networks.chains.chance import Chance
 from handcart.networks.chains.effort import Effort
 from handcart.networks.chains.policy import TooLarge, policy
 from handcart.networks.graph.network import Action, ActionNetwork, Situation
+from handcart.networks.graph.plan_search import PlanSearch
 from handcart.networks.graph.planner import Plan, Planner
 
 
@@ -67,8 +67,8 @@ def test_a_part_that_is_too_large_leaves_the_rest_known() -> None:
     net = ActionNetwork.build(joined, [*easy.actions, bridge, *hard.actions], easy.start, hard.goal)
     cases = worst_cases(net, Effort(20_000))
     assert [str(each).partition(" has")[0] for each in cases.too_large] == ["the part between g0,0 and g6,6"]
-    assert {each.situation for each in cases.short} == {each.source for each in (*easy.actions, bridge)}
-    assert cases.longest <= net.bound()
+    assert {each.situation for each in cases.short} >= {each.source for each in (*easy.actions, bridge)}
+    assert 3 * len(easy.actions) + 1 < cases.longest_low < cases.longest <= net.bound()
 
 
 @pytest.mark.slow

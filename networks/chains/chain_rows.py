@@ -1,0 +1,93 @@
+"""Rows of an absorbing Markov chain: the states of a policy, and what follows them."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+from typing import NamedTuple
+
+from .chance import Chance
+from .policy import Chances, Policy, success_shares
+from .step_maker import State, Step
+
+
+class End(IntEnum):
+    """How a run ends in a row."""
+
+    GOAL = 0
+    NO_WAY = 1
+    GIVE_UP = 2
+    UNKNOWN = 3
+    """It comes to a state that was not looked at."""
+
+
+class Link(NamedTuple):
+    """A step from a row to another one."""
+
+    row: int
+    to: int
+    p: float
+
+
+class ChainRows:
+    """Rows of a chain, in the order of the policy's states."""
+
+    def __init__(self, policy: Policy, chances: Chances) -> None:
+        """Number the states, and collect what follows them."""
+        self.action: list[int] = []
+        """The action that starts in each row; -1 for none and for skips."""
+        self.cost: list[float] = []
+        """Its cost in [s]; 0 for none and for skips."""
+        self.succeeds: list[Link] = []
+        self.fails: list[Link] = []
+        self.skips: list[Link] = []
+        self.ends: list[tuple[int, End, float, bool]] = []
+        """Row, end, probability, and whether a Fail leads there."""
+        self.skipped_to_goal: list[int] = []
+        """Rows whose skip leads to the goal."""
+        self._policy, self._chances = policy, chances
+        self._number = {state: number for number, state in enumerate(policy.steps)}
+        for row, step in enumerate(policy.steps.values()):
+            self._add(row, step)
+        self.start = self._number.get(policy.start, -1)
+
+    def _add(self, row: int, step: Step) -> None:
+        action = step.action
+        if action is None:
+            self._row(-1, 0.0)
+            self.ends.append((row, End.NO_WAY, 1.0, False))
+            return
+        if action.binding is None:
+            self._row(-1, 0.0)
+            self._skip(row, step)
+            return
+        chance = self._chances[action.index] or Chance(1.0)
+        self._row(action.index, action.cost_s)
+        for share, state in zip(success_shares(action), step.succeeded, strict=True):
+            self._lead(row, state, chance.success * share, self.succeeds, False)
+        self._lead(row, step.failed, chance.fail, self.fails, True)
+        if chance.give_up:
+            self.ends.append((row, End.GIVE_UP, chance.give_up, False))
+
+    def _row(self, action: int, cost: float) -> None:
+        self.action.append(action)
+        self.cost.append(cost)
+
+    def _lead(self, row: int, state: State | None, p: float, links: list[Link], failed: bool) -> None:
+        if state is None:
+            return
+        if self._policy.goal(state):
+            self.ends.append((row, End.GOAL, p, failed))
+        elif state in self._number:
+            links.append(Link(row, self._number[state], p))
+        else:
+            self.ends.append((row, End.UNKNOWN, p, failed))
+
+    def _skip(self, row: int, step: Step) -> None:
+        state = step.succeeded[0]
+        assert state is not None
+        if self._policy.goal(state):
+            self.skipped_to_goal.append(row)
+        elif state in self._number:
+            self.skips.append(Link(row, self._number[state], 1.0))
+        else:
+            self.ends.append((row, End.UNKNOWN, 1.0, False))

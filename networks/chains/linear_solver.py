@@ -1,0 +1,48 @@
+"""Solution of the linear equations of a Markov chain."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_array, eye_array
+
+Floats = NDArray[np.float64]
+DENSE_MAX_ROWS = 100
+"""Rows up to which a full matrix is faster than a sparse one."""
+
+
+class LinearSolver:
+    """Solver of (I - Q) x = b and of its transposed, with Q the transitions among transient states."""
+
+    def __init__(self, size: int, links: Sequence[tuple[int, int, float]], circles: bool) -> None:
+        """Factorize.
+
+        Args:
+            size: number of rows.
+            links: row, row that follows, probability.
+            circles: whether rows may follow each other in circles; otherwise what follows a row has a
+                smaller number.
+        """
+        rows, to, p = zip(*links, strict=True) if links else ((), (), ())
+        follows = csc_array((p, (rows, to)), shape=(size, size))
+        self._inverse: Floats | None = None
+        if size <= DENSE_MAX_ROWS:
+            self._inverse = np.linalg.inv(np.eye(size) - follows.toarray())
+            return
+        from scipy.sparse.linalg import splu  # late: most networks are small
+
+        # Triangular, with a diagonal of ones: neither reordering nor pivots, nothing fills in.
+        order, threshold = ("COLAMD", 1.0) if circles else ("NATURAL", 0.0)
+        whole = (eye_array(size) - follows).tocsc()
+        self._factors = splu(whole, permc_spec=order, diag_pivot_thresh=threshold)
+
+    def solve(self, right: Floats, transposed: bool = False) -> Floats:
+        """Return x, or that of the transposed equations; `right` has one column or several."""
+        solution: Floats
+        if self._inverse is None:
+            solution = self._factors.solve(right, "T" if transposed else "N")
+        else:
+            solution = (self._inverse.T if transposed else self._inverse) @ right
+        return solution

@@ -1,0 +1,55 @@
+"""How often an action may fail, and what is left of that."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+MAX_ATTEMPTS = 20
+"""Maximum attempts of an action; with `MAX_COST_S` it keeps doubled weights below `SKIP_WEIGHT`."""
+
+
+class Attempts(NamedTuple):
+    """Limit on the Fails of an action, or of several that share it.
+
+    The count of a run holds Fails and renewals in one number: `renewals * width + fails`.
+    """
+
+    limit: int = 3
+    """Fails after which the action is excluded."""
+    renewals: int = 0
+    """How often the count may begin again, after a Success of one of the actions in `fresh_after`."""
+    unlimited: bool = False
+    """True if Fails never exclude it; only a Fail for good does."""
+
+    @property
+    def width(self) -> int:
+        """Number of counts until the next renewal."""
+        return self.most + 1
+
+    @property
+    def most(self) -> int:
+        """Count of Fails at which the action is excluded."""
+        return MAX_ATTEMPTS + 1 if self.unlimited else self.limit
+
+    def fails(self, count: int) -> int:
+        """Return the Fails since the last renewal; at most `MAX_ATTEMPTS` are counted if unlimited."""
+        return count % self.width
+
+    def is_out(self, count: int) -> bool:
+        """Return whether the action is excluded."""
+        return count % self.width >= self.most
+
+    def failed(self, count: int) -> int:
+        """Return the count after one more Fail."""
+        fails = count % self.width
+        last = MAX_ATTEMPTS if self.unlimited else self.limit
+        return count + 1 if fails < last else count
+
+    def used_up(self, count: int) -> int:
+        """Return the count after a Fail for good."""
+        return count - count % self.width + self.most
+
+    def renewed(self, count: int) -> int:
+        """Return the count after a renewal; unchanged if nothing has failed or no renewal is left."""
+        renewals, fails = divmod(count, self.width)
+        return (renewals + 1) * self.width if fails and renewals < self.renewals else count

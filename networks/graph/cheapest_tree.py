@@ -1,0 +1,78 @@
+"""The cheapest routes to the goal while nothing has failed."""
+
+from __future__ import annotations
+
+import heapq
+import math
+from collections.abc import Iterable, Mapping, Sequence
+
+Ways = Sequence[Sequence[tuple[int, tuple[int, ...]]]]
+"""For each situation by its number: those that follow, each with the actions that lead there."""
+
+
+class CheapestTree:
+    """Tree of the cheapest routes from all situations to the goal.
+
+    It answers at once whether a Fail has made the route of a situation dearer, by the nested intervals of a
+    depth-first numbering.
+    """
+
+    def __init__(self, ways: Ways, base: Sequence[float], goal: int) -> None:
+        """Compute the tree.
+
+        Args:
+            ways: the network.
+            base: weight of each action, in [s].
+            goal: number of the goal.
+        """
+        self.left = [math.inf] * len(ways)
+        """Cost of the route from each situation to the goal, in [s]; infinite if there is none."""
+        self._next = [-1] * len(ways)
+        self._action = [-1] * len(ways)
+        order = self._search(ways, base, goal)
+        self._source = {self._action[here]: here for here in order if here != goal}
+        self._enter, self._leave = self._intervals(order, len(ways))
+
+    def _search(self, ways: Ways, base: Sequence[float], goal: int) -> list[int]:
+        """Search from the goal backwards; return the situations in the order of their costs."""
+        back: list[list[tuple[int, float, int]]] = [[] for _ in ways]
+        for here, out in enumerate(ways):
+            for to, edges in out:
+                best = min(edges, key=lambda index: (base[index], index))
+                back[to].append((here, base[best], best))
+        left, done, order = self.left, [False] * len(ways), []
+        left[goal] = 0.0
+        heap = [(0.0, goal)]
+        while heap:
+            far, here = heapq.heappop(heap)
+            if done[here]:
+                continue
+            done[here] = True
+            order.append(here)
+            for before, weight, action in back[here]:
+                if far + weight < left[before]:
+                    left[before] = far + weight
+                    self._next[before], self._action[before] = here, action
+                    heapq.heappush(heap, (far + weight, before))
+        return order
+
+    def _intervals(self, order: Sequence[int], count: int) -> tuple[list[int], list[int]]:
+        size = [1] * count
+        for here in reversed(order[1:]):
+            size[self._next[here]] += size[here]
+        enter, free = [0] * count, [1] * count
+        for here in order[1:]:
+            parent = self._next[here]
+            enter[here] = enter[parent] + free[parent]
+            free[parent] += size[here]
+        return enter, [begin + each for begin, each in zip(enter, size, strict=True)]
+
+    def spoiled(self, failed: Mapping[int, float]) -> list[tuple[int, int]]:
+        """Return the intervals of the situations whose routes contain one of these actions."""
+        sources = (self._source[index] for index in failed if index in self._source)
+        return [(self._enter[here], self._leave[here]) for here in sources]
+
+    def is_spoiled(self, here: int, spoiled: Iterable[tuple[int, int]]) -> bool:
+        """Return whether the route of a situation lies in one of the intervals."""
+        number = self._enter[here]
+        return any(enter <= number < leave for enter, leave in spoiled)

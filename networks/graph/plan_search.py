@@ -1,0 +1,217 @@
+"""Search for the cheapest route to the goal, from many states of one network."""
+
+from __future__ import annotations
+
+import heapq
+import itertools
+import math
+from collections.abc import Iterable, Mapping
+from typing import NamedTuple
+
+from .cheapest_tree import CheapestTree
+from .network import Action, ActionNetwork
+
+SKIP_WEIGHT = 1e12
+"""Weight of leaving an element undone, in [s]: more than all that could still be tried."""
+_SLACK = 1e-9
+"""Relative difference of costs below which both routes are searched, because sums are rounded."""
+
+
+class Segment(NamedTuple):
+    """First actions of a plan, up to a situation from which the plan is the one made there."""
+
+    actions: tuple[Action, ...]
+    end: str
+    hopes: bool = False
+    """True if the last action leads on by its Fail, or by another result than its first, and no route of
+    Successes is left.
+    """
+
+
+class PlanSearch:
+    """Finds the route that Dijkstra's search over the whole network finds, and searches little.
+
+    A Fail only makes routes dearer, so the cost to the goal while nothing has failed is a lower bound: A*
+    finds the cheapest weight with it (Hart, Nilsson and Raphael, 1968). Then Dijkstra's search, with the
+    tie-break of networkx, looks only at situations that can lie on a route as cheap, and stops where all
+    of those routes meet.
+    """
+
+    def __init__(self, network: ActionNetwork, goal: str | None = None) -> None:
+        """Prepare the search of a network, for another goal than its own if one is given."""
+        self._network, self._actions = network, network.actions
+        self._place = {name: number for number, name in enumerate(network.situations)}
+        self._names = tuple(network.situations)
+        self._goal = self._place[network.goal if goal is None else goal]
+        self._base = [SKIP_WEIGHT if a.binding is None else a.cost_s for a in network.actions]
+        self._ways: list[list[tuple[int, tuple[int, ...]]]] = [
+            [(self._place[to], tuple(edges)) for to, edges in network.graph[name].items()]
+            for name in network.situations
+        ]
+        self._tree = CheapestTree(self._ways, self._base, self._goal)
+        self._hopes: list[list[tuple[int, int, int]]] | None = None
+        self.steps = 0
+        """Number of situations that the last search visited."""
+
+    def plan(
+        self, situation: str, fails: Mapping[int, int], without: Iterable[int] = ()
+    ) -> tuple[Action, ...] | None:
+        """Return the cheapest route to the goal; None if no route leads there.
+
+        It ends early with an action that has to fail, where no route of Successes is left.
+
+        Args:
+            situation: where the route begins.
+            fails: counts of Fails by counter (`Action.counter`), as in `Attempts`.
+            without: numbers of further actions that are excluded.
+        """
+        found: list[Action] = []
+        weights = {**self._weights(fails), **dict.fromkeys(without, math.inf)}
+        here, steps = self._place[situation], 0
+        while here != self._goal:
+            segment = self._segment(here, weights)
+            steps += self.steps
+            if segment is None:
+                self.steps = steps
+                return None
+            found += segment.actions
+            here = self._place[segment.end]
+            if segment.hopes:
+                break
+        self.steps = steps
+        return tuple(found)
+
+    def segment(self, situation: str, fails: Mapping[int, int]) -> Segment | None:
+        """Return the first actions of `plan`; None if no route leads to the goal."""
+        return self._segment(self._place[situation], self._weights(fails))
+
+    def weight(self, action: Action, fails: Mapping[int, int]) -> float:
+        """Return the weight of an action after these Fails, in [s]; infinite if it is excluded."""
+        return self._weights(fails).get(action.index, self._base[action.index])
+
+    def _segment(self, start: int, weights: Mapping[int, float]) -> Segment | None:
+        self.steps = 0
+        cost = self._cheapest(start, weights)
+        if cost == math.inf:
+            return self._hoping(start, weights)
+        nodes = self._way(start, weights, cost * (1.0 + _SLACK))
+        pairs = itertools.pairwise(nodes)
+        return Segment(tuple(self._best(*pair, weights) for pair in pairs), self._names[nodes[-1]])
+
+    def _weights(self, fails: Mapping[int, int]) -> dict[int, float]:
+        """Return the present weights of the actions that failed."""
+        shared, base = self._network.shared, self._base
+        found = {}
+        for counter, count in fails.items():
+            for action in shared[counter]:
+                allowed = action.allowance
+                out = allowed.is_out(count)
+                found[action.index] = (
+                    math.inf if out else math.ldexp(base[action.index], allowed.fails(count))
+                )
+        return found
+
+    def _weight(self, edges: Iterable[int], weights: Mapping[int, float]) -> float:
+        base = self._base
+        return min(weights.get(index, base[index]) for index in edges)
+
+    def _cheapest(self, start: int, weights: Mapping[int, float]) -> float:
+        left, goal = self._tree.left, self._goal
+        spoiled = self._tree.spoiled(weights)
+        known = {start: 0.0}
+        heap = [(left[start], start, 0.0)] if left[start] < math.inf else []
+        while heap:
+            _, here, came = heapq.heappop(heap)
+            if came > known[here]:
+                continue
+            if here == goal or not self._tree.is_spoiled(here, spoiled):
+                return came + left[here]
+            self.steps += 1
+            for to, edges in self._ways[here]:
+                ahead = left[to]
+                if ahead == math.inf:
+                    continue
+                there = came + self._weight(edges, weights)
+                if there < known.get(to, math.inf):
+                    known[to] = there
+                    heapq.heappush(heap, (there + ahead, to, there))
+        return math.inf
+
+    def _way(self, start: int, weights: Mapping[int, float], most: float) -> list[int]:
+        """Return the cheapest route up to where all meet; of equal routes, the one that networkx finds."""
+        left, goal = self._tree.left, self._goal
+        seen, before, done, count = {start: 0.0}, {start: start}, set[int](), 0
+        heap = [(0.0, 0, start)]
+        while True:
+            came, _, here = heapq.heappop(heap)
+            if here in done:
+                continue
+            done.add(here)
+            if here == goal or (here != start and len(seen) == len(done)):
+                break
+            self.steps += 1
+            for to, edges in self._ways[here]:
+                there = came + self._weight(edges, weights)
+                if there + left[to] <= most and there < seen.get(to, math.inf):
+                    count += 1
+                    seen[to], before[to] = there, here
+                    heapq.heappush(heap, (there, count, to))
+        nodes = [here]
+        while nodes[-1] != start:
+            nodes.append(before[nodes[-1]])
+        return nodes[::-1]
+
+    def _best(self, source: int, target: int, weights: Mapping[int, float]) -> Action:
+        edges = next(edges for to, edges in self._ways[source] if to == target)
+        return self._actions[min(edges, key=lambda index: (weights.get(index, self._base[index]), index))]
+
+    def _hoping(self, start: int, weights: Mapping[int, float]) -> Segment | None:
+        """Return the route with the fewest Fails, or other results, that it needs; of these the cheapest."""
+        ways = self._hope_ways()
+        if ways is None or start == self._goal:
+            return None
+        known: dict[int, tuple[int, float]] = {start: (0, 0.0)}
+        before: dict[int, tuple[int, int, int]] = {}
+        heap = [(0, 0.0, start)]
+        while heap:
+            hopes, came, here = heapq.heappop(heap)
+            if (hopes, came) > known[here]:
+                continue
+            if here == self._goal:
+                return self._up_to_hope(start, before)
+            self.steps += 1
+            for to, index, hope in ways[here]:
+                there = hopes + hope, came + weights.get(index, self._base[index])
+                if there[1] < math.inf and there < known.get(to, (len(ways), math.inf)):
+                    known[to], before[to] = there, (here, index, hope)
+                    heapq.heappush(heap, (*there, to))
+        return None
+
+    def _up_to_hope(self, start: int, before: Mapping[int, tuple[int, int, int]]) -> Segment:
+        steps, here = list[tuple[int, int, int]](), self._goal
+        while here != start:
+            steps.append((here, *before[here][1:]))
+            here = before[here][0]
+        steps.reverse()
+        last = next(number for number, (_, _, hope) in enumerate(steps) if hope)
+        actions = tuple(self._actions[index] for _, index, _ in steps[: last + 1])
+        return Segment(actions, self._names[steps[last][0]], True)
+
+    def _hope_ways(self) -> list[list[tuple[int, int, int]]] | None:
+        """Return the ways out of each situation, with those by Fails; None if no Fail leads elsewhere."""
+        if self._hopes is None:
+            self._hopes = []
+            if any(_hopes_of(action) for action in self._actions):
+                self._hopes = [[] for _ in self._ways]
+                for action in self._actions:
+                    out = self._hopes[self._place[action.source]]
+                    out.append((self._place[action.target], action.index, 0))
+                    out += [(self._place[to], action.index, 1) for to in _hopes_of(action)]
+        return self._hopes or None
+
+
+def _hopes_of(action: Action) -> list[str]:
+    """Return the situations that it may lead to besides its target, with a probability above zero."""
+    others = [each.target for each in action.others if each.p != 0.0]
+    certain = action.p_success is not None and action.p_success + action.p_give_up >= 1.0 - 1e-12
+    return others if action.on_fail is None or certain else [*others, action.on_fail]
