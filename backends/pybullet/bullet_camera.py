@@ -22,6 +22,7 @@ from handcart.robotics.kinematics.arm_model import ArmModel
 from .bullet_engine import BulletEngine
 
 NEAREST, FURTHEST = 0.02, 20.0  # of what is shown [m]
+FINE_NEAREST = 0.1  # [m], of the second rendering of a depth camera
 _TO_OPENGL = np.diag([1.0, -1.0, -1.0, 1.0])
 
 
@@ -89,11 +90,32 @@ def render(
     return engine.picture(view, _projection(K, size), size, lit)
 
 
-def _projection(K: NDArray[np.float64], size: tuple[int, int]) -> NDArray[np.float64]:
+def render_with_depth(
+    engine: BulletEngine, world_T_camera: Transform, K: NDArray[np.float64], size: tuple[int, int]
+) -> tuple[NDArray[np.uint8], NDArray[np.float64]]:
+    """Return a picture as `render` does, and the depth of its pixels (height, width).
+
+    Depth is in [m] along the optical axis; infinite where nothing is nearer than `FURTHEST`. It is rendered
+    twice, because the buffer resolves far depths well only if its nearest plane is not too near.
+    """
+    view = inverse(world_T_camera @ _TO_OPENGL)
+    colour, close = engine.picture_with_depth(view, _projection(K, size), size)
+    far = engine.depth_buffer(view, _projection(K, size, FINE_NEAREST), size)
+    near_depth, far_depth = _depth(close, NEAREST), _depth(far, FINE_NEAREST)
+    return colour, np.where(near_depth < 2.0 * FINE_NEAREST, near_depth, far_depth)
+
+
+def _depth(part: NDArray[np.float64], nearest: float) -> NDArray[np.float64]:
+    """Depths in [m] of a buffer of OpenGL, from 0 at the nearest plane to 1 at `FURTHEST`."""
+    depth = FURTHEST * nearest / (FURTHEST - part * (FURTHEST - nearest))
+    return np.where(part >= 1.0, np.inf, depth)
+
+
+def _projection(K: NDArray[np.float64], size: tuple[int, int], near: float = NEAREST) -> NDArray[np.float64]:
     """OpenGL's projection (4, 4) of a pinhole camera; OpenGL counts pixels from their edges."""
     width, height = size
     fx, fy, cx, cy = K[0, 0], K[1, 1], K[0, 2] + 0.5, K[1, 2] + 0.5
-    far, near = FURTHEST, NEAREST
+    far = FURTHEST
     return np.array(
         [
             [2 * fx / width, 0.0, 1.0 - 2 * cx / width, 0.0],

@@ -267,11 +267,25 @@ class BulletEngine(Engine):
             for _ in range(self._cold):  # the first pictures of the EGL renderer are lit otherwise
                 self._render(view, projection, size, light)
             self._cold = 0
-            image = self._render(view, projection, size, light)
+            image = self._render(view, projection, size, light)[2]
         picture = np.asarray(image, dtype=np.uint8).reshape(height, width, 4)[..., :3]
         if lit or self.renderer != self.p.ER_BULLET_HARDWARE_OPENGL:
             return picture
         return cv2.convertScaleAbs(picture, alpha=1 / _UNLIT).astype(np.uint8, copy=False)
+
+    def picture_with_depth(
+        self, view: Transform, projection: Transform, size: tuple[int, int]
+    ) -> tuple[NDArray[np.uint8], NDArray[np.float64]]:
+        """Return an unlit picture as `picture` does, and OpenGL's depths (height, width), from 0 to 1."""
+        return self.picture(view, projection, size), self.depth_buffer(view, projection, size)
+
+    def depth_buffer(
+        self, view: Transform, projection: Transform, size: tuple[int, int]
+    ) -> NDArray[np.float64]:
+        """Return OpenGL's depths (height, width), from 0 at the nearest plane to 1 at the farthest one."""
+        with quiet():
+            buffer = self._render(view, projection, size, tuple((-view[2, :3]).tolist()))[3]
+        return np.asarray(buffer, dtype=np.float64).reshape(size[1], size[0])
 
     def _render(self, view: Transform, projection: Transform, size: tuple[int, int], light: Point) -> Any:
         return self.p.getCameraImage(
@@ -286,7 +300,7 @@ class BulletEngine(Engine):
             renderer=self.renderer,
             flags=self.p.ER_NO_SEGMENTATION_MASK,
             physicsClientId=self.client,
-        )[2]
+        )
 
     # What is held together
 

@@ -43,6 +43,28 @@ class Photographer:
             world_T_camera: (4, 4) of the optical frame (z forward, x right, y down).
             K: (3, 3) in [px]; an integer pixel is a pixel's centre.
         """
+        whole = self._render(world_T_camera, K)
+        mujoco().mjr_readPixels(self._rows, None, whole, self._context)
+        return np.ascontiguousarray(self._rows[::-1])
+
+    def take_with_depth(
+        self, world_T_camera: Transform, K: NDArray[np.float64]
+    ) -> tuple[NDArray[np.uint8], NDArray[np.float64]]:
+        """Return a picture as `take` does, and the depth of each pixel (height, width).
+
+        Depth is in [m] along the optical axis; infinite where nothing is.
+        """
+        mj, whole = mujoco(), self._render(world_T_camera, K)
+        self._context.readDepthMap = mj.mjtDepthMap.mjDEPTH_ZEROFAR
+        buffer = np.zeros(self._rows.shape[:2], np.float32)
+        mj.mjr_readPixels(self._rows, buffer, whole, self._context)
+        part = buffer[::-1].astype(np.float64)  # OpenGL's depth: 1 at the near plane, 0 at the far one
+        depth = FURTHEST * NEAREST / (part * (FURTHEST - NEAREST) + NEAREST)
+        depth[part <= 0.0] = np.inf
+        return np.ascontiguousarray(self._rows[::-1]), depth
+
+    def _render(self, world_T_camera: Transform, K: NDArray[np.float64]) -> Any:
+        """Draw the picture, and return its rectangle."""
         mj, stage = mujoco(), self._stage
         self._gl.make_current()
         for texture in stage.repaint():
@@ -53,8 +75,7 @@ class Photographer:
             self._point(eye, world_T_camera, K)
         whole = mj.MjrRect(0, 0, *self._size)
         mj.mjr_render(whole, self._scene, self._context)
-        mj.mjr_readPixels(self._rows, None, whole, self._context)
-        return np.ascontiguousarray(self._rows[::-1])
+        return whole
 
     def _point(self, eye: Any, world_T_camera: Transform, K: NDArray[np.float64]) -> None:
         """Have one of the scene's two eyes see so; OpenGL counts pixels from their edges."""

@@ -51,6 +51,18 @@ class Studio:
         self._last = world_T_camera.copy(), K.copy(), picture
         return picture
 
+    def take_with_depth(
+        self, world_T_camera: Transform, K: NDArray[np.float64]
+    ) -> tuple[NDArray[np.uint8], NDArray[np.float64]]:
+        """Return a picture and the depth of its pixels; see `Photographer`.
+
+        Raises:
+            NoPictures: OpenGL is not available.
+        """
+        stage, photographer = self._set_up()
+        stage.follow(self._engine.links(), world_T_camera[:3, 3])
+        return photographer.take_with_depth(world_T_camera, K)
+
     def _set_up(self) -> tuple[Stage, Photographer]:
         if self._stage is None or self._photographer is None or self._stage.count != self._engine.looks.count:
             self.close()

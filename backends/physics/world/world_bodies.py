@@ -11,12 +11,6 @@ from handcart.backends.physics.engine import Engine
 from handcart.backends.saved_state import NotAState
 from handcart.backends.simulation.bodies import Bodies
 from handcart.backends.simulation.scene import Scene
-from handcart.backends.simulation.world.material import (
-    LACQUER_MATERIAL,
-    PLASTER_MATERIAL,
-    WOOD_MATERIAL,
-    Material,
-)
 from handcart.backends.simulation.world.solids import THE_GROUND, Solid
 from handcart.backends.simulation.world.thing import Thing
 from handcart.robotics.geometry.transform import Transform, inverse, transform
@@ -56,7 +50,7 @@ class WorldBodies:
             if solid is THE_GROUND and terrain is not None:
                 continue
             passes = solid.appears > 0.0 or bool(np.isfinite(solid.leaves))
-            look = _grey(solid), passes, _material(solid)
+            look = _grey(solid), passes, solid.material
             body = engine.add_box(solid.box, SOLID_FRICTION, *look)
             self.names[body] = solid.box.name
             if passes:
@@ -147,9 +141,3 @@ def _grey(solid: Solid) -> int:
     if solid.box.name.startswith("wall"):
         return _WALL
     return _WOOD if " of " in solid.box.name else _FURNITURE
-
-
-def _material(solid: Solid) -> Material:
-    if solid.box.name.startswith("wall"):
-        return PLASTER_MATERIAL
-    return WOOD_MATERIAL if " of " in solid.box.name else LACQUER_MATERIAL

@@ -20,7 +20,7 @@ from .painting import paint_box
 
 GreyImage = NDArray[np.uint8]
 
-_BACKGROUND, _FLOOR, _WALL, _FURNITURE, _METAL = 150, 95, 165, 110, 90
+_BACKGROUND, _FLOOR, _WALL, _FURNITURE, METAL_GREY = 150, 95, 165, 110, 90
 _AROUND = frozenset({Rest.TABLE, Rest.FLOOR})
 
 
@@ -43,14 +43,28 @@ class Renderer:
 
     def ideal(self, scene: Scene, world_T_camera: Transform) -> GreyImage:
         """Return the larger ideal picture, without lens, light and noise."""
-        canvas = Canvas(self._lens.K, self._lens.size, world_T_camera, _BACKGROUND)
-        _room(canvas, scene)
-        for sheet in (sheet for props in scene.props.values() for sheet in props.sheets()):
-            if canvas.seen_from_front(sheet.pose[:3, 3], sheet.pose[:3, 2]):
-                canvas.texture(sheet.levels, sheet.face())
-        _things(canvas, scene, _AROUND)
-        _robot(canvas, scene)
-        return canvas.picture
+        return paint_scene(scene, self._lens.K, self._lens.size, world_T_camera)
+
+
+def paint_scene(
+    scene: Scene, K: NDArray[np.float64], size: tuple[int, int], world_T_camera: Transform
+) -> GreyImage:
+    """Return the picture (height, width) of an ideal pinhole camera.
+
+    Args:
+        scene: what there is.
+        K: (3, 3) in [px]; an integer pixel is a pixel's centre.
+        size: width and height in [px].
+        world_T_camera: (4, 4) of the optical frame (z forward, x right, y down).
+    """
+    canvas = Canvas(K, size, world_T_camera, _BACKGROUND)
+    _room(canvas, scene)
+    for sheet in (sheet for props in scene.props.values() for sheet in props.sheets()):
+        if canvas.seen_from_front(sheet.pose[:3, 3], sheet.pose[:3, 2]):
+            canvas.texture(sheet.levels, sheet.face())
+    _things(canvas, scene, _AROUND)
+    _robot(canvas, scene)
+    return canvas.picture
 
 
 def _room(canvas: Canvas, scene: Scene) -> None:
@@ -95,4 +109,4 @@ def _robot(canvas: Canvas, scene: Scene) -> None:
         middle = hand @ transform(
             (finger.tip - finger.length / 2, side * (scene.width + finger.thickness) / 2, 0.0)
         )
-        paint_box(canvas, Box(middle, (finger.length, finger.thickness, finger.height)), _METAL)
+        paint_box(canvas, Box(middle, (finger.length, finger.thickness, finger.height)), METAL_GREY)

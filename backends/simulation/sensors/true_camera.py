@@ -9,6 +9,7 @@ from handcart.backends.description.sensor_specs import CameraSpec
 from handcart.backends.description.simulated_errors import Errors
 from handcart.backends.robot.mounted_camera import CameraMount, MountedCamera, stated_camera
 from handcart.backends.simulation.keyed_noise import keyed
+from handcart.robotics.geometry.transform import Transform
 
 
 def true_camera(spec: CameraSpec, mount: CameraMount, errors: Errors, seed: int) -> MountedCamera:
@@ -16,11 +17,16 @@ def true_camera(spec: CameraSpec, mount: CameraMount, errors: Errors, seed: int)
 
     A calibration does not change it. Only simulation and evaluation may call this.
     """
-    stated = stated_camera(spec, mount)
+    stated, off = stated_camera(spec, mount), mount_error(errors, seed)
+    longer = 1.0 + errors.focal_percent / 100.0 * float(keyed(seed, "focal length").standard_normal())
+    K = stated.model.K * np.array([[longer, 1.0, 1.0], [1.0, longer, 1.0], [1.0, 1.0, 1.0]])
+    return MountedCamera(stated.model._replace(K=K), stated.carrier_T_camera @ off, mount.carrier)
+
+
+def mount_error(errors: Errors, seed: int) -> Transform:
+    """Return the pose (4, 4) of a camera in the frame where it should be, drawn once for a seed."""
     shift, turn = keyed(seed, "camera mount").standard_normal((2, 3))
     off = np.eye(4)
     off[:3, 3] = errors.camera_mount_mm / 1e3 * shift
     off[:3, :3] = Rotation.from_rotvec(errors.camera_mount_mrad / 1e3 * turn).as_matrix()
-    longer = 1.0 + errors.focal_percent / 100.0 * float(keyed(seed, "focal length").standard_normal())
-    K = stated.model.K * np.array([[longer, 1.0, 1.0], [1.0, longer, 1.0], [1.0, 1.0, 1.0]])
-    return MountedCamera(stated.model._replace(K=K), stated.carrier_T_camera @ off, mount.carrier)
+    return off

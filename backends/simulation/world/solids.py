@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.kinematics.shapes import Box
 
+from .material import LACQUER_MATERIAL, PLASTER_MATERIAL, WOOD_MATERIAL, Material
 from .world_file import Furniture, Surprise, TableSpec, Wall, WorldFile
 
 WALL_HEIGHT = 2.0
@@ -34,6 +35,13 @@ class Solid:
         """Outline on the floor: x, y in [m], yaw in [rad], length and width in [m]."""
         pose, (length, width, _) = self.box.pose, self.box.size
         return float(pose[0, 3]), float(pose[1, 3]), math.atan2(pose[1, 0], pose[0, 0]), length, width
+
+    @property
+    def material(self) -> Material:
+        """Material of its sides, in pictures in colour."""
+        if self.box.name.startswith("wall"):
+            return PLASTER_MATERIAL
+        return WOOD_MATERIAL if " of " in self.box.name else LACQUER_MATERIAL
 
     def reaches(self, height: float) -> bool:
         """Return whether it cuts the level plane at a height, in [m]."""

@@ -1,0 +1,49 @@
+"""Depth cameras."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import ClassVar, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.geometry.transform import Transform, apply
+from handcart.robotics.perception.cameras.camera_model import CameraModel
+
+from .capability import Capability, Reading
+
+
+class DepthImage(NamedTuple):
+    """Colour and depth of one instant, with the pose of the camera at that instant."""
+
+    colour: NDArray[np.uint8]
+    """(height, width, 3) in RGB."""
+    depth: NDArray[np.float32]
+    """(height, width) in [m] along the optical axis; NaN without a reading."""
+    base_T_camera: Transform
+    """Pose (4, 4) of the optical frame (z forward, x right, y down) by the joints measured then."""
+    time: float
+    """Time of the picture in [s], counted in periods of the backend since it was built."""
+
+    def points(self, model: CameraModel) -> NDArray[np.float64]:
+        """Return the points that have a reading, (n, 3) in [m] in the base frame, row by row."""
+        rows, columns = np.nonzero(np.isfinite(self.depth))
+        z = self.depth[rows, columns].astype(np.float64)
+        rays = model.undistort(np.column_stack((columns, rows)).astype(np.float64))
+        return apply(self.base_T_camera, np.column_stack((rays * z[:, None], z)))
+
+
+class DepthCamera(Capability):
+    """A camera that measures colour and depth, from one place with one lens, rectified."""
+
+    READINGS: ClassVar = {"image": Reading("depth camera", ("colour", "depth"), noisy=True)}
+
+    @abstractmethod
+    def image(self) -> DepthImage:
+        """Return this period's picture."""
+
+    @property
+    @abstractmethod
+    def model(self) -> CameraModel:
+        """Intrinsics of both pictures."""

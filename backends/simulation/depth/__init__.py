@@ -1,0 +1,1 @@
+"""Simulated depth cameras: how depth is computed from a scene, and how it errs."""

@@ -1,0 +1,92 @@
+"""True depth of boxes and a floor, for all pixels of a pinhole camera."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.geometry.transform import Transform, inverse
+from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.perception.cameras.camera_model import CameraModel
+
+NEAREST_M = 0.005
+PARALLEL = 1e-12
+NOTHING, FLOOR = -2, -1
+"""Numbers of what a pixel shows that is not one of the boxes."""
+_CORNERS = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
+
+Floats = NDArray[np.float64]
+
+
+class BoxDepth:
+    """Casts the rays of a camera's pixels.
+
+    The slab method of Kay and Kajiya, "Ray tracing complex scenes" (1986); each box is tested against the
+    pixels of the rectangle around its corners alone.
+    """
+
+    def __init__(self, model: CameraModel) -> None:
+        """Prepare the rays of a pinhole camera without distortion."""
+        self._K, self._shape = model.K, (model.height, model.width)
+        rows, columns = np.indices(self._shape, dtype=np.float64)
+        x, y = (columns - model.K[0, 2]) / model.K[0, 0], (rows - model.K[1, 2]) / model.K[1, 1]
+        self._rays = np.stack((x, y, np.ones(self._shape)), axis=2)
+
+    def cast(self, world_T_camera: Transform, boxes: Sequence[Box]) -> tuple[Floats, NDArray[np.int64]]:
+        """Return the depth (h, w) in [m] of each pixel, and what it shows (h, w).
+
+        Args:
+            world_T_camera: (4, 4) of the optical frame (z forward, x right, y down).
+            boxes: what there is besides the floor at height 0; one that contains the camera is not seen.
+
+        Returns:
+            Depth along the optical axis, infinite where nothing is, and the number of the box, `FLOOR` or
+            `NOTHING`.
+        """
+        depth, shown = np.full(self._shape, np.inf), np.full(self._shape, NOTHING)
+        height, falls = world_T_camera[2, 3], self._rays @ world_T_camera[2, :3]
+        with np.errstate(divide="ignore"):
+            floor = np.where(falls < 0.0, -height / falls, np.inf)
+        met = np.isfinite(floor) & (floor > NEAREST_M)
+        depth[met], shown[met] = floor[met], FLOOR
+        for number, box in enumerate(boxes):
+            self._cast(inverse(world_T_camera) @ box.pose, box.size, number, depth, shown)
+        return depth, shown
+
+    def _cast(
+        self,
+        camera_T_box: Transform,
+        size: tuple[float, float, float],
+        number: int,
+        depth: Floats,
+        shown: NDArray[np.int64],
+    ) -> None:
+        window = self._window(camera_T_box, np.array(size))
+        if window is None:
+            return
+        turn, half = camera_T_box[:3, :3], np.array(size) / 2
+        start = -turn.T @ camera_T_box[:3, 3]
+        ways = self._rays[window] @ turn
+        ways = np.where(np.abs(ways) < PARALLEL, PARALLEL, ways)
+        one, other = (-half - start) / ways, (half - start) / ways
+        enter = np.minimum(one, other).max(axis=2)
+        leave = np.maximum(one, other).min(axis=2)
+        hit = (enter <= leave) & (enter > NEAREST_M) & (enter < depth[window])
+        depth[window] = np.where(hit, enter, depth[window])
+        shown[window] = np.where(hit, number, shown[window])
+
+    def _window(self, camera_T_box: Transform, size: Floats) -> tuple[slice, slice] | None:
+        """Rows and columns that may show a box; None if none does."""
+        corners = (_CORNERS * size) @ camera_T_box[:3, :3].T + camera_T_box[:3, 3]
+        if (corners[:, 2] <= NEAREST_M).all():
+            return None
+        if (corners[:, 2] <= NEAREST_M).any():
+            return slice(None), slice(None)
+        pixels = (corners @ self._K.T)[:, :2] / corners[:, 2:]
+        (left, top), (right, bottom) = np.floor(pixels.min(axis=0)), np.ceil(pixels.max(axis=0)) + 1
+        height, width = self._shape
+        if right <= 0 or bottom <= 0 or left >= width or top >= height:
+            return None
+        return slice(max(0, int(top)), int(bottom)), slice(max(0, int(left)), int(right))

@@ -1,0 +1,95 @@
+"""Errors of a depth picture."""
+
+from __future__ import annotations
+
+import math
+from typing import TypeVar
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.sensors.depth_spec import DepthCameraSpec
+from handcart.backends.simulation.keyed_noise import keyed
+from handcart.robotics.perception.cameras.camera_model import CameraModel
+
+Floats = NDArray[np.float64]
+Scalar = TypeVar("Scalar", bound=np.generic)
+
+
+class DepthNoise:
+    """Conversion of true depths to those that a camera reads, by its section of the robot's file."""
+
+    def __init__(self, spec: DepthCameraSpec, seed: int) -> None:
+        """Draw what stays the same for a run."""
+        self._spec, self._errors, self._seed = spec, spec.errors, seed
+        self._scale = 1.0 + spec.errors.scale_percent / 100 * keyed(seed, "depth scale").standard_normal()
+        self._rays = _rays(spec.model)
+
+    def read(self, true: Floats, period: int) -> NDArray[np.float32]:
+        """Return the depths (h, w) in [m] read in a period; NaN without a reading.
+
+        Args:
+            true: depths (h, w) in [m]; infinite where nothing is.
+            period: its number.
+        """
+        errors, rng = self._errors, keyed(self._seed, "depth", period)
+        drawn, dropped = rng.standard_normal(true.shape), rng.random(true.shape)
+        beyond = np.maximum(np.where(np.isfinite(true), true, 0.0) - errors.sigma_from_m, 0.0)
+        sigma = (errors.sigma_mm + errors.sigma_mm_per_m2 * beyond**2) / 1e3
+        depth = np.where(np.isfinite(true), true, np.nan) * self._scale + sigma * drawn
+        lost = self.steps(true) | self.grazing(true) | (dropped < errors.dropout_percent / 100)
+        with np.errstate(invalid="ignore"):
+            lost |= (depth < self._spec.range_min_m) | (depth > self._spec.reach_m)
+        depth[lost] = np.nan
+        return depth.astype(np.float32)
+
+    def steps(self, true: Floats) -> NDArray[np.bool_]:
+        """(h, w) whether a pixel is too near to a step in depth."""
+        if self._errors.edge_px == 0:
+            return np.zeros(true.shape, np.bool_)
+        share = 1.0 + self._errors.edge_step_percent / 100
+        found = np.zeros(true.shape, np.bool_)
+        for axis in (0, 1):
+            one, other = _neighbours(true, axis)
+            step = np.maximum(one, other) > share * np.minimum(one, other)
+            for half in _neighbours(found, axis):
+                half[step] = True
+        side = 2 * self._errors.edge_px - 1
+        return cv2.dilate(found.astype(np.uint8), np.ones((side, side), np.uint8)) > 0
+
+    def grazing(self, true: Floats) -> NDArray[np.bool_]:
+        """(h, w) whether a surface is seen at too flat an angle."""
+        if self._errors.grazing_deg >= 90.0:
+            return np.zeros(true.shape, np.bool_)
+        points = self._rays * np.where(np.isfinite(true), true, 1e3)[..., None]
+        across, down = np.diff(points, axis=1), np.diff(points, axis=0)
+        after = self._cosines(_padded(across, 1, -1), _padded(down, 0, -1))
+        before = self._cosines(_padded(across, 1, 0), _padded(down, 0, 0))
+        return np.asarray(np.maximum(after, before) < math.cos(math.radians(self._errors.grazing_deg)))
+
+    def _cosines(self, across: Floats, down: Floats) -> Floats:
+        """(h, w) cosine between the rays and the normals of a surface with these slopes (h, w, 3)."""
+        normals = np.cross(across, down)
+        lengths = np.linalg.norm(normals, axis=2) * np.linalg.norm(self._rays, axis=2)
+        return np.asarray(np.abs((normals * self._rays).sum(axis=2)) / np.maximum(lengths, 1e-12))
+
+
+def _rays(model: CameraModel) -> Floats:
+    """(h, w, 3) rays of the pixels, with a length of 1 along the optical axis."""
+    rows, columns = np.indices((model.height, model.width), dtype=np.float64)
+    flat = model.undistort(np.column_stack((columns.ravel(), rows.ravel())))
+    return np.column_stack((flat, np.ones(len(flat)))).reshape(model.height, model.width, 3)
+
+
+def _neighbours(values: NDArray[Scalar], axis: int) -> tuple[NDArray[Scalar], NDArray[Scalar]]:
+    """Views of all pixels but the last ones along an axis, and of their next neighbours."""
+    if axis == 0:
+        return values[:-1], values[1:]
+    return values[:, :-1], values[:, 1:]
+
+
+def _padded(slopes: Floats, axis: int, at: int) -> Floats:
+    """Slopes with their first (0) or last (-1) ones along an axis twice, one for each pixel."""
+    twice = np.take(slopes, [at], axis=axis)
+    return np.concatenate((twice, slopes) if at == 0 else (slopes, twice), axis=axis)
