@@ -38,6 +38,11 @@ STILLS: Mapping[str, Still] = {
         ("handcart make-map",),
         Moment("room/task.yaml", "MOVE_TO", 1, 18.0, (-0.9, -1.3, 8.0), (-0.7, 1.0, 0.2), 1300.0),
     ),
+    "soap": Still(
+        "object.md",
+        ("handcart make-map",),
+        Moment("soap/task.yaml", "STACK", 1, 3.2, (-0.9, 1.5, 1.25), (0.14, 0.35, 0.45), 1200.0),
+    ),
 }
 
 

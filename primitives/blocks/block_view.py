@@ -16,7 +16,8 @@ from handcart.primitives.restoring.snapshot import settle
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, apply, inverse
 from handcart.robotics.kinematics.shapes import Box
-from handcart.robotics.perception.blocks.block_finder import find_block
+from handcart.robotics.perception.blocks.block_finder import MAX_TURN_RAD, find_block
+from handcart.robotics.perception.blocks.nearest_face import nearest_face
 from handcart.robotics.perception.cameras.overlay import draw_overlay
 
 from .building import Building
@@ -59,6 +60,29 @@ def see_block(
         if seen is not None:
             return _as_block(seen, on_level(top))
     return None
+
+
+def why_unseen(robot: Robot, plan: Building, base_T_block: Transform) -> str:
+    """Return what the camera sees instead of a block, right after `see_block` has found none."""
+    length, width, height = plan.block
+    camera_T_top = inverse(robot.base_T("hand") @ robot.camera.hand_T_camera) @ _flat(
+        float(base_T_block[2, 3]) + height
+    )
+    face = nearest_face(robot.picture(), robot.camera.model, camera_T_top, on_level(base_T_block))
+    needed = (
+        f"needed: {_size(max(length, width), min(length, width))}, brighter than its surroundings, at most "
+        f"{1e3 * BLOCK_SEARCH_RADIUS_M:.0f} mm and {math.degrees(MAX_TURN_RAD):.0f} deg off"
+    )
+    if face is None:
+        return f"no face there is brighter than its surroundings; {needed}"
+    long_axis = 0.0 if length >= width else math.pi / 2
+    turn = abs(math.remainder(face.direction - long_axis, math.pi))
+    off = f"{1e3 * face.distance:.0f} mm and {math.degrees(turn):.0f} deg off"
+    return f"the nearest bright face is {_size(face.long_side, face.short_side)}, {off}; {needed}"
+
+
+def _size(long_side: float, short_side: float) -> str:
+    return f"{1e3 * long_side:.0f} x {1e3 * short_side:.0f} mm"
 
 
 def _flat(height: float) -> Transform:

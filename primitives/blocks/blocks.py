@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
-from dataclasses import dataclass
-from typing import Any, ClassVar, NamedTuple
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
+from handcart.files.models.loading import Loaded, load_document
+from handcart.files.yaml.yaml_document import read_document
 from handcart.primitives.blocks.building import Building
-from handcart.primitives.knowledge.section import Section
+from handcart.primitives.knowledge.section import NamedFiles, Section
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.perception.blocks.block_finder import MIN_FACE_SIZE_M
+
+if TYPE_CHECKING:
+    from handcart.backends.description.robot_file import RobotFile
+    from handcart.files.errors import Finding
 
 
 class Fixed(NamedTuple):
@@ -67,6 +74,30 @@ class Blocks(Section):
     """Blocks that were put at their goals."""
     taken: tuple[int, ...] = ()
     """Numbers of the blocks that have left the supply."""
+    listed: Loaded[Building] | None = field(default=None, repr=False, compare=False)
+    """The building plan with the lines of its file."""
+
+    @override
+    @classmethod
+    def load(cls, files: NamedFiles) -> Self:
+        listed = files.read("building", lambda path: load_document(read_document(path), Building))
+        return cls() if listed is None else cls(listed.value, listed=listed)
+
+    @override
+    def faults(self, robot: RobotFile) -> Iterator[Finding]:
+        """Report blocks that the fingers cannot take between them, or that the camera cannot measure."""
+        if self.listed is None or robot.gripper is None:
+            return
+        length, width, _ = self.listed.value.block_mm
+        if length >= robot.gripper.opening_mm:
+            wrong = f"the blocks are {length:g} mm long, which is the side between the fingers"
+            allowed = f"less than {robot.gripper.opening_mm:g} mm, as far as the fingers open"
+            yield self.listed.finding(("block_mm",), f"{wrong}; allowed: {allowed}")
+        if min(length, width) < 1e3 * MIN_FACE_SIZE_M:
+            wrong = f"the blocks' upper sides are {length:g} x {width:g} mm, too small for the camera"
+            yield self.listed.finding(
+                ("block_mm",), f"{wrong}; allowed: at least {1e3 * MIN_FACE_SIZE_M:g} mm"
+            )
 
     @override
     def names(self) -> Mapping[str, Collection[object]]:

@@ -33,7 +33,7 @@ from handcart.primitives.restoring.snapshot import MIN_HELD_WIDTH_M, Snapshot
 from handcart.primitives.restoring.trace import Trace
 from handcart.robotics.geometry.transform import Transform, inverse
 
-from .block_view import see_block
+from .block_view import see_block, why_unseen
 from .building import Building
 from .building_site import building, standing, surroundings
 from .supports import TRAY_NAME, held_on
@@ -159,7 +159,8 @@ class PickUpBlock(ActionPrimitive):
         """base_T_block (4, 4) as a picture shows it."""
         seen = yield from see_block(robot, plan, stands, self.evidence, surroundings(robot, model))
         if seen is None:
-            raise Discrepancy(f"block {self.number} isn't seen at its planned place")
+            instead = why_unseen(robot, plan, stands)
+            raise Discrepancy(f"block {self.number} isn't seen at its planned place: {instead}")
         off = seen.relative_to(on_level(stands))
         self.found(seen_x_mm=round(1e3 * off.x, 2), seen_y_mm=round(1e3 * off.y, 2))
         return seen.lift(float(stands[2, 3]))

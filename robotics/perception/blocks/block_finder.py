@@ -19,7 +19,7 @@ MAX_TURN_RAD = 0.35
 """Largest difference from the expected heading, in [rad]."""
 _ANGLES = np.linspace(-MAX_TURN_RAD, MAX_TURN_RAD, 11)
 _M_PER_PX = 0.0016  # of the picture of the plane in which guesses are looked for
-_LEAST_SIZE = 0.015  # [m]
+MIN_FACE_SIZE_M = 0.015
 _STRIP = 3  # breadth of what is compared on both sides of an edge [px]
 _LEAST_STEP = 5.0  # grey levels
 _GUESSES = 6
@@ -38,8 +38,8 @@ def find_block(
     """Return plane_T_block of the top face of a block, length x width `size` [m], in the plane z = 0 of a
     frame.
 
-    Its centre is searched within `within` [m] of `expected`, its x (along its length) within `TURN` of the
-    expected one. The face must be completely in the image (h, w), of one shade, and brighter than its
+    Its centre is searched within `within` [m] of `expected`, its x (along its length) within `MAX_TURN_RAD`
+    of the expected one. The face must be completely in the image (h, w), of one shade, and brighter than its
     surroundings; one of its four edges may border on something as bright, and is then placed according to
     the size.
 
@@ -49,9 +49,9 @@ def find_block(
     Raises:
         ValueError: the plane doesn't lie before the camera, or the size is less than 15 mm.
     """
-    if min(size) < _LEAST_SIZE:
+    if min(size) < MIN_FACE_SIZE_M:
         raise ValueError(
-            f"a face of {size[0]:g} x {size[1]:g} m is too small; allowed: {_LEAST_SIZE:g} m or more"
+            f"a face of {size[0]:g} x {size[1]:g} m is too small; allowed: {MIN_FACE_SIZE_M:g} m or more"
         )
     view = PlaneView(image, camera, camera_T_plane)
     for guess in _guesses(view, size, expected, within):

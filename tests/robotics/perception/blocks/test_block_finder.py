@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, inverse, transform
 from handcart.robotics.perception.blocks.block_finder import MAX_TURN_RAD, find_block
+from handcart.robotics.perception.blocks.nearest_face import nearest_face
 from handcart.robotics.perception.cameras.camera_model import CameraModel
 
 CAMERA = CameraModel(
@@ -314,3 +315,18 @@ def test_a_face_that_is_too_small_is_an_error() -> None:
     image = np.zeros((480, 640), dtype=np.uint8)
     with pytest.raises(ValueError, match=r"0\.01 x 0\.08 m is too small; allowed: 0\.015 m or more"):
         find_block(image, CAMERA, looking(0.0, 0.0, 0.3), (0.01, 0.08), Pose2(0.0, 0.0, 0.0), WITHIN)
+
+
+@pytest.mark.parametrize("grey", [GREY, TABLE])
+def test_nearest_face_reports_size_and_offset_of_a_bright_block(grey: int) -> None:
+    above = transform((0.0, 0.0, 0.3), (math.pi, 0.0, 0.0))
+    block = Block(Pose2(0.02, -0.01, 0.6), size=(0.03, 0.06), grey=grey)
+    image = Painter()([block], inverse(above), seed=4)
+    found = nearest_face(image, CAMERA, inverse(above), Pose2(0.0, 0.0, 0.1))
+    if grey == TABLE:
+        assert found is None or found.long_side < 0.05
+        return
+    assert found is not None
+    assert (found.long_side, found.short_side) == pytest.approx((0.06, 0.03), abs=0.004)
+    assert found.distance == pytest.approx(math.hypot(0.02, 0.01), abs=0.004)
+    assert math.remainder(found.direction - (0.5 + math.pi / 2), math.pi) == pytest.approx(0.0, abs=0.06)
