@@ -19,7 +19,7 @@ from handcart.robotics.navigation.maps.grid_map import GridMap
 
 from .unseen_ground import UnseenGround
 
-SIDE_MARGIN_M = 0.005  # [m] beside the footprint that must stay free
+SIDE_MARGIN_M = 0.008  # [m] beside the footprint that must stay free
 SAME_POINT_M = 1e-6  # [m] by which a point may be off, from one frame to another and back
 _FAR = np.array([np.inf])
 SPEED_RATIOS = (
@@ -48,6 +48,7 @@ class GuardedBase(Base):
         pose: Callable[[], Pose2],
         scan: Callable[[], NDArray[np.float64]],
         unseen: UnseenGround | None = None,
+        restart_scan: Callable[[], None] = lambda: None,
     ) -> None:
         """Guard a base.
 
@@ -59,7 +60,9 @@ class GuardedBase(Base):
             scan: returns the lidar's current points without the robot itself, (n, 2) in [m], in the base
                 frame.
             unseen: ground that the lidar does not see; None without a lidar.
+            restart_scan: called when the base starts anew, before `scan`: averages begin there.
         """
+        self._restart_scan = restart_scan
         self._base, self._pose, self._scan, self._unseen = base, pose, scan, unseen
         self._radius, self._grid = robot.footprint_radius_m + SIDE_MARGIN_M, grid
         self._braking, self._period = robot.drive.acceleration_m_s2, robot.period_s
@@ -115,6 +118,7 @@ class GuardedBase(Base):
     def _begin(self) -> None:
         if self._starts:
             pose = self._pose()
+            self._restart_scan()
             self._guard.stand_at(pose, self._around(pose))
             if self._unseen is not None:
                 self._unseen.starts_here()

@@ -35,6 +35,7 @@ from handcart.robotics.navigation.following.way_guard import NO_STANDS, Held
 from handcart.robotics.navigation.localization.attitude import Attitude
 from handcart.robotics.navigation.maps.grid_map import GridMap
 
+from .averaged_scan import AveragedScan
 from .beside import beside
 from .guarded_base import GuardedBase, steady_points
 from .lidar import Lidar
@@ -117,7 +118,10 @@ class Robot:
         """Further lidars: the base keeps off what they see, too."""
         wheels = self.get(Base)  # type: ignore[type-abstract]
         self._unseen = None if self.lidar is None else self._unseen_ground(self.lidar)
-        self._guarded = GuardedBase(wheels, spec, grid, lambda: self.pose, self.surroundings, self._unseen)
+        self._averaged = AveragedScan(lambda: self.localization.odometry_pose)
+        self._guarded = GuardedBase(
+            wheels, spec, grid, lambda: self.pose, self.surroundings, self._unseen, self._averaged.restart
+        )
         self.driven = (0.0, 0.0)
         """Speed in [m/s] and turn rate in [rad/s] that the base was commanded in the last period."""
         self.held: Held | None = None
@@ -261,7 +265,7 @@ class Robot:
         """
         if self.lidar is None:
             return NO_STANDS
-        points = steady_points(self.lidar.scan())
+        points = steady_points(self._averaged.take(self.lidar.scan()))
         if self.other_lidars:
             points = np.vstack([points, *(steady_points(each.scan()) for each in self.other_lidars)])
         return self.without_hand(points) if self.spec.localizer in OUTDOOR_LOCALIZERS else points

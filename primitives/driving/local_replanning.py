@@ -25,10 +25,11 @@ MAX_EXPLAINED_M = 0.3  # the same where the pose is uncertain
 LOOK_PERIOD_S = 0.2  # between two looks whether the route is free
 BETTER_PERIOD_S = 1.0  # between two looks for a better one
 LEAD_S = 0.3  # of motion along the old route that stays the beginning of a new one
+LEAD_SPEED_M_S = 0.3  # from which it stays
 HOLD_DISTANCE_M = 1.0  # before what no way leads around, at which the base holds
 OLD_CELLS_S = 20.0  # after which what nothing looked at is dropped, if it closes all ways
-PINNED_S = 1.0  # that the guard holds the base, until it backs off
-PINNED_MOTION_M = 0.05  # within which it counts as held at one place
+PINNED_S = 0.8  # that the guard holds the base at about one place, until it backs off
+PINNED_MOTION_M = 0.05  # within which a place is one place
 BACK_OFF_M = 0.25
 BACK_OFF_SPEED_M_S = 0.15
 BACK_OFF_TIMEOUT_S = 3.0
@@ -58,7 +59,7 @@ class LocalReplanning:
         self.blocked_since: float | None = None
         """Time since which the base holds because no way leads on, in [s]; None while one does."""
         self._look: Look | None = None
-        self._anchor, self._held_since = robot.pose, robot.time
+        self._anchor, self._held_for = robot.pose, 0.0
         self._backed_off = 0
         self._nearest, self._nearer_at = np.inf, robot.time
 
@@ -103,7 +104,7 @@ class LocalReplanning:
         if look.kind == "none":
             raise self._no_way(look)
         self._look, self._nearest = look, np.inf
-        self._nearer_at = self._held_since = robot.time
+        self._nearer_at = robot.time
         return look
 
     def update(self, robot: Robot, tracker: PathTracker) -> None:
@@ -122,7 +123,8 @@ class LocalReplanning:
         self._next_look = robot.time + LOOK_PERIOD_S
         if better:
             self._next_better = robot.time + BETTER_PERIOD_S
-        lead = LEAD_S * abs(robot.driven[0])
+        speed = abs(robot.driven[0])
+        lead = LEAD_S * speed if speed > LEAD_SPEED_M_S else 0.0
         arguments = robot.pose, tracker.ahead, self._avoided(robot), lead, better
         self._job = robot.compute(self._answer, *arguments, takes=robot.period)
         next(self._job)
@@ -158,12 +160,16 @@ class LocalReplanning:
             since = robot.time - self._nearer_at
             late = Measured("Base", "time without getting nearer", since, patience, "s")
             raise Discrepancy(f"the base doesn't get nearer to {self._name}", measured=late)
-        if robot.held is None or robot.pose.distance(self._anchor) > PINNED_MOTION_M:
-            self._anchor, self._held_since = robot.pose, robot.time
+        if robot.pose.distance(self._anchor) > PINNED_MOTION_M or waits:
+            self._anchor, self._held_for = robot.pose, 0.0
+        elif robot.held is not None:
+            self._held_for += robot.period
+            if robot.held.shown_by == "scan":
+                self._layer.add(np.array([[robot.held.x, robot.held.y]]), robot.time)
 
     def pinned(self, robot: Robot) -> bool:
         """Return whether the guard has held the base at one place, so that it should back off."""
-        pinned = robot.time > self._held_since + PINNED_S and self.blocked_since is None
+        pinned = self._held_for > PINNED_S and self.blocked_since is None
         return pinned and self._backed_off < BACK_OFF_MAX_TRIES
 
     def back_off(self, robot: Robot, tracker: PathTracker) -> Generator[None, None, None]:
@@ -182,7 +188,7 @@ class LocalReplanning:
         tracker.stopped()
         self._job = None
         look = yield from robot.compute(self._answer, robot.pose, None, self._avoided(robot))
-        self._anchor, self._held_since = robot.pose, robot.time
+        self._anchor, self._held_for = robot.pose, 0.0
         if look.kind == "new":
             self._apply(look, robot, tracker)
 

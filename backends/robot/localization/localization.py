@@ -361,8 +361,18 @@ class ScanLocalization(Localization):
         return super().explained if match is None else match.inliers
 
     def _parts(self) -> dict[str, tuple[object, Kinds]]:
-        slip, way = self._matching.slip, self._matching.way
-        return {**super()._parts(), "slip": (slip, slip.STATE), "way": (way, way.STATE)}
+        slip, way, layer = self._matching.slip, self._matching.way, self._matching.unmapped.layer
+        parts = super()._parts()
+        parts |= {"slip": (slip, slip.STATE), "way": (way, way.STATE)}
+        return {**parts, "keyframes": (layer, layer.STATE)}
+
+    @override
+    def set_state(self, state: object) -> None:
+        layer = self._matching.unmapped.layer
+        layer.clear()
+        if isinstance(state, dict) and "keyframes" not in state:  # older checkpoints have none
+            state = {**state, "keyframes": attributes(layer, layer.STATE)}
+        super().set_state(state)
 
 
 class WheelLocalization(Localization):

@@ -8,14 +8,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
-from handcart.robotics.navigation.following.drive_limits import BRAKING_SHARE, DriveLimits, Ramp, rate_to_stop
+from handcart.robotics.navigation.following.drive_limits import DriveLimits, Ramp, rate_to_stop
 from handcart.robotics.navigation.following.pose_regulator import PoseRegulator, PoseTolerance
 from handcart.robotics.navigation.maps.speed_limits import AllowedSpeeds
 
 HEADING_GAIN = 10.0  # [1/m], Kθ; with a sideways gain Ky = Kθ²/4 critically damped, 0.2 m to die down
 HEADING_RATE = 6.0  # [1/s] at most with which a heading error dies down: a period and the drives lag behind
 APPROACH_ANGLE_RAD = 0.3  # at most, at which the robot returns to the route; more would lead across it
-CURVE_SHARE = 0.6  # of turn rate and lateral acceleration that curves are planned with
+CORNER_PER_M = 8.0  # [1/m] of curvature; what is sharper is a corner, at which the base turns in place
+TURN_SHARE = 0.6  # of the turn rate that curves are planned with; the rest is for corrections
+LATERAL_SHARE = 0.8  # likewise of the lateral acceleration
+PROFILE_BRAKING_SHARE = 0.7  # of the acceleration that a route's speeds are planned with
 TURN_FROM, TURN_UNTIL = 0.7, 0.08  # [rad] of heading error that is turned away in place
 POINT_SPACING_M = 0.04  # [m] between reference points
 TANGENT_POINTS = 2  # reference points on each side that a tangent is taken over
@@ -209,7 +212,7 @@ def _tangents(points: NDArray[np.float64]) -> NDArray[np.float64]:
 def _curvatures(heading: NDArray[np.float64], along: NDArray[np.float64]) -> NDArray[np.float64]:
     if len(along) < 2:
         return np.zeros(len(along))
-    return np.asarray(np.gradient(heading, along))
+    return np.clip(np.gradient(heading, along), -CORNER_PER_M, CORNER_PER_M)
 
 
 def _around(most: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -228,11 +231,13 @@ def _speed_profile(
 ) -> NDArray[np.float64]:
     """Speeds (n,) in [m/s] up to `most` (n,) that curves allow and from which one can brake in time."""
     bend = np.maximum(np.abs(curvature), 1e-6)
-    speed = np.minimum(most, CURVE_SHARE * limits.turn_rate / bend)
-    speed = np.minimum(speed, np.sqrt(CURVE_SHARE * limits.lateral_acceleration / bend))
+    speed = np.minimum(most, TURN_SHARE * limits.turn_rate / bend)
+    speed = np.minimum(speed, np.sqrt(LATERAL_SHARE * limits.lateral_acceleration / bend))
     speed[-1] = 0.0
     for i in range(len(speed) - 2, -1, -1):
         room = float(along[i + 1] - along[i])
-        reachable = math.sqrt(float(speed[i + 1]) ** 2 + 2.0 * BRAKING_SHARE * limits.acceleration * room)
+        reachable = math.sqrt(
+            float(speed[i + 1]) ** 2 + 2.0 * PROFILE_BRAKING_SHARE * limits.acceleration * room
+        )
         speed[i] = min(float(speed[i]), reachable)
     return np.maximum(speed, MIN_SPEED_M_S)

@@ -21,6 +21,7 @@ from handcart.robotics.navigation.localization.scan_matching import (
 )
 from handcart.robotics.navigation.localization.slip_monitor import SlipMonitor, turn_variance
 from handcart.robotics.navigation.localization.start_search import Beams, StartFit, check_start
+from handcart.robotics.navigation.localization.unmapped_surroundings import UnmappedSurroundings
 from handcart.robotics.navigation.localization.way_monitor import WayMonitor
 
 FEWEST_POINTS = 20
@@ -278,6 +279,8 @@ class ScanLocalizer(Localizer):
         self.way = WayMonitor()
         """Monitor of travel that is longer or shorter than measured by the wheels."""
         self.last_match: ScanMatch | None = None
+        self.unmapped = UnmappedSurroundings(field, sigma)
+        """The robot's own keyframes, by which it is located where the map explains too little."""
 
     @property
     def sure(self) -> bool:
@@ -322,14 +325,34 @@ class ScanLocalizer(Localizer):
         match = match_scan(
             self._field, points, self.pose, self.covariance, self._sigma, self.lost, self._map_error, before
         )
-        self.last_match = match
+        self.last_match, here = match, self.pose
         if match.inliers < self._least_inliers:
-            self._poor += 1
-            return False
+            return self._correct_among_unmapped(points)
         self._count_slip(match)
         self._count_way(match)
         self._poor, self._map_error = 0, match.map_error
         self._odometry.correct(match.pose, match.covariance, match.kept)
+        self.unmapped.take(points, here, self.pose, self.covariance)
+        return True
+
+    def _correct_among_unmapped(self, points: NDArray[np.float64]) -> bool:
+        """Take over the pose among the robot's own keyframes, corrected by what is left of the map."""
+        here = self.pose
+        if self.unmapped.layer.empty and not self.unmapped.contradicts(points, here):
+            self.unmapped.take(points, here, here, self.covariance)
+            return False
+        found = self.unmapped.locate(points, here)
+        self._poor = self._poor + 1 if found is None else 0
+        if found is None:
+            return False
+        self._odometry.correct(found.pose, found.covariance, np.eye(3))
+        match = self.unmapped.corrected_by_map(points, found, self._map_error)
+        if match is not None:
+            self._map_error = match.map_error
+            self._odometry.correct(match.pose, match.covariance, match.kept)
+        self.slip.begin()
+        self.way.begin()
+        self.unmapped.take(points, found.pose, self.pose, self.covariance)
         return True
 
     def check_start(self, beams: Beams) -> StartFit:
@@ -385,6 +408,7 @@ class ScanLocalizer(Localizer):
         """Start again from a rough pose, up to about 0.3 m and 10 degrees off, by a scan (n, 2)."""
         match = match_scan(self._field, points, near, SEARCH_COVARIANCE, self._sigma, anneal=True)
         self._odometry.reset(match.pose, match.covariance)
+        self.unmapped.layer.clear()
         self.last_match, self._poor, self._map_error = match, 0, match.map_error
         return match
 

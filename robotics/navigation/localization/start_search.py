@@ -96,6 +96,8 @@ def check_start(field: LikelihoodField, beams: Beams, pose: Pose2, noise: float)
         pose: map_T_base as it was stated, and corrected by the scan.
         noise: sigma of a point's distance to the map, in [m].
     """
+    if not field.map.occupied.any():
+        return StartFit(0.0)
     share = explained_share(field, beams, pose, noise)
     if share >= PLAIN_FIT or len(beams.points) < COARSE_POINTS // 3:
         return StartFit(share)

@@ -127,7 +127,8 @@ def _take(
 ) -> None:
     """Raise the cells at the ends of beams, then lower those between; positions are rows and columns.
 
-    A cell changes once in a scan (`stamps`), and a hit wins over beams that pass.
+    A cell changes once in a scan (`stamps`), and a hit wins over beams that pass. So do hits beside it: a
+    corner that fills little of its cell is passed more often than it is hit.
     """
     height, width = scores.shape
     for i in range(len(ends)):
@@ -136,6 +137,10 @@ def _take(
             stamps[row, column] = stamp
             scores[row, column] = min(scores[row, column] + HIT_SCORE, MAX_SCORE)
             hit_at[row, column] = time
+    for i in range(len(ends)):
+        row, column = math.floor(ends[i, 0]), math.floor(ends[i, 1])
+        if raises[i] and 0 < row < height - 1 and 0 < column < width - 1:
+            stamps[row - 1 : row + 2, column - 1 : column + 2] = stamp
     for i in range(len(ends)):
         rows, columns = ends[i, 0] - start[0], ends[i, 1] - start[1]
         length = math.sqrt(rows * rows + columns * columns)

@@ -20,6 +20,8 @@ from .ways import Way, Ways
 ROOMS_M = (0.06, 0.02, -0.015)  # beside the footprint that routes keep, in the order in which they are tried
 EDGE_JITTER_M = 0.04  # by which cells of an obstacle's edge come and go: a route is not left for less
 WORTH_RATIO = 0.85  # of the old route's price, below which another one is taken although the old one is free
+MAX_ROOMY_LENGTH_RATIO = 1.2  # of the usual length, up to which the first way with room is taken
+ROOMY_DETOUR_RATIO = 0.8  # of the length of a roomy way, below which a narrower one is taken instead
 OFF_ROUTE_M = 0.3  # from the old route, beyond which it is not the robot's any more
 USUAL_SPEED_M_S = 0.6  # of robots for which `CORNER_ROUNDING_PASSES` are enough
 
@@ -105,7 +107,8 @@ class Replanner:
         if old is not None and is_free and not better:
             return Look("kept", old.points, free, None, speeds)
         head = np.empty((0, 2)) if old is None else old.head(min(lead, 0.5 * free))
-        plan = self._plan(grid, start, goal, front, head)
+        usual = start.distance(goal) if old is None else max(start.distance(goal), path_length(old.points))
+        plan = self._plan(grid, start, goal, front, head, usual)
         if old is not None and (plan.points is None or (is_free and not plan.is_worth(old.points))):
             return Look("kept" if is_free else "none", old.points, free, obstacle, speeds, plan.way)
         if plan.points is None:
@@ -113,19 +116,29 @@ class Replanner:
         self._room = plan.room
         return Look("new", plan.points, path_length(plan.points), None, speeds, plan.way)
 
-    def _plan(self, grid: GridMap, start: Pose2, goal: Pose2, front: Floats | None, head: Floats) -> _Plan:
-        """Return the plan with the most room that leads to the goal; otherwise why none does."""
+    def _plan(
+        self, grid: GridMap, start: Pose2, goal: Pose2, front: Floats | None, head: Floats, usual: float
+    ) -> _Plan:
+        """Return the plan with the most room that leads to the goal; otherwise why none does.
+
+        Where room costs much more than the `usual` length in [m], a narrower way that is much shorter counts.
+        """
         begin = (float(head[-1, 0]), float(head[-1, 1])) if len(head) else (start[0], start[1])
-        failed: _Plan | None = None
+        first, found = None, None
         for room in self._rooms:
             ways = Ways(grid, self._radius, begin, room=room, rounding=self._rounding)
             way = ways.to(goal, front)
+            plan = _Plan(way, None, room, ways)
+            first = first or plan
             if way.route is not None:
                 points = np.vstack([head[:-1], way.route.points]) if len(head) else way.route.points
-                return _Plan(way, points, room, ways)
-            failed = failed or _Plan(way, None, room, ways)
-        assert failed is not None, "there is a room to try"
-        return failed
+                plan = _Plan(way, points, room, ways)
+                if found is None or plan.length < ROOMY_DETOUR_RATIO * found.length:
+                    found = plan
+                if found is not plan or plan.length < MAX_ROOMY_LENGTH_RATIO * usual:
+                    break
+        assert first is not None, "there is a room to try"
+        return found or first
 
 
 class _Plan(NamedTuple):
@@ -137,6 +150,11 @@ class _Plan(NamedTuple):
     room: float
     """Room beside the footprint that it keeps, in [m]."""
     ways: Ways
+
+    @property
+    def length(self) -> float:
+        """Length of the route in [m]; inf without one."""
+        return np.inf if self.points is None else path_length(self.points)
 
     def is_worth(self, old: Floats) -> bool:
         """Return whether it costs enough less than an old route (n, 2) that is free."""

@@ -170,3 +170,27 @@ def test_progress_goes_on_while_the_base_rolls_to_rest() -> None:
         tracker.hold(Pose2(float(x), 0.0, 0.0), DT)
     assert tracker.progress == pytest.approx(0.5)
     assert tracker.ahead[0].tolist() == pytest.approx([0.5, 0.0])
+
+
+@pytest.mark.parametrize("top", [1.0, 2.0])
+def test_fast_robot_stays_on_a_winding_route_and_within_lateral_limit(top: float) -> None:
+    limits = DriveLimits(top, 2.1, top, 6.3, 1.5)
+    x = np.linspace(0.0, 10.0, 250)
+    winding = np.column_stack([x, 0.6 * np.sin(1.2 * x)])
+    poses, commands = run(PathTracker(winding, None, limits), Pose2(0.0, 0.05, 0.7))
+    assert np.abs(commands[:, 0] * commands[:, 1]).max() <= 1.5 + 1e-9
+    assert away_from(winding, poses[20:]) < 0.04  # swinging at 2 m/s was 0.5 m
+    assert commands[:, 0].max() > 0.8 * min(top, 1.0)
+
+
+def test_reroute_hands_the_motion_over_without_a_stop() -> None:
+    limits = DriveLimits(1.0, 2.0, 1.0, 6.0)
+    tracker, pose = PathTracker(np.array([[0.0, 0.0], [6.0, 0.0]]), None, limits), Pose2(0.0, 0.0, 0.0)
+    for _ in range(40):
+        speed, turn = tracker.command(pose, DT)
+        pose = pose.compose(Pose2(speed * DT, 0.0, turn * DT))
+    before = speed
+    tracker.reroute(np.array([[pose.x, 0.0], [pose.x + 1.0, 0.1], [6.0, 0.5]]))
+    after, _ = tracker.command(pose, DT)
+    assert before > 0.9
+    assert after > before - 1.0 * DT - 1e-9

@@ -1,0 +1,150 @@
+"""A local map from the robot's own scans, to be located by where the given map explains too little.
+
+Scans enter it only after some motion (keyframes): a robot that matches each scan with the one before follows
+its own noise. A pose found by it is as uncertain as that of the keyframe it was found by, carried over to the
+present pose, and the noise of the match; so the uncertainty of the start stays, and each new keyframe adds.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import ClassVar, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.navigation.maps.grid_map import GridMap
+
+from .likelihood_field import LikelihoodField
+from .scan_matching import match_scan
+
+CELL_M = 0.04  # of the local map
+WINDOW_M = 16.0  # side of the local map about the robot
+MOVED_WINDOW_M = 2.0  # by which the robot has to leave its middle until it is drawn again
+NEW_KEYFRAME_M, NEW_KEYFRAME_RAD = 0.3, math.radians(20.0)  # from all others, from which a scan is a keyframe
+OVERLAP_M = 1.0  # within which a keyframe shows about the same as the present scan
+MAX_KEYFRAMES = 150
+KEYFRAME_POINTS = 240  # of a scan that are kept
+MIN_POINTS = 20
+MIN_INLIERS = 0.6  # share of a scan that the keyframes must explain
+RELATIVE = np.diag([0.03, 0.03, 0.02]) ** 2  # [m², rad²] of the motion by wheels between two scans
+
+Array = NDArray[np.float64]
+
+
+class LayerMatch(NamedTuple):
+    """Pose of a scan among the keyframes."""
+
+    pose: Pose2
+    """map_T_base."""
+    covariance: Array
+    """(3, 3) of x, y in [m] and heading in [rad], that of the keyframe in it."""
+    inliers: float
+    """Share of the points that the keyframes explain."""
+
+
+class KeyframeLayer:
+    """Keyframes of a drive with their poses and covariances."""
+
+    STATE: ClassVar = {
+        "_poses": NDArray[np.float64],
+        "_covariances": NDArray[np.float64],
+        "_points": NDArray[np.float64],
+        "_owners": NDArray[np.int64],
+    }
+    """Attributes that a checkpoint keeps, with their types."""
+
+    def __init__(self) -> None:
+        """No keyframe yet."""
+        self.clear()
+
+    def clear(self) -> None:
+        """Forget all keyframes."""
+        self._poses, self._covariances = np.empty((0, 3)), np.empty((0, 9))
+        self._points, self._owners = np.empty((0, 2)), np.empty(0, dtype=np.int64)
+        self._field: LikelihoodField | None = None
+        self._middle = (0.0, 0.0)
+
+    @property
+    def empty(self) -> bool:
+        """True without a keyframe."""
+        return len(self._poses) == 0
+
+    def take(self, points: Array, pose: Pose2, covariance: Array) -> bool:
+        """Add a scan if it is far enough from all keyframes; return whether it was added.
+
+        Args:
+            points: (n, 2) end points of the scan in the base frame, in [m].
+            pose: map_T_base.
+            covariance: (3, 3) of the pose.
+        """
+        if len(points) < MIN_POINTS or self._has_near(pose):
+            return False
+        some = points[np.linspace(0, len(points) - 1, min(len(points), KEYFRAME_POINTS)).astype(np.int64)]
+        number = 1 + int(self._owners.max(initial=-1))
+        self._poses = np.vstack([self._poses, pose])
+        self._covariances = np.vstack([self._covariances, covariance.reshape(1, 9)])
+        self._points = np.vstack([self._points, pose.apply(some)])
+        self._owners = np.concatenate([self._owners, np.full(len(some), number)])
+        if len(self._poses) > MAX_KEYFRAMES:
+            self._drop_oldest()
+        self._field = None
+        return True
+
+    def match(self, points: Array, prior: Pose2, sigma: float) -> LayerMatch | None:
+        """Find a scan among the keyframes; None without a near keyframe, or if they explain too little.
+
+        Args:
+            points: (n, 2) end points of the scan in the base frame, in [m].
+            prior: map_T_base by the wheels since the last pose.
+            sigma: noise of a range, in [m].
+        """
+        if len(points) < MIN_POINTS or self.empty:
+            return None
+        field = self._local_field(prior)
+        found = match_scan(field, points, prior, RELATIVE, sigma)
+        if found.inliers < MIN_INLIERS:
+            return None
+        anchored = self._anchored(found.pose)
+        return (
+            None if anchored is None else LayerMatch(found.pose, anchored + found.covariance, found.inliers)
+        )
+
+    def _has_near(self, pose: Pose2) -> bool:
+        away = np.hypot(*(self._poses[:, :2] - pose[:2]).T)
+        turns = np.abs(np.remainder(self._poses[:, 2] - pose.theta + math.pi, 2.0 * math.pi) - math.pi)
+        return bool(np.any((away < NEW_KEYFRAME_M) & (turns < NEW_KEYFRAME_RAD)))
+
+    def _anchored(self, pose: Pose2) -> Array | None:
+        """Return the least covariance (3, 3) of a near keyframe, carried over to a pose; None without one."""
+        away = np.hypot(*(self._poses[:, :2] - pose[:2]).T)
+        best: Array | None = None
+        for number in np.flatnonzero(away < OVERLAP_M):
+            x, y, _ = self._poses[number].tolist()
+            carry = np.array([[1.0, 0.0, y - pose.y], [0.0, 1.0, pose.x - x], [0.0, 0.0, 1.0]])
+            carried = carry @ self._covariances[number].reshape(3, 3) @ carry.T
+            if best is None or np.trace(carried) < np.trace(best):
+                best = carried
+        return best
+
+    def _drop_oldest(self) -> None:
+        oldest = self._owners.min()
+        self._poses, self._covariances = self._poses[1:], self._covariances[1:]
+        kept = self._owners != oldest
+        self._points, self._owners = self._points[kept], self._owners[kept]
+
+    def _local_field(self, here: Pose2) -> LikelihoodField:
+        if self._field is None or math.dist(here[:2], self._middle) > MOVED_WINDOW_M:
+            self._middle = (here.x, here.y)
+            count = round(WINDOW_M / CELL_M)
+            nothing = np.zeros((count, count), dtype=np.bool_)
+            corner = here.x - WINDOW_M / 2, here.y - WINDOW_M / 2
+            grid = GridMap(nothing, nothing, CELL_M, *corner)
+            self._field = LikelihoodField(grid.with_points(self._points))
+        return self._field
+
+
+def differs(one: Pose2, other: Pose2, distance: float, turn: float) -> bool:
+    """Return whether two poses lie apart by more than a distance in [m] or a turn in [rad]."""
+    return one.distance(other) > distance or abs(wrap(one.theta - other.theta)) > turn

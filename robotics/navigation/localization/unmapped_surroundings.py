@@ -1,0 +1,89 @@
+"""Pose of a robot among things that its map does not show, by its own keyframes and the rest of the map.
+
+A scan that the map explains too little of is no reason to be lost if the robot's own keyframes explain it and
+it contradicts no wall: beams end before what the map shows, they do not pass through.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.geometry.pose2 import Pose2, wrap
+
+from .keyframe_layer import KeyframeLayer, LayerMatch, differs
+from .likelihood_field import LikelihoodField
+from .scan_matching import CELL_BIAS, ScanMatch, match_scan
+from .start_search import map_ranges
+
+THROUGH_M = 0.3  # beyond a wall of the map, where a beam has passed through it
+MAX_THROUGH_SHARE = 0.2  # of the beams that may: what the map shows may have been taken away
+MIN_PARTIAL_POINTS = 25  # that the map has to explain for a correction by part of a scan
+MIN_PARTIAL_SHARE = 0.1
+PARTIAL_SIGMA_M, PARTIAL_SIGMA_RAD = 0.06, 0.02  # of a pose that part of a scan may correct: walls look alike
+PARTIAL_SIGMAS = 3.0  # by which that may move the pose at most
+SHIFT_M, SHIFT_RAD = 0.05, 0.02  # by which a correction by the map makes the keyframes useless
+
+Array = NDArray[np.float64]
+
+
+class UnmappedSurroundings:
+    """Keyframes of a drive on a map, and what they say of a scan that the map explains too little of."""
+
+    def __init__(self, field: LikelihoodField, sigma: float) -> None:
+        """Begin without keyframes; `field` is that of the map, `sigma` the noise of a range in [m]."""
+        self._field, self._sigma = field, sigma
+        self.layer = KeyframeLayer()
+        """Keyframes so far."""
+
+    def locate(self, points: Array, prior: Pose2) -> LayerMatch | None:
+        """Return the pose of a scan among the keyframes; None if they or the map contradict it.
+
+        Args:
+            points: (n, 2) end points of the scan in the base frame, in [m].
+            prior: map_T_base by the wheels since the last pose.
+        """
+        found = self.layer.match(points, prior, self._sigma)
+        return None if found is None or self.contradicts(points, found.pose) else found
+
+    def contradicts(self, points: Array, pose: Pose2) -> bool:
+        """Return whether more beams pass through walls of the map than things are taken away."""
+        ranges = np.hypot(points[:, 0], points[:, 1])
+        angles = np.arctan2(points[:, 1], points[:, 0])
+        walls = map_ranges(self._field, pose, angles, float(ranges.max(initial=0.0)))
+        return float((ranges > walls + THROUGH_M).mean()) > MAX_THROUGH_SHARE if len(points) else False
+
+    def corrected_by_map(self, points: Array, found: LayerMatch, map_error: Array) -> ScanMatch | None:
+        """Correct a pose by the part of a scan that the map explains; None if that is unsafe.
+
+        Args:
+            points: (n, 2) end points of the scan in the base frame, in [m].
+            found: pose among the keyframes.
+            map_error: (3, 3) factor of the map's share in it, as in `ScanMatch`.
+        """
+        worst = float(np.linalg.eigvalsh(found.covariance[:2, :2])[-1])
+        if worst > PARTIAL_SIGMA_M**2 or found.covariance[2, 2] > PARTIAL_SIGMA_RAD**2:
+            return None
+        match = match_scan(
+            self._field, points, found.pose, found.covariance, self._sigma, map_error=map_error
+        )
+        if match.inliers < max(MIN_PARTIAL_SHARE, MIN_PARTIAL_POINTS / max(1, len(points))):
+            return None
+        x, y, turn = np.subtract(match.pose, found.pose).tolist()
+        off = np.array([x, y, wrap(turn)])
+        cells = (CELL_BIAS * self._field.map.resolution) ** 2 * np.eye(3)
+        allowed = found.covariance + cells
+        return match if float(off @ np.linalg.solve(allowed, off)) < PARTIAL_SIGMAS**2 else None
+
+    def take(self, points: Array, before: Pose2, pose: Pose2, covariance: Array) -> None:
+        """Take in a scan at its final pose.
+
+        Args:
+            points: (n, 2) end points in the base frame, in [m].
+            before: map_T_base before the scan corrected it.
+            pose: map_T_base.
+            covariance: (3, 3) of the pose.
+        """
+        if differs(before, pose, SHIFT_M, SHIFT_RAD):
+            self.layer.clear()
+        self.layer.take(points, pose, covariance)
