@@ -36,6 +36,7 @@ OWN_COMMANDS = {
     "view": ("past_runs.view", "view", "Show a run in three dimensions, in the browser."),
     "runs": ("past_runs.runs", "runs", "List the runs of a folder."),
     "schema": ("commands.schema", "schema", "Print the JSON Schema of a kind of file."),
+    "map": ("maps.map_log", "map_log", "Build a map from a recorded log."),
     "make-map": ("commands.make_map", "make_map", "Draw the map of a world, in ROS format."),
     "teach": ("hardware.teach", "teach", "Record a posture into a robot's file."),
     "adopt": ("commands.adopt", "adopt", "Write calibration values into a robot's file."),

@@ -1,0 +1,201 @@
+"""Reader of scans with odometry in a ROS bag (rosbag2 with SQLite or MCAP, and rosbag1)."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.evaluation.replay.bags.bag_messages import Bag, BagError, BagMessage, read_bag
+from handcart.files.errors import FileError, Finding, InputError
+from handcart.files.extras import lack
+from handcart.files.suggest import listed, suggest
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.mapping.scan_log import ScanLog
+
+from .odometry_track import poses_at
+
+SCAN, ODOMETRY, TRANSFORMS = "sensor_msgs/msg/LaserScan", "nav_msgs/msg/Odometry", "tf2_msgs/msg/TFMessage"
+OLD_TRANSFORMS = "tf/msg/tfMessage"
+ODOM_FRAMES = ("odom", "odom_combined", "odometry")
+MAX_COUNT_CHANGE = 3
+"""Beams by which scans of one lidar may differ: some drivers deliver one more or less."""
+Array = NDArray[np.float64]
+Transforms = dict[str, list[tuple[float, str, Pose2]]]
+"""Time, parent frame and pose in it of each frame."""
+
+
+def read_bag_scans(path: Path, scan_topic: str | None = None) -> ScanLog:
+    """Read the scans of one topic with the odometry of the first Odometry topic, or of tf without one.
+
+    The mounting of the lidar is read from tf. A lidar that is mounted upside down is turned back.
+
+    Args:
+        path: a folder of rosbag2, or a .mcap, .db3 or .bag file.
+        scan_topic: topic of the scans (default: the LaserScan topic with the most messages).
+
+    Raises:
+        InputError: the extra `bags` is not installed.
+        FileError: the bag cannot be read, or has no scans or no odometry.
+    """
+    missing = lack("a ROS bag", "bags")
+    if missing is not None:
+        raise InputError(missing)
+    try:
+        bag = read_bag(path, {SCAN, ODOMETRY, TRANSFORMS, OLD_TRANSFORMS})
+    except BagError as error:
+        raise FileError([Finding(str(path), 0, 0, str(error))]) from None
+    scans = _scans(path, bag, scan_topic)
+    transforms = _transforms(bag)
+    times, track, base, source = _odometry(path, bag, transforms)
+    notes = [*bag.notes, *_unreadable(bag)]
+    frame = str(scans[0].content.header.frame_id).lstrip("/")
+    mount, is_flipped, words = _mount(transforms, base, frame)
+    notes += [f"odometry: {source}", words]
+    return _log(path, scans, (times, track), (mount, is_flipped), notes)
+
+
+def _refused(path: Path, words: str) -> FileError:
+    return FileError([Finding(str(path), 0, 0, words)])
+
+
+def _unreadable(bag: Bag) -> Iterator[str]:
+    for topic, count in bag.unreadable.items():
+        yield f"{topic}: {count} messages can't be read; they are skipped"
+
+
+def _scans(path: Path, bag: Bag, scan_topic: str | None) -> list[BagMessage]:
+    topics = [topic for topic, kind in bag.topics.items() if kind == SCAN]
+    if scan_topic is not None and scan_topic not in topics:
+        wrong = f"no scans on the topic {scan_topic!r}{suggest(scan_topic, topics)}"
+        raise _refused(path, wrong if topics else f"no {SCAN} in it; it has: {listed(sorted(bag.topics))}")
+    counts = Counter(message.topic for message in bag.messages if message.kind == SCAN)
+    if not counts:
+        raise _refused(path, f"no {SCAN} in it that can be read; it has: {listed(sorted(bag.topics))}")
+    chosen = scan_topic or counts.most_common(1)[0][0]
+    found = [message for message in bag.messages if message.topic == chosen]
+    if len(found) < 2:
+        raise _refused(path, f"{chosen}: {len(found)} scans; needed: at least two")
+    return found
+
+
+def _stamp(header: Any) -> float:
+    return float(header.stamp.sec + 1e-9 * header.stamp.nanosec)
+
+
+def _planar(place: Any, turned: Any) -> Pose2:
+    sin = 2.0 * (turned.w * turned.z + turned.x * turned.y)
+    cos = 1.0 - 2.0 * (turned.y**2 + turned.z**2)
+    return Pose2(float(place.x), float(place.y), math.atan2(sin, cos))
+
+
+def _is_flipped(turned: Any) -> bool:
+    """Return whether the z axis points down."""
+    return bool(1.0 - 2.0 * (turned.x**2 + turned.y**2) < 0.0)
+
+
+def _transforms(bag: Bag) -> dict[str, list[tuple[float, str, Pose2, bool]]]:
+    """Return time, parent, pose and whether it is upside down, of each frame in tf."""
+    found = dict[str, list[tuple[float, str, Pose2, bool]]]()
+    for message in bag.messages:
+        if message.kind not in (TRANSFORMS, OLD_TRANSFORMS):
+            continue
+        for each in message.content.transforms:
+            pose = _planar(each.transform.translation, each.transform.rotation)
+            row = _stamp(each.header), str(each.header.frame_id).lstrip("/"), pose
+            name = str(each.child_frame_id).lstrip("/")
+            found.setdefault(name, []).append((*row, _is_flipped(each.transform.rotation)))
+    return found
+
+
+def _odometry(path: Path, bag: Bag, transforms: dict[str, list[Any]]) -> tuple[Array, Array, str, str]:
+    """Return times, poses (n, 3), the base's frame and where they come from."""
+    topic = next((topic for topic, kind in bag.topics.items() if kind == ODOMETRY), None)
+    messages = [message for message in bag.messages if message.topic == topic]
+    if len(messages) > 1:
+        poses = [_planar(m.content.pose.pose.position, m.content.pose.pose.orientation) for m in messages]
+        times = [_stamp(message.content.header) for message in messages]
+        base = str(messages[0].content.child_frame_id).lstrip("/") or "base_link"
+        return _finite(np.array(times), np.array(poses), base, f"the topic {topic}")
+    for frame, rows in transforms.items():
+        if rows[0][1] in ODOM_FRAMES and len(rows) > 1:
+            times, poses = [row[0] for row in rows], [row[2] for row in rows]
+            words = f"tf, from {rows[0][1]} to {frame}"
+            return _finite(np.array(times), np.array(poses), frame, words)
+    wrong = f"no odometry in it; needed: {ODOMETRY}, or tf from {' or '.join(ODOM_FRAMES)} to the base"
+    raise _refused(path, wrong)
+
+
+def _finite(times: Array, poses: Array, base: str, words: str) -> tuple[Array, Array, str, str]:
+    good = np.isfinite(poses).all(axis=1) & (np.abs(poses) < 1e6).all(axis=1)
+    return times[good], poses[good], base, words
+
+
+def _mount(transforms: dict[str, list[Any]], base: str, frame: str) -> tuple[Pose2, bool, str]:
+    """Return base_T_sensor, whether the lidar is upside down, and a note about it."""
+    pose, is_flipped, seen = Pose2(0.0, 0.0, 0.0), False, {frame}
+    at = frame
+    while at != base:
+        rows = transforms.get(at)
+        if rows is None or rows[0][1] in seen:
+            words = (
+                f"tf has no way from {base} to {frame}: the lidar is taken to be in the middle of the base"
+            )
+            return Pose2(0.0, 0.0, 0.0), False, words
+        _, parent, step, flips = rows[0]
+        moved = Pose2(pose.x, -pose.y, -pose.theta) if flips else pose
+        pose, is_flipped = step.compose(moved), is_flipped != flips
+        seen.add(parent)
+        at = parent
+    words = f"lidar at x {pose.x:.2f} m, y {pose.y:.2f} m, {math.degrees(pose.theta):.1f} deg on {base}"
+    return pose, is_flipped, words + (", upside down" if is_flipped else "")
+
+
+def _log(
+    path: Path,
+    scans: list[BagMessage],
+    odometry: tuple[Array, Array],
+    mounted: tuple[Pose2, bool],
+    notes: list[str],
+) -> ScanLog:
+    mount, is_flipped = mounted
+    usual = Counter(len(message.content.ranges) for message in scans).most_common(1)[0][0]
+    kept = [m for m in scans if abs(len(m.content.ranges) - usual) <= MAX_COUNT_CHANGE]
+    if usual < 2 or len(kept) < 2:
+        raise _refused(path, f"scans of {usual} beams; needed: at least two scans of at least two")
+    if len(kept) < len(scans):
+        notes.append(f"{len(scans) - len(kept)} scans have other beams than most; they are skipped")
+    times = np.array([_stamp(message.content.header) for message in kept])
+    poses, near = poses_at(times, *odometry)
+    rows = np.flatnonzero(near)[np.argsort(times[near], kind="stable")]
+    rows = rows[np.concatenate([[True], np.diff(times[rows]) > 0.0])] if len(rows) else rows
+    if len(rows) < len(times):
+        notes.append(f"{len(times) - len(rows)} scans have no odometry within a second, or a repeated time")
+    if len(rows) < 2:
+        raise _refused(path, "no two scans with odometry near their times; needed: one clock for both")
+    first = next(m.content for m in kept if len(m.content.ranges) == usual)
+    angles = float(first.angle_min) + float(first.angle_increment) * np.arange(usual, dtype=np.float64)
+    ranges = np.array([_ranges(kept[row].content, usual) for row in rows])
+    if is_flipped:
+        angles, ranges = -angles[::-1], ranges[:, ::-1]
+    if not (np.isfinite(angles).all() and np.isfinite(ranges).any()):
+        raise _refused(path, "no scan has a reading; needed: ranges between range_min and range_max")
+    return ScanLog(
+        times[rows] - times[rows[0]], poses[rows], angles, ranges, mount, float(first.range_max), tuple(notes)
+    )
+
+
+def _ranges(scan: Any, count: int) -> Array:
+    """Return the ranges (count,) of a scan by REP 117; a beam that is missing at the end is unknown."""
+    raw = np.asarray(scan.ranges, dtype=np.float64)[:count]
+    ranges = np.full(count, math.nan)
+    ranges[: len(raw)] = raw
+    with np.errstate(invalid="ignore"):
+        good = (ranges >= scan.range_min) & (ranges <= scan.range_max) & (ranges > 0.0)
+        is_open = np.isposinf(ranges)
+    return np.where(good, ranges, np.where(is_open, math.inf, math.nan))

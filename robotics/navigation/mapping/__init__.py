@@ -1,0 +1,1 @@
+"""Building a map from scans and odometry: scan matching, loop closures, a pose graph, a picture of cells."""

@@ -1,0 +1,93 @@
+"""Search for loops: which places of a way may be the same, and which closures support each other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.geometry.pose2 import Pose2
+
+from .loop_closure import Loop
+
+Array = NDArray[np.float64]
+VIEW_M = 3.0
+"""Distance between two keyframes that see the same place."""
+MIN_TRAVEL_M = 10.0
+"""Length of the shortest loop."""
+MAX_SIGMA_M = 5.0
+"""Standard deviation of a prediction up to which loops are looked for farther away."""
+MAX_CANDIDATES = 3
+"""Earlier places tried for one keyframe."""
+SUPPORT_KEYFRAMES = 15
+"""Keyframes within which another closure has to agree."""
+SUPPORT_M, SUPPORT_RAD = 0.3, 0.08
+"""Distances within which two closures agree."""
+
+
+class Candidate(NamedTuple):
+    """Two keyframes that may be at the same place."""
+
+    first: int
+    second: int
+    distance: float
+    """Between their estimated positions, in [m]."""
+
+
+def candidates(
+    poses: Array, travel: Array, second: int, sigmas: Array, view: float = VIEW_M, most: int = MAX_CANDIDATES
+) -> list[Candidate]:
+    """Return the earlier keyframes at which a keyframe may be, the nearest of each pass, nearest first.
+
+    Args:
+        poses: (n, 3) of the keyframes.
+        travel: (n,) length of the way up to each, in [m].
+        second: number of the later keyframe.
+        sigmas: (n,) standard deviation in [m] of its position relative to each.
+        view: distance in [m] at which two keyframes see the same place.
+        most: maximum number of candidates.
+    """
+    away = np.hypot(*(poses[:, :2] - poses[second, :2]).T)
+    possible = (
+        (away < view + 2.0 * np.minimum(sigmas, MAX_SIGMA_M))
+        & (travel < travel[second] - MIN_TRAVEL_M)
+        & (np.arange(len(poses)) < second)
+    )
+    found = [
+        Candidate(int(run[np.argmin(away[run])]), second, float(away[run].min())) for run in _runs(possible)
+    ]
+    return sorted(found, key=lambda each: each.distance)[:most]
+
+
+def _runs(flags: NDArray[np.bool_]) -> Iterator[NDArray[np.int64]]:
+    """Yield the numbers of each unbroken run of True."""
+    numbers = np.flatnonzero(flags)
+    if len(numbers):
+        yield from np.split(numbers, np.flatnonzero(np.diff(numbers) > 1) + 1)
+
+
+def supported(loops: Sequence[Loop], poses: Sequence[Pose2]) -> list[bool]:
+    """Return whether each closure agrees with another one nearby, between other keyframes.
+
+    Args:
+        loops: closures with a match.
+        poses: of the keyframes; right between neighbours.
+    """
+    return [
+        any(_agree(loop, other, poses) for other in loops if other.second != loop.second) for loop in loops
+    ]
+
+
+def _agree(loop: Loop, other: Loop, poses: Sequence[Pose2]) -> bool:
+    if (
+        abs(loop.first - other.first) > SUPPORT_KEYFRAMES
+        or abs(loop.second - other.second) > SUPPORT_KEYFRAMES
+    ):
+        return False
+    assert loop.match is not None and other.match is not None
+    to_first = poses[loop.first].relative_to(poses[other.first])
+    to_second = poses[other.second].relative_to(poses[loop.second])
+    expected = to_first.compose(loop.match.pose).compose(to_second)
+    return expected.distance(other.match.pose) < SUPPORT_M and expected.turn(other.match.pose) < SUPPORT_RAD

@@ -1,0 +1,82 @@
+"""Chain of keyframes: each matched with those shortly before it, from the odometry between them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.geometry.pose2 import Pose2
+
+from .line_matching import LineMatch, match_surfaces
+from .pose_graph import Edge
+from .scan_log import Keyframe
+from .scan_surface import Surface, merge_surfaces
+from .window_search import search_window
+
+Array = NDArray[np.float64]
+RECENT_KEYFRAMES = 10
+"""Keyframes before the current one that it is matched with."""
+MIN_INLIERS = 0.4
+"""Share of points that must be explained; with fewer, only the odometry counts."""
+GOOD_INLIERS = 0.7
+"""Share of explained points from which no other motion is looked for."""
+MIN_GAIN = 0.1
+"""Share of points that another motion has to explain beyond that of the odometry."""
+SEARCH_M, SEARCH_RAD = 0.6, 0.4
+"""Distance and turn from the odometry at which other motions are looked for."""
+ODOMETRY_SIGMAS = ((0.02, 0.1, 0.05), (0.01, 0.02, 0.1))
+"""Standard deviation of position [m] and heading [rad]: at rest, per metre of travel, per radian of turn."""
+
+
+def odometry_information(moved: Pose2) -> Array:
+    """Return the information (3, 3) of a motion that odometry measured, for wheels nobody calibrated."""
+    travel, turn = float(np.hypot(moved.x, moved.y)), abs(moved.theta)
+    place, heading = (rest + metre * travel + radian * turn for rest, metre, radian in ODOMETRY_SIGMAS)
+    return np.diag([place**-2, place**-2, heading**-2])
+
+
+def chain(
+    keyframes: Sequence[Keyframe], heard: Callable[[float], None] = lambda share: None
+) -> tuple[list[Pose2], list[Edge], int]:
+    """Return the pose of each keyframe, the edges between neighbours, and how many have only odometry.
+
+    Args:
+        keyframes: in order of time.
+        heard: receives the finished share.
+    """
+    poses, edges, blind = [Pose2(0.0, 0.0, 0.0)], list[Edge](), 0
+    for number in range(1, len(keyframes)):
+        frame, before = keyframes[number], keyframes[number - 1]
+        moved = frame.odometry.relative_to(before.odometry)
+        low = max(0, number - RECENT_KEYFRAMES)
+        reference = submap(keyframes[low:number], poses[low:number], poses[number - 1])
+        match = matched_motion(reference, frame.surface, moved)
+        blind += match.inliers < MIN_INLIERS
+        poses.append(poses[number - 1].compose(match.pose))
+        edges.append(Edge(number - 1, number, match.pose, match.information))
+        heard(number / len(keyframes))
+    return poses, edges, blind
+
+
+def matched_motion(reference: Surface, surface: Surface, moved: Pose2) -> LineMatch:
+    """Return the motion by scans and odometry; by odometry alone if the scans do not fit."""
+    prior = odometry_information(moved)
+    match = match_surfaces(reference, surface, moved, prior)
+    if match.inliers < GOOD_INLIERS:
+        found = search_window(reference.points, surface.points, moved, SEARCH_M, SEARCH_RAD)
+        tried = [match_surfaces(reference, surface, each.pose, None) for each in found]
+        best = max(tried, key=lambda each: each.inliers, default=match)
+        if best.inliers > match.inliers + MIN_GAIN:
+            match = match_surfaces(reference, surface, best.pose, 1e-2 * prior)
+    if match.inliers < MIN_INLIERS:
+        return LineMatch(moved, prior, match.inliers, match.sigma)
+    return match
+
+
+def submap(keyframes: Sequence[Keyframe], poses: Sequence[Pose2], frame: Pose2) -> Surface:
+    """Return the surfaces of keyframes in the frame of one pose."""
+    return merge_surfaces(
+        [each.surface.moved(pose.relative_to(frame)) for each, pose in zip(keyframes, poses, strict=True)]
+    )

@@ -1,0 +1,81 @@
+"""Recorded scans with the odometry at each of them, and the keyframes among them."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.far import FarArray
+from handcart.robotics.geometry.pose2 import Pose2
+
+from .scan_surface import Surface, fit_surface
+
+Array = NDArray[np.float64]
+KEYFRAME_TRAVEL_M = 0.3
+KEYFRAME_TURN_RAD = 0.2
+
+
+class ScanLog(NamedTuple):
+    """Scans of one lidar, and the odometry at the time of each, in order of time."""
+
+    times: Array
+    """(n,) in [s], increasing."""
+    odometry: Array
+    """(n, 3) odom_T_base: x, y in [m], heading in [rad]."""
+    angles: Array
+    """(b,) of the beams in the sensor frame, in [rad]."""
+    ranges: FarArray
+    """(n, b) in [m]; infinity where nothing is within the reach, NaN where nothing is known."""
+    mount: Pose2
+    """base_T_sensor."""
+    reach: float
+    """Maximum range of the lidar, in [m]."""
+    notes: tuple[str, ...] = ()
+    """Messages about tolerable faults of the log."""
+
+    @property
+    def distance(self) -> float:
+        """Length of the way by odometry, in [m]."""
+        return float(np.hypot(*np.diff(self.odometry[:, :2], axis=0).T).sum())
+
+
+class Keyframe(NamedTuple):
+    """A scan that takes part in the map; all points are in the base frame."""
+
+    row: int
+    """Row of the log."""
+    odometry: Pose2
+    """odom_T_base."""
+    surface: Surface
+    """Flat surfaces, to match."""
+    hits: Array
+    """(n, 2) where beams ended, in [m]."""
+    open_ends: Array
+    """(m, 2) ends of the beams on which nothing is within the reach, in [m]."""
+    origin: Array
+    """(2,) position of the sensor, in [m]."""
+
+
+def keyframe_rows(log: ScanLog) -> list[int]:
+    """Return the rows at which the base has moved enough for a keyframe, the first and last included."""
+    rows, last = [0], Pose2(*log.odometry[0])
+    for row, pose in enumerate(map(Pose2._make, log.odometry.tolist())):
+        if pose.distance(last) >= KEYFRAME_TRAVEL_M or pose.turn(last) >= KEYFRAME_TURN_RAD:
+            rows.append(row)
+            last = pose
+    if rows[-1] != len(log.times) - 1 and Pose2(*log.odometry[-1]) != last:
+        rows.append(len(log.times) - 1)
+    return rows
+
+
+def keyframe(log: ScanLog, row: int) -> Keyframe:
+    """Return one row of a log as a keyframe."""
+    ranges, rays = log.ranges[row], np.column_stack([np.cos(log.angles), np.sin(log.angles)])
+    hit, is_open = np.isfinite(ranges), np.isinf(ranges)
+    hits = log.mount.apply(ranges[hit, None] * rays[hit])
+    open_ends = log.mount.apply(log.reach * rays[is_open]) if math.isfinite(log.reach) else np.empty((0, 2))
+    origin = np.array([log.mount.x, log.mount.y])
+    return Keyframe(row, Pose2(*log.odometry[row]), fit_surface(hits, origin), hits, open_ends, origin)

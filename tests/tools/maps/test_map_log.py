@@ -1,0 +1,154 @@
+"""`handcart map` on small logs: what it writes, what it says, and what it refuses."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from handcart.evaluation.mapping.csv_scans import scans_csv
+from handcart.files.maps.map_file import load_map
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.mapping.scan_log import ScanLog
+from handcart.robotics.navigation.maps.box_ranges import box_ranges
+from handcart.tools.main import main
+
+from .drives import small_drive, small_floor
+
+HEADER = "---\nformat: handcart-scans/1\nlidar: {first_deg: -90, last_deg: 90, reach_m: 10}\n---\n"
+TITLES = "time_s,x_m,y_m,heading_rad,r0,r1,r2\n"
+
+
+def status(*words: str) -> int:
+    with pytest.raises(SystemExit) as end:
+        main(["map", *words])
+    assert isinstance(end.value.code, int)
+    return end.value.code
+
+
+def written(log: ScanLog, path: Path) -> Path:
+    path.write_text(scans_csv(log), encoding="utf-8")
+    return path
+
+
+@pytest.fixture(scope="module")
+def mapped(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder of the map of the small drive."""
+    folder = tmp_path_factory.mktemp("mapped")
+    assert (
+        status(str(written(small_drive().log, folder / "drive.csv")), "-o", str(folder / "map"), "--json")
+        == 0
+    )
+    return folder / "map"
+
+
+def test_map_walls_lie_at_the_true_walls(mapped: Path) -> None:
+    grid, warning = load_map(mapped / "map.yaml")
+    assert warning is None
+    start = Pose2(*small_drive().truth[0])
+    walls = start.apply(grid.to_point(np.argwhere(grid.occupied)))
+    away = distances(walls)
+    assert len(walls) > 500
+    assert np.median(away) < 0.03
+    assert np.quantile(away, 0.95) < 0.05
+
+
+def distances(points: np.ndarray) -> np.ndarray:
+    """Distance in [m] of points (n, 2) to the nearest surface of a box."""
+    found = np.full(len(points), np.inf)
+    for box in small_floor().boxes:
+        local = Pose2(*box[:3]).inverse().apply(points)
+        beyond = np.abs(local) - 0.5 * np.array(box[3:])
+        outside = np.hypot(*np.maximum(beyond, 0.0).T)
+        found = np.minimum(found, np.where(outside > 0.0, outside, -beyond.max(axis=1)))
+    return found
+
+
+def test_trajectory_is_true_within_its_covariance(mapped: Path) -> None:
+    rows = np.loadtxt(mapped / "trajectory.csv", delimiter=",", skiprows=1)
+    truth, start = small_drive().truth, Pose2(*small_drive().truth[0])
+    index = np.searchsorted(small_drive().log.times, rows[:, 0] - 1e-6)
+    true = np.array([Pose2(*pose).relative_to(start) for pose in truth[index].tolist()])
+    off = rows[1:, 1:3] - true[1:, :2]
+    spread = rows[1:][:, [4, 5, 5, 6]].reshape(-1, 2, 2)
+    squared = np.einsum("ni,nij,nj->n", off, np.linalg.inv(spread), off)
+    assert np.quantile(squared, 0.95) < 9.2  # 99 % of two degrees of freedom
+    assert np.hypot(*off.T).max() < 0.06
+    odometry = small_drive().log.odometry[index][1:, :2] - true[1:, :2]
+    assert np.hypot(*odometry.T).max() > 0.1
+
+
+def test_summary_counts_the_loop_closures(mapped: Path) -> None:
+    found = json.loads((mapped / "summary.json").read_text())
+    loops = np.loadtxt(mapped / "loops.csv", delimiter=",", skiprows=1)
+    assert found["loop_closures"]["accepted"] == len(loops) > 10
+    assert (loops[:, 1] > loops[:, 0]).all()
+    assert found["loop_closures"]["inliers"] > 0.8
+    assert 0.0 < found["position_sigma_m"]["max"] < 0.1
+    assert "<svg" in (mapped / "map.svg").read_text()
+
+
+def test_log_without_a_loop_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    log = small_drive().log
+    straight = log._replace(times=log.times[:60], odometry=log.odometry[:60], ranges=log.ranges[:60])
+    assert status(str(written(straight, tmp_path / "a.csv")), "-o", str(tmp_path / "map")) == 0
+    said, progress = capsys.readouterr()
+    assert "no loop closure found" in said
+    assert "matching scans ..." in progress
+
+
+def test_two_rooms_alike_are_not_taken_for_one(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Two equal rooms at the ends of a corridor, with odometry that drifts."""
+    walls = [(5.0, -1.55, 0.0, 16.0, 0.1), (5.0, 1.55, 0.0, 16.0, 0.1)]
+    walls += [(-3.05, 0.0, 0.0, 0.1, 3.2), (13.05, 0.0, 0.0, 0.1, 3.2)]
+    walls += [(x, y, 0.0, 0.3, 0.6) for x in (0.0, 10.0) for y in (-1.2, 1.2)]
+    angles = np.radians(np.arange(-180.0, 180.0, 2.0))
+    xs = np.arange(0.0, 10.0, 0.2)
+    rng = np.random.default_rng(0)
+    ranges = np.array([box_ranges(walls, Pose2(x, 0.0, 0.0), angles) for x in xs])
+    ranges += rng.normal(0.0, 0.01, ranges.shape)
+    ranges[ranges > 4.0] = np.inf
+    odometry = np.column_stack([xs, np.zeros((len(xs), 2))])
+    log = ScanLog(
+        0.5 * np.arange(len(xs), dtype=np.float64), odometry, angles, ranges, Pose2(0.0, 0.0, 0.0), 4.0
+    )
+    assert status(str(written(log, tmp_path / "a.csv")), "-o", str(tmp_path / "map")) == 0
+    assert "no loop closure found" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        ("", r"a\.csv:1:1: no log of scans: it does not begin with a header"),
+        (HEADER, r"a\.csv:5:1: titles  \.\.\.; needed: time_s, x_m, y_m, heading_rad"),
+        (HEADER + TITLES, r"a\.csv:5:1: no scans; needed: at least two rows"),
+        (HEADER + TITLES + "0,0,0,0,1,2\n", r"a\.csv:6:1: 6 cells; needed: 7"),
+        (HEADER + TITLES + "0,0,0,0,1,2,x\n", r"a\.csv:6:13: no number: 'x'; allowed: a number, inf"),
+        (HEADER + TITLES + "0,0,,0,1,2,3\n", r"a\.csv:6:5: no number: ''; allowed: a number"),
+        (HEADER + TITLES + "1,0,0,0,1,2,3\n1,0,0,0,1,2,3\n", r"a\.csv:7:1: time does not increase"),
+        (HEADER + TITLES + "0,0,0,0,,,\n1,0,0,0,,,\n", r"a\.csv: no beam of any scan hit anything"),
+        (HEADER + TITLES + "0,0,0,0,1,2,3\n1,90,0,0,1,2,3\n", r"a\.csv: the odometry jumps by 90\.0 m"),
+        (HEADER.replace("reach_m", "reech_m") + TITLES, r"a\.csv:3:\d+: .*reech_m.*did you mean 'reach_m'"),
+        (HEADER.replace("90, r", "-95, r") + TITLES, r"a\.csv:3:\d+: last_deg is -95; allowed: more than"),
+    ],
+)
+def test_bad_csv_is_refused_at_its_place(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], content: str, said: str
+) -> None:
+    (tmp_path / "a.csv").write_text(content)
+    assert status(str(tmp_path / "a.csv"), "-o", str(tmp_path / "map")) == 2
+    error = capsys.readouterr().err
+    assert re.search(said, error), error
+    assert "Traceback" not in error
+    assert not (tmp_path / "map").exists()
+
+
+def test_missing_log_and_unknown_kind_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert status(str(tmp_path / "none.csv"), "-o", str(tmp_path / "map")) == 2
+    assert "none.csv:1:1: the file does not exist" in capsys.readouterr().err
+    (tmp_path / "a.jpg").write_bytes(b"")
+    assert status(str(tmp_path / "a.jpg"), "-o", str(tmp_path / "map")) == 2
+    assert "no kind of log is named '.jpg'; allowed:" in capsys.readouterr().err

@@ -1,0 +1,1 @@
+"""`handcart map`: maps from recorded logs, and tools for maps."""
