@@ -166,5 +166,5 @@ def _warn_of_contacts(angles: list[float], spec: RobotFile) -> None:
 def _with_posture(text: str, name: str, angles: list[float]) -> str:
     from handcart.tools.terminal.yaml_editing import edited, flow_list, put
 
-    posture = flow_list([round(angle, 3) for angle in angles])
+    posture = flow_list([round(angle, 3) + 0.0 for angle in angles])
     return edited(text, lambda data: put(data, f"arm.postures.{name}", posture))
