@@ -16,7 +16,7 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.following.path_tracking import PathTracker
 from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
 from handcart.robotics.navigation.maps.scan_layer import ScanLayer
-from handcart.robotics.navigation.routes.replanning import Look, Replanner
+from handcart.robotics.navigation.routes.replanning import Look, Replanner, free_length
 
 from .driving import no_way, plan_drive
 
@@ -27,6 +27,7 @@ BETTER_PERIOD_S = 1.0  # between two looks for a better one
 LEAD_S = 0.3  # of motion along the old route that stays the beginning of a new one
 LEAD_SPEED_M_S = 0.3  # from which it stays
 HOLD_DISTANCE_M = 1.0  # before what no way leads around, at which the base holds
+WAY_BACK_OVERLAP_M = 0.06  # by which cells may reach into the way that the base came: they are squares
 OLD_CELLS_S = 20.0  # after which what nothing looked at is dropped, if it closes all ways
 PINNED_S = 0.8  # that the guard holds the base at about one place, until it backs off
 PINNED_MOTION_M = 0.05  # within which a place is one place
@@ -48,6 +49,8 @@ class LocalReplanning:
         """Begin a drive to a place with what earlier drives sensed."""
         self._model, self._name = model, name
         self._place: Place = model.places[name]
+        self._goal = self._place.pose
+        self._front = self._place.front if self._place.docks else None
         self._field = LikelihoodField(model.map)
         self._layer = ScanLayer(model.map)
         self._layer.restore(model.sensed_cells)
@@ -102,7 +105,7 @@ class LocalReplanning:
         if look.kind == "none" and self._layer.forget(robot.time - OLD_CELLS_S):
             look = yield from robot.compute(self._answer, robot.pose, route, self._avoided(robot))
         if look.kind == "none":
-            raise self._no_way(look)
+            raise self._no_way()
         self._look, self._nearest = look, np.inf
         self._nearer_at = robot.time
         return look
@@ -133,14 +136,15 @@ class LocalReplanning:
         self, pose: Pose2, route: Floats | None, avoided: Floats, lead: float = 0.0, better: bool = True
     ) -> Look:
         grid = self._layer.merged().with_points(avoided)
-        front = self._place.front if self._place.docks else None
-        return self._replanner.look(grid, pose, self._place.pose, front, route, lead, better)
+        return self._replanner.look(grid, pose, self._goal, self._front, route, lead, better)
 
     def _avoided(self, robot: Robot) -> Floats:
         return avoided_points(robot, self._model)
 
     def _apply(self, look: Look, robot: Robot, tracker: PathTracker) -> None:
         self._look = look
+        if look.kind == "none" and self._layer.forget(robot.time - OLD_CELLS_S):
+            self._next_look = self._next_better = robot.time
         if look.kind == "new":
             tracker.reroute(look.points, look.speeds)
         else:
@@ -192,13 +196,43 @@ class LocalReplanning:
         if look.kind == "new":
             self._apply(look, robot, tracker)
 
+    def way_back_blocked(self, robot: Robot, ahead: Floats) -> bool:
+        """Return whether something is on the recorded way back that was not there when the base came."""
+        if len(ahead) < 2:
+            return False
+        near = np.cumsum(np.hypot(*np.diff(ahead, axis=0, prepend=ahead[:1]).T)) < HOLD_DISTANCE_M
+        least = robot.spec.footprint_radius_m - WAY_BACK_OVERLAP_M
+        return free_length(self._layer.merged(), ahead[near], least)[1] is not None
+
+    def drive_back(self, robot: Robot, goal: Pose2, wait_s: float) -> Generator[None, None, None]:
+        """Drive to map_T_base of the start by the way that is free now.
+
+        Raises:
+            Discrepancy: no way has led there for `wait_s`.
+        """
+        self._goal, self._front, self._job, self.blocked_since = goal, None, None, None
+        self._nearest, self._nearer_at = np.inf, robot.time
+        look = yield from robot.compute(self._answer, robot.pose, None, self._avoided(robot))
+        if look.kind == "none":
+            raise Discrepancy("an obstacle is on the way back, and no other way leads there")
+        tracker = PathTracker(look.points, goal.theta, robot.drive_limits, allowed=look.speeds)
+        while not tracker.finished(robot.pose):
+            self.update(robot, tracker)
+            waits = self.blocked_since is not None
+            if waits and robot.time > (self.blocked_since or 0.0) + wait_s:
+                raise Discrepancy("an obstacle is on the way back, and no other way leads there")
+            if self.pinned(robot):
+                yield from self.back_off(robot, tracker)
+            robot.base.drive(*(tracker.hold if waits else tracker.command)(robot.pose, robot.period))
+            yield
+
     def give_up_waiting(self, ahead: Floats) -> Discrepancy:
         """Return why the drive ends: something stands in the way, and no other way leads on."""
         obstacle = self._nearest_to_route(ahead)
         x, y = obstacle
         free = 0.0 if self._look is None else self._look.free
         return Discrepancy(
-            f"an obstacle stands on the path to {self._name}, at ({x:.2f}, {y:.2f}) m, "
+            f"an obstacle is on the path to {self._name}, at ({x:.2f}, {y:.2f}) m, "
             "and no other way leads there",
             measured=Measured("RangeSensor", "free way ahead", free, HOLD_DISTANCE_M, "m"),
         )
@@ -213,9 +247,8 @@ class LocalReplanning:
         nearest = points[int(np.argmin(np.hypot(*(points - (x, y)).T)))]
         return float(nearest[0]), float(nearest[1])
 
-    def _no_way(self, look: Look) -> Discrepancy:
-        why = "" if look.way is None else f": {look.way.reason}"
+    def _no_way(self) -> Discrepancy:
         return Discrepancy(
-            f"no way leads to {self._name} past what was sensed{why}",
+            f"no way leads to {self._name} past what was sensed",
             measured=Measured("RangeSensor", "points sensed that are not on the map", len(self.points)),
         )

@@ -298,7 +298,7 @@ class MoveTo(ActionPrimitive):
         if not robot.localization.heading_known:
             raise Discrepancy("the heading is unknown; run ORIENT first", permanent=True)
         self._lidar_watch.watch(robot, model.map)
-        if self._local is not None and not self._restores:
+        if self._local is not None:
             self._watch_local(robot)
             return
         if self._monitor is None or len(self._ahead) < 2:
@@ -322,11 +322,22 @@ class MoveTo(ActionPrimitive):
         """Take in what is sensed; raise `Discrepancy` if no way has led on for `wait_s`."""
         assert self._local is not None
         self._local.sense(robot)
+        if self._restores:
+            self._watch_way_back(robot)
+            return
         if self._blocked_since is None or robot.time < self._blocked_since + self.wait_s:
             return
         self.evidence.points |= {"sensed": self._local.points, "ahead": self._ahead}
         self._local.keep()
         raise self._local.give_up_waiting(self._ahead)
+
+    def _watch_way_back(self, robot: Robot) -> None:
+        """Hold while something is on the way back; `restore` then takes another one."""
+        assert self._local is not None
+        if not self._local.way_back_blocked(robot, self._ahead):
+            self._blocked_since = None
+        elif self._blocked_since is None:
+            self._blocked_since = robot.time
 
     @property
     def _way(self) -> str:
@@ -338,7 +349,10 @@ class MoveTo(ActionPrimitive):
         return model.contacts_on_the_way(self.place) if self.together else ()
 
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
-        """Drive back the way the base came; wait for obstacles that are there now."""
+        """Drive back the way the base came; wait for obstacles that are there now.
+
+        If they stay, and the arm has not moved along, drive by another way where one is free.
+        """
         self._blocked_since, self._restores = None, True
         if self._local is not None:
             self._local.keep()
@@ -347,6 +361,14 @@ class MoveTo(ActionPrimitive):
         while True:
             nearest = int(np.argmin(np.hypot(*(behind - (robot.pose.x, robot.pose.y)).T)))
             self._ahead = behind[nearest:]
+            waited = self._blocked_since is not None and robot.time >= self._blocked_since + self.wait_s
+            if waited and self._local is not None and not self.together:
+                self._ahead = np.empty((0, 2))
+                yield from self._local.drive_back(robot, start.pose, self.wait_s)
+                yield from reach_pose(robot, start.pose)
+                return
+            if waited and self._local is not None:
+                raise Discrepancy("an obstacle is on the way back")
             if self._blocked_since is None and next(way_back, self) is self:
                 return
             yield

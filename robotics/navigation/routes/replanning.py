@@ -13,9 +13,8 @@ from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.maps.room_speeds import RoomSpeeds
 from handcart.robotics.navigation.maps.speed_limits import AllowedSpeeds
 
-from .route import CORNER_ROUNDING_PASSES
 from .shortcuts import path_length
-from .ways import Way, Ways
+from .ways import Ways
 
 ROOMS_M = (0.06, 0.02, -0.015)  # beside the footprint that routes keep, in the order in which they are tried
 EDGE_JITTER_M = 0.04  # by which cells of an obstacle's edge come and go: a route is not left for less
@@ -23,7 +22,7 @@ WORTH_RATIO = 0.85  # of the old route's price, below which another one is taken
 MAX_ROOMY_LENGTH_RATIO = 1.2  # of the usual length, up to which the first way with room is taken
 ROOMY_DETOUR_RATIO = 0.8  # of the length of a roomy way, below which a narrower one is taken instead
 OFF_ROUTE_M = 0.3  # from the old route, beyond which it is not the robot's any more
-USUAL_SPEED_M_S = 0.6  # of robots for which `CORNER_ROUNDING_PASSES` are enough
+USUAL_SPEED_M_S = 0.6  # of robots whose corners have the usual length
 
 Floats = NDArray[np.float64]
 
@@ -41,8 +40,6 @@ class Look(NamedTuple):
     """Position on the route at which it is not free, in [m]."""
     speeds: RoomSpeeds
     """Speed limits by the room beside the footprint."""
-    way: Way | None = None
-    """Answer of the planner, if it was asked."""
 
 
 class Replanner:
@@ -68,8 +65,7 @@ class Replanner:
             rooms: room beside the footprint that routes keep, in [m], the first one that leads to the goal.
         """
         self._radius, self._speeds, self._rooms = radius, speeds, rooms
-        ratio = max(1.0, top_speed / USUAL_SPEED_M_S)
-        self._rounding = round(CORNER_ROUNDING_PASSES * ratio**2)
+        self._rounding = max(1.0, top_speed / USUAL_SPEED_M_S)
         self._room = rooms[0]
 
     def look(
@@ -109,56 +105,64 @@ class Replanner:
         head = np.empty((0, 2)) if old is None else old.head(min(lead, 0.5 * free))
         usual = start.distance(goal) if old is None else max(start.distance(goal), path_length(old.points))
         plan = self._plan(grid, start, goal, front, head, usual)
-        if old is not None and (plan.points is None or (is_free and not plan.is_worth(old.points))):
-            return Look("kept" if is_free else "none", old.points, free, obstacle, speeds, plan.way)
-        if plan.points is None:
-            return Look("none", np.array([start[:2]]), 0.0, obstacle, speeds, plan.way)
+        if old is not None and (plan is None or (is_free and not plan.is_worth(old.points))):
+            return Look("kept" if is_free else "none", old.points, free, obstacle, speeds)
+        if plan is None:
+            return Look("none", np.array([start[:2]]), 0.0, obstacle, speeds)
         self._room = plan.room
-        return Look("new", plan.points, path_length(plan.points), None, speeds, plan.way)
+        return Look("new", plan.points, path_length(plan.points), None, speeds)
 
     def _plan(
         self, grid: GridMap, start: Pose2, goal: Pose2, front: Floats | None, head: Floats, usual: float
-    ) -> _Plan:
-        """Return the plan with the most room that leads to the goal; otherwise why none does.
+    ) -> _Plan | None:
+        """Return the plan with the most room that leads to the goal; None if none does.
 
         Where room costs much more than the `usual` length in [m], a narrower way that is much shorter counts.
         """
         begin = (float(head[-1, 0]), float(head[-1, 1])) if len(head) else (start[0], start[1])
-        first, found = None, None
+        found: _Plan | None = None
         for room in self._rooms:
             ways = Ways(grid, self._radius, begin, room=room, rounding=self._rounding)
-            way = ways.to(goal, front)
-            plan = _Plan(way, None, room, ways)
-            first = first or plan
-            if way.route is not None:
-                points = np.vstack([head[:-1], way.route.points]) if len(head) else way.route.points
-                plan = _Plan(way, points, room, ways)
-                if found is None or plan.length < ROOMY_DETOUR_RATIO * found.length:
-                    found = plan
-                if found is not plan or plan.length < MAX_ROOMY_LENGTH_RATIO * usual:
-                    break
-        assert first is not None, "there is a room to try"
-        return found or first
+            route = ways.route_to(goal) if front is None else ways.to(goal, front).route
+            if route is None:
+                continue
+            points = np.vstack([head[:-1], route.points]) if len(head) else route.points
+            plan = _Plan(points, room, ways)
+            if found is None or plan.length < ROOMY_DETOUR_RATIO * found.length:
+                found = plan
+            if found is not plan or plan.length < MAX_ROOMY_LENGTH_RATIO * usual:
+                break
+        return found
+
+
+def free_length(grid: GridMap, route: Floats, least: float) -> tuple[float, tuple[float, float] | None]:
+    """Return how much of a route is free, in [m], and the point that is not; None if all of it is.
+
+    Args:
+        grid: the map with what was sensed.
+        route: (n, 2) in [m], at least two points.
+        least: room that the robot's centre needs, in [m].
+    """
+    return _Driven(route, grid, blocked_squares(grid.blocked)).free(least, None)
 
 
 class _Plan(NamedTuple):
     """Answer of the planner."""
 
-    way: Way
-    points: Floats | None
-    """(n, 2) the complete route in [m], or None."""
+    points: Floats
+    """(n, 2) the complete route in [m]."""
     room: float
     """Room beside the footprint that it keeps, in [m]."""
     ways: Ways
 
     @property
     def length(self) -> float:
-        """Length of the route in [m]; inf without one."""
-        return np.inf if self.points is None else path_length(self.points)
+        """Length of the route in [m]."""
+        return path_length(self.points)
 
     def is_worth(self, old: Floats) -> bool:
         """Return whether it costs enough less than an old route (n, 2) that is free."""
-        return self.points is not None and self.ways.price(self.points) < WORTH_RATIO * self.ways.price(old)
+        return self.ways.price(self.points) < WORTH_RATIO * self.ways.price(old)
 
 
 class _Driven:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from functools import cached_property
-from itertools import pairwise
 from typing import Literal, NamedTuple
 
 import cv2
@@ -15,8 +14,7 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.localization.scan_matching import CELL_BIAS
 from handcart.robotics.navigation.maps.clearances import Clearances
 from handcart.robotics.navigation.maps.grid_map import GridMap
-from handcart.robotics.navigation.routes.line_price import line_price
-from handcart.robotics.navigation.routes.route import CORNER_ROUNDING_PASSES, Route, plan_route
+from handcart.robotics.navigation.routes.route import Route, plan_route
 from handcart.robotics.navigation.routes.voronoi_graph import DISTANCE_TOLERANCE, VoronoiGraph, voronoi_graph
 from handcart.robotics.navigation.routes.widest_way import narrowest_spot
 
@@ -92,7 +90,7 @@ class Ways:
         start: Pose2 | tuple[float, float],
         sensed: NDArray[np.float64] = NO_POINTS,
         room: float = ROUTE_ROOM_M,
-        rounding: int = CORNER_ROUNDING_PASSES,
+        rounding: float = 1.0,
     ) -> None:
         """Prepare routes on a map.
 
@@ -104,7 +102,7 @@ class Ways:
                 ends.
             room: room beside the footprint that routes keep, in [m]; below zero where cells are coarse and
                 what they hold is narrower than they are.
-            rounding: passes of corner rounding; more for robots that are fast.
+            rounding: length of corners, as a multiple of the usual one; more for faster robots.
         """
         self._grid, self._radius, self._start = grid.with_points(sensed), radius, (start[0], start[1])
         self._room, self._rounding = room, rounding
@@ -128,14 +126,32 @@ class Ways:
         found = self._to(here, stands, front)
         return found if found.route is not None or not found.fits else before._to(here, stands, front)
 
+    def route_to(self, goal: Pose2 | tuple[float, float]) -> Route | None:
+        """Return the route to a goal without a front, as `to` does, but no reason where it has none: faster.
+
+        Args:
+            goal: only x and y count, in [m].
+        """
+        if self._graph is None:
+            return None
+        reach = min(LEAVING_DISTANCE_M, 0.7 * self._needed)
+        route = plan_route(self._graph, self._start, goal, reach, rounding=self._rounding)
+        if route is None or route.clearance[-1] < self._needed - 1e-9:
+            return None
+        return route if self._tight_spot(route, None) is None else None
+
     def price(self, points: NDArray[np.float64]) -> float:
-        """Return the price of a path (n, 2) in [m] on this map; inf where the robot fits nowhere."""
+        """Return the price of a path on this map; inf where the robot fits nowhere.
+
+        Args:
+            points: (n, 2) in [m], closer to each other than a few cells.
+        """
         if self._graph is None:
             return math.inf
-        corner = np.array([self._grid.origin_y, self._grid.origin_x])
-        cells = (points[:, ::-1] - corner) / self._grid.resolution - 0.5
-        inside = np.clip(cells, 0.0, np.array(self._grid.occupied.shape) - 1.0)
-        return sum(line_price(self._graph.price, a, b, np.inf) for a, b in pairwise(inside))
+        steps = np.hypot(*np.diff(points, axis=0).T)
+        cells = self._grid.to_cell(0.5 * (points[1:] + points[:-1]))
+        rows, columns = np.clip(cells, 0, np.array(self._grid.occupied.shape) - 1).T
+        return float(steps @ self._graph.price[rows, columns])
 
     def _to(self, goal: tuple[float, float], stands: Way, front: NDArray[np.float64] | None) -> Way:
         if stands.why:

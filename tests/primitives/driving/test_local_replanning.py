@@ -39,7 +39,7 @@ def test_closed_wall_is_a_restored_fail_that_modify_knows(make_rig: Callable[...
     before = rig.scene.base
     failed = rig.run(MoveTo(place="shelf_1", wait_s=1.0))
     assert isinstance(failed, Fail)
-    assert "an obstacle stands on the path to shelf_1" in failed.reason
+    assert "an obstacle is on the path to shelf_1" in failed.reason
     assert "no other way leads there" in failed.reason
     assert math.dist(before[:2], rig.scene.base[:2]) < 0.03
     assert rig.scene.contacts == []
@@ -60,3 +60,12 @@ def test_sensed_cells_are_kept_in_a_state_and_old_states_load(make_rig: Callable
     third = WorldModel(model.map, model.places)
     third.set_state(state)
     assert third.sensed_cells.shape == (0, 4)
+
+
+def test_restoring_takes_another_way_where_something_moved_behind(make_rig: Callable[..., Rig]) -> None:
+    rig = make_rig(boxes((2.0, 1.2), more=", appears_s: 7"))
+    before = rig.scene.base
+    outcome = rig.run(MoveTo(place="shelf_1", wait_s=1.0), cancel=lambda: rig.robot.time > 7.0)
+    assert isinstance(outcome, Fail), outcome
+    assert math.dist(before[:2], rig.scene.base[:2]) < 0.03
+    assert rig.scene.contacts == []

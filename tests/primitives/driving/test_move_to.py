@@ -124,6 +124,6 @@ def test_who_comes_behind_a_waiting_base_is_not_in_its_way(make_rig: Callable[..
 
 def test_what_stands_behind_while_restoring_is_on_the_way_back(make_rig: Callable[..., Rig]) -> None:
     rig = make_rig(BOX.format(x=1.5, y=1.1, more=", appears_s: 5"))
-    outcome = rig.run(MoveTo(place="shelf_1", wait_s=2.0), cancel=lambda: rig.robot.time > 5.0)
+    outcome = rig.run(MoveTo(place="shelf_1", wait_s=2.0, detour=False), cancel=lambda: rig.robot.time > 5.0)
     assert isinstance(outcome, GiveUp)
     assert "restoring failed: an obstacle is on the way back, at (" in outcome.reason
