@@ -49,6 +49,7 @@ class GuardedBase(Base):
         scan: Callable[[], NDArray[np.float64]],
         unseen: UnseenGround | None = None,
         restart_scan: Callable[[], None] = lambda: None,
+        is_located: Callable[[], bool] = lambda: True,
     ) -> None:
         """Guard a base.
 
@@ -61,6 +62,7 @@ class GuardedBase(Base):
                 frame.
             unseen: ground that the lidar does not see; None without a lidar.
             restart_scan: called when the base starts anew, before `scan`: averages begin there.
+            is_located: returns whether the pose is on the map; the map is not used while it is not.
         """
         self._restart_scan = restart_scan
         self._base, self._pose, self._scan, self._unseen = base, pose, scan, unseen
@@ -72,10 +74,27 @@ class GuardedBase(Base):
         self._held: Held | None = None
         self._slowed_to = math.inf
         self._felt = NO_STANDS
+        self._is_located, self._on_map = is_located, True
 
     @cached_property
-    def _guard(self) -> WayGuard:
+    def _map_guard(self) -> WayGuard:
         return WayGuard(self._radius, self._grid)
+
+    @cached_property
+    def _scan_guard(self) -> WayGuard:
+        return WayGuard(self._radius)
+
+    @property
+    def _guard(self) -> WayGuard:
+        return self._map_guard if self._on_map else self._scan_guard
+
+    def _change_frame(self) -> None:
+        """Begin again where the base is, if its pose has become known or unknown since the last command."""
+        if self._is_located() == self._on_map:
+            return
+        self._on_map, self._starts = not self._on_map, True
+        if self._unseen is not None:
+            self._unseen.forget()
 
     def drive(self, speed: float, turn_rate: float) -> None:
         """See `Base`; slower than that where the way isn't free."""
@@ -116,6 +135,7 @@ class GuardedBase(Base):
         return taken
 
     def _begin(self) -> None:
+        self._change_frame()
         if self._starts:
             pose = self._pose()
             self._restart_scan()
@@ -127,7 +147,8 @@ class GuardedBase(Base):
     def _around(self, pose: Pose2) -> NDArray[np.float64]:
         """(n, 2) in [m] what the scan shows, and what was felt, in the base frame at map_T_base."""
         scan = self._scan()
-        return np.vstack([scan, pose.inverse().apply(self._felt)]) if len(self._felt) else scan
+        is_felt = self._on_map and len(self._felt) > 0
+        return np.vstack([scan, pose.inverse().apply(self._felt)]) if is_felt else scan
 
     def _caught_up(self, speed: float, turn_rate: float) -> tuple[float, float]:
         """Limit the speed to the base's acceleration, because the caller does not know that the base was held

@@ -72,6 +72,16 @@ class MissingSensor(HandcartError, ValueError):
         super().__init__(f"{wrong} sensor {name!r}{suggest(name, spec.sensors)}")
 
 
+class UnknownStart(HandcartError, ValueError):
+    """The start is unknown, and the robot cannot find its pose by scans."""
+
+    exit_status = 2
+
+    def __init__(self, spec: RobotFile) -> None:
+        needed = "a map, a lidar, and the localizer scan or odometry"
+        super().__init__(f"the start is unknown, and the localizer is {spec.localizer}; needed: {needed}")
+
+
 class StaleReading(HandcartError, RuntimeError):
     """A sensor gives an old reading for a new one."""
 
@@ -97,15 +107,24 @@ class Robot:
 
     STATE: ClassVar[Kinds] = {"time": float, "failed_from": Pose2 | None}
 
-    def __init__(self, backend: Backend, spec: RobotFile, start: Pose2, grid: GridMap | None = None) -> None:
+    def __init__(
+        self,
+        backend: Backend,
+        spec: RobotFile,
+        start: Pose2 | None,
+        grid: GridMap | None = None,
+    ) -> None:
         """Connect a robot to its backend.
 
         Args:
             backend: backend that drives the robot.
             spec: the robot's file.
-            start: map_T_base as the task states it, known to about 50 mm and 2 degrees.
+            start: map_T_base as the task states it, known to about 50 mm and 2 degrees; None if unknown.
             grid: map that scans are compared with; without it, or without a lidar, the pose comes from the
                 wheels alone.
+
+        Raises:
+            UnknownStart: the start is unknown, and the robot cannot find its pose by scans.
         """
         self.backend = backend
         self.spec = spec
@@ -120,7 +139,14 @@ class Robot:
         self._unseen = None if self.lidar is None else self._unseen_ground(self.lidar)
         self._averaged = AveragedScan(lambda: self.localization.odometry_pose)
         self._guarded = GuardedBase(
-            wheels, spec, grid, lambda: self.pose, self.surroundings, self._unseen, self._averaged.restart
+            wheels,
+            spec,
+            grid,
+            lambda: self.pose,
+            self.surroundings,
+            self._unseen,
+            self._averaged.restart,
+            lambda: self.localization.is_located,
         )
         self.driven = (0.0, 0.0)
         """Speed in [m/s] and turn rate in [rad/s] that the base was commanded in the last period."""
@@ -133,8 +159,13 @@ class Robot:
         """map_T_base where the first of several Fails in a row began; None after any other end."""
         if spec.localizer in OUTDOOR_LOCALIZERS:
             self.get(Imu)  # type: ignore[type-abstract]
-        self.localization = localization_of(backend, spec, start, grid, self.lidar)
+        where = Pose2(0.0, 0.0, 0.0) if start is None else start
+        self.localization = localization_of(backend, spec, where, grid, self.lidar)
         """Estimate of the base's pose, from the sensors that the robot has."""
+        if start is None:
+            if not self.localization.can_relocate:
+                raise UnknownStart(spec)
+            self.localization.forget_pose()
         self._imu = backend.get(Imu)  # type: ignore[type-abstract]
         self._arm_command = np.empty(0)
         self._picture, self._pictured_at = np.empty((0, 0), np.uint8), np.empty(0)

@@ -55,6 +55,10 @@ class UnseenGround:
         since = self._clock() - DRIVEN_S
         self._driven = [spot for spot in self._driven if spot[2] >= since]
 
+    def forget(self) -> None:
+        """Forget where the base has driven: poses are in another frame from now on."""
+        self._driven = []
+
     def held(self, pose: Pose2, curvature: float, length: float) -> Held | None:
         """Return the unseen ground that an arc of `length` [m] leads to; None if free or driven."""
         scan = self._lidar.scan()

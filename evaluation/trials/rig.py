@@ -56,7 +56,8 @@ class RigFiles:
         world, named = task.path("world"), {key: task.path("knowledge", key) for key in domain_keys()}
         if world is None:
             raise InputError(f"{task.document.file}: the task names no world; needed: the key `world`")
-        start = (task.file.knowledge.start if task.file.knowledge else None) or ""
+        is_named = task.file.knowledge is not None and task.knowledge.is_start_known
+        start = (task.file.knowledge.start if is_named and task.file.knowledge else None) or ""
         others = {key: path for key, path in named.items() if path is not None}
         return cls(world, task.path("knowledge", "map"), task.path("knowledge", "places"), others, start)
 
@@ -104,6 +105,7 @@ def build_rig(
     backend: str = "kinematic",
     seed: int = 0,
     put_at_start: bool = False,
+    is_start_known: bool = True,
 ) -> Rig:
     """Build a rig.
 
@@ -115,6 +117,7 @@ def build_rig(
         put_at_start: whether to put the simulated robot at the start place; otherwise it starts where
             the
             world's file puts it.
+        is_start_known: False to tell the robot nothing of where it starts.
 
     Raises:
         FileError: a file has a fault.
@@ -133,4 +136,4 @@ def build_rig(
     grid = load_map(files.map)[0] if files.map else nowhere()
     model = WorldModel(grid, knowledge.all_places(), sections=knowledge.fresh_sections())
     made = make_backend(backend, spec, files.world, seed, start, put_at_start=put_at_start)
-    return Rig(Robot(made, spec, start, grid), model, made, knowledge)
+    return Rig(Robot(made, spec, start if is_start_known else None, grid), model, made, knowledge)

@@ -9,6 +9,7 @@ import numpy as np
 from typing_extensions import override
 
 from handcart.backends.robot.localization.determination import PoseNeed, difference, sigmas_along
+from handcart.backends.robot.localization.localization import worst_sigmas
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.contract.outcome import Outcome, Success
@@ -29,6 +30,7 @@ LOOKS_ROUND = (
     "positioning",
 )  # localizers that detect a slide of the base
 ORIENTED_DEG = 10.0  # fixed limit of the heading that ORIENT claims to know
+LOCATED_MM, LOCATED_DEG = 150.0, 5.0  # fixed limits of the pose that LOCATE claims to know
 DRIVE_PRIMITIVE = "MOVE_TO"
 
 
@@ -95,6 +97,20 @@ def _oriented(survey: Survey, claim: Claim) -> list[str]:
     return at_most("the base heads {:.2f} deg beside what is believed", off, most, ORIENTED_DEG)
 
 
+def _located(survey: Survey, claim: Claim) -> list[str]:
+    """Compare the true pose with the one found, its uncertainty and a fixed limit."""
+    robot, base = survey.run.robot, survey.run.world.base
+    if not robot.localization.is_located or robot.localization.lost is not None:
+        return ["it isn't known where the base is"]
+    sigma, heading_sigma = worst_sigmas(robot.localization.covariance)
+    off, turned = 1e3 * robot.pose.distance(base), math.degrees(robot.pose.turn(base))
+    far, askew = 1e3 * LIMIT_SIGMAS * sigma, math.degrees(LIMIT_SIGMAS * heading_sigma)
+    return [
+        *at_most("the base is {:.1f} mm from where LOCATE found it", off, far, LOCATED_MM),
+        *at_most("the base heads {:.2f} deg from what LOCATE found", turned, askew, LOCATED_DEG),
+    ]
+
+
 def _modified(survey: Survey, claim: Claim) -> list[str]:
     detour = survey.run.model.detour
     known = detour is not None and detour.goal == claim.primitive.place
@@ -107,6 +123,7 @@ class ArrivalSurvey(FiguresSurvey):
     name = "arrival"
     effects: ClassVar = {
         DRIVE_PRIMITIVE: _moved_to,
+        "LOCATE": _located,
         "ORIENT": _oriented,
         "STAND": _stood,
         "MODIFY": _modified,

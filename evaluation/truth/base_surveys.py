@@ -35,7 +35,9 @@ class LocalisationSurvey(Survey):
         return run.scene is not None
 
     def look(self, robot: Robot) -> None:
-        """Add the error of this period."""
+        """Add the error of this period, if the pose on the map is known."""
+        if not robot.localization.is_located:
+            return
         pose, truth = robot.pose, self.run.world.base
         off = pose.distance(truth)
         self.periods += 1

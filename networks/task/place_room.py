@@ -116,6 +116,8 @@ def place_rooms(task: Task, robot: RobotFile, model: WorldModel, start: Pose2) -
     if loaded is None or task.path("knowledge", "map") is None or robot.drive.kind == "ackermann":
         return PlaceRooms()
     named, driven = _named(task.network.actions), _named(task.network.actions, driving=True)
+    if not task.knowledge.is_start_known:  # it is found later: ways are those between the places
+        start = next((place.pose for place in loaded.value.places.values()), start)
     ways = Ways(model.map, robot.footprint_radius_m, start)
     rooms = tuple(
         PlaceRoom(
@@ -157,7 +159,8 @@ def _cant(loaded: Loaded[Places], room: PlaceRoom, task: Task) -> Finding:
 
 
 def _start_of(task: Task) -> str | None:
-    return task.file.knowledge.start if task.file.knowledge else None
+    is_named = task.file.knowledge is not None and task.knowledge.is_start_known
+    return task.file.knowledge.start if is_named and task.file.knowledge else None
 
 
 def _named(actions: Collection[Action], driving: bool = False) -> _Named:

@@ -62,6 +62,8 @@ def pose_findings(
         rooms: the places, with the routes from the robot's start.
     """
     loaded, lidar = task.knowledge.places, robot.range_sensor
+    if not task.knowledge.is_start_known:
+        return
     if loaded is None or lidar is None or robot.localizer != "scan" or not model.map.occupied.any():
         return
     field = LikelihoodField(model.map)

@@ -30,6 +30,7 @@ from handcart.robotics.navigation.maps.keepout import with_keepout
 from .place_room import PlaceRoom, PlaceRooms, place_findings, place_rooms
 from .pose_forecast import pose_findings
 from .task_file import SPEED_MASK_KEYS, Primitives, Task, load_task
+from .unknown_start import drawn_pose, start_findings
 
 T = TypeVar("T")
 
@@ -121,6 +122,8 @@ def _built(
     made = None
     if spec is not None and world is not None and known is not None and not findings:
         start = task.knowledge.start
+        if not task.knowledge.is_start_known:
+            start = drawn_pose(known[0].map, spec.footprint_radius_m, seed)
         made = _collected(findings, lambda: make_backend(name, spec, world, seed, start, window, bench))
     findings.raise_all()
     assert made is not None
@@ -194,6 +197,8 @@ def _read(
             if task.document.root.deepest(("knowledge", key))[1]:
                 wrong = f"{key}: a car-like base plans without a map; allowed: a base that turns on the spot"
                 findings.add(task.document.finding(("knowledge", key), wrong))
+    if spec is not None and not task.knowledge.is_start_known:
+        findings.add(*start_findings(task.document, spec, task.path("knowledge", "map") is not None))
     if spec is not None and known is not None and world is not None and not resumed:
         start, grid = _stated_start(task, known[0]), known[0].map if task.path("knowledge", "map") else None
         _collected(findings, lambda: check_world(world, spec, start, grid))
@@ -260,7 +265,7 @@ def _checked(read: _Read) -> Checked:
 def make_robot(task: Task, backend: Backend, spec: RobotFile, model: WorldModel) -> Robot:
     """The robot, standing where the task says that it starts."""
     grid = model.map if task.file.knowledge else None
-    return Robot(backend, spec, task.knowledge.start, grid)
+    return Robot(backend, spec, task.knowledge.start if task.knowledge.is_start_known else None, grid)
 
 
 def _stated_start(task: Task, model: WorldModel) -> Pose2 | None:

@@ -35,8 +35,16 @@ from .primitive_parameters import ParameterReader
 from .repeat_faults import Situations, element_facts, repeat_faults
 from .repeating import Copied, Copies, repeated
 from .repetition import NotRepeated, repetitions
-from .task_knowledge import PLACES_KIND, TaskKnowledge, domain_keys, read_knowledge
+from .task_knowledge import (
+    PLACES_KIND,
+    UNKNOWN_START,
+    TaskKnowledge,
+    domain_keys,
+    is_start_unknown,
+    read_knowledge,
+)
 from .task_model import MAX_TASK_BYTES, MAX_TASK_NODES, ActionEntry, GivenFact, Repeat, TaskFile
+from .unknown_start import LOCATE_NAME, Parts, with_locate
 from .unwritten import unwritten
 
 SPEED_MASK_KEYS = ("knowledge", "speed_limits", "mask")
@@ -265,10 +273,13 @@ class _Reader:
     def _check_start_place(self, names: list[str] | None) -> None:
         node, there = self._document.root.deepest(("knowledge", "start"))
         name = node.content
+        if is_start_unknown(self._document, names or ()):
+            return
         if there and not self._document.root.deepest(("knowledge", "places"))[1]:
             self._add(("knowledge", "start"), "names a place; needed: the key `places`, a file with places")
         elif there and names is not None and isinstance(name, str) and name not in names:
-            self._add(("knowledge", "start"), f"unknown place {name!r}{suggest(name, names)}")
+            said = suggest(name, [*names, UNKNOWN_START])
+            self._add(("knowledge", "start"), f"unknown place {name!r}{said}")
 
     def _check_robot(self) -> None:
         node, there = self._document.root.deepest(("robot",))
@@ -306,8 +317,13 @@ class _Reader:
             for each, (_, element) in copies.situations.items()
         ]
         every = [action for action in actions if action is not None]
-        network = ActionNetwork.build(situations, every, copies.start, goal)
-        if network.start == network.goal:
+        entries: tuple[int | None, ...] = tuple(copied.entry for copied in copies.actions)
+        parts = Parts(situations, every, copies.start)
+        if not self._knowledge.is_start_known:
+            parts = with_locate(parts, self._primitives(LOCATE_NAME))
+            entries += (None,) * (len(parts.actions) - len(every))
+        network = ActionNetwork.build(*parts, goal)
+        if copies.start == network.goal:
             wrong = f"the start is the goal, {goal!r}: a run would do nothing"
             self._add(("goal",), f"{wrong}; allowed: another situation, or a repeat over its part")
         elif not nx.has_path(ways_of(network), network.start, network.goal):
@@ -315,7 +331,6 @@ class _Reader:
                 ("goal",),
                 f"no actions lead from {network.start} to {goal}; allowed: a goal that can be reached",
             )
-        entries = tuple(copied.entry for copied in copies.actions)
         if any(action.binding is not None and action.binding.late for action in every):
             self._check_late(file, network, entries)
         self._findings.raise_all()

@@ -19,6 +19,8 @@ from handcart.tasks.domain import domains
 
 PLACES_KIND = "places"
 MAP_ORIGIN = Pose2(0.0, 0.0, 0.0)
+UNKNOWN_START = "unknown"
+"""Value of `start` under `knowledge:` if the start is unknown; a place of that name precedes it."""
 
 
 @dataclass(frozen=True)
@@ -31,6 +33,8 @@ class TaskKnowledge:
     """Sections of the domains, by the domains' names."""
     start: Pose2 = MAP_ORIGIN
     """map_T_base at first: at the place that the task names, or at the map's origin."""
+    is_start_known: bool = True
+    """False if the task says that the start is unknown."""
 
     def names(self) -> dict[str, Collection[object]]:
         """Return the names that parameters may use, by kind; a kind without a file is missing."""
@@ -70,8 +74,9 @@ def read_knowledge(
 
     places = _places(path(PLACES_KIND), findings)
     start = _start(document, places)
+    is_known = not is_start_unknown(document, list(places.value.places) if places else ())
     paths = {key: found for key in domain_keys() if (found := path(key)) is not None}
-    return TaskKnowledge(places, read_sections(paths, start, document, findings), start)
+    return TaskKnowledge(places, read_sections(paths, start, document, findings), start, is_known)
 
 
 def read_sections(
@@ -109,6 +114,12 @@ def _start(document: Document, places: Loaded[Places] | None) -> Pose2:
     known = places.value.places if places else {}
     name = node.content if there and isinstance(node.content, str) else ""
     return known[name].pose if name in known else MAP_ORIGIN
+
+
+def is_start_unknown(document: Document, names: Collection[object]) -> bool:
+    """Return whether a task says that its start is unknown; `names` are those of its places."""
+    node, there = document.root.deepest(("knowledge", "start"))
+    return there and node.content == UNKNOWN_START and UNKNOWN_START not in names
 
 
 def domain_keys() -> list[str]:

@@ -28,7 +28,7 @@ class GeneralFiles(FileModel):
     places: str | None = None
     """The map's named places, or goals as users of nav2 keep them."""
     start: str | None = None
-    """The place of the robot at first (default: the map's origin)."""
+    """The place of the robot at first, or `unknown`: LOCATE then finds it (default: the map's origin)."""
 
 
 def _with_domains() -> type[GeneralFiles]:

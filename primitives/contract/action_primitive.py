@@ -49,6 +49,8 @@ class ActionPrimitive(FileModel, ABC):
     """Required content of the hand at the start, and its content after Success. None: nothing is required,
     and only a primitive that does not need the gripper leaves the hand as it was.
     """
+    needs_pose: ClassVar[bool] = True
+    """The pose of the base on the map must be known before it starts."""
     arm_inside: ClassVar[bool] = False
     """The hand must be within the robot's footprint before it starts, because the base drives."""
 

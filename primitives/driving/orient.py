@@ -27,6 +27,7 @@ class Orient(ActionPrimitive):
     """Maximum distance."""
 
     needs: ClassVar = (Base,)
+    needs_pose: ClassVar = False
     arm_inside: ClassVar = True
 
     def motion(self, robot: Robot, model: ModelView) -> Periods:

@@ -19,6 +19,7 @@ class Stand(ActionPrimitive):
     """Duration."""
 
     needs: ClassVar = (Base,)
+    needs_pose: ClassVar = False
 
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         yield from robot.wait(self.seconds)

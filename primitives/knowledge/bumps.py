@@ -93,8 +93,12 @@ def note_bump(robot: Robot, model: WorldModel, evidence: Evidence) -> None:
     blocked = robot.blocked
     if blocked is None:
         return
+    known = model.bumps, model.arm_bumps
     bump = remember_bump(robot, model, blocked.forwards, blocked)
-    keep_off_bumps(robot, model, returns=True)
+    if robot.localization.is_located:
+        keep_off_bumps(robot, model, returns=True)
+    else:  # nobody knows where on the map that is
+        model.bumps, model.arm_bumps = known
     evidence.points["bumped"] = bump_fronts(bump, robot.spec.footprint_radius_m)
     moved = Measured(
         "Base", "progress while driven", blocked.moved, MAX_PROGRESS * blocked.commanded, unit="m"

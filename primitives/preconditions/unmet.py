@@ -27,7 +27,8 @@ def find_unmet(primitive: ActionPrimitive, robot: Robot, model: WorldModel) -> s
     """
     own = primitive.unmet_precondition
     return (
-        _unmet_by_hand(primitive, robot, model)
+        _unmet_by_pose(primitive, robot)
+        or _unmet_by_hand(primitive, robot, model)
         or _unmet_by_arm(primitive, robot)
         or own(robot, model.view(primitive))
     )
@@ -38,6 +39,14 @@ def note_hand(primitive: ActionPrimitive, model: WorldModel) -> None:
     after = primitive.hand_use().after
     if after is not Hand.SAME:
         model.in_hand = primitive.thing(model.view(primitive)) if after is Hand.FULL else ""
+
+
+def _unmet_by_pose(primitive: ActionPrimitive, robot: Robot) -> str:
+    """Return a message if the pose of the base is not known, and the primitive needs it."""
+    if not primitive.needs_pose or robot.localization.is_located:
+        return ""
+    name = primitive.label()
+    return f"{name} needs the pose of the base on the map, which is not known; LOCATE finds it"
 
 
 def _unmet_by_hand(primitive: ActionPrimitive, robot: Robot, model: WorldModel) -> str:

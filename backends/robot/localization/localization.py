@@ -14,11 +14,12 @@ from handcart.backends.backend import Backend
 from handcart.backends.capabilities.base import Base, WheelTravel
 from handcart.backends.capabilities.gps import Fix
 from handcart.backends.capabilities.range_sensor import RangeSensor
-from handcart.backends.plain_values import Kinds, attributes, set_attributes
+from handcart.backends.plain_values import Kinds, attributes, from_plain, set_attributes
 from handcart.backends.robot.lidar import MIN_ECHOES, Lidar
 from handcart.backends.saved_state import NotAState
 from handcart.robotics.far import FarArray
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.localization.likelihood_field import LikelihoodField
 from handcart.robotics.navigation.localization.localizer import (
     LEAST_INLIERS,
     Localizer,
@@ -26,6 +27,7 @@ from handcart.robotics.navigation.localization.localizer import (
     ScanLocalizer,
 )
 from handcart.robotics.navigation.localization.start_search import SURE_FIT, Beams
+from handcart.robotics.navigation.locating.local_map import LocalMap
 from handcart.robotics.navigation.outdoors.watched_moment import Belief
 
 STILL_SCANS = 20  # periods at rest after which further scans tell nothing new
@@ -37,6 +39,8 @@ STALE_SCAN_MOTION = 1e-3  # [m], [rad] of motion in which a scan can't stay the 
 REST_PERIODS = 4  # periods at rest after which a scan tells whether the base is where its wheels say
 # [m] that wheels may be driven, by which alone it is reckoned, while they read the same
 MAX_COMMANDED_TRAVEL_M = 0.03
+DRAWN_SURFACE_M = 0.03  # error of surfaces that are drawn from several scans
+LOCAL_MAP_KEY = "local map"  # of a state, where the pose on the map is unknown
 
 
 class Lost(NamedTuple):
@@ -96,6 +100,10 @@ class Localization(ABC):
         """Number of periods in which the wheels were at rest, apart from deflection."""
         self._stood = self.travel  # what the wheels had travelled when they last turned
         self._ranges, self._seen_at = np.empty(0), self.travel
+        self._map_field: LikelihoodField | None = None
+        """Field of the given map; None if no scan is compared with a map."""
+        self.local_map: LocalMap | None = None
+        """Map drawn since the pose on the given map is unknown; None while that pose is known."""
 
     # What is estimated
 
@@ -103,6 +111,16 @@ class Localization(ABC):
     def pose(self) -> Pose2:
         """map_T_base."""
         return self._wheels.pose
+
+    @property
+    def is_located(self) -> bool:
+        """True if `pose` is on the map; False if it is in a local frame, because the start is unknown."""
+        return self.local_map is None
+
+    @property
+    def can_relocate(self) -> bool:
+        """True if `forget_pose` and `locate` can be used: scans are compared with a map."""
+        return self._map_field is not None and isinstance(self._range_sensor, Lidar)
 
     @property
     def odometry_pose(self) -> Pose2:
@@ -213,6 +231,7 @@ class Localization(ABC):
         left, right = travel.left - self.travel.left, travel.right - self.travel.right
         self.travel = travel
         self._predict(left, right)
+        self._extend_local_map()
         if travel.away(self._stood) <= MAX_REST_WHEEL_DIFFERENCE_M:
             self.still += 1
             if self.still == STILL_SCANS:
@@ -234,6 +253,38 @@ class Localization(ABC):
         """Correct the pose by a measured map_T_base, with its sigma in [m] and in [rad]."""
         variance = np.diag([sigma[0], sigma[0], sigma[1]]) ** 2
         self._wheels.odometry.correct(pose, variance)
+
+    def forget_pose(self) -> None:
+        """Estimate poses in a local frame from now on, compared with what the lidar shows from here on.
+
+        The frame is such that `pose` does not change.
+        """
+        assert self._map_field is not None
+        assert isinstance(self._range_sensor, Lidar)
+        self.local_map = LocalMap()
+        self.local_map.add(self.pose, beams_of(self._range_sensor))
+        self._wheels.change_map(self.local_map.field, self.pose, SCAN_REPEATABILITY)
+        self._wheels.surface_error = DRAWN_SURFACE_M
+        self.still = 0
+        self.set_origin()
+
+    def locate(self, pose: Pose2, covariance: NDArray[np.float64]) -> None:
+        """Take over map_T_base with its covariance (3, 3), in [m, m, rad]: the pose on the map is known."""
+        assert self._map_field is not None
+        self.local_map = None
+        self._wheels.change_map(self._map_field, pose, covariance)
+        self._wheels.surface_error = 0.0
+        self.still = 0
+        self.set_origin()
+
+    def _extend_local_map(self) -> None:
+        """Draw this period's scan on the local map where the base has not been yet."""
+        local, lidar = self.local_map, self._range_sensor
+        if local is None or not isinstance(lidar, Lidar) or self.lost is not None:
+            return
+        if local.is_due(self.pose) and not lidar.silence:
+            local.add(self.pose, beams_of(lidar))
+            self._wheels.extend_map(local.field)
 
     def mark(self) -> None:
         """Mark this moment for `smoothed`."""
@@ -273,7 +324,12 @@ class Localization(ABC):
 
     def state(self) -> dict[str, Any]:
         """Return the estimates so far, as plain data."""
-        return {name: attributes(part, kinds) for name, (part, kinds) in self._parts().items()}
+        state: dict[str, Any] = {
+            name: attributes(part, kinds) for name, (part, kinds) in self._parts().items()
+        }
+        if self.local_map is not None:
+            state[LOCAL_MAP_KEY] = self.local_map.echoes.ravel().tolist()
+        return state
 
     def set_state(self, state: object) -> None:
         """Restore the estimates returned by `state`.
@@ -282,10 +338,28 @@ class Localization(ABC):
             NotAState: the data belong to another kind of localization.
         """
         parts = self._parts()
-        if not isinstance(state, dict) or state.keys() != parts.keys():
+        if not isinstance(state, dict) or state.keys() - {LOCAL_MAP_KEY} != parts.keys():
             raise NotAState(f"no state of this localization; needed: {', '.join(parts)}")
         for name, (part, kinds) in parts.items():
             set_attributes(part, kinds, state[name])
+        self._set_local_map(state.get(LOCAL_MAP_KEY))
+
+    def _set_local_map(self, echoes: object) -> None:
+        """Restore whether the pose on the map is known; `echoes` are those of the local map, if it is not."""
+        if echoes is None:
+            self.local_map = None
+            self._wheels.surface_error = 0.0
+            if self._map_field is not None:
+                self._wheels.extend_map(self._map_field)
+            return
+        if not self.can_relocate:
+            raise NotAState("no state of this localization: it needs a map and a lidar")
+        flat = from_plain(echoes, list[float], LOCAL_MAP_KEY)
+        if len(flat) % 2:
+            raise NotAState(f"no saved state: {LOCAL_MAP_KEY}: pairs of numbers are needed")
+        self.local_map = LocalMap.of_echoes(np.array(flat).reshape(-1, 2), self.pose)
+        self._wheels.extend_map(self.local_map.field)
+        self._wheels.surface_error = DRAWN_SURFACE_M
 
     def _parts(self) -> dict[str, tuple[object, Kinds]]:
         """Return the parts that change in a run."""
@@ -305,10 +379,11 @@ class ScanLocalization(Localization):
         """Begin with a robot at rest, and match a scan at once."""
         super().__init__(backend, matching, lidar)
         self._matching, self._map_error_then = matching, np.zeros((3, 3))
+        self._map_field = matching.field
         assert self._range_sensor is not None, "scans come from a range sensor"
         matching.correct(self._range_sensor.scan().points())
         if isinstance(lidar, Lidar):
-            matching.check_start(_beams(lidar))
+            matching.check_start(beams_of(lidar))
         self.set_origin()
 
     @property
@@ -391,6 +466,7 @@ class WheelLocalization(Localization):
         """Begin with a robot at rest."""
         super().__init__(backend, wheels, lidar)
         self._reckoning = wheels
+        self._map_field = wheels.field
         self._period, self._unanswered = backend.period, 0.0
 
     @property
@@ -462,7 +538,7 @@ def repeatability_of(covariance: NDArray[np.float64], map_error: NDArray[np.floa
     return np.asarray(_without(covariance, map_error) + SCAN_REPEATABILITY)
 
 
-def _beams(lidar: Lidar) -> Beams:
+def beams_of(lidar: Lidar) -> Beams:
     """Return this period's scan by its beams, without blind ones."""
     scan = lidar.scan()
     sensor = scan.base_T_sensor

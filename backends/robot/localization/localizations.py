@@ -42,7 +42,7 @@ def localization_of(
         return PositioningLocalization(
             backend, PositioningLocalizer(start, tread, sigma, errors, START_SIGMA), lidar
         )
-    noise = max(LEAST_RANGE, spec.range_sensor.sigma_mm / 1e3) if spec.range_sensor else LEAST_RANGE
+    noise = range_noise(spec)
     field = LikelihoodField(grid) if grid is not None and lidar is not None else None
     if field is not None and spec.localizer not in ("odometry", *OUTDOOR_LOCALIZERS):
         matching = ScanLocalizer(field, start, tread, errors, START_SIGMA, noise)
@@ -51,3 +51,8 @@ def localization_of(
     if spec.localizer in OUTDOOR_LOCALIZERS:
         return OutdoorLocalization(backend, wheels, field_localizer(spec, start, spec.antenna), lidar)
     return WheelLocalization(backend, wheels, lidar)
+
+
+def range_noise(spec: RobotFile) -> float:
+    """Return the sigma of a range in [m] with which scans of a robot are compared with a map."""
+    return max(LEAST_RANGE, spec.range_sensor.sigma_mm / 1e3) if spec.range_sensor else LEAST_RANGE

@@ -11,13 +11,13 @@ from handcart.networks.task.preparing import check
 from handcart.networks.task.task_file import Task, load_task
 from handcart.tasks.domain import domains
 
-from .rehearsal import DRIVE_MAP
+from .rehearsal import DRIVE_MAP, LOCATE_TASK
 
 
 def declared() -> dict[Path, Mapping[str, str]]:
-    """The task files that domains declare for it and one that drives alone, with what is set to rehearse."""
+    """Return the task files that domains declare for it, and those that drive alone, with their settings."""
     every = {path: settings for domain in domains() for path, settings in domain.rehearsals.items()}
-    return {**every, DRIVE_MAP: {}}
+    return {**every, DRIVE_MAP: {}, LOCATE_TASK: {}}
 
 
 def repertoire(robot: str, settings: Mapping[str, str], backend: str) -> tuple[Path, ...]:

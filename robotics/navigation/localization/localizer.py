@@ -61,6 +61,8 @@ class Localizer(ABC):
     ) -> None:
         """Start at a pose, certain or with a covariance (3, 3); `tread` of the wheels in [m]."""
         self._odometry = Odometry(start, tread, errors, covariance)
+        self.surface_error = 0.0
+        """Error in [m] of surfaces on the map, beyond that of its cells."""
 
     @property
     def odometry(self) -> Odometry:
@@ -85,6 +87,25 @@ class Localizer(ABC):
     def predict(self, left: float, right: float) -> None:
         """The wheels travelled this far, in [m]."""
         self._odometry.predict(left, right)
+
+    @property
+    def field(self) -> LikelihoodField | None:
+        """Field of the map that scans are compared with; None without one."""
+        return None
+
+    def extend_map(self, field: LikelihoodField) -> None:
+        """Compare scans with another map of the same frame from now on."""
+
+    def change_map(self, field: LikelihoodField, pose: Pose2, covariance: NDArray[np.float64]) -> None:
+        """Compare scans with the map of another frame from now on.
+
+        Args:
+            field: of that map.
+            pose: of the base in that frame.
+            covariance: (3, 3) of the pose, in [m, m, rad].
+        """
+        self._odometry.reset(pose, covariance)
+        self.extend_map(field)
 
     def find_again(self, points: NDArray[np.float64]) -> bool:
         """Take over another pose if a scan's end points (n, 2), in [m], clearly fit there; whether so."""
@@ -139,6 +160,21 @@ class OdometryLocalizer(Localizer):
     def looks(self) -> bool:
         """See `Localizer`: it needs a map."""
         return self._field is not None
+
+    @property
+    @override
+    def field(self) -> LikelihoodField | None:
+        return self._field
+
+    @override
+    def extend_map(self, field: LikelihoodField) -> None:
+        self._field = field
+
+    @override
+    def change_map(self, field: LikelihoodField, pose: Pose2, covariance: NDArray[np.float64]) -> None:
+        super().change_map(field, pose, covariance)
+        self._stands, self._rolled, self.astray, self.explained = None, 0.0, False, 0.0
+        self._driven, self._then = UNCHECKED_WAY_M, UNKNOWN_VARIANCE_M2
 
     @override
     def predict(self, left: float, right: float) -> None:
@@ -219,7 +255,7 @@ class OdometryLocalizer(Localizer):
         self._stands, self._rolled = match.pose, 0.0
         if before is None:
             return False
-        apart = _apart(before, match, self._field)
+        apart = _apart(before, match, self._field, self.surface_error)
         if apart:
             moved = match.pose.relative_to(before)
             self._odometry.reset(self.pose.compose(moved), self.covariance)
@@ -281,6 +317,24 @@ class ScanLocalizer(Localizer):
         self.last_match: ScanMatch | None = None
         self.unmapped = UnmappedSurroundings(field, sigma)
         """The robot's own keyframes, by which it is located where the map explains too little."""
+
+    @property
+    @override
+    def field(self) -> LikelihoodField:
+        return self._field
+
+    @override
+    def extend_map(self, field: LikelihoodField) -> None:
+        self._field = field
+        self.unmapped = UnmappedSurroundings(field, self._sigma)
+
+    @override
+    def change_map(self, field: LikelihoodField, pose: Pose2, covariance: NDArray[np.float64]) -> None:
+        super().change_map(field, pose, covariance)
+        self._poor, self._map_error, self.misplaced, self.last_match = 0, np.zeros((3, 3)), False, None
+        self.slip.begin()
+        self.way.begin()
+        self._rolled = (0.0, 0.0)
 
     @property
     def sure(self) -> bool:
@@ -399,7 +453,8 @@ class ScanLocalizer(Localizer):
         match = match_scan(self._field, points, self.pose, near, self._sigma)
         if self.last_match is None or match.inliers < MIN_SHARE_KEPT_AT_REST * self.last_match.inliers:
             match = match_scan(self._field, points, self.pose, SEARCH_COVARIANCE, self._sigma, anneal=True)
-        if not _apart(self.pose, match, self._field) or match.inliers < self._least_inliers:
+        is_apart = _apart(self.pose, match, self._field, self.surface_error)
+        if not is_apart or match.inliers < self._least_inliers:
             return False
         self.relocalize(self.pose, points)
         return True
@@ -413,9 +468,9 @@ class ScanLocalizer(Localizer):
         return match
 
 
-def _apart(before: Pose2, after: ScanMatch, field: LikelihoodField) -> bool:
+def _apart(before: Pose2, after: ScanMatch, field: LikelihoodField, surface_error: float) -> bool:
     """Return True if two poses by scans are different places, beyond the uncertainty of the scans."""
-    most = max(MAX_REST_SPREAD[0], SHARE_OF_CELL * field.map.resolution)
+    most = max(MAX_REST_SPREAD[0], SHARE_OF_CELL * field.map.resolution, surface_error)
     if before.distance(after.pose) <= most and before.turn(after.pose) <= MAX_REST_SPREAD[1]:
         return False
     off = _between(before, after.pose)

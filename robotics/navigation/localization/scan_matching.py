@@ -126,7 +126,7 @@ def match_scan(
 
     def descend(trust: NDArray[np.float64], scale: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         where = (grid.origin_x, grid.origin_y), grid.resolution
-        return _descend(
+        return descend_scan(
             field.distance, grid.occupied, points, found, near, trust, *seen[:2], *where, scale, noise
         )
 
@@ -201,7 +201,7 @@ def _posterior(
 
 
 @compiled
-def _descend(
+def descend_scan(
     distance: NDArray[np.float32],
     occupied: NDArray[np.bool_],
     points: NDArray[np.float64],

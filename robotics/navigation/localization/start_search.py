@@ -131,7 +131,7 @@ def map_ranges(field: LikelihoodField, sensor: Pose2, angles: Array, reach: floa
     """
     grid = field.map
     return np.asarray(
-        _traced(
+        trace_ranges(
             field.distance,
             grid.occupied,
             (sensor.x - grid.origin_x) / grid.resolution - 0.5,
@@ -157,7 +157,7 @@ def _candidates(field: LikelihoodField, points: Array) -> list[Pose2]:
     cells = np.argwhere(free[::every, ::every]) * every
     some = np.ascontiguousarray(points[np.linspace(0, len(points) - 1, COARSE_POINTS).astype(np.int64)])
     turns = np.linspace(-math.pi, math.pi, HEADING_COUNT, endpoint=False)
-    scores = _scored(field.distance, cells, turns, some / grid.resolution, COARSE_M)
+    scores = score_poses(field.distance, cells, turns, some / grid.resolution, COARSE_M)
     order = np.argsort(scores, axis=None)[::-1][: 40 * MAX_CANDIDATES]
     kept: list[Pose2] = []
     for index in order:
@@ -172,7 +172,7 @@ def _candidates(field: LikelihoodField, points: Array) -> list[Pose2]:
 
 
 @compiled
-def _scored(
+def score_poses(
     distance: NDArray[np.float32], cells: NDArray[np.int64], turns: Array, points: Array, scale: float
 ) -> Array:
     """(n, m) how near the points, in cells, lie to surfaces, from cells (n, 2) and with headings (m,)."""
@@ -194,7 +194,7 @@ def _scored(
 
 
 @compiled
-def _traced(
+def trace_ranges(
     distance: NDArray[np.float32],
     occupied: NDArray[np.bool_],
     column: float,
@@ -203,7 +203,10 @@ def _traced(
     resolution: float,
     reach: float,
 ) -> Array:
-    """Ranges (n,) in [m] from a cell, column and row as real numbers, along angles of the map in [rad]."""
+    """Return ranges (n,) in [m] from a column and row, as real numbers, along angles of the map in [rad].
+
+    Infinity where the map shows nothing within `reach`, in [m].
+    """
     height, width = distance.shape
     out = np.empty(len(angles))
     for i in range(len(angles)):

@@ -265,8 +265,13 @@ def test_how_far_off_it_believed_to_be_is_told_by_squares_and_worst() -> None:
     run: Any = SimpleNamespace(world=SimpleNamespace(base=Pose2(0.0, 0.0, 0.0)))
     survey = LocalisationSurvey(run)
     assert survey.figures() == {}
+    unlocated: Any = SimpleNamespace(
+        pose=Pose2(9.0, 0.0, 0.0), localization=SimpleNamespace(is_located=False)
+    )
+    survey.look(unlocated)  # its pose is in a frame of its own
+    located = SimpleNamespace(is_located=True)
     for off, turned in ((0.003, 0.0), (0.004, -0.02), (0.0, 0.01)):
-        robot: Any = SimpleNamespace(pose=Pose2(off, 0.0, turned))
+        robot: Any = SimpleNamespace(pose=Pose2(off, 0.0, turned), localization=located)
         survey.look(robot)
     again = LocalisationSurvey(run)
     again.go_on(survey.notes())

@@ -16,7 +16,7 @@ from handcart.tools.main import main
 
 TASKS = Path(__file__).resolve().parents[3] / "tasks"
 TRIED = {
-    "librarian": "APPROACH INSERT MODIFY MOVE_TO PICK_UP RECOGNIZE RELEASE SEARCH",
+    "librarian": "APPROACH INSERT LOCATE MODIFY MOVE_TO PICK_UP RECOGNIZE RELEASE SEARCH",
     "toyama": "CALIBRATE_CAMERA CALIBRATE_SUSPENSION FIXATE MOVE_TO PICK_UP_BLOCK STACK",
     "atrv": "DIVIDE MOVE_TO TRACK",
     "el_verde": "DEPLOY MODIFY MOVE_TO ORIENT STAND",
@@ -39,7 +39,11 @@ def test_a_variant_is_tried_in_what_its_robot_is_made_for() -> None:
 
 
 def test_unknown_robot_is_tried_in_all_its_capabilities() -> None:
-    assert [path.parent.name for path in KitSetting("kinematic", "cart").tasks] == ["drive_map"]
+    tasks = KitSetting("kinematic", "cart").tasks
+    assert [f"{path.parent.name}/{path.name}" for path in tasks] == [
+        "drive_map/task.yaml",
+        "drive_map/locate.yaml",
+    ]
 
 
 @pytest.mark.slow

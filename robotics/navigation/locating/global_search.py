@@ -1,0 +1,193 @@
+"""Search of all poses on a map from which a scan looks as it does."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.navigation.localization.likelihood_field import LikelihoodField
+from handcart.robotics.navigation.localization.scan_matching import ANNEALING_SCALES_M, descend_scan
+from handcart.robotics.navigation.localization.start_search import (
+    CLEAR_M,
+    COARSE_M,
+    COARSE_POINTS,
+    Beams,
+    score_poses,
+)
+from handcart.robotics.numerics.compiled import compiled
+
+from .beam_evidence import explain
+
+MAX_POSES = 1_600_000
+MIN_STRIDE_M = 0.1
+HEADINGS = 90
+BIN_M, BIN_HEADINGS = 0.4, 4  # within which only the best pose is refined
+MAX_REFINED = 1200
+MAX_REFINED_HARD = 6000
+"""Poses to refine where the first ones do not explain the scan."""
+PLAIN_LOG = -10.0  # log-likelihood of a scan that is explained
+REFINE_POINTS = 90
+SAME_M, SAME_RAD = 0.25, math.radians(10.0)  # within which two poses are the same place
+KEPT_LOG = 60.0  # below the best log-likelihood, beyond which a pose is not kept
+MAX_FOUND = 200
+
+Array = NDArray[np.float64]
+
+
+class Found(NamedTuple):
+    """Poses that may explain a scan, the best first."""
+
+    poses: Array
+    """(n, 3) map_T_base, in [m, m, rad]."""
+    log_likelihoods: Array
+    """(n,) of the scan."""
+
+
+def search_map(field: LikelihoodField, beams: Beams, noise: float) -> Found:
+    """Return the poses on a map that explain a scan best, from different places each.
+
+    Args:
+        field: of the map.
+        beams: of the scan.
+        noise: sigma of a point's distance to the map, in [m].
+    """
+    points = beams.points
+    if len(points) < COARSE_POINTS // 3:
+        return Found(np.empty((0, 3)), np.empty(0))
+    rough = _coarse(field, points)
+    some = points[np.linspace(0, len(points) - 1, min(len(points), REFINE_POINTS)).astype(np.int64)]
+    refined, likely = np.empty((0, 3)), np.empty(0)
+    for part in (rough[:MAX_REFINED], rough[MAX_REFINED:]):
+        if len(part) and (not len(likely) or likely.max() < PLAIN_LOG):
+            tried = refine_poses(field, some, part, noise, ANNEALING_SCALES_M)
+            tried = tried[_can_stand(field, tried)]
+            refined = np.vstack([refined, tried])
+            likely = np.concatenate([likely, explain(field, beams, tried, noise).log_likelihood])
+    order = _distinct(refined, np.argsort(-likely, kind="stable"))
+    if not len(order):
+        return Found(np.empty((0, 3)), np.empty(0))
+    order = order[likely[order] >= likely[order[0]] - KEPT_LOG][:MAX_FOUND]
+    fine = refine_poses(field, points, refined[order], noise, ())
+    likely = explain(field, beams, fine, noise).log_likelihood
+    order = _distinct(fine, np.argsort(-likely, kind="stable"))
+    return Found(fine[order], likely[order])
+
+
+def refine_poses(
+    field: LikelihoodField, points: Array, poses: Array, noise: float, scales: tuple[float, ...]
+) -> Array:
+    """Return poses (n, 3) from which scan points (m, 2), in the base frame, fit the map best, near `poses`.
+
+    Args:
+        field: of the map.
+        points: (m, 2) in the base frame, in [m].
+        poses: (n, 3) map_T_base to begin at.
+        noise: sigma of a point's distance to the map, in [m].
+        scales: of the robust cost, in [m], before the final one.
+    """
+    grid = field.map
+    every = np.array([*scales, 6.0 * noise, 2.5 * noise])
+    corner = grid.origin_x, grid.origin_y
+    begun = np.ascontiguousarray(poses, dtype=np.float64)
+    dense = np.ascontiguousarray(points, dtype=np.float64)
+    return np.asarray(
+        _refine(field.distance, grid.occupied, dense, begun, corner, grid.resolution, every, noise)
+    )
+
+
+def same_place(poses: Array, pose: Array) -> NDArray[np.bool_]:
+    """(n,) which of poses (n, 3) are at the same place as another one (3,)."""
+    away = np.hypot(poses[:, 0] - pose[0], poses[:, 1] - pose[1])
+    turn = np.abs(np.remainder(poses[:, 2] - pose[2] + math.pi, 2.0 * math.pi) - math.pi)
+    return np.asarray((away < SAME_M) & (turn < SAME_RAD))
+
+
+def _can_stand(field: LikelihoodField, poses: Array) -> NDArray[np.bool_]:
+    """(n,) which of poses (n, 3) are on the map, and not in a wall."""
+    grid = field.map
+    fits = grid.inside(poses[:, :2])
+    rows, columns = grid.to_cell(poses[fits, :2]).T
+    fits[fits] = ~grid.occupied[rows, columns]
+    return fits
+
+
+def _distinct(poses: Array, order: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return the indices in `order` without poses at the place of an earlier one."""
+    left, kept = order, []
+    while len(left):
+        kept.append(int(left[0]))
+        left = left[~same_place(poses[left], poses[left[0]])]
+        if len(kept) >= 2 * MAX_FOUND:
+            break
+    return np.array(kept, dtype=np.int64)
+
+
+def _coarse(field: LikelihoodField, points: Array) -> Array:
+    """(n, 3) poses all over the map from which the points lie near what it shows, one for each bin."""
+    grid = field.map
+    free = ~grid.occupied & (field.distance > CLEAR_M)
+    area = float(free.sum()) * grid.resolution**2
+    stride = max(MIN_STRIDE_M, math.sqrt(area * HEADINGS / MAX_POSES))
+    every = max(1, round(stride / grid.resolution))
+    cells = np.argwhere(free[::every, ::every]) * every
+    if not len(cells):
+        return np.empty((0, 3))
+    some = points[np.linspace(0, len(points) - 1, COARSE_POINTS).astype(np.int64)]
+    turns = np.linspace(-math.pi, math.pi, HEADINGS, endpoint=False)
+    scores = score_poses(
+        field.distance, cells, turns, np.ascontiguousarray(some) / grid.resolution, max(COARSE_M, stride)
+    )
+    chosen = _best_of_bins(scores, cells, max(1, round(BIN_M / grid.resolution)))
+    cell, heading = np.divmod(chosen, HEADINGS)
+    return np.column_stack([grid.to_point(cells[cell]), turns[heading]])
+
+
+def _best_of_bins(scores: Array, cells: NDArray[np.int64], size: int) -> NDArray[np.int64]:
+    """Return the flat indices of the best scores (n, m), at most one in each bin of `size` cells."""
+    flat = scores.ravel()
+    many = min(len(flat), 40 * MAX_REFINED_HARD)
+    top = np.argpartition(-flat, many - 1)[:many] if many < len(flat) else np.arange(len(flat))
+    top = top[np.argsort(-flat[top], kind="stable")]
+    cell, heading = np.divmod(top, scores.shape[1])
+    rows, columns = np.divmod(cells[cell], size)[0].T
+    keys = (rows * (int(columns.max()) + 1) + columns) * HEADINGS + heading // BIN_HEADINGS
+    _, first = np.unique(keys, return_index=True)
+    return np.asarray(top[np.sort(first)][:MAX_REFINED_HARD])
+
+
+@compiled
+def _refine(
+    distance: NDArray[np.float32],
+    occupied: NDArray[np.bool_],
+    points: Array,
+    poses: Array,
+    corner: tuple[float, float],
+    resolution: float,
+    scales: Array,
+    noise: float,
+) -> Array:
+    """Return (n, 3) the poses after Gauss-Newton at each scale."""
+    out = np.empty_like(poses)
+    nothing, direction = np.zeros((3, 3)), np.array([1.0, 0.0])
+    for m in range(len(poses)):
+        pose = poses[m].copy()
+        for k in range(len(scales)):
+            pose, _ = descend_scan(
+                distance,
+                occupied,
+                points,
+                pose,
+                poses[m],
+                nothing,
+                direction,
+                1.0,
+                corner,
+                resolution,
+                scales[k],
+                noise,
+            )
+        out[m] = pose
+    return out

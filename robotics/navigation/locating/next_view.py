@@ -1,0 +1,183 @@
+"""Choice of the next place to look from, so that hypotheses about a pose can be told apart.
+
+The base stays on ground that the lidar has seen to be free. Among the places there, one is chosen from where
+the map predicts different scans for different hypotheses (Fox, Burgard and Thrun, 1998), or from where ground
+becomes visible that was not seen yet.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.localization.likelihood_field import LikelihoodField
+from handcart.robotics.navigation.localization.start_search import map_ranges
+from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.navigation.routes.ways import Ways
+
+MARGIN_M = 0.05  # beside the footprint, from anything that was not seen to be free
+MAX_AWAY_M, MIN_AWAY_M = 6.0, 0.5  # of a place from the base
+GRID_M = 0.4  # between places that are compared
+TRIED_M = 0.6  # from earlier places, within which none is chosen again
+MAX_COMPARED = 6  # hypotheses
+PREDICTED_BEAMS = 48
+DIFFERENT_M = 0.3  # between predicted ranges that a scan tells apart
+NOVELTY_RADIUS_M = 2.0
+NOVELTY_WEIGHT = 0.3  # of the share of unseen ground around, against the share of beams that differ
+WAY_WEIGHT_PER_M = 0.03
+MAX_ALIKE = 150  # places in the test whether the map looks the same from everywhere
+MIN_DIFFERENCE = 0.05  # share of beams that differ where a scan could tell two hypotheses apart
+MAX_ROUTES = 8  # places to which a route is looked for
+
+Array = NDArray[np.float64]
+
+
+class View(NamedTuple):
+    """A place to look from."""
+
+    route: Array
+    """(n, 2) points from the base to it, in the local frame, in [m]."""
+    difference: float
+    """Mean share of beams by which the hypotheses would differ there."""
+
+
+class Surroundings(NamedTuple):
+    """What the base knows of the ground around it."""
+
+    seen: GridMap
+    """In the local frame; ground that was not seen is unknown."""
+    here: Pose2
+    """local_T_base."""
+    radius: float
+    """Radius of the footprint, in [m]."""
+    tried: Array
+    """(n, 2) places in the local frame that were looked from, in [m]."""
+
+
+def next_view(around: Surroundings, field: LikelihoodField, poses: Array, reach: float) -> View | None:
+    """Return the next place to look from; None if there is none.
+
+    Args:
+        around: ground that was seen.
+        field: of the map.
+        poses: (k, 3) map_T_base of each hypothesis, in [m, m, rad], the best first.
+        reach: of the lidar, in [m].
+    """
+    places = _reachable(around)
+    if not len(places):
+        return None
+    difference = predicted_difference(around.here, places, field, poses[:MAX_COMPARED], reach)
+    away = np.hypot(*(places - (around.here.x, around.here.y)).T)
+    gain = difference + NOVELTY_WEIGHT * _novelty(around.seen, places) - WAY_WEIGHT_PER_M * away
+    gain = np.where(_is_blocked(around, places, field, poses[:MAX_COMPARED]), -np.inf, gain)
+    ways = Ways(around.seen, around.radius, around.here)
+    for number in np.argsort(-gain, kind="stable")[:MAX_ROUTES]:
+        if math.isinf(gain[number]):
+            return None
+        route = ways.to((float(places[number, 0]), float(places[number, 1]))).route
+        if route is not None and route.length <= 2.0 * MAX_AWAY_M:
+            return View(route.points, float(difference[number]))
+    return None
+
+
+def predicted_difference(
+    here: Pose2, places: Array, field: LikelihoodField, poses: Array, reach: float
+) -> Array:
+    """(n,) mean share of beams whose ranges would differ between the best hypothesis and each other one.
+
+    Args:
+        here: local_T_base.
+        places: (n, 2) in the local frame, in [m].
+        field: of the map.
+        poses: (k, 3) map_T_base of each hypothesis, in [m, m, rad].
+        reach: of the lidar, in [m].
+    """
+    if len(poses) < 2:
+        return np.zeros(len(places))
+    angles = np.linspace(-math.pi, math.pi, PREDICTED_BEAMS, endpoint=False)
+    shares = np.zeros(len(places))
+    steps = here.inverse().apply(places)
+    for number, (x, y) in enumerate(steps.tolist()):
+        ranges = [
+            map_ranges(field, Pose2(*pose).compose(Pose2(x, y, 0.0)), angles, reach)
+            for pose in poses.tolist()
+        ]
+        capped = np.minimum(np.array(ranges), reach)
+        differs = np.abs(capped[1:] - capped[0]) > DIFFERENT_M
+        shares[number] = float(differs.mean())
+    return shares
+
+
+def look_alike(field: LikelihoodField, poses: Array, radius: float, within: float, reach: float) -> bool:
+    """Return whether the map looks the same for the best hypothesis and another one, from every place around.
+
+    Args:
+        field: of the map.
+        poses: (k, 3) map_T_base of each hypothesis, in [m, m, rad], the best first.
+        radius: of the footprint, in [m].
+        within: distance from the base, in [m].
+        reach: of the lidar, in [m].
+    """
+    here = Pose2(*poses[0].tolist())
+    places = _reachable(Surroundings(field.map, here, radius, np.empty((0, 2))), within)
+    if not len(places):
+        return False
+    every = max(1, len(places) // MAX_ALIKE)
+    for pose in poses[1 : 1 + MAX_COMPARED]:
+        differs = predicted_difference(here, places[::every], field, np.array([poses[0], pose]), reach)
+        if differs.max() < MIN_DIFFERENCE:
+            return True
+    return False
+
+
+def _reachable(around: Surroundings, within: float = MAX_AWAY_M) -> Array:
+    """(n, 2) places on connected ground that was seen to be free, with room for the footprint, in [m]."""
+    seen = around.seen
+    clear = cv2.distanceTransform((~seen.blocked).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    room = (clear * seen.resolution > around.radius + MARGIN_M).astype(np.uint8)
+    labels = cv2.connectedComponents(room)[1]
+    row, column = seen.to_cell(np.array([[around.here.x, around.here.y]]))[0].tolist()
+    size = math.ceil((around.radius + MARGIN_M) / seen.resolution)
+    low = max(0, row - size), max(0, column - size)
+    near = labels[low[0] : row + size + 1, low[1] : column + size + 1]
+    if not (near > 0).any():
+        return np.empty((0, 2))
+    offsets = np.argwhere(near > 0)
+    nearest = offsets[np.argmin(np.hypot(*(offsets + low - (row, column)).T))]
+    every = max(1, round(GRID_M / seen.resolution))
+    cells = np.argwhere(labels[::every, ::every] == near[tuple(nearest)]) * every
+    places = seen.to_point(cells)
+    away = np.hypot(*(places - (around.here.x, around.here.y)).T)
+    fits = (away >= MIN_AWAY_M) & (away <= within)
+    for tried in around.tried:
+        fits &= np.hypot(*(places - tried).T) > TRIED_M
+    return np.asarray(places[fits])
+
+
+def _novelty(seen: GridMap, places: Array) -> Array:
+    """(n,) share of ground around places (n, 2) that was not seen."""
+    size = 2 * round(NOVELTY_RADIUS_M / seen.resolution) + 1
+    unseen = cv2.blur(seen.unknown.astype(np.float32), (size, size), borderType=cv2.BORDER_REPLICATE)
+    rows, columns = seen.to_cell(places).T
+    return np.asarray(unseen[rows, columns], dtype=np.float64)
+
+
+def _is_blocked(
+    around: Surroundings, places: Array, field: LikelihoodField, poses: Array
+) -> NDArray[np.bool_]:
+    """(n,) True where the map shows something at a place, as one of the hypotheses has it."""
+    steps = around.here.inverse().apply(places)
+    blocked = np.zeros(len(places), dtype=np.bool_)
+    grid = field.map
+    for pose in poses.tolist():
+        there = Pose2(*pose).apply(steps)
+        inside = grid.inside(there)
+        rows, columns = grid.to_cell(there[inside]).T
+        blocked[inside] |= grid.blocked[rows, columns]
+        blocked |= field.read(there) < around.radius
+    return blocked
