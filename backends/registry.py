@@ -150,8 +150,8 @@ def check_world(
     if is_map_file(world):
         load_map(world)
         return
-    loaded, whole = import_module("handcart.backends.simulation.world.load_world").read_world(world)
-    find = import_module("handcart.backends.simulation.world.world_findings").world_findings
+    loaded, whole = import_module("handcart.backends.simulation.world_files.load_world").read_world(world)
+    find = import_module("handcart.backends.simulation.world_files.world_findings").world_findings
     if wrong := list(find(loaded, whole, robot, initial_pose, grid)):
         raise FileError(wrong)
 

@@ -23,7 +23,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 import orjson
 
-from handcart.networks.operator.socket_path import STOP_SOCKET, socket_path
+from handcart.networks.run_files.socket_path import STOP_SOCKET, socket_path
 from tests.browser import DESK, browsing
 
 REPOSITORY_ROOT = Path(__file__).parents[1]

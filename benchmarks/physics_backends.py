@@ -15,10 +15,10 @@ from typing import Any
 
 import numpy as np
 
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.physics.physics_backend import PhysicsBackend
 from handcart.backends.registry import backend_class
-from handcart.backends.simulation.world.world_model import world_model
+from handcart.backends.simulation.world_files.world_model import world_model
 
 ENGINE_NAMES = ("mujoco", "pybullet")
 BOXES, ROUNDS, PERIODS = (0, 10, 40), 7, 20

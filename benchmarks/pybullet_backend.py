@@ -17,10 +17,10 @@ import numpy as np
 
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.pybullet.bullet_engine import BulletEngine
 from handcart.backends.pybullet.pybullet_backend import PyBulletBackend
-from handcart.backends.simulation.world.load_world import load_world
+from handcart.backends.simulation.world_files.load_world import load_world
 
 WORLD_FILE = Path(__file__).resolve().parents[1] / "tasks" / "return_book" / "world.yaml"
 PERIODS, ROUNDS = 100, 9

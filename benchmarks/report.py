@@ -9,7 +9,7 @@ from tempfile import TemporaryDirectory
 
 import orjson
 
-from handcart.evaluation.report.report import write_report
+from handcart.evaluation.viewing.report.report import write_report
 
 
 def main() -> None:

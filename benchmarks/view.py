@@ -20,8 +20,8 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from handcart.evaluation.playback.part import PLAYBACK_FOLDER
-from handcart.evaluation.playback.playback import Playback
+from handcart.evaluation.viewing.playback.part import PLAYBACK_FOLDER
+from handcart.evaluation.viewing.playback.playback import Playback
 
 REPEAT_COUNT = 5
 FRAME_COUNT = 300
@@ -44,7 +44,7 @@ def main() -> None:
 def cost(task: Path) -> None:
     """CPU of a run with and without being recorded, in turns; the least of each."""
     from handcart.evaluation.trials.running import run_task
-    from handcart.networks.run_options import RunOptions
+    from handcart.networks.runs.run_options import RunOptions
 
     spent: dict[bool, list[float]] = {False: [], True: []}
     size, lasted = 0, 0.0
@@ -111,8 +111,8 @@ def _loaded(url: str) -> float | None:
 
 def scrubbing(run: Path) -> None:
     """Frames at random times, as by a hand that pulls the slider: until each is handed to the browser."""
-    from handcart.evaluation.view.replay import Replay
-    from handcart.evaluation.view.serving.server import open_server
+    from handcart.evaluation.viewing.view.replay import Replay
+    from handcart.evaluation.viewing.view.serving.server import open_server
 
     playback = Playback.read(run)
     times = np.random.default_rng(0).uniform(playback.start, playback.end, FRAME_COUNT)

@@ -20,9 +20,9 @@ from handcart.backends.mujoco.rendering.style import STILL_PICTURE
 from handcart.backends.physics.onlooker import looking
 from handcart.backends.robot.robot import Robot
 from handcart.evaluation.trials.running import run_task
-from handcart.networks.coordination.events import Event, Started
-from handcart.networks.run_observer import RunObserver
-from handcart.networks.run_options import RunOptions
+from handcart.networks.events.events import Event, Started
+from handcart.networks.events.run_observer import RunObserver
+from handcart.networks.runs.run_options import RunOptions
 
 REPOSITORY_ROOT = Path(__file__).resolve().parents[1]
 SIZE_PX = (1280, 720)  # [px]

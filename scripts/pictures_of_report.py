@@ -34,7 +34,7 @@ def main() -> None:
 
 def of_run(run: Path, page: Path) -> None:
     """From its top, and of the first action that failed."""
-    from handcart.evaluation.report.report import write_report
+    from handcart.evaluation.viewing.report.report import write_report
     from tests.browser import DESK, PHONE, browsing
 
     write_report(run, page)
@@ -48,7 +48,7 @@ def of_run(run: Path, page: Path) -> None:
 
 def of_campaign(campaign: Path, page: Path) -> None:
     """From its top."""
-    from handcart.evaluation.campaign_page.campaign_page import CampaignPage
+    from handcart.evaluation.campaigns.page.campaign_page import CampaignPage
     from tests.browser import PHONE, browsing
 
     CampaignPage.of(campaign).write(page)

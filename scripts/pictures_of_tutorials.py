@@ -19,7 +19,7 @@ sys.path[:0] = [str(ROOT), str(ROOT / "scripts")]
 from pictures_of_physics import Moment, Photo  # noqa: E402
 
 from handcart.evaluation.trials.running import run_task  # noqa: E402
-from handcart.networks.run_options import RunOptions  # noqa: E402
+from handcart.networks.runs.run_options import RunOptions  # noqa: E402
 from handcart.tools.main import main as handcart  # noqa: E402
 from tests.tutorials.tutorial_steps import steps, write_file  # noqa: E402
 

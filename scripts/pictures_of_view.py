@@ -16,9 +16,9 @@ DRAWING_TIME_MS = 9000  # [ms] until a browser without a GPU has drawn all of it
 def main() -> None:
     """Draw a run at a time, both sizes."""
     sys.path.insert(0, str(REPOSITORY_ROOT))  # for what tests have of browsers
-    from handcart.evaluation.playback.playback import Playback
-    from handcart.evaluation.view.replay import Replay
-    from handcart.evaluation.view.serving.server import open_server
+    from handcart.evaluation.viewing.playback.playback import Playback
+    from handcart.evaluation.viewing.view.replay import Replay
+    from handcart.evaluation.viewing.view.serving.server import open_server
     from tests.browser import DESK, PHONE, browsing
 
     playback, time = Playback.read(Path(sys.argv[1])), float(sys.argv[2])

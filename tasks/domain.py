@@ -59,12 +59,12 @@ class Domain:
     """Primitives by the name in task files."""
     knowledge: Knowledge | None = None
     props: str | None = None
-    """A `handcart.backends.simulation.props:Props`: the domain's objects in simulated worlds."""
+    """A `handcart.backends.simulation.world.props:Props`: the domain's objects in simulated worlds."""
     physics: str | None = None
     """A mapping: the bodies of its props in physics, whatever the engine, by the class of a thing or of the
     props."""
     survey: str | None = None
-    """A `handcart.evaluation.truth.survey:Survey`: ground truth of the domain's outcomes."""
+    """A `handcart.evaluation.judging.survey:Survey`: ground truth of the domain's outcomes."""
     faults: str | None = None
     """A sequence of `handcart.evaluation.conformance.faults.fault:Fault`: faults of the domain's objects in a
     simulated world. The conformance kit injects them into the domain's primitives.

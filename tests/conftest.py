@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-from handcart.networks.coordination.events import Ended, Event
-from handcart.networks.run_observer import RunObserver
+from handcart.networks.events.events import Ended, Event
+from handcart.networks.events.run_observer import RunObserver
 
 settings.register_profile("handcart", derandomize=True, deadline=None)
 settings.load_profile("handcart")

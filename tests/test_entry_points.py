@@ -103,7 +103,7 @@ def test_a_backend_of_another_package_is_asked_what_it_can_do(tmp_path: Path) ->
 
 
 def test_the_documents_backend_drives() -> None:
-    from handcart.backends.description.robot_loading import load_robot
+    from handcart.backends.loading.robot_loading import load_robot
     from handcart.backends.robot.robot import Robot
     from handcart.robotics.geometry.pose2 import Pose2
 

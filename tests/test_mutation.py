@@ -102,10 +102,10 @@ def test_an_exception_with_a_dot_in_its_name_ends_no_drawing(parts: Any, project
 
 def test_each_module_has_places_for_mutants(parts: Any) -> None:
     drawing = parts("drawing")
-    modules = list(drawing.MODULES)
+    modules = list(drawing.MODULE_GROUPS)
     drawn = list(islice(drawing.draw(ROOT, "1", modules), len(modules)))
     assert len({mutant.module for mutant in drawn}) >= len(modules) - 2
-    folders = [ROOT / folder for each in modules for folder in drawing.MODULES[each]]
+    folders = [ROOT / folder for each in modules for folder in drawing.MODULE_GROUPS[each]]
     assert all(list(folder.glob("**/*.py")) for folder in folders)
 
 

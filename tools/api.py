@@ -14,9 +14,9 @@ from handcart.files.errors import FileError, Finding, InputError
 from handcart.tasks.task_names import task_path
 
 if TYPE_CHECKING:
-    from handcart.evaluation.campaign_report.campaign_report import CampaignReport
+    from handcart.evaluation.campaigns.statistics.campaign_report import CampaignReport
     from handcart.evaluation.conformance.report import KitReport
-    from handcart.networks.journal.past_run import PastAction
+    from handcart.networks.past_runs.past_run import PastAction
     from handcart.networks.task.task_file import Task
 
 Settings = Mapping[str, Any]
@@ -120,9 +120,9 @@ def run(
         HandcartError: the task cannot be run for another reason, in words.
     """
     from handcart.evaluation.trials.running import run_task
-    from handcart.networks.action_log import ActionLog
     from handcart.networks.operator.permits import Permits
-    from handcart.networks.run_options import RunOptions
+    from handcart.networks.past_runs.action_log import ActionLog
+    from handcart.networks.runs.run_options import RunOptions
 
     log = ActionLog()
     summary, status = run_task(
@@ -217,7 +217,7 @@ def campaign(
             observed in other campaigns.
         learned_from: folders of those.
         rare, importance, population: each trial is a population of runs, from which `RareEstimate.of` in
-            `handcart.evaluation.rare.rare_estimate` estimates a probability.
+            `handcart.evaluation.campaigns.rare.rare_estimate` estimates a probability.
         report: True to write `report.html` into the folder.
         runs: folder in which the runs' folders are made; None: `runs`, in the campaign's folder if it has
             one.
@@ -227,8 +227,8 @@ def campaign(
         InputError: an argument is not possible, in words; nothing has moved.
         HandcartError: a trial cannot be run, or kept; in words.
     """
-    from handcart.evaluation.campaign_report.campaign_report import CampaignReport
-    from handcart.evaluation.campaigns.trial_log import TrialFile
+    from handcart.evaluation.campaigns.data.trial_log import TrialFile
+    from handcart.evaluation.campaigns.statistics.campaign_report import CampaignReport
     from handcart.tools.campaigns.asked_campaign import AskedCampaign
 
     asked = AskedCampaign(

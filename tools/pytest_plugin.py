@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from handcart.evaluation.conformance.report import KitReport
     from handcart.evaluation.trials.rig import Rig, RigFiles
     from handcart.primitives.contract.action_primitive import ActionPrimitive
-    from handcart.primitives.contract.outcome import Outcome
+    from handcart.primitives.outcomes.outcome import Outcome
 
 
 @pytest.fixture

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 if TYPE_CHECKING:
-    from handcart.networks.run_observer import RunObserver
+    from handcart.networks.events.run_observer import RunObserver
     from handcart.tools.terminal.progress import Progress
 
 Permit = Literal["ask", "always", "never"]
@@ -85,7 +85,7 @@ def run(
     from handcart.files.models.settings import split_setting
     from handcart.networks.coordination.interrupts import Interrupts
     from handcart.networks.operator.permits import Permits
-    from handcart.networks.run_options import RunOptions
+    from handcart.networks.runs.run_options import RunOptions
     from handcart.robotics.numerics.compiling_ahead import compiling_ahead
     from handcart.tools.terminal.progress import Progress
     from handcart.tools.terminal.writing import check_folder
@@ -142,8 +142,8 @@ def _tell(summary: dict[str, Any], as_json: bool, progress: Progress) -> None:
 @contextmanager
 def _shown(port: int | None, progress: RunObserver) -> Iterator[RunObserver]:
     """Yield an observer that shows the run in the browser."""
-    from handcart.evaluation.view.live_view import LiveView
-    from handcart.evaluation.view.serving.server import open_server
+    from handcart.evaluation.viewing.view.live_view import LiveView
+    from handcart.evaluation.viewing.view.serving.server import open_server
 
     with open_server(port, "handcart run --view") as opened:
         progress.say(f"{opened.address} shows it")

@@ -16,10 +16,12 @@ from typing_extensions import override
 from handcart.backends.backend import Backend
 from handcart.backends.can.bench.bench import Bench
 from handcart.backends.can.bus.can_line import CanLine
+from handcart.backends.can.bus.errors import BrokenOff, BusFault, CanFault, LateLoop, NoDrives
 from handcart.backends.can.bus.frame_log import FrameLog
 from handcart.backends.can.bus.frame_names import names_of
 from handcart.backends.can.bus.heartbeat import Heartbeat
 from handcart.backends.can.bus.open_bus import open_bus
+from handcart.backends.can.bus.pace import Pace
 from handcart.backends.can.drives.axes import Axes
 from handcart.backends.can.sensors.live_sensor import LiveSensor
 from handcart.backends.can.sensors.live_sensors import await_first, open_sensors
@@ -31,8 +33,6 @@ from handcart.backends.plain_values import attributes, from_plain, set_attribute
 from handcart.backends.saved_state import NotAState
 
 from .can_parts import CanParts, capabilities_of
-from .errors import BrokenOff, BusFault, CanFault, LateLoop, NoDrives
-from .pace import Pace
 
 _LISTENED = 2.0  # periods of a master, its SYNC or its heartbeat
 

@@ -8,8 +8,8 @@ from pydantic import Field, model_validator
 
 from handcart.files.models.model import FileModel
 from handcart.robotics.perception.cameras.calibration_board import CalibrationBoard
-from handcart.robotics.perception.cameras.charuco_board import CharucoBoard
 from handcart.robotics.perception.cameras.chessboard import Chessboard
+from handcart.robotics.perception.landmarks.charuco_board import CharucoBoard
 from handcart.robotics.perception.landmarks.tag_family import DEFAULT_FAMILY, TagFamily
 
 Squares = Annotated[int, Field(ge=3, le=50)]

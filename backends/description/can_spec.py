@@ -34,7 +34,7 @@ Without = Literal[
     "position_limits",
     "following_error",
 ]
-"""Optional features of a drive; `backends/can/devices/lacks.py` lists their objects, and the consequences
+"""Optional features of a drive; `backends/can/eds/lacks.py` lists their objects, and the consequences
 without them.
 """
 

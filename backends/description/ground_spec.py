@@ -8,8 +8,9 @@ from typing import Annotated, Literal, Self
 from pydantic import Field
 from typing_extensions import override
 
-from handcart.backends.sensors.sensor_spec import MountedSensorSpec
 from handcart.files.models.model import FileModel
+
+from .sensor_spec import MountedSensorSpec
 
 Positive = Annotated[float, Field(gt=0.0)]
 NotNegative = Annotated[float, Field(ge=0.0)]

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from pydantic import AliasChoices, Field, model_validator
 from typing_extensions import override
 
-from handcart.backends.sensors.sensor_spec import MountedSensorSpec
+from .sensor_spec import MountedSensorSpec
 
 Positive = Annotated[float, Field(gt=0.0)]
 NotNegative = Annotated[float, Field(ge=0.0)]

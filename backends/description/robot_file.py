@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import numpy as np
 from pydantic import Field, PrivateAttr
 
-from handcart.backends.sensors.sensor_table import SensorTable
 from handcart.backends.urdf.packages import PACKAGE_PREFIX
 from handcart.backends.urdf.robot_parts import KeyPath, PartSpec, UrdfPlace
 from handcart.backends.urdf.robot_urdf import RobotUrdf, robot_urdf
@@ -29,14 +28,16 @@ from .can_spec import CanSpec
 from .ground_spec import GroundSpec
 from .joint_units import JointUnits
 from .sensor_specs import CameraSpec, OdometrySpec
+from .sensor_table import SensorTable
 from .simulated_errors import Errors
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from handcart.backends.sensors.sensor_spec import SensorSpec
     from handcart.backends.urdf.robot_shape import FingerShape, TrayShape
     from handcart.robotics.kinematics.arm_model import ArmModel
+
+    from .sensor_spec import SensorSpec
 
 Positive = Annotated[float, Field(gt=0.0)]
 Role = Literal["base", "hand", "tray", "range_sensor", "camera", "imu", "gps"]

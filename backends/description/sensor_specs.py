@@ -8,7 +8,6 @@ from typing import Annotated, ClassVar, Literal, Self
 from pydantic import Field, model_validator
 from typing_extensions import override
 
-from handcart.backends.sensors.sensor_spec import Carrier, MountedSensorSpec, SensorSpec, UnreadableFile
 from handcart.files.errors import UnsafePath
 from handcart.files.inside import FilePath, resolve_inside
 from handcart.files.models.model import FileModel
@@ -16,6 +15,7 @@ from handcart.robotics.navigation.localization.odometry import OdometryErrors
 
 from .camera_info import CameraInfo, load_camera_info
 from .range_spec import RangeSpec as RangeSpec
+from .sensor_spec import Carrier, MountedSensorSpec, SensorSpec, UnreadableFile
 
 Positive = Annotated[float, Field(gt=0.0)]
 NotNegative = Annotated[float, Field(ge=0.0)]

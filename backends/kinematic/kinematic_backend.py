@@ -11,8 +11,8 @@ from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.simulation.body.base_contact import move_base
 from handcart.backends.simulation.body.hand import Hand
 from handcart.backends.simulation.body.rough_ride import RoughRide
-from handcart.backends.simulation.body.suspension import lean_of
 from handcart.backends.simulation.simulated_backend import Part, SimulatedBackend
+from handcart.backends.simulation.world.suspension import lean_of
 from handcart.backends.simulation.world.world_file import WorldFile
 from handcart.robotics.geometry.pose2 import Pose2
 
@@ -40,7 +40,7 @@ class KinematicBackend(SimulatedBackend):
           part
       mounted above its body or a thing on it into something.
     - A gripped thing sits in the hand as if glued and centred: it neither slips nor sags.
-    - Rules of a thing's domain (`handcart.backends.simulation.props`) decide whether it gives way to the hand
+    - Rules of a thing's domain (`...simulation.world.props`) decide whether it gives way to the hand
       and where it ends up when released; by default it stays on what is right below it. Otherwise it lies
           on
       the floor, lost, and nothing collides with it there.

@@ -23,12 +23,12 @@ from handcart.backends.simulation.body.simulated_parts import (
     SimulatedGripper,
     Vector,
 )
-from handcart.backends.simulation.keyed_noise import keyed, keyed_normal
-from handcart.backends.simulation.scene import Scene
+from handcart.backends.simulation.noise.keyed_noise import keyed, keyed_normal
 from handcart.backends.simulation.sensors.range_faults import RangeFaults
 from handcart.backends.simulation.sensors.ranges import cast_rays
 from handcart.backends.simulation.sensors.simulated_range_sensor import SimulatedRangeSensor
 from handcart.backends.simulation.sensors.simulated_sensor import SensorSite
+from handcart.backends.simulation.world.scene import Scene
 from handcart.backends.simulation.world.solids import FloorPlan
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform

@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.mujoco.engine.mujoco_engine import MujocoEngine
+from handcart.backends.mujoco.engine.mujoco_module import mujoco
 from handcart.backends.physics.display import needs_display
 from handcart.backends.physics.physics_backend import PhysicsBackend
 from handcart.backends.simulation.world.world_file import WorldFile
 
 from .body.mujoco_body import MujocoBody
-from .mujoco_engine import MujocoEngine
-from .mujoco_module import mujoco
 from .rendering.studio import Studio
 from .rendering.style import FILM_STYLE
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from handcart.backends.physics.engine.engine import Engine
 from handcart.robotics.geometry.transform import Transform
-
-from .engine import Engine
 
 FROM, TOWARDS = np.array([-1.5, 1.6, 1.75]), np.array([0.45, -0.1, 0.55])
 """Where they stand and what they look at, (3,) in [m] in the base's frame."""

@@ -14,6 +14,8 @@ from typing_extensions import override
 from handcart.backends.backend import RobotFault
 from handcart.backends.description.ground_spec import GroundSpec
 from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.physics.engine.engine import Engine
+from handcart.backends.physics.engine.surface import CASTER_SURFACE
 from handcart.backends.plain_values import Kinds
 from handcart.backends.saved_state import NotAState
 from handcart.backends.simulation.simulated_backend import Part, SimulatedBackend
@@ -28,10 +30,8 @@ from .body.physics_base import PhysicsBase
 from .body.physics_car import PhysicsCar
 from .body.physics_gripper import PhysicsGripper
 from .body.robot_body import RobotBody
-from .body.surface import CASTER_SURFACE
 from .body.suspension_springs import SuspensionSprings
 from .body.touch import Touch
-from .engine import Engine
 from .onlooker import Onlooker
 from .props_body import Pieces, PropsBody
 from .scene_sync import SceneSync

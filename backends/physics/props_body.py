@@ -7,11 +7,10 @@ from typing import ClassVar, NamedTuple
 from handcart.backends.physics.body.grip import Grip
 from handcart.backends.physics.body.physics_gripper import PhysicsGripper
 from handcart.backends.physics.body.robot_body import RobotBody
+from handcart.backends.physics.engine.engine import Engine
 from handcart.backends.physics.world.world_bodies import WorldBodies
 from handcart.backends.plain_values import Kinds
-from handcart.backends.simulation.scene_props import SceneProps
-
-from .engine import Engine
+from handcart.backends.simulation.world.scene_props import SceneProps
 
 
 class Pieces(NamedTuple):

@@ -6,8 +6,8 @@ import numpy as np
 
 from handcart.backends.physics.body.robot_body import RobotBody
 from handcart.backends.physics.world.world_bodies import WorldBodies
-from handcart.backends.simulation.scene import Scene
-from handcart.backends.simulation.scene_props import SceneProps
+from handcart.backends.simulation.world.scene import Scene
+from handcart.backends.simulation.world.scene_props import SceneProps
 from handcart.backends.simulation.world.thing import Rest, Thing
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import inverse

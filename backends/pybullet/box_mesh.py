@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.physics.thing_form import BOX_FACES, BOX_NORMALS, Uvs
+from handcart.backends.physics.engine.thing_form import BOX_FACES, BOX_NORMALS, Uvs
 
 from .bullet import bullet, quiet
 

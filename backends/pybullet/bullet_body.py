@@ -12,7 +12,7 @@ from typing_extensions import override
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.physics.body.robot_body import RobotBody
-from handcart.backends.physics.body.surface import Surface
+from handcart.backends.physics.engine.surface import Surface
 from handcart.backends.physics.refusal import refusal
 from handcart.backends.physics.urdf.rigid_groups import passing_pairs
 from handcart.backends.physics.urdf.sound_urdf import held_still, sound_urdf

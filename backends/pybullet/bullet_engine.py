@@ -14,8 +14,15 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 from typing_extensions import override
 
-from handcart.backends.physics.engine import GRAVITY_M_S2, ContactPoint, Engine, Pinned, Point, Touching
-from handcart.backends.physics.thing_form import ThingForm
+from handcart.backends.physics.engine.engine import (
+    GRAVITY_M_S2,
+    ContactPoint,
+    Engine,
+    Pinned,
+    Point,
+    Touching,
+)
+from handcart.backends.physics.engine.thing_form import ThingForm
 from handcart.backends.plain_values import from_plain, to_plain
 from handcart.backends.saved_state import NotAState
 from handcart.backends.simulation.world.material import WOOD_MATERIAL, Material

@@ -21,6 +21,7 @@ from handcart.backends.description.ground_spec import OUTDOOR_LOCALIZERS
 from handcart.backends.description.range_spec import RangeSpec
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.plain_values import Kinds, attributes, set_attributes
+from handcart.backends.robot.localization.lidar import Lidar
 from handcart.backends.saved_state import NotAState
 from handcart.backends.sensors.sensor_kind import capability_of
 from handcart.files.errors import HandcartError
@@ -38,7 +39,6 @@ from handcart.robotics.navigation.maps.grid_map import GridMap
 from .averaged_scan import AveragedScan
 from .beside import beside
 from .guarded_base import GuardedBase, steady_points
-from .lidar import Lidar
 from .localization.localizations import localization_of
 from .unseen_ground import UnseenGround
 

@@ -9,11 +9,10 @@ from typing import ClassVar
 import numpy as np
 
 from handcart.backends.plain_values import Kinds
+from handcart.backends.robot.localization.lidar import Lidar
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.following.unseen_ground import is_driven, unseen_edge
 from handcart.robotics.navigation.following.way_guard import Held
-
-from .lidar import Lidar
 
 DRIVEN_STEP_M = 0.02
 DRIVEN_S = 60.0

@@ -8,10 +8,9 @@ import numpy as np
 from pydantic import Field, model_validator
 from typing_extensions import override
 
+from handcart.backends.description.sensor_spec import Carrier, MountedSensorSpec
 from handcart.files.models.model import FileModel
 from handcart.robotics.perception.cameras.camera_model import CameraModel
-
-from .sensor_spec import Carrier, MountedSensorSpec
 
 Positive = Annotated[float, Field(gt=0.0)]
 NotNegative = Annotated[float, Field(ge=0.0)]

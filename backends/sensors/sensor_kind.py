@@ -11,8 +11,7 @@ from handcart.files.plugins import BrokenPlugin, entry_points_of, import_plugin,
 
 if TYPE_CHECKING:
     from handcart.backends.capabilities.capability import Capability
-
-    from .sensor_spec import SensorSpec
+    from handcart.backends.description.sensor_spec import SensorSpec
 
 GROUP = "handcart.sensors"
 """Entry points of other packages: the name of a kind, and the path of its `SensorKind`."""
@@ -30,7 +29,7 @@ class SensorKind:
     name: str
     """Value of the key `kind` in a robot's file."""
     spec: str
-    """A `handcart.backends.sensors.sensor_spec:SensorSpec`: its section in a robot's file."""
+    """A `handcart.backends.description.sensor_spec:SensorSpec`: its section in a robot's file."""
     capability: str
     """A `handcart.backends.capabilities.capability:Capability`: its readings."""
     simulated: Mapping[str, str] = field(default_factory=dict)

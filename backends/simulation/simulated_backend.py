@@ -16,16 +16,15 @@ from handcart.backends.ground_truth import GroundTruth
 from handcart.backends.plain_values import Kinds, attributes, set_attributes
 from handcart.backends.saved_state import NotAState
 from handcart.backends.simulation.body.simulated_parts import CommandedBase, SimulatedArm, SimulatedGripper
+from handcart.backends.simulation.noise.keyed_noise import keyed, sensor_seed
 from handcart.backends.simulation.sensors.sensor_making import make_sensors
 from handcart.backends.simulation.sensors.simulated_sensor import SensorSite, SimulatedSensor
-from handcart.backends.simulation.world.load_world import load_world, load_world_or_map
+from handcart.backends.simulation.world.scene import Scene
 from handcart.backends.simulation.world.solids import THE_GROUND, room_of
 from handcart.backends.simulation.world.world_file import MissingWorld, WorldFile, floor_pose
-from handcart.backends.simulation.world.world_model import kinds_of_props
+from handcart.backends.simulation.world_files.load_world import load_world, load_world_or_map
+from handcart.backends.simulation.world_files.world_model import kinds_of_props
 from handcart.robotics.geometry.pose2 import Pose2
-
-from .keyed_noise import keyed, sensor_seed
-from .scene import Scene
 
 CapabilityT = TypeVar("CapabilityT", bound=Capability)
 

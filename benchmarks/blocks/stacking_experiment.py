@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from handcart.evaluation.campaigns.campaign import run_campaign
 from handcart.evaluation.campaigns.campaign_setting import CampaignSetting
-from handcart.evaluation.campaigns.trial import Trial
+from handcart.evaluation.campaigns.data.trial import Trial
 
 TRIAL_COUNT = 20  # of an experiment
 COLUMN_NAMES = ("x", "y", "processed_x", "processed_y", "yaw_mrad", "lean_mrad")

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from handcart.evaluation.drawing.figure_file import save_figure
+from handcart.evaluation.viewing.drawing.figure_file import save_figure
 
 from .stacking_experiment import Experiment
 

@@ -15,9 +15,9 @@ import cv2
 
 from handcart.evaluation.trials.rig import RigFiles, build_rig
 from handcart.evaluation.trials.running import run_task
-from handcart.networks.run_options import RunOptions
+from handcart.networks.runs.run_options import RunOptions
 from handcart.primitives.blocks.fixate import Fixate
-from handcart.primitives.contract.outcome import Success
+from handcart.primitives.outcomes.outcome import Success
 from handcart.robotics.perception.landmarks.landmark_finder import find_landmarks
 
 TASK_FOLDER = Path(__file__).parent.parent.parent / "tasks" / "stack_blocks"

@@ -18,14 +18,14 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.evaluation.blocks.wall_files import write_wall
 from handcart.evaluation.blocks.wall_planning import WallPlan, plan_wall
-from handcart.evaluation.drawing.picture_file import write_png
 from handcart.evaluation.trials.running import run_task
+from handcart.evaluation.viewing.drawing.picture_file import write_png
 from handcart.files.models.loading import load_document
 from handcart.files.yaml.yaml_document import read_document
-from handcart.networks.run_options import RunOptions
+from handcart.networks.runs.run_options import RunOptions
 from handcart.primitives.blocks.drawing import Drawing
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes

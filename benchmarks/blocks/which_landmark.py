@@ -24,12 +24,12 @@ from rich.console import Console
 from rich.progress import track
 from ruamel.yaml import YAML
 
+from handcart.evaluation.judging.survey import simulated_world
 from handcart.evaluation.trials.rig import RigFiles, build_rig
-from handcart.evaluation.truth.survey import simulated_world
 from handcart.networks.task.task_file import load_task
 from handcart.primitives.blocks.blocks import Blocks
 from handcart.primitives.blocks.fixate import Fixate
-from handcart.primitives.contract.outcome import Success
+from handcart.primitives.outcomes.outcome import Success
 from handcart.robotics.geometry.pose2 import Pose2
 
 TASK_FOLDER = Path(__file__).parents[2] / "tasks" / "stack_blocks"

@@ -14,9 +14,9 @@ from rich.progress import track
 
 from handcart.backends.description.robot_names import SHIPPED_FOLDER
 from handcart.evaluation.books.library_files import Libraries
-from handcart.evaluation.campaign_report.campaign_report import CampaignReport
 from handcart.evaluation.campaigns.campaign import run_campaign
 from handcart.evaluation.campaigns.campaign_setting import CampaignSetting
+from handcart.evaluation.campaigns.statistics.campaign_report import CampaignReport
 
 TASK_FILE = Path(__file__).parent.parent.parent / "tasks" / "return_book" / "task.yaml"
 

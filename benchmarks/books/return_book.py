@@ -11,7 +11,7 @@ import time
 from pathlib import Path
 
 from handcart.evaluation.trials.running import run_task
-from handcart.networks.run_options import RunOptions
+from handcart.networks.runs.run_options import RunOptions
 
 TASK_FILE = Path(__file__).parent.parent.parent / "tasks" / "return_book" / "task.yaml"
 

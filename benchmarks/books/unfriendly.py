@@ -39,7 +39,7 @@ from handcart.primitives.books.pick_up import PickUp
 from handcart.primitives.books.recognize import Recognize
 from handcart.primitives.books.release import Release
 from handcart.primitives.books.search import Search
-from handcart.primitives.contract.outcome import Fail, Outcome, Success
+from handcart.primitives.outcomes.outcome import Fail, Outcome, Success
 from handcart.robotics.geometry.pose2 import Pose2
 
 from .ablations import robot

@@ -20,11 +20,11 @@ from rich.console import Console
 from rich.progress import track
 
 from benchmarks.campaigns.walk import walk
-from handcart.evaluation.campaign_report.comparison import Comparison, compare
-from handcart.evaluation.campaign_report.intervals import wilson
-from handcart.evaluation.campaign_report.paired_tests import SIGNIFICANCE_LEVEL, mcnemar
-from handcart.evaluation.campaigns.trial import Trial
-from handcart.evaluation.campaigns.walked_trials import WalkedTrials, network_trials
+from handcart.evaluation.campaigns.data.trial import Trial
+from handcart.evaluation.campaigns.data.walked_trials import WalkedTrials, network_trials
+from handcart.evaluation.campaigns.statistics.comparison import Comparison, compare
+from handcart.evaluation.campaigns.statistics.intervals import wilson
+from handcart.evaluation.campaigns.statistics.paired_tests import SIGNIFICANCE_LEVEL, mcnemar
 
 LOWER_PROBABILITY = 0.4
 """The first action's probability in the second campaign, where there is a difference."""

@@ -22,13 +22,13 @@ from scipy.stats import t as student
 
 import handcart
 from benchmarks.campaigns.walk import walk
-from handcart.evaluation.campaign_report.exact_value import exact_goal
-from handcart.evaluation.campaign_report.intervals import wilson
-from handcart.evaluation.campaign_report.walk_tally import WalkTally
-from handcart.evaluation.campaigns.walked_trials import WalkedTrials, network_trials
-from handcart.evaluation.learned.learned_odds import LearnedOdds
-from handcart.evaluation.learned.prediction import predict
-from handcart.evaluation.learned.seen_actions import SeenActions
+from handcart.evaluation.campaigns.data.walked_trials import WalkedTrials, network_trials
+from handcart.evaluation.campaigns.learned.learned_odds import LearnedOdds
+from handcart.evaluation.campaigns.learned.prediction import predict
+from handcart.evaluation.campaigns.learned.seen_actions import SeenActions
+from handcart.evaluation.campaigns.statistics.exact_value import exact_goal
+from handcart.evaluation.campaigns.statistics.intervals import wilson
+from handcart.evaluation.campaigns.statistics.walk_tally import WalkTally
 from handcart.networks.task.task_file import load_task
 
 REPOSITORY_ROOT = Path(__file__).parents[2]

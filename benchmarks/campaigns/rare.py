@@ -22,15 +22,15 @@ from rich.console import Console
 from rich.progress import track
 
 from benchmarks.campaigns.tosses import TOSS_PRIMITIVE, rare_walk, tosses
-from handcart.evaluation.campaign_report.exact_value import exact_end
-from handcart.evaluation.campaign_report.intervals import wilson
-from handcart.evaluation.campaigns.trial import Trial
-from handcart.evaluation.campaigns.walked_trials import WalkedTrials, network_trials
-from handcart.evaluation.rare.rare_estimate import RareEstimate
-from handcart.evaluation.rare.rare_event import RareEvent
-from handcart.evaluation.rare.rare_trial import run_population, walked_population
+from handcart.evaluation.campaigns.data.trial import Trial
+from handcart.evaluation.campaigns.data.walked_trials import WalkedTrials, network_trials
+from handcart.evaluation.campaigns.rare.rare_estimate import RareEstimate
+from handcart.evaluation.campaigns.rare.rare_event import RareEvent
+from handcart.evaluation.campaigns.rare.rare_trial import run_population, walked_population
+from handcart.evaluation.campaigns.statistics.exact_value import exact_end
+from handcart.evaluation.campaigns.statistics.intervals import wilson
 from handcart.networks.coordination.interrupts import Interrupts
-from handcart.networks.run_options import RunOptions
+from handcart.networks.runs.run_options import RunOptions
 from handcart.primitives import registry
 
 POPULATIONS, LIKELY = 20, 0.1

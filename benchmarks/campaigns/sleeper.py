@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import time
 
-from handcart.evaluation.campaigns.trial import Trial
-from handcart.evaluation.campaigns.trial_log import line_of
+from handcart.evaluation.campaigns.data.trial import Trial
+from handcart.evaluation.campaigns.data.trial_log import line_of
 
 SLEEPS_S = 0.05
 

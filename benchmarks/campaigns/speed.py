@@ -27,10 +27,10 @@ from pathlib import Path
 
 from benchmarks.campaigns.sleeper import SLEEPS_S, sleep, sleep_there
 from benchmarks.campaigns.walk import walk
-from handcart.evaluation.campaigns.campaign_folder import CampaignFolder
-from handcart.evaluation.campaigns.merging import merged
-from handcart.evaluation.campaigns.trial import Trial
-from handcart.evaluation.campaigns.trial_log import TrialLog
+from handcart.evaluation.campaigns.data.campaign_folder import CampaignFolder
+from handcart.evaluation.campaigns.data.merging import merged
+from handcart.evaluation.campaigns.data.trial import Trial
+from handcart.evaluation.campaigns.data.trial_log import TrialLog
 from handcart.evaluation.campaigns.workers import Workers
 
 SLEEPER_COUNT = 1000
@@ -140,7 +140,7 @@ def tell(what: str, shares: tuple[float, float]) -> None:
 
 def page(task: Path, out: Path, trials: int = 10_000) -> tuple[float, float]:
     """The page of a campaign of the network alone: its size in [MB], and seconds of CPU to write it."""
-    from handcart.evaluation.campaign_page.campaign_page import CampaignPage
+    from handcart.evaluation.campaigns.page.campaign_page import CampaignPage
 
     campaign(task, trials, out, 1)
     before = time.process_time()

@@ -12,8 +12,8 @@ from benchmarks.campaigns.walk import walk
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
-from handcart.primitives.contract.discrepancy import Discrepancy, NeedsPerson
 from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.outcomes.discrepancy import Discrepancy, NeedsPerson
 
 MAP_FOLDER = Path(__file__).parents[2] / "tasks" / "drive_map"
 NETWORK_TEXT = """\

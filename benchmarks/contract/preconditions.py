@@ -26,7 +26,7 @@ from handcart.evaluation.conformance.faults.forked import Died, Hung, forkable, 
 from handcart.evaluation.conformance.faults.rehearsal import Rehearsal
 from handcart.evaluation.conformance.faults.repertoire import declared
 from handcart.evaluation.conformance.faults.underway import Underway
-from handcart.evaluation.truth.hand_claims import things_held
+from handcart.evaluation.judging.hand_claims import things_held
 from handcart.networks.graph.network import NotBound
 from handcart.networks.task.primitive_parameters import named_entry
 from handcart.networks.task.task_file import load_task

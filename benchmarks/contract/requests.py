@@ -25,12 +25,12 @@ from typing import Any
 from handcart.evaluation.conformance.faults.forked import forkable
 from handcart.evaluation.conformance.faults.repertoire import declared
 from handcart.networks.coordination.coordinator import Coordinator
-from handcart.networks.coordination.events import Ended, Event, Started
-from handcart.networks.coordination.run_end import RunEnd
 from handcart.networks.coordination.run_life import RunState
 from handcart.networks.coordination.supervision import Request
+from handcart.networks.events.events import Ended, Event, Started
+from handcart.networks.events.run_end import RunEnd
 from handcart.networks.task.preparing import prepare
-from handcart.primitives.contract.outcome import Success
+from handcart.primitives.outcomes.outcome import Success
 
 REQUEST_KINDS = (Request.PAUSE, Request.STOP, Request.CANCEL, Request.RESTORE)
 ANSWER_PERIODS = 400

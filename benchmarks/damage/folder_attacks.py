@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from handcart.networks.runs.run_folder import JOURNAL_FILE
+from handcart.networks.run_files.run_folder import JOURNAL_FILE
 
 from .forging import ODD_VALUES, change_somewhere, forge_state, reseal
 from .originals import Original

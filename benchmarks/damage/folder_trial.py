@@ -15,19 +15,19 @@ from pathlib import Path
 from typing import Any
 
 from handcart.backends.saved_state import NotAState
-from handcart.evaluation.explanation.explanation import as_json, explain
-from handcart.evaluation.explanation.explanation_chart import draw_chart
-from handcart.evaluation.explanation.explanation_words import in_words
 from handcart.evaluation.trials.running import prepare_again, put_back, resume_task
+from handcart.evaluation.viewing.explanation.explanation import as_json, explain
+from handcart.evaluation.viewing.explanation.explanation_chart import draw_chart
+from handcart.evaluation.viewing.explanation.explanation_words import in_words
 from handcart.files.errors import HandcartError
 from handcart.files.models.loading import load
-from handcart.networks.journal.past_run import read_run
 from handcart.networks.operator.acknowledging import acknowledge
 from handcart.networks.operator.control import ask
-from handcart.networks.run_options import RunOptions
+from handcart.networks.past_runs.past_run import read_run
+from handcart.networks.run_files.run_folder import check_folder
 from handcart.networks.runs.calibration import CALIBRATION_FILE, Calibration
 from handcart.networks.runs.resuming import task_of
-from handcart.networks.runs.run_folder import check_folder
+from handcart.networks.runs.run_options import RunOptions
 from handcart.networks.task.preparing import Prepared
 
 from .folder_attacks import FOLDER_ACCIDENTS, FOLDER_ATTACKS, Attack, Scene, nothing

@@ -12,7 +12,7 @@ import orjson
 
 from handcart.backends.saved_state import digest, pack, unpack
 from handcart.networks.journal.journal_record import FIRST_CHECKSUM, read_journal, seal
-from handcart.networks.runs.run_folder import JOURNAL_FILE
+from handcart.networks.run_files.run_folder import JOURNAL_FILE
 
 ODD_VALUES: tuple[Any, ...] = (
     *(None, True, False, 0, -1, 1, 7, 2**31, 2**63 - 1, -(2**63), 0.0, -0.5, 1e300, -1e300, 3.25),

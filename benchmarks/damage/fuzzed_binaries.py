@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.files.maps.map_file import load_map
 from handcart.primitives.field.field import Field
 from handcart.primitives.field.target_list import load_targets

@@ -13,15 +13,15 @@ from typing_extensions import override
 
 from handcart.backends.can.bench.bench import Bench
 from handcart.backends.can.bench.bench_bus import BenchBus
+from handcart.backends.can.bus.errors import CanFault
 from handcart.backends.can.bus.frame_names import FrameNames
 from handcart.backends.can.bus.frame_words import FrameWords
 from handcart.backends.can.can_backend import CanBackend
 from handcart.backends.can.drives.axis import ENABLED
-from handcart.backends.can.errors import CanFault
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 
 BUS_PHASES = ("set-up", "enabling", "driving", "stop", "closing", "all")
 """When the bus is noisy."""

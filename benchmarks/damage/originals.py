@@ -14,11 +14,11 @@ from typing_extensions import override
 
 from handcart.backends.saved_state import digest, pack
 from handcart.evaluation.trials.running import prepare_again, put_back, run_task
-from handcart.networks.coordination.events import Ended, Event
+from handcart.networks.events.events import Ended, Event
+from handcart.networks.events.run_observer import RunObserver
 from handcart.networks.journal.journal import Journal
-from handcart.networks.run_observer import RunObserver
-from handcart.networks.run_options import RunOptions
-from handcart.networks.runs.run_folder import JOURNAL_FILE, read_run_journal
+from handcart.networks.run_files.run_folder import JOURNAL_FILE, read_run_journal
+from handcart.networks.runs.run_options import RunOptions
 from handcart.networks.task.preparing import Prepared
 
 LEFT, OVER, GAVE_UP = "left", "over", "gave up"

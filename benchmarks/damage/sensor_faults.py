@@ -20,9 +20,9 @@ from numpy.typing import NDArray
 from rich.progress import track
 
 from benchmarks.field.foreign_logs import ALL_VEHICLES, GRAVITY_M_S2, record_foreign
-from handcart.evaluation.replay.checks.mirror import MIRROR_TEXT as MIRRORED
-from handcart.evaluation.replay.drive_log import DriveLog
-from handcart.evaluation.replay.preparation import prepare
+from handcart.evaluation.offline_localization.checks.mirror import MIRROR_TEXT as MIRRORED
+from handcart.evaluation.offline_localization.logs.drive_log import DriveLog
+from handcart.evaluation.offline_localization.preparation import prepare
 from handcart.robotics.navigation.outdoors.field_noise import ANY_VEHICLE
 
 Array = NDArray[np.float64]

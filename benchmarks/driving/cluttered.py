@@ -36,13 +36,13 @@ from benchmarks.driving.cluttered_worlds import (
 )
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.robot.robot import Robot
-from handcart.evaluation.truth.judge import Judge
-from handcart.networks.coordination.events import Ended, Event
-from handcart.networks.run_observer import RunObserver
-from handcart.networks.run_options import RunOptions
+from handcart.evaluation.judging.judge import Judge
+from handcart.networks.events.events import Ended, Event
+from handcart.networks.events.run_observer import RunObserver
 from handcart.networks.runs.run import execute
+from handcart.networks.runs.run_options import RunOptions
 from handcart.networks.task.preparing import prepare
-from handcart.primitives.contract.outcome import Success
+from handcart.primitives.outcomes.outcome import Success
 from handcart.robotics.geometry.pose2 import Pose2
 
 TASK = Path(__file__).resolve().parents[2] / "tasks" / "drive_map" / "task.yaml"

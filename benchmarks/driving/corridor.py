@@ -26,10 +26,10 @@ from PIL import Image
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.evaluation.trials.rig import Rig, RigFiles, build_rig
-from handcart.primitives.contract.outcome import GiveUp, Success
 from handcart.primitives.driving.move_to import MoveTo
+from handcart.primitives.outcomes.outcome import GiveUp, Success
 from handcart.robotics.geometry.pose2 import Pose2
 
 CELL_M, WIDTH_M, HOME_M = 0.05, 3.2, 3.3

@@ -23,7 +23,7 @@ from rich.progress import track
 from handcart.backends.description.robot_names import robot_path
 from handcart.evaluation.campaigns.campaign import run_campaign
 from handcart.evaluation.campaigns.campaign_setting import CampaignSetting
-from handcart.evaluation.campaigns.trial import Trial
+from handcart.evaluation.campaigns.data.trial import Trial
 
 TASKS_FOLDER = Path(__file__).resolve().parents[2] / "tasks"
 LIDAR_FAULTS = (

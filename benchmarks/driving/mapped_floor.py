@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from handcart.backends.capabilities.base import Base, WheelTravel
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.kinematic.kinematic_backend import KinematicBackend
-from handcart.backends.robot.scan_reading import read_scan
-from handcart.backends.simulation.world.world_model import world_model
+from handcart.backends.loading.robot_loading import load_robot
+from handcart.backends.robot.localization.scan_reading import read_scan
+from handcart.backends.simulation.world_files.world_model import world_model
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.mapping.scan_log import ScanLog
 

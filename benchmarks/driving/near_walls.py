@@ -34,13 +34,13 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 from benchmarks.driving.random_room import Body, Floats, Room, write, write_places
 from handcart.backends.robot.robot import Robot
 from handcart.evaluation.trials.rig import RigFiles, build_rig
-from handcart.networks.coordination.events import Ended, Event
-from handcart.networks.run_observer import RunObserver
-from handcart.networks.run_options import RunOptions
+from handcart.networks.events.events import Ended, Event
+from handcart.networks.events.run_observer import RunObserver
 from handcart.networks.runs.run import execute
+from handcart.networks.runs.run_options import RunOptions
 from handcart.networks.task.preparing import check, prepare
-from handcart.primitives.contract.outcome import Success
 from handcart.primitives.driving.move_to import MoveTo
+from handcart.primitives.outcomes.outcome import Success
 
 TASK_FILE = Path(__file__).resolve().parents[2] / "tasks" / "drive_map" / "task.yaml"
 NEAR, TOO_NEAR = 6, 2

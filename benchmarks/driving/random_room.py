@@ -11,8 +11,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.description.robot_names import SHIPPED_FOLDER
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
 
 CELL_SIZES_M = (0.05, 0.05, 0.1, 0.15, 0.2, 0.25)  # [m]

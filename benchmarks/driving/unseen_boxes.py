@@ -24,10 +24,10 @@ import cv2
 import numpy as np
 
 from handcart.backends.robot.robot import Robot
-from handcart.networks.coordination.events import Ended, Event
-from handcart.networks.run_observer import RunObserver
-from handcart.networks.run_options import RunOptions
+from handcart.networks.events.events import Ended, Event
+from handcart.networks.events.run_observer import RunObserver
 from handcart.networks.runs.run import execute
+from handcart.networks.runs.run_options import RunOptions
 from handcart.networks.task.preparing import prepare
 from handcart.robotics.navigation.maps.grid_map import from_boxes
 

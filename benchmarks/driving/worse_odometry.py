@@ -30,10 +30,10 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 from handcart.backends.description.ground_spec import GroundSpec
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.registry import make_backend
-from handcart.evaluation.truth.judge import Judge
+from handcart.evaluation.judging.judge import Judge
 from handcart.files.models.model import FileModel
-from handcart.networks.run_options import RunOptions
 from handcart.networks.runs.run import execute
+from handcart.networks.runs.run_options import RunOptions
 from handcart.networks.task.preparing import Prepared, make_robot, prepare
 from handcart.networks.task.task_file import load_task
 

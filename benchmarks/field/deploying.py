@@ -30,10 +30,10 @@ import numpy as np
 from handcart.backends.robot.robot import Robot
 from handcart.backends.simulation.field.field_props import FieldProps
 from handcart.networks.coordination.coordinator import Coordinator
+from handcart.networks.events.run_observer import RunObserver
 from handcart.networks.operator.permits import Permits
-from handcart.networks.run_observer import RunObserver
+from handcart.networks.run_files.telemetry import Telemetry
 from handcart.networks.runs.run import step_until_end
-from handcart.networks.runs.telemetry import Telemetry
 from handcart.networks.task.preparing import Prepared, prepare
 from handcart.primitives.field.field import Field
 from handcart.primitives.field.field_work import FieldWork

@@ -24,9 +24,9 @@ import numpy as np
 from rich.progress import track
 
 from benchmarks.field.foreign_logs import ALL_VEHICLES, ForeignLog, record_foreign
-from handcart.evaluation.replay.preparation import prepare
-from handcart.evaluation.replay.replay import Replayed, localizer_for, replay
-from handcart.evaluation.replay.replay_words import figures
+from handcart.evaluation.offline_localization.preparation import prepare
+from handcart.evaluation.offline_localization.replay import Replayed, localizer_for, replay
+from handcart.evaluation.offline_localization.replay_words import figures
 from handcart.robotics.navigation.outdoors.field_noise import ANY_VEHICLE
 
 SOON, LATE = 30.0, 60.0  # [s], aim and limit for the heading

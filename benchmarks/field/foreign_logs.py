@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.evaluation.replay.drive_log import DriveLog
+from handcart.evaluation.offline_localization.logs.drive_log import DriveLog
 
 PERIOD_S = 0.05  # [s]
 GRAVITY_M_S2 = 9.81

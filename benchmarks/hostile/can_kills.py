@@ -31,7 +31,7 @@ from handcart.backends.backend import RobotFault
 from handcart.backends.can.can_backend import CanBackend
 from handcart.backends.capabilities.base import Base
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 
 ROBOT_NAME = "cart"
 MULTICAST_CHANNEL = "239.74.163.77"

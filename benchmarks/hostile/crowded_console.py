@@ -25,8 +25,8 @@ import numpy as np
 
 from benchmarks.campaigns.walk import walk
 from handcart.evaluation.trials.running import run_task
-from handcart.networks.operator.socket_path import STOP_SOCKET, socket_path
-from handcart.networks.run_options import RunOptions
+from handcart.networks.run_files.socket_path import STOP_SOCKET, socket_path
+from handcart.networks.runs.run_options import RunOptions
 
 HOST_ADDRESS = "127.0.0.1"
 ALLOWED_S = 1.0

@@ -19,11 +19,11 @@ from numpy.typing import NDArray
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.gripper import Gripper
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.physics.physics_backend import PhysicsBackend
 from handcart.backends.registry import backend_class
 from handcart.backends.simulation.books.book_props import BookProps
-from handcart.backends.simulation.world.load_world import load_world
+from handcart.backends.simulation.world_files.load_world import load_world
 from handcart.robotics.geometry.transform import Transform, inverse, transform
 
 WORLD_FILE = Path(__file__).resolve().parents[2] / "tasks" / "return_book" / "world.yaml"

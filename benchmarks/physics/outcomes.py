@@ -18,7 +18,7 @@ import numpy as np
 
 from handcart.evaluation.trials.running import run_task
 from handcart.networks.journal.journal_record import read_journal
-from handcart.networks.run_options import RunOptions
+from handcart.networks.runs.run_options import RunOptions
 
 TASK_FILE = Path(__file__).resolve().parents[2] / "tasks" / "return_book" / "task.yaml"
 BACKEND_NAMES = "mujoco,pybullet"

@@ -17,7 +17,7 @@ from handcart.backends.backend import Backend
 from handcart.backends.mujoco.mujoco_backend import MujocoBackend
 from handcart.backends.saved_state import pack, unpack
 from handcart.evaluation.trials.running import run_task
-from handcart.networks.run_options import RunOptions
+from handcart.networks.runs.run_options import RunOptions
 
 TASK_FILE = Path(__file__).resolve().parents[2] / "tasks" / "return_book" / "task.yaml"
 EVERY, LATER = 110, 60

@@ -29,11 +29,11 @@ from benchmarks.robots.five_places import PLACE_POSES, write_room
 from benchmarks.robots.foreign_robots import FOREIGN_ROBOTS, LIDAR_URDF, ForeignRobot, NotThere
 from handcart.evaluation.trials.running import run_task
 from handcart.files.errors import InputError
-from handcart.networks.coordination.events import Ended, Event
-from handcart.networks.run_observer import RunObserver
-from handcart.networks.run_options import RunOptions
-from handcart.primitives.contract.outcome import Success
+from handcart.networks.events.events import Ended, Event
+from handcart.networks.events.run_observer import RunObserver
+from handcart.networks.runs.run_options import RunOptions
 from handcart.primitives.driving.move_to import MoveTo
+from handcart.primitives.outcomes.outcome import Success
 
 TASK_FILE = Path(__file__).resolve().parents[2] / "tasks" / "drive_map" / "task.yaml"
 

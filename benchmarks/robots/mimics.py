@@ -22,9 +22,9 @@ from rich.table import Table
 
 from benchmarks.robots.mimic_robots import MimicRobot
 from handcart.backends.capabilities.arm import Arm
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.registry import backend_class
-from handcart.backends.simulation.world.world_model import world_model
+from handcart.backends.simulation.world_files.world_model import world_model
 from handcart.robotics.geometry.transform import inverse
 from handcart.robotics.manipulation.motions.trajectory import time_path
 

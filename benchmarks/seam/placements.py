@@ -18,6 +18,8 @@ from numpy.typing import NDArray
 
 from handcart.robotics.manipulation.arms.pitch_arm import PitchArm
 from handcart.robotics.manipulation.arms.planar_arm import PlanarArm
+from handcart.robotics.manipulation.arms.score_rule import Measure, ScoreRule
+from handcart.robotics.manipulation.paths.tool_path import ToolPath, tool_path
 from handcart.robotics.manipulation.placement.directional_manipulability import (
     top_speed,
     top_speed_by_program,
@@ -30,8 +32,6 @@ from handcart.robotics.manipulation.placement.placement_division import (
     greedy_division,
 )
 from handcart.robotics.manipulation.placement.placement_refinement import refine
-from handcart.robotics.manipulation.placement.score_rule import Measure, ScoreRule
-from handcart.robotics.manipulation.tracking.tool_path import ToolPath, tool_path
 
 Floats = NDArray[np.float64]
 

@@ -23,11 +23,11 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
+from handcart.evaluation.judging.judge import Judge
 from handcart.evaluation.seam.seam_survey import SeamSurvey
 from handcart.evaluation.seam.tracking_plot import draw_tracking_errors
-from handcart.evaluation.truth.judge import Judge
-from handcart.networks.run_options import RunOptions
 from handcart.networks.runs.run import execute
+from handcart.networks.runs.run_options import RunOptions
 from handcart.networks.task.preparing import prepare
 from handcart.primitives.seam import track
 from handcart.primitives.seam.driven_base import DrivenBase

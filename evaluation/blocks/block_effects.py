@@ -6,9 +6,9 @@ import math
 from collections.abc import Mapping
 
 from handcart.backends.simulation.blocks.block_props import BlockProps
-from handcart.evaluation.truth.at_most import at_most
-from handcart.evaluation.truth.sensor_sigmas import LIMIT_SIGMAS
-from handcart.evaluation.truth.survey import Claim, Effect, Survey
+from handcart.evaluation.judging.at_most import at_most
+from handcart.evaluation.judging.sensor_sigmas import LIMIT_SIGMAS
+from handcart.evaluation.judging.survey import Claim, Effect, Survey
 from handcart.primitives.blocks.blocks import Blocks
 from handcart.primitives.blocks.stack import MOST_OFF
 from handcart.robotics.geometry.transform import inverse

@@ -13,12 +13,12 @@ from typing_extensions import override
 
 from handcart.backends.robot.robot import Robot
 from handcart.backends.simulation.blocks.block_props import BlockProps
-from handcart.backends.simulation.body.suspension import leaning
-from handcart.evaluation.truth.survey import Survey, SurveyedRun
+from handcart.backends.simulation.world.suspension import leaning
+from handcart.evaluation.judging.survey import Survey, SurveyedRun
 from handcart.primitives.blocks.blocks import Blocks, Fixed
 from handcart.primitives.blocks.building import BlockPlace
 from handcart.primitives.contract.action_primitive import ActionPrimitive
-from handcart.primitives.contract.outcome import Outcome
+from handcart.primitives.outcomes.outcome import Outcome
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import inverse, transform
 

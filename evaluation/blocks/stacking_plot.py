@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from handcart.evaluation.drawing.figure_file import save_figure
-from handcart.evaluation.drawing.palette import BLACK, BLUE, GREY, ORANGE, VERMILION
+from handcart.evaluation.viewing.drawing.figure_file import save_figure
+from handcart.evaluation.viewing.drawing.palette import BLACK, BLUE, GREY, ORANGE, VERMILION
 
 if TYPE_CHECKING:
     from .block_error import BlockError

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.networks.graph.network import Action
 from handcart.networks.task.task_file import Task
 from handcart.primitives.blocks.blocks import Blocks
@@ -15,9 +15,9 @@ from handcart.primitives.blocks.building import Building
 from handcart.primitives.blocks.fixate import Fixate
 from handcart.primitives.blocks.pick_up_block import PickUpBlock
 from handcart.primitives.blocks.stack import Stack
-from handcart.primitives.contract.discrepancy import Discrepancy
 from handcart.primitives.driving.move_to import MoveTo
 from handcart.primitives.knowledge.level_pose import LevelPose
+from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.robotics.manipulation.placement.stops import STOP_OFFSET_M
 
 from .stop_reach import StopReach

@@ -17,20 +17,20 @@ from handcart.primitives.blocks.pick_up_block import (
     WAIT_HEIGHT_M,
 )
 from handcart.primitives.blocks.stack import DESCENT_MAX_FORCE_N
-from handcart.primitives.contract.discrepancy import Discrepancy
 from handcart.primitives.driving.standing_room import STAND_MARGIN_M
 from handcart.primitives.knowledge.level_pose import LevelPose
 from handcart.primitives.motions.from_above import GRIP_DEPTH_M, pointing_down
 from handcart.primitives.motions.working_arm import working_arm
+from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import transform
 from handcart.robotics.kinematics.shapes import Box
 from handcart.robotics.manipulation.arms.screw_arm import FreeTurn
 from handcart.robotics.manipulation.motions.collision_model import HELD_NAME, CollisionModel
+from handcart.robotics.manipulation.paths.tool_path import ToolPath, tool_path
+from handcart.robotics.manipulation.paths.untrackable import Untrackable
 from handcart.robotics.manipulation.placement.placer import Placer, Work
 from handcart.robotics.manipulation.placement.stops import Goal, StopPlacer
-from handcart.robotics.manipulation.placement.untrackable import Untrackable
-from handcart.robotics.manipulation.tracking.tool_path import ToolPath, tool_path
 
 HEIGHT_STEP_M = 0.02  # [m] between two heights from which something is looked at
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from handcart.evaluation.drawing.picture_file import write_png
+from handcart.evaluation.viewing.drawing.picture_file import write_png
 from handcart.files.whole_file import write_whole
 from handcart.primitives.blocks.building import Table
 from handcart.primitives.knowledge.level_pose import LevelPose

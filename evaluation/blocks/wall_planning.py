@@ -18,8 +18,8 @@ from handcart.primitives.driving.standing_room import StandingRoom
 from handcart.primitives.knowledge.level_pose import LevelPose
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.manipulation.paths.untrackable import Untrackable
 from handcart.robotics.manipulation.placement.stops import Stop
-from handcart.robotics.manipulation.placement.untrackable import Untrackable
 from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
 from handcart.robotics.navigation.maps.keepout import with_keepout
 from handcart.robotics.navigation.routes.ways import Ways

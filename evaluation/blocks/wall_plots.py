@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from handcart.evaluation.drawing.figure_file import save_figure
-from handcart.evaluation.drawing.palette import GREY, SERIES_COLOURS
+from handcart.evaluation.viewing.drawing.figure_file import save_figure
+from handcart.evaluation.viewing.drawing.palette import GREY, SERIES_COLOURS
 from handcart.robotics.geometry.pose2 import Pose2
 
 from .wall_planning import WallPlan

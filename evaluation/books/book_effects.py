@@ -7,8 +7,8 @@ from collections.abc import Mapping
 
 from handcart.backends.simulation.books.book import Book
 from handcart.backends.simulation.books.book_props import BookProps
-from handcart.evaluation.truth.at_most import at_most
-from handcart.evaluation.truth.survey import Claim, Effect, Survey
+from handcart.evaluation.judging.at_most import at_most
+from handcart.evaluation.judging.survey import Claim, Effect, Survey
 from handcart.primitives.books.books import Books
 from handcart.robotics.geometry.transform import inverse
 from handcart.robotics.perception.books.call_number import parse

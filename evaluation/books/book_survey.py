@@ -8,9 +8,9 @@ from typing import Any
 from typing_extensions import override
 
 from handcart.backends.simulation.books.book_props import BookProps
-from handcart.evaluation.truth.survey import Survey, SurveyedRun
+from handcart.evaluation.judging.survey import Survey, SurveyedRun
 from handcart.primitives.contract.action_primitive import ActionPrimitive
-from handcart.primitives.contract.outcome import Outcome, Success
+from handcart.primitives.outcomes.outcome import Outcome, Success
 
 from .book_effects import BOOK_EFFECTS, RELEASE
 from .shelving import Shelving, shelving

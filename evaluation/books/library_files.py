@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field
 
 from handcart.backends.simulation.books.spec import TAG_ROOM_MM
-from handcart.evaluation.drawing.picture_file import write_png
+from handcart.evaluation.viewing.drawing.picture_file import write_png
 from handcart.files.models.model import FileModel
 from handcart.files.whole_file import write_whole
 from handcart.robotics.geometry.pose2 import Pose2

@@ -8,8 +8,8 @@ import numpy as np
 
 from handcart.backends.simulation.books.book import Book
 from handcart.backends.simulation.books.book_props import BookProps
-from handcart.backends.simulation.scene import Scene
-from handcart.evaluation.truth.arrival_survey import DRIVE_PRIMITIVE
+from handcart.backends.simulation.world.scene import Scene
+from handcart.evaluation.judging.arrival_survey import DRIVE_PRIMITIVE
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.robotics.geometry.transform import inverse
 

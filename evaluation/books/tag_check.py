@@ -13,7 +13,7 @@ from handcart.evaluation.conformance.rig.bench import Bench
 from handcart.evaluation.conformance.rig.parts import needed
 from handcart.evaluation.conformance.rig.periods import move_joints
 from handcart.evaluation.conformance.rig.skipped import Skipped
-from handcart.evaluation.truth.survey import simulated_world
+from handcart.evaluation.judging.survey import simulated_world
 from handcart.robotics.geometry.transform import apply, inverse
 from handcart.robotics.perception.landmarks.tag_reader import read_tags
 

@@ -12,9 +12,9 @@ from typing_extensions import override
 
 from handcart.backends.can.bus.can_line import CanLine
 from handcart.backends.can.bus.line_sdo_client import LineSdoClient
-from handcart.backends.can.devices.lacks import not_watched
 from handcart.backends.can.drives.axis_settings import mapping, settings
 from handcart.backends.can.drives.drive_dictionary import drive_dictionary
+from handcart.backends.can.eds.lacks import not_watched
 
 from .rung import Facts, Rung, RungFailed
 from .site import Site

@@ -12,9 +12,9 @@ import can
 
 from handcart.backends.can.bench.bench import Bench
 from handcart.backends.can.bus.can_line import CanLine
+from handcart.backends.can.bus.errors import NoDrives
 from handcart.backends.can.bus.open_bus import open_bus
 from handcart.backends.can.can_backend import CanBackend
-from handcart.backends.can.errors import NoDrives
 from handcart.backends.description.can_spec import CanSpec
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.registry import bench_class

@@ -13,17 +13,17 @@ from typing_extensions import override
 from handcart.backends.can.can_backend import CanBackend
 from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.range_sensor import RangeSensor
-from handcart.backends.robot.lidar import Lidar
+from handcart.backends.robot.localization.lidar import Lidar
 from handcart.evaluation.trials.rig import LIBRARY_FOLDER, Rig
 from handcart.evaluation.trials.running import run_task
 from handcart.files.whole_file import write_whole
 from handcart.networks.graph.planner import NoWay, Planner
-from handcart.networks.run_options import RunOptions
 from handcart.networks.runs.calibration import CALIBRATION_FILE, Calibration, rounded
 from handcart.networks.runs.robot_claim import claimed
+from handcart.networks.runs.run_options import RunOptions
 from handcart.networks.task.preparing import prepare
-from handcart.primitives.contract.calibrated import Calibrated
-from handcart.primitives.contract.outcome import Success
+from handcart.primitives.outcomes.calibrated import Calibrated
+from handcart.primitives.outcomes.outcome import Success
 
 from .jog import HAND_SPEED
 from .rung import Facts, Rung, RungFailed

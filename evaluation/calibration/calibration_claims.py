@@ -10,10 +10,10 @@ from scipy.spatial.transform import Rotation
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.robot.mounted_camera import mount_of, stated_camera
-from handcart.backends.simulation.keyed_noise import sensor_seed
+from handcart.backends.simulation.noise.keyed_noise import sensor_seed
 from handcart.backends.simulation.sensors.true_camera import true_camera
-from handcart.evaluation.truth.sensor_sigmas import LIMIT_SIGMAS
-from handcart.primitives.contract.calibrated import Calibrated
+from handcart.evaluation.judging.sensor_sigmas import LIMIT_SIGMAS
+from handcart.primitives.outcomes.calibrated import Calibrated
 from handcart.robotics.geometry.transform import inverse
 
 Vector = NDArray[np.float64]

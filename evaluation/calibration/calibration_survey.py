@@ -8,10 +8,10 @@ from typing import ClassVar
 from typing_extensions import override
 
 from handcart.backends.robot.robot import Robot
-from handcart.evaluation.truth.survey import Claim, FiguresSurvey, SurveyedRun
+from handcart.evaluation.judging.survey import Claim, FiguresSurvey, SurveyedRun
 from handcart.primitives.contract.action_primitive import ActionPrimitive
-from handcart.primitives.contract.calibrated import Calibrated
-from handcart.primitives.contract.outcome import Outcome, Success
+from handcart.primitives.outcomes.calibrated import Calibrated
+from handcart.primitives.outcomes.outcome import Outcome, Success
 
 from .calibration_claims import camera_faults, suspension_faults
 from .camera_survey import camera_figures

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.sensor_specs import CalibratedCamera, CameraSpec
 from handcart.backends.robot.mounted_camera import MountedCamera, known_camera, mount_of
-from handcart.backends.simulation.keyed_noise import sensor_seed
+from handcart.backends.simulation.noise.keyed_noise import sensor_seed
 from handcart.backends.simulation.sensors.true_camera import true_camera
-from handcart.primitives.contract.calibrated import Calibrated
+from handcart.primitives.outcomes.calibrated import Calibrated
 from handcart.robotics.geometry.transform import apply, difference
 
 VIEW_DISTANCE_M = 0.3  # [m] from the camera, where blocks and landmarks are looked at

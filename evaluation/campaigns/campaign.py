@@ -7,11 +7,11 @@ from collections.abc import Generator, Iterable
 from contextlib import closing
 from functools import partial
 
+from handcart.evaluation.campaigns.data.trial import Trial
+from handcart.evaluation.campaigns.data.trial_log import TrialLog
 from handcart.networks.coordination.interrupts import Interrupts
 
 from .campaign_setting import CampaignSetting
-from .trial import Trial
-from .trial_log import TrialLog
 from .trial_run import run_beside, run_trial
 from .workers import TOGETHER_S, Workers
 

@@ -9,15 +9,15 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
+from handcart.evaluation.campaigns.data.campaign_folder import TRIALS
 from handcart.files.errors import InputError
 from handcart.files.regular_file import open_regular
 from handcart.files.yaml.yaml_document import read_document
 from handcart.files.yaml.yaml_node import Node
-from handcart.networks.journal.run_header import robot_fingerprint
+from handcart.networks.runs.run_header import robot_fingerprint
 from handcart.networks.task.task_file import Task
 from handcart.networks.task.task_model import MAX_TASK_BYTES, MAX_TASK_NODES
 
-from .campaign_folder import TRIALS
 from .campaign_setting import CampaignSetting
 
 _YAML = (".yaml", ".yml")
@@ -41,7 +41,7 @@ def checksums(setting: CampaignSetting, task: Task) -> dict[str, str]:
                 learned = file.read()
             sums[f"trials learned from, {number}"] = hashlib.sha256(learned).hexdigest()
         return sums
-    from handcart.backends.description.robot_loading import load_robot
+    from handcart.backends.loading.robot_loading import load_robot
 
     return {**sums, "the robot": robot_fingerprint(load_robot(task.robot, drives=False))}
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from handcart.evaluation.rare.rare_event import RareEvent
+from handcart.evaluation.campaigns.rare.rare_event import RareEvent
 
 from .variation import Variation
 

@@ -11,14 +11,14 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from handcart.evaluation.campaigns.data.trial import Trial, died
+from handcart.evaluation.campaigns.data.trial_log import line_of, trial_of
 from handcart.files.errors import HandcartError, InputError
 from handcart.networks.task.task_file import load_task
 
 from .campaign_files import checksums
 from .campaign_setting import CampaignSetting
 from .scheduler_check import NoCluster, check_scheduler
-from .trial import Trial, died
-from .trial_log import line_of, trial_of
 from .trial_run import run_beside
 from .workers import TrialFault, sendable
 

@@ -18,7 +18,7 @@ from handcart.evaluation.conformance.faults.faulty_backend import FaultyBackend
 from handcart.files.models.loading import load
 from handcart.files.models.model import FileModel
 from handcart.files.suggest import suggest
-from handcart.networks.run_observer import RunObserver
+from handcart.networks.events.run_observer import RunObserver
 
 Seconds = Annotated[float, Field(gt=0.0, le=1e6)]
 _OF_A_SENSOR = ("stale sensor", "NaN")

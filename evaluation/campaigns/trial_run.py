@@ -8,18 +8,17 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from handcart.evaluation.campaigns.data.trial import Trial
 from handcart.files.yaml.yaml_document import changed_numbers
 from handcart.networks.coordination.interrupts import Interrupts
-from handcart.networks.run_options import RunOptions
+from handcart.networks.runs.run_options import RunOptions
 from handcart.networks.task.task_file import load_task
 
 from .campaign_setting import CampaignSetting
-from .trial import Trial
 
 if TYPE_CHECKING:
-    from handcart.evaluation.rare.rare_event import RareEvent
-
-    from .walked_trials import WalkedTrials
+    from handcart.evaluation.campaigns.data.walked_trials import WalkedTrials
+    from handcart.evaluation.campaigns.rare.rare_event import RareEvent
 
 
 def run_trial(setting: CampaignSetting, seed: int) -> Trial:
@@ -55,7 +54,7 @@ def _trial(setting: CampaignSetting, seed: int) -> Trial:
 
 
 def _population(setting: CampaignSetting, event: RareEvent, seed: int) -> Trial:
-    from handcart.evaluation.rare.rare_trial import run_population, stopped, walked_population
+    from handcart.evaluation.campaigns.rare.rare_trial import run_population, stopped, walked_population
 
     if setting.walks:
         return walked_population(walked_trials(setting), event, seed)
@@ -76,12 +75,11 @@ def walked_trials(setting: CampaignSetting) -> WalkedTrials:
     """
     chosen = dict(setting.settings or {})
     if setting.level == "fitted":
-        from handcart.evaluation.learned.learned import learned_trials
+        from handcart.evaluation.campaigns.learned.learned import learned_trials
 
         return learned_trials(setting.task, chosen, setting.learned_from)
-    from handcart.evaluation.walks.file_odds import FileOdds
-
-    from .walked_trials import WalkedTrials, network_trials
+    from handcart.evaluation.campaigns.data.walked_trials import WalkedTrials, network_trials
+    from handcart.evaluation.campaigns.walks.file_odds import FileOdds
 
     if setting.varied is None:
         return network_trials(setting.task, chosen)
@@ -90,9 +88,8 @@ def walked_trials(setting: CampaignSetting) -> WalkedTrials:
 
 
 def _run(setting: CampaignSetting, settings: Mapping[str, str], seed: int) -> Trial:
+    from handcart.evaluation.campaigns.data.action_ends import ActionEnds
     from handcart.evaluation.trials.running import run_task
-
-    from .action_ends import ActionEnds
 
     ends = ActionEnds()
     with Interrupts() as heard:

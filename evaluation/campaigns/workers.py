@@ -13,10 +13,9 @@ from multiprocessing.connection import Connection
 from multiprocessing.connection import wait as wait_for
 from multiprocessing.process import BaseProcess
 
+from handcart.evaluation.campaigns.data.trial import Trial, died
 from handcart.evaluation.trials.with_parent import end_with_parent
 from handcart.files.errors import HandcartError
-
-from .trial import Trial, died
 
 Work = Callable[[int], Trial]
 """Runs the trial of a seed."""

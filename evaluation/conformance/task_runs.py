@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from handcart.evaluation.conformance.checks.check import CheckResult
 from handcart.evaluation.trials.running import run_task
-from handcart.networks.run_options import RunOptions
+from handcart.networks.runs.run_options import RunOptions
 
 REFERENCE_BACKEND = "kinematic"
 SUCCESS_OUTCOME = "Success"

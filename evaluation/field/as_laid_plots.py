@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.evaluation.drawing.figure_file import save_figure
-from handcart.evaluation.drawing.legend import add_legend
-from handcart.evaluation.drawing.palette import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION
+from handcart.evaluation.viewing.drawing.figure_file import save_figure
+from handcart.evaluation.viewing.drawing.legend import add_legend
+from handcart.evaluation.viewing.drawing.palette import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION
 
 from .as_laid_report import REPORT_NAME, AsLaid
 from .laid_placement import Place, Placement

@@ -8,9 +8,9 @@ from collections.abc import Mapping
 import numpy as np
 
 from handcart.backends.simulation.field.field_props import FieldProps
-from handcart.evaluation.truth.at_most import at_most
-from handcart.evaluation.truth.sensor_sigmas import LIMIT_SIGMAS
-from handcart.evaluation.truth.survey import Claim, Effect, Survey
+from handcart.evaluation.judging.at_most import at_most
+from handcart.evaluation.judging.sensor_sigmas import LIMIT_SIGMAS
+from handcart.evaluation.judging.survey import Claim, Effect, Survey
 from handcart.primitives.field.field_work import FieldWork
 
 LAID_MM = 30.0  # by which a sensor shifts while it is let go, on uneven ground

@@ -15,8 +15,8 @@ from handcart.backends.capabilities.gps import Gps
 from handcart.backends.description.ground_spec import OUTDOOR_LOCALIZERS
 from handcart.backends.robot.robot import Robot
 from handcart.backends.simulation.field.field_props import FieldProps
-from handcart.evaluation.truth.survey import Survey, SurveyedRun
-from handcart.evaluation.truth.survey_notes import SurveyNotes
+from handcart.evaluation.judging.survey import Survey, SurveyedRun
+from handcart.evaluation.judging.survey_notes import SurveyNotes
 from handcart.networks.task.preparing import Prepared
 from handcart.primitives.field.field_work import FieldWork
 from handcart.primitives.field.target import Laid

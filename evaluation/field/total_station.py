@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.simulation.field.spec import StationSpec
-from handcart.backends.simulation.keyed_noise import keyed
+from handcart.backends.simulation.noise.keyed_noise import keyed
 from handcart.robotics.geometry.transform import inverse
 from handcart.robotics.kinematics.shapes import Box
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.evaluation.replay.bags.bag_messages import Bag, BagError, BagMessage, read_bag
+from handcart.evaluation.offline_localization.bags.bag_messages import Bag, BagError, BagMessage, read_bag
 from handcart.files.errors import FileError, Finding, InputError
 from handcart.files.extras import lack
 from handcart.files.suggest import listed, suggest

@@ -11,8 +11,8 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse
 
-from handcart.evaluation.drawing.figure_file import save_figure
-from handcart.evaluation.drawing.palette import BLUE, GREEN, VERMILION
+from handcart.evaluation.viewing.drawing.figure_file import save_figure
+from handcart.evaluation.viewing.drawing.palette import BLUE, GREEN, VERMILION
 from handcart.robotics.navigation.mapping.map_building import BuiltMap
 
 WIDTH_IN = 9.0

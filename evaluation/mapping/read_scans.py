@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from handcart.evaluation.replay.bags.bag_messages import has_bag_suffix
+from handcart.evaluation.offline_localization.bags.bag_messages import has_bag_suffix
 from handcart.files.errors import FileError, Finding, InputError
-from handcart.networks.runs.run_folder import JOURNAL_FILE
+from handcart.networks.run_files.run_folder import JOURNAL_FILE
 from handcart.robotics.navigation.mapping.scan_log import ScanLog
 
 from .carmen_scans import CARMEN_SUFFIXES, read_carmen

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from handcart.evaluation.playback.playback import Playback
+from handcart.evaluation.viewing.playback.playback import Playback
 from handcart.files.errors import FileError, Finding
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.mapping.scan_log import ScanLog

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
 from handcart.backends.description.robot_file import RobotFile
-from handcart.evaluation.drawing.figure_file import save_figure
+from handcart.evaluation.viewing.drawing.figure_file import save_figure
 from handcart.robotics.kinematics.shapes import Shape
 from handcart.robotics.kinematics.urdf_contents import bodies_of
 

@@ -201,7 +201,7 @@ def _of_drives(robot: RobotFile) -> list[Remark]:
     """Return remarks about monitoring that the robot's CAN drives lack."""
     if robot.can is None:
         return []
-    from handcart.backends.can.devices.lacks import not_watched
+    from handcart.backends.can.eds.lacks import not_watched
 
     return [Remark(name, words) for name, axis in robot.can.axes() for words in not_watched(axis)]
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from handcart.backends.urdf.robot_parts import read_part
 from handcart.backends.urdf.robot_urdf import RobotUrdf, SourcePlace
 
-from .drafting.outline import Outline, outline_of
+from .outline import Outline, outline_of
 from .report import Contents, contents_of
 
 

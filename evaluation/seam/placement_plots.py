@@ -9,12 +9,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.evaluation.drawing.figure_file import save_figure
-from handcart.evaluation.drawing.palette import SERIES_COLOURS
+from handcart.evaluation.viewing.drawing.figure_file import save_figure
+from handcart.evaluation.viewing.drawing.palette import SERIES_COLOURS
 from handcart.robotics.manipulation.arms.pitch_arm import PitchArm
 from handcart.robotics.manipulation.arms.planar_arm import PlanarArm
+from handcart.robotics.manipulation.paths.tool_path import ToolPath
 from handcart.robotics.manipulation.placement.placement_division import Division
-from handcart.robotics.manipulation.tracking.tool_path import ToolPath
 
 Floats = NDArray[np.float64]
 

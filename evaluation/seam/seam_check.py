@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from typing import Any
 
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.files.errors import FileError
 from handcart.networks.task.preparing import load_model
 from handcart.networks.task.task_file import Task
-from handcart.primitives.contract.discrepancy import Discrepancy
 from handcart.primitives.driving.standing_room import StandingRoom
+from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.primitives.seam.divide import Divide
 from handcart.primitives.seam.seam import Seam
 from handcart.primitives.seam.seam_file import untrackable
 from handcart.primitives.seam.seam_placer import placer_of
-from handcart.robotics.manipulation.placement.untrackable import Untrackable
+from handcart.robotics.manipulation.paths.untrackable import Untrackable
 
 
 def seam_facts(task: Task) -> dict[str, Any]:

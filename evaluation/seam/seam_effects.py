@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from handcart.evaluation.truth.at_most import at_most
-from handcart.evaluation.truth.survey import Claim, Effect, Survey
+from handcart.evaluation.judging.at_most import at_most
+from handcart.evaluation.judging.survey import Claim, Effect, Survey
 from handcart.primitives.seam.seam import Seam
 
 TRACKED_MM = 45.0  # of the base from a place of the division, which its arm makes good

@@ -10,19 +10,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.description.robot_file import RobotFile
-from handcart.evaluation.drawing.picture_file import write_png
+from handcart.evaluation.viewing.drawing.picture_file import write_png
 from handcart.files.errors import InputError
 from handcart.files.whole_file import write_whole
-from handcart.primitives.contract.discrepancy import Discrepancy
 from handcart.primitives.driving.standing_room import StandingRoom
+from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.primitives.seam.seam_file import load_seam, untrackable
 from handcart.primitives.seam.seam_placer import placer_of
 from handcart.primitives.seam.work_piece import WorkBox, WorkPiece
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.manipulation.paths.tool_path import ToolPath
+from handcart.robotics.manipulation.paths.untrackable import Untrackable
 from handcart.robotics.manipulation.placement.placement_division import Division
 from handcart.robotics.manipulation.placement.placer import Placements, Placer
-from handcart.robotics.manipulation.placement.untrackable import Untrackable
-from handcart.robotics.manipulation.tracking.tool_path import ToolPath
 from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
 from handcart.robotics.navigation.routes.ways import ROOM_AT_GOAL
 

@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.backends.robot.robot import Robot
-from handcart.evaluation.truth.survey import Survey, SurveyedRun
+from handcart.evaluation.judging.survey import Survey, SurveyedRun
 from handcart.primitives.contract.action_primitive import ActionPrimitive
-from handcart.primitives.contract.outcome import Outcome, Success
 from handcart.primitives.motions.working_arm import working_arm
+from handcart.primitives.outcomes.outcome import Outcome, Success
 from handcart.primitives.seam.seam import Seam
 from handcart.primitives.seam.track import MOST_OFF, Track
-from handcart.robotics.manipulation.tracking.tool_path import ToolPath
+from handcart.robotics.manipulation.paths.tool_path import ToolPath
 from handcart.robotics.manipulation.tracking.tracking_limits import ArmLoad, LimitUse
 
 from .seam_effects import SEAM_EFFECTS

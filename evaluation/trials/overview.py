@@ -11,9 +11,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.evaluation.drawing.figure_file import save_figure
-from handcart.evaluation.drawing.legend import add_legend
-from handcart.evaluation.drawing.palette import (
+from handcart.evaluation.viewing.drawing.figure_file import save_figure
+from handcart.evaluation.viewing.drawing.legend import add_legend
+from handcart.evaluation.viewing.drawing.palette import (
     BLACK,
     BLUE,
     GREEN,
@@ -23,11 +23,11 @@ from handcart.evaluation.drawing.palette import (
     SKY,
     VERMILION,
 )
-from handcart.evaluation.drawing.place_arrows import draw_places
-from handcart.networks.journal.evidence_files import EVIDENCE_FOLDER
+from handcart.evaluation.viewing.drawing.place_arrows import draw_places
 from handcart.networks.journal.journal_record import read_journal
+from handcart.networks.run_files.telemetry import Track, load_track
+from handcart.networks.runs.evidence_files import EVIDENCE_FOLDER
 from handcart.networks.runs.flight_recorder import READINGS_SUFFIX
-from handcart.networks.runs.telemetry import Track, load_track
 from handcart.primitives.knowledge.place import Place
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.routes.voronoi_graph import voronoi_graph

@@ -8,7 +8,7 @@ from pathlib import Path
 from types import TracebackType
 
 from handcart.backends.backend import Backend
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.registry import make_backend
 from handcart.backends.robot.robot import Robot
 from handcart.files.errors import InputError
@@ -21,9 +21,9 @@ from handcart.networks.task.task_file import Task
 from handcart.networks.task.task_knowledge import MAP_ORIGIN, TaskKnowledge, domain_keys, read_sections
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.contract.attempt import attempt
-from handcart.primitives.contract.outcome import Outcome
 from handcart.primitives.knowledge.place import load_map, load_places
 from handcart.primitives.knowledge.world_model import WorldModel
+from handcart.primitives.outcomes.outcome import Outcome
 
 LIBRARY_FOLDER = Path(__file__).parent.parent.parent / "tasks" / "return_book"
 

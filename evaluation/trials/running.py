@@ -9,20 +9,20 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from handcart.evaluation.replay.drive_recorder import DriveRecorder
-from handcart.evaluation.truth.judge import Judge
+from handcart.evaluation.judging.judge import Judge
+from handcart.evaluation.offline_localization.drive_recorder import DriveRecorder
 from handcart.files.errors import HandcartError, InputError
 from handcart.files.printable import printable
 from handcart.networks.coordination.interrupts import Interrupts
+from handcart.networks.events.run_observer import RunObserver
 from handcart.networks.journal.retracing import NeedsOperator
-from handcart.networks.journal.run_header import boot_id, robot_fingerprint
-from handcart.networks.run_observer import RunObserver
-from handcart.networks.run_options import RunOptions
+from handcart.networks.run_files.run_names import name_of, point_latest
 from handcart.networks.runs.resuming import NothingToResume as NothingToResume
 from handcart.networks.runs.resuming import Past, read_past, task_of
 from handcart.networks.runs.robot_claim import claimed
 from handcart.networks.runs.run import execute
-from handcart.networks.runs.run_names import name_of, point_latest
+from handcart.networks.runs.run_header import boot_id, robot_fingerprint
+from handcart.networks.runs.run_options import RunOptions
 from handcart.networks.runs.state_check import check_state, gone_on, standing_as_left
 from handcart.networks.task.preparing import Prepared, beginning_at, make_robot, prepare
 from handcart.networks.task.task_file import load_task
@@ -86,7 +86,7 @@ def run_task(task: Path, runs: Path, options: RunOptions | None = None) -> tuple
 def _recorders(options: RunOptions) -> Iterator[RunObserver]:
     yield DriveRecorder()
     if options.playback:
-        from handcart.evaluation.playback.recorder import PlaybackRecorder
+        from handcart.evaluation.viewing.playback.recorder import PlaybackRecorder
 
         yield PlaybackRecorder()
 
@@ -124,7 +124,7 @@ def _write_up(prepared: Prepared, folder: Path, judge: Judge, options: RunOption
         draw_overview(folder, model.map, model.places, radius, judge.surveys.shown)
 
     def page() -> None:
-        from handcart.evaluation.report.report import write_report
+        from handcart.evaluation.viewing.report.report import write_report
 
         write_report(folder)
 

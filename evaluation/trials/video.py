@@ -13,8 +13,8 @@ from handcart.backends.capabilities.camera import Camera
 from handcart.backends.robot.robot import Robot
 from handcart.files.errors import InputError
 from handcart.files.extras import lack
-from handcart.networks.coordination.events import Ended, Event, Restoring, Started
-from handcart.networks.run_observer import RunObserver
+from handcart.networks.events.events import Ended, Event, Restoring, Started
+from handcart.networks.events.run_observer import RunObserver
 
 from .mp4 import FRAMES_PER_S, Mp4
 

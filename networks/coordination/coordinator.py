@@ -6,6 +6,8 @@ from collections.abc import Callable, Generator, Sequence
 from contextlib import suppress
 
 from handcart.backends.robot.robot import Robot
+from handcart.networks.events.events import Event
+from handcart.networks.events.run_end import RunEnd, RunOutcome
 from handcart.networks.graph.network import Action, ActionNetwork, NotBound
 from handcart.networks.graph.planner import NoWay, Plan, Planner
 from handcart.networks.graph.route import Elsewhere, NotStarted, Route
@@ -15,13 +17,11 @@ from handcart.networks.journal.retracing import RunPosition
 from handcart.networks.journal.run_log import Keep, RunLog
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.contract.attempt import attempt
-from handcart.primitives.contract.outcome import GiveUp, Outcome, Success
+from handcart.primitives.contract.unmet import find_unmet
 from handcart.primitives.knowledge.world_model import WorldModel
-from handcart.primitives.preconditions.unmet import find_unmet
+from handcart.primitives.outcomes.outcome import GiveUp, Outcome, Success
 from handcart.primitives.restoring.snapshot import Snapshot, moved
 
-from .events import Event
-from .run_end import RunEnd, RunOutcome
 from .run_life import RunLife
 from .supervision import Interrupted, Request, Supervision
 from .world_watch import WorldWatch

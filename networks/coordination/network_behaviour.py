@@ -8,9 +8,9 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from handcart.backends.robot.robot import Robot
+from handcart.networks.events.run_end import RunEnd
 
 from .coordinator import Coordinator
-from .run_end import RunEnd
 from .supervision import Request
 
 

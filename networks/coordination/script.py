@@ -14,7 +14,7 @@ from handcart.files.models.model import FileModel
 from handcart.networks.graph.network import ActionNetwork
 from handcart.networks.graph.planner import NoWay
 from handcart.networks.graph.route import Route
-from handcart.primitives.contract.outcome import Success
+from handcart.primitives.outcomes.outcome import Success
 
 Word = Literal["Success", "Fail", "FailForGood", "GiveUp"]
 

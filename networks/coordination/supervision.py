@@ -12,9 +12,9 @@ from typing import NamedTuple
 from handcart.backends.robot.robot import Robot
 from handcart.networks.graph.route import NotStarted
 from handcart.networks.journal.measured import in_words
-from handcart.primitives.contract.cause import FRAMEWORK_MODULES
-from handcart.primitives.contract.discrepancy import Discrepancy
-from handcart.primitives.contract.outcome import Outcome
+from handcart.primitives.outcomes.cause import FRAMEWORK_MODULES
+from handcart.primitives.outcomes.discrepancy import Discrepancy
+from handcart.primitives.outcomes.outcome import Outcome
 from handcart.primitives.restoring.snapshot import moved, settle, take_snapshot
 
 from .run_life import RunLife, RunState

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from handcart.primitives.contract.outcome import Fail, Outcome, Success
+from handcart.primitives.outcomes.outcome import Fail, Outcome, Success
 
 from .network import Action, ActionNetwork
 from .planner import NoWay, Plan, Planner

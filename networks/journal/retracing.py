@@ -10,7 +10,7 @@ from handcart.files.errors import HandcartError
 from handcart.files.printable import printable
 from handcart.networks.graph.network import ActionNetwork
 from handcart.networks.graph.route import Elsewhere, Route
-from handcart.primitives.contract.outcome import Success
+from handcart.primitives.outcomes.outcome import Success
 from handcart.primitives.restoring.snapshot import Snapshot
 
 from .measured import snapshot_of

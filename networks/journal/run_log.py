@@ -9,25 +9,17 @@ from typing import Any, cast
 import orjson
 
 from handcart.backends.robot.robot import Robot
-from handcart.networks.coordination.events import (
-    Ended,
-    Event,
-    LeftOut,
-    Planned,
-    Restoring,
-    RunEnded,
-    Started,
-)
-from handcart.networks.coordination.run_end import RunEnd
+from handcart.networks.events.events import Ended, Event, LeftOut, Planned, Restoring, RunEnded, Started
+from handcart.networks.events.run_end import RunEnd
 from handcart.networks.graph.network import Action
 from handcart.networks.graph.planner import NoWay, Plan
 from handcart.networks.graph.route import NotStarted
 from handcart.primitives.contract.action_primitive import ActionPrimitive
-from handcart.primitives.contract.cause import Cause
-from handcart.primitives.contract.evidence import Evidence
 from handcart.primitives.contract.intents import Intents
-from handcart.primitives.contract.outcome import Fail, GiveUp, Outcome, Success
 from handcart.primitives.knowledge.world_model import WorldModel
+from handcart.primitives.outcomes.cause import Cause
+from handcart.primitives.outcomes.evidence import Evidence
+from handcart.primitives.outcomes.outcome import Fail, GiveUp, Outcome, Success
 from handcart.primitives.restoring.snapshot import Snapshot
 
 from . import run_records as records

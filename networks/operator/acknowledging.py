@@ -9,7 +9,7 @@ from handcart.networks.journal.journal import Journal
 from handcart.networks.journal.journal_record import JournalContents
 from handcart.networks.journal.retracing import TORN_RECORD
 from handcart.networks.journal.waiting import Record, waiting
-from handcart.networks.runs.run_folder import JOURNAL_FILE, read_run_journal
+from handcart.networks.run_files.run_folder import JOURNAL_FILE, read_run_journal
 
 
 class NothingToAcknowledge(InputError):

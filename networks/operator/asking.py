@@ -17,8 +17,7 @@ import orjson
 from handcart.files.errors import HandcartError, InputError
 from handcart.files.printable import clipped, printable
 from handcart.networks.journal.journal_record import JournalError, read_journal
-
-from .socket_path import CONTROL_SOCKET, STOP_SOCKET, socket_path
+from handcart.networks.run_files.socket_path import CONTROL_SOCKET, STOP_SOCKET, socket_path
 
 ANSWER_TIMEOUT_S = 5.0
 LONGEST_ANSWER = 65_536  # [bytes]

@@ -14,11 +14,11 @@ from typing import Any
 import orjson
 
 from handcart.files.errors import InputError
+from handcart.networks.run_files.socket_path import CONTROL_SOCKET, STOP_SOCKET, socket_path
 
 from .asking import NotAlive as NotAlive
 from .asking import ask as ask
 from .control_line import MAX_MESSAGE_BYTES, ControlLine
-from .socket_path import CONTROL_SOCKET, STOP_SOCKET, socket_path
 
 MAX_CONNECTIONS = 64
 MOST_NEW = 16  # of them that are taken in a period

@@ -14,8 +14,8 @@ from handcart.files.printable import clipped, printable
 from handcart.networks.coordination.coordinator import Coordinator
 from handcart.networks.coordination.run_life import RunState
 from handcart.networks.coordination.supervision import Request
+from handcart.networks.events.run_observer import RunObserver
 from handcart.networks.graph.network import Action
-from handcart.networks.run_observer import RunObserver
 
 from .control import Control
 from .message import KEYS_BY_WORD, REQUEST_BY_WORD, Message, fault_of

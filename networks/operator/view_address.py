@@ -7,7 +7,7 @@ from pathlib import Path
 
 from handcart.files.errors import HandcartError
 from handcart.files.whole_file import write_whole
-from handcart.networks.runs.run_folder import read_file
+from handcart.networks.run_files.run_folder import read_file
 
 ADDRESS_FILE = "view_address"
 MAX_ADDRESS_BYTES = 100

@@ -16,7 +16,7 @@ from pydantic import Field, model_validator
 from handcart.files.models.loading import load
 from handcart.files.models.model import FileModel
 from handcart.files.whole_file import write_whole
-from handcart.primitives.contract.calibrated import Calibrated
+from handcart.primitives.outcomes.calibrated import Calibrated
 
 CALIBRATION_FILE = "calibration.yaml"
 _DIGITS = 3  # of a standard deviation: rounding then adds nothing to it

@@ -13,9 +13,8 @@ from handcart.files.errors import HandcartError
 from handcart.files.printable import printable
 from handcart.networks.journal.journal import plain_json
 from handcart.networks.journal.run_records import RECORD_VALIDATORS
+from handcart.networks.run_files.run_folder import read_file
 from handcart.networks.task.preparing import Prepared
-
-from .run_folder import read_file
 
 CHECKPOINT_FILE = "checkpoint"
 _FORMAT = "handcart-checkpoint/8"

@@ -19,10 +19,11 @@ from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.robot.robot import Robot
 from handcart.files.whole_file import write_whole
-from handcart.networks.coordination.events import Ended, Event, Restoring, Started
-from handcart.networks.journal.evidence_files import EVIDENCE_FOLDER, stem
-from handcart.networks.run_observer import RunObserver
-from handcart.primitives.contract.outcome import Success
+from handcart.networks.events.events import Ended, Event, Restoring, Started
+from handcart.networks.events.run_observer import RunObserver
+from handcart.primitives.outcomes.outcome import Success
+
+from .evidence_files import EVIDENCE_FOLDER, stem
 
 MAX_ARRAYS = 256 * 2**20  # bytes
 KEPT_TIME_S = 10.0  # of the robot's time

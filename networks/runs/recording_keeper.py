@@ -9,11 +9,11 @@ from typing_extensions import override
 
 from handcart.backends.recording import Recording
 from handcart.backends.robot.robot import Robot
-from handcart.networks.coordination.events import Ended, Event, Restoring
-from handcart.networks.journal.evidence_files import EVIDENCE_FOLDER, stem
-from handcart.networks.run_observer import RunObserver
-from handcart.primitives.contract.outcome import Success
+from handcart.networks.events.events import Ended, Event, Restoring
+from handcart.networks.events.run_observer import RunObserver
+from handcart.primitives.outcomes.outcome import Success
 
+from .evidence_files import EVIDENCE_FOLDER, stem
 from .flight_recorder import END_STEM
 
 if TYPE_CHECKING:

@@ -17,9 +17,9 @@ from handcart.networks.journal.journal import JOURNAL_SCHEMA, check_not_alive
 from handcart.networks.journal.journal_record import JournalContents
 from handcart.networks.journal.retracing import NeedsOperator, RunPosition, standing
 from handcart.networks.journal.waiting import may_have_begun
+from handcart.networks.run_files.run_folder import JOURNAL_FILE, read_run_journal
 
 from .checkpoint import CHECKPOINT_FILE, Checkpoint, load_checkpoint
-from .run_folder import JOURNAL_FILE, read_run_journal
 
 if TYPE_CHECKING:
     from handcart.backends.robot.robot import Robot

@@ -14,8 +14,7 @@ from handcart.files.printable import printable
 from handcart.networks.journal.journal_record import JournalError
 from handcart.networks.journal.retracing import NeedsOperator
 from handcart.networks.journal.waiting import waiting
-
-from .run_folder import JOURNAL_FILE, NoRun, read_run_journal
+from handcart.networks.run_files.run_folder import JOURNAL_FILE, NoRun, read_run_journal
 
 _FLAGS = os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW
 

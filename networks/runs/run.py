@@ -19,28 +19,28 @@ from handcart.files.errors import HandcartError
 from handcart.files.whole_file import write_whole
 from handcart.networks.coordination.coordinator import Coordinator
 from handcart.networks.coordination.interrupts import Interrupts
-from handcart.networks.coordination.run_end import RunEnd
 from handcart.networks.coordination.run_life import RunState
 from handcart.networks.coordination.supervision import Request
-from handcart.networks.journal.evidence_files import EvidenceFiles
+from handcart.networks.events.run_end import RunEnd
+from handcart.networks.events.run_observer import RunObserver
 from handcart.networks.journal.journal import Journal
 from handcart.networks.journal.journal_record import JournalError
-from handcart.networks.journal.run_header import header, process_facts
 from handcart.networks.journal.syncing import Sync
 from handcart.networks.operator.operation import Operation
 from handcart.networks.operator.permits import Permits
-from handcart.networks.run_observer import RunObserver
-from handcart.networks.run_options import RunOptions
+from handcart.networks.run_files.telemetry import Telemetry
 from handcart.networks.task.preparing import Prepared
 from handcart.networks.task.preparing import prepare as prepare
 
 from .calibration import keep_calibrated
 from .checkpoint import keep_checkpoint
+from .evidence_files import EvidenceFiles
 from .flight_recorder import FlightRecorder
 from .recording_keeper import RecordingKeeper
 from .resuming import Past
+from .run_header import header, process_facts
+from .run_options import RunOptions
 from .steady_memory import SteadyMemory
-from .telemetry import Telemetry
 
 
 class Executed(NamedTuple):

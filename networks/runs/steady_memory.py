@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 from typing_extensions import override
 
-from handcart.networks.coordination.events import Ended, Event
-from handcart.networks.run_observer import RunObserver
+from handcart.networks.events.events import Ended, Event
+from handcart.networks.events.run_observer import RunObserver
 
 if TYPE_CHECKING:
     from handcart.networks.task.preparing import Prepared

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from handcart.backends.description.range_spec import RangeSpec
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.robot.lidar import MIN_ECHOES
 from handcart.backends.robot.localization.determination import PoseNeed, Undetermined, undetermined
+from handcart.backends.robot.localization.lidar import MIN_ECHOES
 from handcart.backends.robot.localization.localization import repeatability_of
 from handcart.backends.robot.localization.localizations import START_SIGMA
 from handcart.files.errors import Finding

@@ -11,7 +11,7 @@ import numpy as np
 
 from handcart.backends.backend import Backend
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.registry import UnknownBackend, backend_class, backend_names, check_world, make_backend
 from handcart.backends.robot.robot import Robot
 from handcart.files.errors import FileError, Finding, InputError

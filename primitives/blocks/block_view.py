@@ -9,16 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.robot.robot import Robot
-from handcart.primitives.contract.evidence import Evidence
 from handcart.primitives.motions.arm_motion import move_to_pose
 from handcart.primitives.motions.from_above import on_level, pointing_down
+from handcart.primitives.outcomes.evidence import Evidence
 from handcart.primitives.restoring.snapshot import settle
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, apply, inverse
 from handcart.robotics.kinematics.shapes import Box
 from handcart.robotics.perception.blocks.block_finder import MAX_TURN_RAD, find_block
 from handcart.robotics.perception.blocks.nearest_face import nearest_face
-from handcart.robotics.perception.cameras.overlay import draw_overlay
+from handcart.robotics.perception.drawing.overlay import draw_overlay
 
 from .building import Building
 from .building_site import VIEW_DISTANCE_M

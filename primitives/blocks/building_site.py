@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.blocks.blocks import Blocks
-from handcart.primitives.contract.discrepancy import Discrepancy
 from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.kinematics.shapes import Box
 

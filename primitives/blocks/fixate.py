@@ -15,10 +15,10 @@ from handcart.files.suggest import suggest
 from handcart.primitives.blocks.blocks import Blocks
 from handcart.primitives.blocks.building import LandmarkName
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
-from handcart.primitives.contract.discrepancy import Discrepancy
 from handcart.primitives.knowledge.place_name import PlaceName
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.motions.from_above import gripped
+from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.primitives.restoring.snapshot import is_holding
 
 from .base_turn import turn_by_gyros

@@ -13,10 +13,10 @@ from handcart.backends.robot.localization.localization import worst_sigmas
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.blocks.blocks import Fixed
 from handcart.primitives.contract.action_primitive import Periods
-from handcart.primitives.contract.discrepancy import Discrepancy, Measured
-from handcart.primitives.contract.evidence import Evidence
 from handcart.primitives.motions.arm_motion import move_straight, move_to_pose
 from handcart.primitives.motions.from_above import pointing_down
+from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
+from handcart.primitives.outcomes.evidence import Evidence
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, inverse, transform
 from handcart.robotics.kinematics.shapes import Box

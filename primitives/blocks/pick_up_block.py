@@ -15,8 +15,7 @@ from handcart.backends.robot.robot import Robot
 from handcart.primitives.blocks.blocks import Blocks
 from handcart.primitives.blocks.building import BlockNumber, name_of_block
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
-from handcart.primitives.contract.discrepancy import Discrepancy, Measured, NeedsPerson
-from handcart.primitives.contract.meant_contact import MeantContact
+from handcart.primitives.knowledge.meant_contact import MeantContact
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
 from handcart.primitives.motions.arm_motion import (
     move_straight,
@@ -27,6 +26,7 @@ from handcart.primitives.motions.arm_motion import (
 from handcart.primitives.motions.from_above import gripped, gripping, on_level
 from handcart.primitives.motions.grip import close, holds, open_to, width_off
 from handcart.primitives.motions.pushing import push
+from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured, NeedsPerson
 from handcart.primitives.preconditions.hand_use import TAKES_OBJECT
 from handcart.primitives.restoring.retrace import retrace
 from handcart.primitives.restoring.snapshot import MIN_HELD_WIDTH_M, Snapshot

@@ -16,14 +16,14 @@ from handcart.backends.robot.robot import Robot
 from handcart.primitives.blocks.blocks import Blocks, Fixed, Placed
 from handcart.primitives.blocks.building import BlockNumber, name_of_block
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
-from handcart.primitives.contract.discrepancy import Discrepancy, Measured
-from handcart.primitives.contract.meant_contact import MeantContact
 from handcart.primitives.knowledge.level_pose import LevelPose
+from handcart.primitives.knowledge.meant_contact import MeantContact
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
 from handcart.primitives.motions.arm_motion import move_straight, move_to_pose, move_to_posture
 from handcart.primitives.motions.from_above import gripped, gripping, on_level, pointing_down
 from handcart.primitives.motions.grip import open_to
 from handcart.primitives.motions.pushing import push, relax
+from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.primitives.preconditions.hand_use import LETS_GO
 from handcart.primitives.restoring.snapshot import settle
 from handcart.robotics.geometry.pose2 import Pose2

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from handcart.primitives.blocks.building import name_of_block
-from handcart.primitives.contract.meant_contact import MeantContact
 from handcart.primitives.knowledge.level_pose import LevelPose
+from handcart.primitives.knowledge.meant_contact import MeantContact
 from handcart.robotics.geometry.pose2 import Pose2
 
 from .building import Building

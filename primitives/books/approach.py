@@ -24,15 +24,15 @@ from handcart.primitives.books.book_grip import (
 from handcart.primitives.books.books import Books, Slot
 from handcart.primitives.books.catalogue import Book
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
-from handcart.primitives.contract.discrepancy import Discrepancy, Measured
 from handcart.primitives.knowledge.place_name import PlaceName
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.motions.arm_motion import move_straight, move_to_pose
+from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.primitives.preconditions.hand_use import CARRIES_OBJECT
 from handcart.robotics.geometry.transform import Transform, inverse, transform
 from handcart.robotics.kinematics.shapes import Box
 from handcart.robotics.perception.books.slots import Gap
-from handcart.robotics.perception.cameras.overlay import draw_overlay
+from handcart.robotics.perception.drawing.overlay import draw_overlay
 
 from .hand_view import look
 from .shelf_front import measure_shelf

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import Periods
-from handcart.primitives.contract.discrepancy import Discrepancy, Measured
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.motions import grip
 from handcart.primitives.motions.grip import close, hand_to_tips, width_read
+from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 
 from .books import Books
 from .catalogue import Book, name_of_book

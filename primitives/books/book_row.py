@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from handcart.primitives.books.books import Books
 from handcart.primitives.books.catalogue import name_of_book
-from handcart.primitives.contract.meant_contact import MeantContact
+from handcart.primitives.knowledge.meant_contact import MeantContact
 from handcart.primitives.knowledge.world_model import WorldModel
 
 SHELF_PARTS = ("board", "panel", "left panel", "right panel", "book end")

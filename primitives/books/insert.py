@@ -21,15 +21,15 @@ from handcart.primitives.books.book_boxes import held_box
 from handcart.primitives.books.book_grip import book_in, hand_to_spine, holds, opening, unlike_book
 from handcart.primitives.books.books import Books
 from handcart.primitives.contract.action_primitive import Periods
-from handcart.primitives.contract.discrepancy import Discrepancy, Measured, NeedsPerson
-from handcart.primitives.contract.meant_contact import MeantContact
 from handcart.primitives.contract.tree_primitive import Step, TreePrimitive, leaves
+from handcart.primitives.knowledge.meant_contact import MeantContact
 from handcart.primitives.knowledge.place_name import PlaceName
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
 from handcart.primitives.motions.arm_motion import move_straight, move_to_joints
 from handcart.primitives.motions.grip import hand_to_tips
 from handcart.primitives.motions.pushing import Pushed, push, relax
 from handcart.primitives.motions.taught import taught_postures
+from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured, NeedsPerson
 from handcart.primitives.preconditions.hand_use import CARRIES_OBJECT
 from handcart.primitives.restoring.retrace import retrace
 from handcart.primitives.restoring.snapshot import Snapshot

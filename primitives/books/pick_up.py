@@ -26,9 +26,8 @@ from handcart.primitives.books.book_grip import (
 from handcart.primitives.books.books import Books
 from handcart.primitives.books.catalogue import Book, name_of_book
 from handcart.primitives.contract.action_primitive import Periods
-from handcart.primitives.contract.discrepancy import Discrepancy, Measured
-from handcart.primitives.contract.meant_contact import MeantContact
 from handcart.primitives.contract.tree_primitive import Step, TreePrimitive, leaves
+from handcart.primitives.knowledge.meant_contact import MeantContact
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
 from handcart.primitives.motions.arm_motion import (
     move_straight,
@@ -39,6 +38,7 @@ from handcart.primitives.motions.arm_motion import (
 from handcart.primitives.motions.grip import open_to
 from handcart.primitives.motions.pushing import push
 from handcart.primitives.motions.taught import taught_postures
+from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.primitives.preconditions.hand_use import TAKES_OBJECT
 from handcart.primitives.restoring.retrace import retrace
 from handcart.primitives.restoring.snapshot import Seen, Snapshot, settle

@@ -15,15 +15,15 @@ from handcart.backends.robot.robot import Robot
 from handcart.primitives.books.book_boxes import tray_box
 from handcart.primitives.books.books import Books
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
-from handcart.primitives.contract.discrepancy import Discrepancy, Measured
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.motions.arm_motion import move_straight, move_to_posture
+from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.primitives.preconditions.hand_use import NEEDS_EMPTY
 from handcart.primitives.restoring.snapshot import settle
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, transform
 from handcart.robotics.perception.cameras.camera_model import CameraModel
-from handcart.robotics.perception.cameras.overlay import draw_overlay
+from handcart.robotics.perception.drawing.overlay import draw_overlay
 from handcart.robotics.perception.landmarks.tag_family import TagFamily
 from handcart.robotics.perception.landmarks.tag_reader import Tag, read_tags, tag_pose
 

@@ -21,21 +21,21 @@ from handcart.primitives.books.book_grip import GRIP_HEIGHT, book_in, holds, ope
 from handcart.primitives.books.books import Books
 from handcart.primitives.books.catalogue import name_of_book
 from handcart.primitives.contract.action_primitive import Periods
-from handcart.primitives.contract.discrepancy import Discrepancy, Measured
-from handcart.primitives.contract.meant_contact import MeantContact
 from handcart.primitives.contract.tree_primitive import TreePrimitive, leaves
+from handcart.primitives.knowledge.meant_contact import MeantContact
 from handcart.primitives.knowledge.place_name import PlaceName
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
 from handcart.primitives.motions.arm_motion import move_straight, move_to_posture
 from handcart.primitives.motions.grip import close, hand_to_tips, open_to
 from handcart.primitives.motions.pushing import push, relax
+from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.primitives.preconditions.hand_use import LETS_GO
 from handcart.primitives.restoring.snapshot import settle
 from handcart.robotics.geometry.transform import Transform, inverse
 from handcart.robotics.perception.books.call_number import parse
 from handcart.robotics.perception.books.label_reader import Label
 from handcart.robotics.perception.books.ocr_label_reader import OcrLabelReader
-from handcart.robotics.perception.cameras.overlay import draw_overlay
+from handcart.robotics.perception.drawing.overlay import draw_overlay
 
 from .book_row import row_contacts
 from .shelf_front import measure_shelf

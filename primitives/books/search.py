@@ -19,11 +19,11 @@ from handcart.primitives.books.book_grip import hand_to_spine, unlike_book
 from handcart.primitives.books.books import Books, Slot
 from handcart.primitives.books.catalogue import Book, Catalogue
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
-from handcart.primitives.contract.discrepancy import Discrepancy, Measured
 from handcart.primitives.knowledge.place import Shelf
 from handcart.primitives.knowledge.place_name import PlaceName
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.motions.arm_motion import move_straight, move_to_pose
+from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.primitives.restoring.snapshot import is_holding
 from handcart.robotics.geometry.transform import Transform, transform
 from handcart.robotics.kinematics.shapes import Box
@@ -35,7 +35,7 @@ from handcart.robotics.perception.books.shelf_views import ShelfReading, fuse_vi
 from handcart.robotics.perception.books.slots import Gap, find_slots
 from handcart.robotics.perception.books.spines import MIN_LEAN_RAD, SpineView, find_spines, scale_of
 from handcart.robotics.perception.books.template_label_reader import TemplateLabelReader
-from handcart.robotics.perception.cameras.overlay import draw_overlay
+from handcart.robotics.perception.drawing.overlay import draw_overlay
 
 from .hand_view import HandView, held_book, look
 from .label_templates import PX_PER_M, label_templates

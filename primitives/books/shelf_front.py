@@ -7,8 +7,8 @@ from collections.abc import Generator
 import numpy as np
 
 from handcart.backends.robot.robot import Robot
-from handcart.primitives.contract.discrepancy import Discrepancy, Measured
 from handcart.primitives.knowledge.place import Place
+from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.robotics.geometry.transform import Transform, inverse
 from handcart.robotics.navigation.localization.front_line import fit_front, pose_from_front
 

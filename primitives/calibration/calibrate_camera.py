@@ -16,10 +16,10 @@ from handcart.files.suggest import suggest
 from handcart.primitives.blocks.building import BoardPlan
 from handcart.primitives.blocks.building_site import building, standing, surroundings
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
-from handcart.primitives.contract.calibrated import Calibrated, as_facts
-from handcart.primitives.contract.discrepancy import Discrepancy, Measured
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.motions.arm_motion import move_to_pose
+from handcart.primitives.outcomes.calibrated import Calibrated, as_facts
+from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.primitives.preconditions.hand_use import NEEDS_EMPTY
 from handcart.primitives.restoring.snapshot import settle
 from handcart.robotics.geometry.transform import Transform, difference, inverse
@@ -31,7 +31,7 @@ from handcart.robotics.perception.cameras.hand_eye_calibration import (
     HandEyeView,
     calibrate_hand_eye,
 )
-from handcart.robotics.perception.cameras.overlay import draw_overlay
+from handcart.robotics.perception.drawing.overlay import draw_overlay
 
 from .board_views import board_views
 

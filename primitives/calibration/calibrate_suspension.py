@@ -18,11 +18,11 @@ from handcart.primitives.blocks.building_site import building, standing, surroun
 from handcart.primitives.blocks.fixate import landmark_of
 from handcart.primitives.blocks.pick_up_block import unlike_block
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
-from handcart.primitives.contract.calibrated import Calibrated, as_facts
-from handcart.primitives.contract.discrepancy import Discrepancy, Measured
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.motions.arm_motion import move_straight, move_to_pose
 from handcart.primitives.motions.from_above import gripped
+from handcart.primitives.outcomes.calibrated import Calibrated, as_facts
+from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.primitives.preconditions.hand_use import CARRIES_OBJECT
 from handcart.robotics.geometry.transform import Transform, apply, inverse
 from handcart.robotics.kinematics.shapes import Box

@@ -10,15 +10,15 @@ import numpy as np
 
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.blocks.building import LandmarkPlan
-from handcart.primitives.contract.discrepancy import Discrepancy, Measured
-from handcart.primitives.contract.evidence import Evidence
 from handcart.primitives.motions.arm_motion import move_straight
 from handcart.primitives.motions.from_above import on_level, pointing_down
+from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
+from handcart.primitives.outcomes.evidence import Evidence
 from handcart.primitives.restoring.snapshot import settle
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, inverse
 from handcart.robotics.kinematics.shapes import Box
-from handcart.robotics.perception.cameras.overlay import draw_overlay
+from handcart.robotics.perception.drawing.overlay import draw_overlay
 from handcart.robotics.perception.landmarks.landmark import Landmark
 from handcart.robotics.perception.landmarks.landmark_finder import find_landmarks
 from handcart.robotics.perception.landmarks.landmark_pose import planar_pose

@@ -14,15 +14,15 @@ from handcart.backends.capabilities.capability import Capability
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.robot.robot import Robot
 from handcart.files.models.model import FileModel
+from handcart.primitives.knowledge.meant_contact import MeantContact
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
+from handcart.primitives.outcomes.evidence import Evidence
 from handcart.primitives.preconditions.hand_use import USE_UNDECLARED, USES_NO_FINGERS, HandUse
 from handcart.primitives.restoring.retrace import retrace
 from handcart.primitives.restoring.snapshot import Seen, Snapshot
 from handcart.primitives.restoring.trace import Trace
 
-from .evidence import Evidence
 from .intents import UNRECORDED_INTENTS, Intents
-from .meant_contact import MeantContact
 
 Periods = Generator[None, None, None]
 

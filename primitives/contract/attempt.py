@@ -10,7 +10,9 @@ from typing import TypeVar
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.knowledge.bumps import keep_off_bumps, note_bump
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
-from handcart.primitives.preconditions.unmet import find_unmet, note_hand
+from handcart.primitives.outcomes.cause import FRAMEWORK_MODULES, Cause
+from handcart.primitives.outcomes.discrepancy import Discrepancy, NeedsPerson
+from handcart.primitives.outcomes.outcome import Fail, GiveUp, Outcome, Success, fail_if_restored
 from handcart.primitives.restoring.back_off import back_off
 from handcart.primitives.restoring.retrace import reach_again, retrace
 from handcart.primitives.restoring.snapshot import (
@@ -27,13 +29,11 @@ from handcart.primitives.restoring.trace import Trace
 from handcart.robotics.navigation.following.blocked_motion import Blocked
 
 from .action_primitive import ActionPrimitive, Periods
-from .cause import FRAMEWORK_MODULES, Cause
-from .discrepancy import Discrepancy, NeedsPerson
 from .halt import halt
 from .intents import UNRECORDED_INTENTS, Intents
-from .outcome import Fail, GiveUp, Outcome, Success, fail_if_restored
 from .standstill_monitor import StandstillMonitor
 from .tracking_error_monitor import TrackingErrorMonitor
+from .unmet import find_unmet, note_hand
 
 T = TypeVar("T")
 FRAMEWORK_MODULES.add(__name__)

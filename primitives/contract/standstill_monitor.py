@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 
 from handcart.backends.robot.robot import Robot
-
-from .discrepancy import Discrepancy, Measured
+from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 
 STANDSTILL_TIMEOUT_S = 10.0
 MIN_MOTION = (0.005, math.radians(0.3))  # [m], [rad]: less is no motion

@@ -8,8 +8,7 @@ import numpy as np
 
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.robot.robot import Robot
-
-from .discrepancy import Discrepancy, Measured
+from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 
 MAX_LAG_PERIODS = 5  # periods by which joints may follow late
 TRACKING_TOLERANCE_RAD = 0.02  # that a joint may be off all its commands in these: contacts bend it so far

@@ -12,10 +12,10 @@ from handcart.backends.robot.robot import Robot
 from handcart.primitives.clock.tick_clock import robot_clock
 from handcart.primitives.clock.wall_clock import refuse_wall_clock
 from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.outcomes.cause import FRAMEWORK_MODULES
+from handcart.primitives.outcomes.discrepancy import Discrepancy
 
 from .action_primitive import ActionPrimitive, Periods
-from .cause import FRAMEWORK_MODULES
-from .discrepancy import Discrepancy
 
 FRAMEWORK_MODULES.add(__name__)
 Step = Callable[[], Generator[None, None, bool | None]]

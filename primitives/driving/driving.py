@@ -9,20 +9,20 @@ from numpy.typing import NDArray
 
 from handcart.backends.description.ground_spec import OUTDOOR_LOCALIZERS
 from handcart.backends.robot.robot import Robot
-from handcart.primitives.contract.discrepancy import Discrepancy, Measured
 from handcart.primitives.knowledge.bumps import avoided_points
 from handcart.primitives.knowledge.place import Place
 from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.following.car_tracker import CarTracker
 from handcart.robotics.navigation.following.path_tracking import PathTracker
 from handcart.robotics.navigation.following.pose_regulator import PoseTolerance
 from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
+from handcart.robotics.navigation.localization.unexpected import path_blocked, unexpected_points
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.maps.point_discs import point_discs
 from handcart.robotics.navigation.maps.rising_ground import may_be_ground
 from handcart.robotics.navigation.maps.scan_layer import ScanLayer
-from handcart.robotics.navigation.maps.unexpected import path_blocked, unexpected_points
 from handcart.robotics.navigation.routes.car_route import plan_car_route
 from handcart.robotics.navigation.routes.tangent_path import CarPath
 from handcart.robotics.navigation.routes.ways import Way, Ways

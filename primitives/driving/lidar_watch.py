@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.capabilities.scan import Scan
-from handcart.backends.robot.lidar import MAX_BLIND_SHARE, Lidar
+from handcart.backends.robot.localization.lidar import MAX_BLIND_SHARE, Lidar
 from handcart.backends.robot.robot import Robot
-from handcart.primitives.contract.discrepancy import Measured, NeedsPerson
+from handcart.primitives.outcomes.discrepancy import Measured, NeedsPerson
 from handcart.robotics.navigation.maps.expected_echoes import ExpectedEchoes, expected_echoes
 from handcart.robotics.navigation.maps.grid_map import GridMap
 

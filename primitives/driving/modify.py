@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
-from handcart.primitives.contract.discrepancy import Discrepancy, Measured
 from handcart.primitives.knowledge.bumps import avoided_points, last_bump
 from handcart.primitives.knowledge.place_name import PlaceName
 from handcart.primitives.knowledge.world_model import Detour, ModelView
+from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.robotics.navigation.maps.bump_area import UNSEEN_SIZE_M
 
 from .driving import goal_pose, no_way, plan_car_drive, plan_drive

@@ -23,12 +23,12 @@ from handcart.backends.robot.localization.determination import (
 )
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
-from handcart.primitives.contract.discrepancy import Discrepancy, Measured, NeedsPerson
-from handcart.primitives.contract.meant_contact import MeantContact
 from handcart.primitives.knowledge.bumps import remember_bump
+from handcart.primitives.knowledge.meant_contact import MeantContact
 from handcart.primitives.knowledge.place import Place
 from handcart.primitives.knowledge.place_name import PlaceName
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
+from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured, NeedsPerson
 from handcart.primitives.preconditions.hand_use import USE_UNDECLARED, USES_NO_FINGERS, HandUse
 from handcart.primitives.restoring.retrace import LONGEST_REACH, reach_pose, retrace
 from handcart.primitives.restoring.snapshot import Snapshot, settle

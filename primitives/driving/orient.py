@@ -9,8 +9,8 @@ from pydantic import Field
 from handcart.backends.capabilities.base import Base
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
-from handcart.primitives.contract.discrepancy import Discrepancy, Measured
 from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 
 BLOCKED_TIMEOUT_S = 10.0  # that something may stand in the way
 STOPPING_SPEED_M_S = 0.05  # below which the base is let stop

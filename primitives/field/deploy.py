@@ -20,12 +20,12 @@ from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.capabilities.imu import Imu
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import Periods
-from handcart.primitives.contract.discrepancy import Discrepancy, Measured
-from handcart.primitives.contract.meant_contact import MeantContact
 from handcart.primitives.contract.tree_primitive import Step, TreePrimitive, leaves
 from handcart.primitives.field.target import TargetName
+from handcart.primitives.knowledge.meant_contact import MeantContact
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
 from handcart.primitives.motions.grip import open_to
+from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.primitives.preconditions.hand_use import Hand, HandUse
 from handcart.primitives.restoring.arm_command import hold_measured
 from handcart.primitives.restoring.snapshot import settle

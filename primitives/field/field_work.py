@@ -17,7 +17,7 @@ from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.robot.robot import Robot
 from handcart.files.errors import Finding
 from handcart.files.models.loading import load
-from handcart.primitives.contract.meant_contact import MeantContact
+from handcart.primitives.knowledge.meant_contact import MeantContact
 from handcart.primitives.knowledge.place import Place
 from handcart.primitives.knowledge.section import Companion, NamedFiles, Section
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from handcart.backends.robot.robot import Robot
-from handcart.primitives.contract.discrepancy import Discrepancy
+from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.robotics.manipulation.arms.scara import Scara
 
 UPRIGHT_TOLERANCE = 1e-6

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import Periods
-from handcart.primitives.contract.discrepancy import Discrepancy, Measured
 from handcart.primitives.motions.arm_motion import collision_model, follow
 from handcart.primitives.motions.grip import close, hand_to_tips, open_to
+from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.primitives.restoring.snapshot import is_holding
 from handcart.robotics.manipulation.arms.resolved_rate import RateLimits, ResolvedRate, line_postures, way_to
 from handcart.robotics.manipulation.arms.scara import world_to_base

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.robot.robot import Robot
-from handcart.primitives.contract.discrepancy import Discrepancy, Measured
-from handcart.primitives.contract.evidence import Evidence
+from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
+from handcart.primitives.outcomes.evidence import Evidence
 from handcart.robotics.kinematics.shapes import corners
 from handcart.robotics.navigation.following.blocked_motion import MAX_PROGRESS, Blocked
 from handcart.robotics.navigation.maps.bump_area import (

@@ -20,9 +20,9 @@ from handcart.files.findings import Findings
 from handcart.files.models.loading import load
 from handcart.files.models.model import FileModel
 from handcart.files.yaml.yaml_document import Document
-from handcart.primitives.contract.meant_contact import MeantContact
 from handcart.robotics.geometry.pose2 import Pose2
 
+from .meant_contact import MeantContact
 from .place import Place
 
 T = TypeVar("T")

@@ -16,10 +16,10 @@ from handcart.backends.robot.robot import Robot
 from handcart.backends.saved_state import NotAState
 from handcart.files.errors import HandcartError
 from handcart.files.suggest import suggest
-from handcart.primitives.contract.meant_contact import MeantContact
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.maps.speed_limits import SpeedLimits
 
+from .meant_contact import MeantContact
 from .place import Place
 from .section import Companion, Section, types_of
 from .sections import name_of, sections

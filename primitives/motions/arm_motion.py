@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import Periods
-from handcart.primitives.contract.discrepancy import Discrepancy, Measured
+from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.shapes import Shape
 from handcart.robotics.manipulation.motions.collision_model import HELD_NAME, CollisionModel

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import Periods
-from handcart.primitives.contract.discrepancy import Discrepancy, Measured
+from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 
 GRIP_TIMEOUT_S = 3.0  # that the fingers get
 OPENING_TOLERANCE_M = 0.0005

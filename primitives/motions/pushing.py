@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.robot.robot import Robot
-from handcart.primitives.contract.discrepancy import Discrepancy
+from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.primitives.restoring.arm_command import PERIOD_ROUNDING, hold_measured
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.manipulation.motions.motion_planner import plan_straight

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.robot.robot import Robot
-from handcart.primitives.contract.discrepancy import Discrepancy
+from handcart.primitives.outcomes.discrepancy import Discrepancy
 
 
 def taught_postures(robot: Robot, name: str, fewest: int) -> list[NDArray[np.float64]]:

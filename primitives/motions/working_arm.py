@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from handcart.backends.description.robot_file import RobotFile
-from handcart.primitives.contract.discrepancy import Discrepancy
+from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.robotics.kinematics.arm_model import ArmModel
 
 

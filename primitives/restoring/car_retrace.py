@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from handcart.backends.robot.robot import Robot
-from handcart.primitives.contract.discrepancy import Discrepancy, Measured
+from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.following.car_tracker import CarTracker
 

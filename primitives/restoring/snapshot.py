@@ -14,7 +14,7 @@ from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.robot.localization.localization import worst_sigmas
 from handcart.backends.robot.robot import Robot
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.outdoors.watched_moment import Belief
+from handcart.robotics.navigation.localization.watched_moment import Belief
 
 RESIDUAL_SIGMAS = 3.0  # sigmas
 REST_PERIODS = 5  # periods without any motion that count as rest

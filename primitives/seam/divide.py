@@ -12,17 +12,17 @@ from pydantic import Field
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
-from handcart.primitives.contract.discrepancy import Discrepancy
 from handcart.primitives.driving.standing_room import StandingRoom
 from handcart.primitives.knowledge.bumps import avoided_points
 from handcart.primitives.knowledge.place import Place
 from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.primitives.seam.seam import Seam
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.manipulation.paths.tool_path import ToolPath
+from handcart.robotics.manipulation.paths.untrackable import Untrackable
 from handcart.robotics.manipulation.placement.alongside import level_with, place_alongside
 from handcart.robotics.manipulation.placement.placer import Placements, Placer
-from handcart.robotics.manipulation.placement.untrackable import Untrackable
-from handcart.robotics.manipulation.tracking.tool_path import ToolPath
 
 from .kept_divisions import KeptDivisions
 from .seam_placer import placer_of

@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.robot.robot import Robot
-from handcart.primitives.contract.discrepancy import Discrepancy, Measured
+from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.manipulation.paths.tool_path import ToolPath
+from handcart.robotics.manipulation.paths.untrackable import Untrackable
 from handcart.robotics.manipulation.placement.alongside import level_with
-from handcart.robotics.manipulation.placement.untrackable import Untrackable
 from handcart.robotics.manipulation.tracking.tool_follower import ToolFollower
-from handcart.robotics.manipulation.tracking.tool_path import ToolPath
 from handcart.robotics.navigation.following.straight_way import StraightWay
 
 Floats = NDArray[np.float64]

@@ -13,7 +13,7 @@ from handcart.primitives.knowledge.section import NamedFiles, Section
 from handcart.primitives.seam.seam_file import load_seam
 from handcart.primitives.seam.seam_work import SeamWork
 from handcart.primitives.seam.work_piece import WorkPiece
-from handcart.robotics.manipulation.tracking.tool_path import ToolPath
+from handcart.robotics.manipulation.paths.tool_path import ToolPath
 
 
 @dataclass

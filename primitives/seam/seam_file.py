@@ -13,8 +13,8 @@ from handcart.files.errors import FileError, Finding
 from handcart.files.findings import Findings
 from handcart.files.whole_file import write_whole
 from handcart.robotics.geometry.transform import transform
-from handcart.robotics.manipulation.placement.untrackable import Untrackable
-from handcart.robotics.manipulation.tracking.tool_path import ToolPath, tool_path
+from handcart.robotics.manipulation.paths.tool_path import ToolPath, tool_path
+from handcart.robotics.manipulation.paths.untrackable import Untrackable
 
 SEAM_COLUMNS = ("x_m", "y_m", "z_m", "roll_deg", "pitch_deg", "yaw_deg")
 MAX_SEAM_POINTS = 50_000  # points

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 from handcart.backends.description.robot_file import RobotFile
-from handcart.primitives.contract.discrepancy import Discrepancy
 from handcart.primitives.motions.working_arm import working_arm
+from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.robotics.manipulation.arms.screw_arm import FreeTurn
 from handcart.robotics.manipulation.placement.placer import Placer, Work
 

@@ -13,7 +13,6 @@ from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.positioning import Positioning
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
-from handcart.primitives.contract.discrepancy import Discrepancy, Measured
 from handcart.primitives.driving.driving import (
     WATCH_HORIZON_M,
     FieldObstacleMonitor,
@@ -22,6 +21,7 @@ from handcart.primitives.driving.driving import (
 )
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.motions.arm_motion import follow, move_to_joints, move_to_posture
+from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.primitives.restoring.retrace import retrace
 from handcart.primitives.restoring.snapshot import Snapshot
 from handcart.primitives.restoring.trace import Trace
@@ -30,10 +30,10 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import transform
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.manipulation.paths.tool_path import ToolPath, tool_path
+from handcart.robotics.manipulation.paths.untrackable import Untrackable
 from handcart.robotics.manipulation.placement.alongside import level_with, seen_from
 from handcart.robotics.manipulation.placement.placer import Placer
-from handcart.robotics.manipulation.placement.untrackable import Untrackable
-from handcart.robotics.manipulation.tracking.tool_path import ToolPath, tool_path
 from handcart.robotics.manipulation.tracking.tracking_limits import ArmLoad
 from handcart.robotics.manipulation.tracking.tracking_time import (
     TimedTracking,

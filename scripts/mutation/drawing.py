@@ -27,7 +27,7 @@ MODULE_GROUPS: Mapping[str, Sequence[str]] = {
     "localization": ["robotics/navigation/localization", "backends/robot/localization"],
     "outdoors": ["robotics/navigation/outdoors"],
     "can": ["backends/can"],
-    "campaigns": ["evaluation/campaigns", "evaluation/campaign_report"],
+    "campaigns": ["evaluation/campaigns"],
     "console": ["tools/console"],
 }
 """Folders of each module that mutants are drawn from."""

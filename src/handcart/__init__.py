@@ -19,10 +19,10 @@ if TYPE_CHECKING:
     from handcart.backends.capabilities.imu import Imu
     from handcart.backends.capabilities.positioning import Positioning
     from handcart.backends.capabilities.range_sensor import RangeSensor
-    from handcart.networks.journal.past_run import read_run as load_run
+    from handcart.networks.past_runs.past_run import read_run as load_run
     from handcart.primitives.contract.action_primitive import ActionPrimitive
-    from handcart.primitives.contract.discrepancy import Discrepancy, NeedsPerson
-    from handcart.primitives.contract.outcome import Fail, GiveUp, Success
+    from handcart.primitives.outcomes.discrepancy import Discrepancy, NeedsPerson
+    from handcart.primitives.outcomes.outcome import Fail, GiveUp, Success
     from handcart.tools.api import Result, campaign, check, conformance, load_task, run
 
 # In a checkout the rooms stand at its top, and `handcart/` holds links to them for tools that look for files.
@@ -37,21 +37,21 @@ _FROM = {
     "Base": "backends.capabilities.base:Base",
     "Beacons": "backends.capabilities.beacons:Beacons",
     "Camera": "backends.capabilities.camera:Camera",
-    "Discrepancy": "primitives.contract.discrepancy:Discrepancy",
-    "Fail": "primitives.contract.outcome:Fail",
-    "GiveUp": "primitives.contract.outcome:GiveUp",
+    "Discrepancy": "primitives.outcomes.discrepancy:Discrepancy",
+    "Fail": "primitives.outcomes.outcome:Fail",
+    "GiveUp": "primitives.outcomes.outcome:GiveUp",
     "Gps": "backends.capabilities.gps:Gps",
     "Gripper": "backends.capabilities.gripper:Gripper",
     "Imu": "backends.capabilities.imu:Imu",
-    "NeedsPerson": "primitives.contract.discrepancy:NeedsPerson",
+    "NeedsPerson": "primitives.outcomes.discrepancy:NeedsPerson",
     "Positioning": "backends.capabilities.positioning:Positioning",
     "RangeSensor": "backends.capabilities.range_sensor:RangeSensor",
     "Result": "tools.api:Result",
-    "Success": "primitives.contract.outcome:Success",
+    "Success": "primitives.outcomes.outcome:Success",
     "campaign": "tools.api:campaign",
     "check": "tools.api:check",
     "conformance": "tools.api:conformance",
-    "load_run": "networks.journal.past_run:read_run",
+    "load_run": "networks.past_runs.past_run:read_run",
     "load_task": "tools.api:load_task",
     "run": "tools.api:run",
 }

@@ -7,8 +7,8 @@ import math
 import pytest
 
 from handcart.backends.backend import CommandError
-from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.limits import checked_drive
+from handcart.backends.loading.robot_loading import load_robot
 
 
 @pytest.mark.parametrize("robot", ["librarian", "el_verde"])

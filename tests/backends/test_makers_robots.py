@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.urdf.driven_wheels import driven_wheels
 from handcart.files.errors import FileError
 from handcart.robotics.kinematics.urdf_contents import joints_of, link_names

@@ -7,10 +7,10 @@ import pytest
 
 from handcart.backends.backend import Backend
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.kinematic.kinematic_backend import KinematicBackend
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.registry import UnknownBackend, backend_names, make_backend
-from handcart.backends.simulation.world.load_world import load_world
+from handcart.backends.simulation.world_files.load_world import load_world
 from handcart.robotics.geometry.pose2 import Pose2
 
 

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.description.robot_names import SHIPPED_FOLDER
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.registry import make_backend
 
 WORLD = SHIPPED_FOLDER.parents[1] / "tasks" / "return_book" / "world.yaml"

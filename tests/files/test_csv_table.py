@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from handcart.backends.can.devices.eds_text import number
+from handcart.backends.can.eds.eds_text import number
 from handcart.files.csv_table import number_in
 
 

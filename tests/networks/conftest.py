@@ -16,12 +16,12 @@ from handcart.backends.capabilities.capability import Capability
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.robot.robot import Robot
 from handcart.networks.coordination.coordinator import Coordinator
-from handcart.networks.coordination.run_end import RunEnd
+from handcart.networks.events.run_end import RunEnd
 from handcart.networks.graph.network import Action, ActionNetwork, Binding, Situation
 from handcart.networks.task.task_file import Task, load_task
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
-from handcart.primitives.contract.discrepancy import Discrepancy, NeedsPerson
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
+from handcart.primitives.outcomes.discrepancy import Discrepancy, NeedsPerson
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.grid_map import GridMap
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from handcart.backends.description.range_spec import RangeSpec
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.registry import make_backend
 from handcart.backends.robot.robot import Robot
 from handcart.backends.simulation.books.book_props import BookProps
@@ -22,11 +22,11 @@ from handcart.primitives.books.catalogue import Book
 from handcart.primitives.books.pick_up import PickUp
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.contract.attempt import attempt
-from handcart.primitives.contract.discrepancy import Discrepancy
-from handcart.primitives.contract.outcome import Outcome, Success
 from handcart.primitives.knowledge.place import Place, Shelf
 from handcart.primitives.knowledge.world_model import WorldModel
 from handcart.primitives.motions.arm_motion import move_to_pose
+from handcart.primitives.outcomes.discrepancy import Discrepancy
+from handcart.primitives.outcomes.outcome import Outcome, Success
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import inverse, transform
 from handcart.robotics.navigation.maps.grid_map import Box, from_boxes

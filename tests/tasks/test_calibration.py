@@ -12,8 +12,8 @@ import pytest
 from handcart.evaluation.calibration.laser_survey import read_spot
 from handcart.evaluation.trials.running import run_task
 from handcart.files.models.loading import load
-from handcart.networks.run_options import RunOptions
 from handcart.networks.runs.calibration import Calibration
+from handcart.networks.runs.run_options import RunOptions
 from handcart.primitives.calibration.calibrate_camera import _lens
 from handcart.robotics.geometry.transform import transform
 

@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from handcart.evaluation.replay.csv_log import read_csv_log
-from handcart.evaluation.replay.replay import localizer_for, replay
+from handcart.evaluation.offline_localization.logs.csv_log import read_csv_log
+from handcart.evaluation.offline_localization.replay import localizer_for, replay
 from handcart.evaluation.trials.running import resume_task, run_task
 from handcart.files.errors import FileError
 from handcart.networks.operator.permits import Permits
-from handcart.networks.run_options import RunOptions
+from handcart.networks.runs.run_options import RunOptions
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_NOISE
 from tests.conftest import Copier
 

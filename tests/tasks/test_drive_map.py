@@ -11,11 +11,11 @@ import pytest
 
 from handcart.evaluation.trials.running import run_task
 from handcart.files.errors import FileError
-from handcart.networks.coordination.events import Ended
-from handcart.networks.run_observer import RunObserver
-from handcart.networks.run_options import RunOptions
+from handcart.networks.events.events import Ended
+from handcart.networks.events.run_observer import RunObserver
 from handcart.networks.runs.run import execute, prepare
-from handcart.primitives.contract.outcome import Success
+from handcart.networks.runs.run_options import RunOptions
+from handcart.primitives.outcomes.outcome import Success
 
 ROOT = Path(__file__).resolve().parents[2]
 TASK = ROOT / "tasks" / "drive_map" / "task.yaml"

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.evaluation.trials.running import run_task
-from handcart.networks.run_options import RunOptions
+from handcart.networks.runs.run_options import RunOptions
 
 pytest.importorskip("pybullet_data", reason="the arm's URDF comes with PyBullet")
 

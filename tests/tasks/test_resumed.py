@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from handcart.evaluation.trials.running import resume_task, run_task
-from handcart.networks.run_options import RunOptions
+from handcart.networks.runs.run_options import RunOptions
 from tests.conftest import Copier
 
 TASKS = Path(__file__).parents[2] / "tasks"

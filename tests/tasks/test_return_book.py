@@ -13,7 +13,7 @@ import pytest
 
 from handcart.evaluation.books.library_files import Libraries
 from handcart.evaluation.campaigns.campaign_setting import CampaignSetting
-from handcart.evaluation.campaigns.trial import Trial
+from handcart.evaluation.campaigns.data.trial import Trial
 from handcart.evaluation.campaigns.trial_run import run_trial
 from handcart.networks.journal.journal_record import read_journal, without_wall
 

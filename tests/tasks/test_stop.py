@@ -9,14 +9,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.robot.robot import MAX_STOP_PERIODS, Robot
 from handcart.evaluation.trials.running import resume_task, run_task
-from handcart.networks.coordination.events import Event, Started
+from handcart.networks.events.events import Event, Started
+from handcart.networks.events.run_observer import RunObserver
 from handcart.networks.journal.journal_record import read_journal
-from handcart.networks.run_observer import RunObserver
-from handcart.networks.run_options import RunOptions
 from handcart.networks.runs.flight_recorder import load_readings
+from handcart.networks.runs.run_options import RunOptions
 from handcart.networks.task.preparing import Prepared
 
 TASK = Path(__file__).resolve().parents[2] / "tasks" / "return_book" / "task.yaml"

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from handcart.evaluation.trials.running import run_task
-from handcart.networks.run_options import RunOptions
+from handcart.networks.runs.run_options import RunOptions
 
 TASK = Path(__file__).parents[2] / "tasks" / "track_seam" / "task.yaml"
 

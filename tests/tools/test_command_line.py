@@ -138,8 +138,8 @@ def test_do_takes_what_a_task_tells(handcart: Callable[..., Said]) -> None:
 def test_the_fixtures_for_users_tests(
     build_rig: Callable[..., Any], do_primitive: Callable[..., Any]
 ) -> None:
-    from handcart.primitives.contract.outcome import Success
     from handcart.primitives.driving.modify import Modify
+    from handcart.primitives.outcomes.outcome import Success
 
     assert isinstance(build_rig(seed=3).do(Modify(place="shelf_2")), Success)
     assert isinstance(do_primitive(Modify(place="shelf_2"), seed=3), Success)

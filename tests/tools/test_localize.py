@@ -15,8 +15,8 @@ from benchmarks.field.field_course import straight_course, zigzag_course
 from benchmarks.field.field_drive import PERIOD_S, FieldTimes
 from benchmarks.field.field_log import FieldLog, record_course
 from handcart.backends.can.sensors.sensor_lines import checksum
-from handcart.evaluation.replay.csv_log import read_csv_log
-from handcart.evaluation.replay.replay import localizer_for, replay
+from handcart.evaluation.offline_localization.logs.csv_log import read_csv_log
+from handcart.evaluation.offline_localization.replay import localizer_for, replay
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_NOISE
 
 COLUMNS = {

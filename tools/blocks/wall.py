@@ -18,7 +18,7 @@ def wall(
     """Compute from where blocks are taken and laid, and in which order; write a task and wall.svg."""
     import os
 
-    from handcart.backends.description.robot_loading import load_robot
+    from handcart.backends.loading.robot_loading import load_robot
     from handcart.evaluation.blocks.wall_files import write_wall
     from handcart.evaluation.blocks.wall_planning import plan_wall
     from handcart.evaluation.blocks.wall_plots import draw_wall
@@ -26,8 +26,8 @@ def wall(
     from handcart.files.models.loading import load_document
     from handcart.files.yaml.yaml_document import read_document
     from handcart.primitives.blocks.drawing import Drawing
-    from handcart.primitives.contract.discrepancy import Discrepancy
     from handcart.primitives.knowledge.place import load_map
+    from handcart.primitives.outcomes.discrepancy import Discrepancy
     from handcart.tools.terminal.first_use import announced
     from handcart.tools.terminal.writing import NotWritable, check_folder
 

@@ -9,22 +9,22 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from handcart.evaluation.campaign_report.campaign_report import CampaignReport
-from handcart.evaluation.campaign_report.claim import Claim, Settling
 from handcart.evaluation.campaigns.campaign import run_campaign
-from handcart.evaluation.campaigns.campaign_folder import RUNS, CampaignFolder
 from handcart.evaluation.campaigns.campaign_setting import CampaignSetting, Level, WorldGenerator
-from handcart.evaluation.campaigns.trial_log import TrialLog
+from handcart.evaluation.campaigns.data.campaign_folder import RUNS, CampaignFolder
+from handcart.evaluation.campaigns.data.trial_log import TrialLog
+from handcart.evaluation.campaigns.data.walked_trials import WalkedSequence
+from handcart.evaluation.campaigns.rare.rare_event import RareEvent
+from handcart.evaluation.campaigns.statistics.campaign_report import CampaignReport
+from handcart.evaluation.campaigns.statistics.claim import Claim, Settling
 from handcart.evaluation.campaigns.trial_run import walked_trials
 from handcart.evaluation.campaigns.variation import Variation, load_variation
-from handcart.evaluation.campaigns.walked_trials import WalkedSequence
-from handcart.evaluation.rare.rare_event import RareEvent
 from handcart.files.errors import InputError
 from handcart.networks.task.task_file import Task, load_task
 
 if TYPE_CHECKING:
-    from handcart.evaluation.campaign_report.walk_tally import WalkTally
-    from handcart.evaluation.learned.learned import Learned
+    from handcart.evaluation.campaigns.learned.learned import Learned
+    from handcart.evaluation.campaigns.statistics.walk_tally import WalkTally
 
 CAMPAIGN_LEVELS: Mapping[str, Level] = {"run": "run", "fitted": "fitted", "network": "network"}
 
@@ -87,7 +87,7 @@ class AskedCampaign:
         """Return the learned outcomes, validated on held-out trials."""
         if not self.learned_from or task is None:
             return None
-        from handcart.evaluation.learned.learned import Learned
+        from handcart.evaluation.campaigns.learned.learned import Learned
 
         learned = Learned.read(task, self.learned_from)
         learned.check()
@@ -227,7 +227,7 @@ class OpenCampaign:
             raise NotPossible("--cluster --jobs; allowed: one of them, a cluster has as many as it has")
         alone = self.setting.walks and not (self.setting.varied or self.setting.rare)
         if alone and self.out is None and self.settling is None:
-            from handcart.evaluation.campaign_report.walk_tally import WalkTally
+            from handcart.evaluation.campaigns.statistics.walk_tally import WalkTally
 
             self._counted = WalkTally(walked_trials(self.setting), self.seeds)
             yield from self._counted.count_all()
@@ -267,7 +267,7 @@ class OpenCampaign:
         """
         if self.out is None or self.setting.rare is not None:
             return None
-        from handcart.evaluation.campaign_page.campaign_page import CampaignPage
+        from handcart.evaluation.campaigns.page.campaign_page import CampaignPage
 
         page = CampaignPage(CampaignFolder.read(self.out), report, self.settling)
         if runs:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
-    from handcart.evaluation.campaign_report.campaign_report import CampaignReport
+    from handcart.evaluation.campaigns.statistics.campaign_report import CampaignReport
     from handcart.tools.campaigns.asked_campaign import OpenCampaign
     from handcart.tools.terminal.campaign_words import CampaignWords
     from handcart.tools.terminal.rare_words import RareWords
@@ -164,7 +164,7 @@ def _run(opened: OpenCampaign, jobs: int | None, cluster: str | None) -> bool:
 
 
 def _write_junit(path: Path, opened: OpenCampaign, report: CampaignReport) -> None:
-    from handcart.evaluation.campaign_report.junit import write_junit
+    from handcart.evaluation.campaigns.statistics.junit import write_junit
     from handcart.tools.terminal.writing import NotWritable
 
     try:

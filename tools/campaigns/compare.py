@@ -13,7 +13,7 @@ import typer
 from handcart.files.printable import counted
 
 if TYPE_CHECKING:
-    from handcart.evaluation.campaign_report.comparison import Comparison
+    from handcart.evaluation.campaigns.statistics.comparison import Comparison
 
 
 def compare(
@@ -24,8 +24,8 @@ def compare(
     """Compare two campaigns, paired by seed; status 3 where the second one's success rate is proven lower."""
     import orjson
 
-    from handcart.evaluation.campaign_report.comparison import compare as compared
-    from handcart.evaluation.campaigns.campaign_folder import CampaignFolder
+    from handcart.evaluation.campaigns.data.campaign_folder import CampaignFolder
+    from handcart.evaluation.campaigns.statistics.comparison import compare as compared
 
     found = compared(CampaignFolder.read_runs(one).trials(), CampaignFolder.read_runs(other).trials())
     if as_json:

@@ -19,8 +19,8 @@ def merge(
     """Merge the parts of a campaign, and report what one machine would have reported."""
     import orjson
 
-    from handcart.evaluation.campaign_page.campaign_page import CampaignPage
-    from handcart.evaluation.campaigns.merging import merged
+    from handcart.evaluation.campaigns.data.merging import merged
+    from handcart.evaluation.campaigns.page.campaign_page import CampaignPage
     from handcart.files.printable import printable
     from handcart.tools.terminal.campaign_words import report_of
 

@@ -18,7 +18,7 @@ def allow_contacts(file: Path) -> None:
         FileError: the robot's files are wrong.
         NotWritable: the file cannot be written.
     """
-    from handcart.backends.description.robot_loading import load_robot
+    from handcart.backends.loading.robot_loading import load_robot
     from handcart.evaluation.robot_report.self_contact import self_contact
     from handcart.tools.terminal.writing import write_text
 

@@ -14,7 +14,7 @@ def bus_of(robot: RobotFile) -> BusLoad | None:
     """Return the load of cyclic frames on the robot's bus; None if it has none."""
     if robot.can is None:
         return None
-    from handcart.backends.can.bus.cyclic_frames import bus_load
+    from handcart.backends.can.devices.cyclic_frames import bus_load
 
     return bus_load(robot.can, robot.period_s)
 

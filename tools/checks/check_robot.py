@@ -54,7 +54,7 @@ def robot_facts(
         NoSuchPicture: the picture's suffix is unknown.
         NotWritable: the picture cannot be written there.
     """
-    from handcart.backends.description.robot_loading import load_robot
+    from handcart.backends.loading.robot_loading import load_robot
     from handcart.evaluation.robot_report.picture import draw_robot
     from handcart.evaluation.robot_report.posture_findings import posture_findings
     from handcart.evaluation.robot_report.remark import grouped, grouped_findings

@@ -12,7 +12,7 @@ from .check_robot import contents_lines
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from handcart.evaluation.robot_report.drafting.outline import Outline
+    from handcart.evaluation.robot_report.outline import Outline
 
 MAX_CHAINS = 4
 MAX_NAMED_JOINTS = 3

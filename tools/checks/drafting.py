@@ -23,7 +23,7 @@ def write_draft(draft: Path, urdf: Path, report: UrdfReport) -> None:
     Raises:
         InputError: it can't be written there, or can't name the URDF.
     """
-    from handcart.backends.description.robot_loading import load_robot
+    from handcart.backends.loading.robot_loading import load_robot
     from handcart.evaluation.robot_report.drafting.draft import OPTIONAL_SECTIONS, draft_text
     from handcart.evaluation.robot_report.mount_remarks import hidden_links, whole_degrees
     from handcart.tools.terminal.writing import write_text

@@ -20,7 +20,7 @@ def dry_run(
     """Check a task with all its files, print what would be done; the exit status that a run would have."""
     import orjson
 
-    from handcart.backends.description.robot_loading import load_robot
+    from handcart.backends.loading.robot_loading import load_robot
     from handcart.evaluation.robot_report.posture_findings import posture_findings
     from handcart.files.errors import FileError
     from handcart.files.models.settings import split_setting

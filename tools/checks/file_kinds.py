@@ -12,8 +12,8 @@ MAX_NEIGHBOUR_FILES = 20  # next to a URDF
 
 _GENERAL = {
     "task": "handcart.networks.task.task_model:TaskFile",
-    "robot": "handcart.backends.sensors.robot_model:robot_model",
-    "world": "handcart.backends.simulation.world.world_model:world_model",
+    "robot": "handcart.backends.loading.robot_model:robot_model",
+    "world": "handcart.backends.simulation.world_files.world_model:world_model",
     "table": "handcart.networks.analysis.action_table:ActionTable",
     "places": "handcart.primitives.knowledge.place:Places",
 }

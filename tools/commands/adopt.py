@@ -26,8 +26,8 @@ def adopt(
     ] = None,
 ) -> None:
     """Show what a run's findings change in the robot's file, or write it; comments and order are kept."""
-    from handcart.backends.description.robot_loading import load_robot
     from handcart.backends.description.robot_names import robot_path
+    from handcart.backends.loading.robot_loading import load_robot
     from handcart.tools.terminal.writing import write_text
 
     found = _calibration(run)
@@ -57,8 +57,8 @@ def adopt(
 def _calibration(run: Path) -> Calibration:
     from handcart.files.errors import InputError
     from handcart.files.models.loading import load
+    from handcart.networks.run_files.run_folder import check_folder
     from handcart.networks.runs.calibration import CALIBRATION_FILE, Calibration, calibration_path
-    from handcart.networks.runs.run_folder import check_folder
 
     if run.is_dir():
         check_folder(run)
@@ -85,7 +85,7 @@ def _check(text: str, file: Path) -> None:
     """Check that the new text is a valid robot's file; raises `FileError`."""
     import tempfile
 
-    from handcart.backends.sensors.robot_model import model_for
+    from handcart.backends.loading.robot_model import model_for
     from handcart.files.errors import FileError, Finding
     from handcart.files.models.loading import load_document
     from handcart.files.yaml.yaml_document import read_document
@@ -122,7 +122,7 @@ def _check_writable(file: Path) -> None:
 
 def _write_copy(output: Path, text: str, file: Path) -> None:
     """The changed file elsewhere, with the URDFs beside it that it names."""
-    from handcart.backends.description.robot_loading import load_robot
+    from handcart.backends.loading.robot_loading import load_robot
     from handcart.files.inside import resolve_inside
     from handcart.tools.terminal.writing import NotWritable, check_folder, write_text
 

@@ -190,7 +190,7 @@ def file_facts(file: Path, settings: dict[str, str], asked: Asked = Asked()) -> 
             allow_contacts(file)
         return robot_facts(file, asked.picture, asked.quick, asked.every, asked.backend)
     if kind == "world":
-        from handcart.backends.simulation.world.load_world import load_world
+        from handcart.backends.simulation.world_files.load_world import load_world
 
         load_world(file)
     else:
@@ -217,7 +217,7 @@ def _goals_facts(file: Path) -> dict[str, Any]:
 
 
 def _task_facts(file: Path, settings: dict[str, str], quick: bool) -> dict[str, Any]:
-    from handcart.backends.description.robot_loading import load_robot
+    from handcart.backends.loading.robot_loading import load_robot
     from handcart.evaluation.robot_report.posture_findings import posture_findings
     from handcart.networks.task.preparing import check as check_task
     from handcart.tools.checks.check_task import task_facts

@@ -40,7 +40,7 @@ def do(
 
     from handcart.evaluation.trials.rig import RigFiles, build_rig
     from handcart.networks.runs.robot_claim import claimed
-    from handcart.primitives.contract.outcome import Success
+    from handcart.primitives.outcomes.outcome import Success
     from handcart.tools.terminal.first_use import announced
 
     made = _made(primitive, parameters or [])

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
-    from handcart.evaluation.explanation.explanation import Explanation
+    from handcart.evaluation.viewing.explanation.explanation import Explanation
 
 
 def explain(
@@ -37,13 +37,13 @@ def explain(
     """Explain why an action was chosen, why it failed and how well it was restored, from the run's folder."""
     import orjson
 
-    from handcart.evaluation.explanation.explanation import as_json as json_of
-    from handcart.evaluation.explanation.explanation import explain as explained
-    from handcart.evaluation.explanation.explanation_chart import UnreadableEvidence
-    from handcart.evaluation.explanation.explanation_words import in_words
+    from handcart.evaluation.viewing.explanation.explanation import as_json as json_of
+    from handcart.evaluation.viewing.explanation.explanation import explain as explained
+    from handcart.evaluation.viewing.explanation.explanation_chart import UnreadableEvidence
+    from handcart.evaluation.viewing.explanation.explanation_words import in_words
     from handcart.files.printable import printable
-    from handcart.networks.journal.past_run import read_run
-    from handcart.networks.runs.run_names import latest_run
+    from handcart.networks.past_runs.past_run import read_run
+    from handcart.networks.run_files.run_names import latest_run
 
     past = read_run(run or latest_run(Path("runs")))
     if past.torn_at is not None:
@@ -66,7 +66,7 @@ def explain(
 
 def _drawn(explanation: Explanation, picture: Path | None) -> Path | None:
     """Draw the chart and return its path; None if there is nothing to draw, or no space."""
-    from handcart.evaluation.explanation.explanation_chart import draw_chart
+    from handcart.evaluation.viewing.explanation.explanation_chart import draw_chart
     from handcart.tools.terminal.writing import NotWritable
 
     if not (explanation.readings or explanation.picture or explanation.points):

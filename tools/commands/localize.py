@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
-    from handcart.evaluation.replay.drive_log import DriveLog
-    from handcart.evaluation.replay.replay import Replayed
+    from handcart.evaluation.offline_localization.logs.drive_log import DriveLog
+    from handcart.evaluation.offline_localization.replay import Replayed
     from handcart.robotics.navigation.outdoors.field_noise import FieldNoise
 
 BAG_SUFFIXES = (".bag", ".db3", ".mcap")
@@ -68,11 +68,11 @@ def localize(
     """Estimate a robot's poses from a recorded log, with their uncertainty and the rejected fixes."""
     import orjson
 
-    from handcart.evaluation.replay.noise_fit import fit_noise, in_yaml
-    from handcart.evaluation.replay.preparation import prepare
-    from handcart.evaluation.replay.replay import localizer_for, replay
-    from handcart.evaluation.replay.replay_chart import draw_replay
-    from handcart.evaluation.replay.replay_words import figures, in_words
+    from handcart.evaluation.offline_localization.noise_fit import fit_noise, in_yaml
+    from handcart.evaluation.offline_localization.preparation import prepare
+    from handcart.evaluation.offline_localization.replay import localizer_for, replay
+    from handcart.evaluation.offline_localization.replay_chart import draw_replay
+    from handcart.evaluation.offline_localization.replay_words import figures, in_words
     from handcart.files.suggest import suggest
     from handcart.tools.terminal.first_use import announced
     from handcart.tools.terminal.share_shown import share_shown
@@ -124,7 +124,8 @@ def _robot_of(log: Path) -> str | None:
     """The shipped robot that drove in a run; None of other logs, and of robots that aren't shipped."""
     from handcart.backends.description.robot_names import named_robots
     from handcart.networks.journal.journal_record import JournalError
-    from handcart.networks.journal.past_run import NoRun, read_run
+    from handcart.networks.past_runs.past_run import read_run
+    from handcart.networks.run_files.run_folder import NoRun
 
     try:
         robot = read_run(log if log.is_dir() else log.parent).header["robot"]
@@ -135,7 +136,7 @@ def _robot_of(log: Path) -> str | None:
 
 def _noise(robot: str | None) -> FieldNoise:
     """Return the noise of wheels, gyros and receiver."""
-    from handcart.backends.description.robot_loading import load_robot
+    from handcart.backends.loading.robot_loading import load_robot
     from handcart.backends.robot.localization.noise_model import field_noise
     from handcart.robotics.navigation.outdoors.field_noise import ANY_VEHICLE
 
@@ -150,14 +151,14 @@ def _read(log: Path, nmea: Path | None, reference: str | None, stamps: str, colu
     if (log / RUN_LOG).is_file():
         log = log / RUN_LOG
     if log.is_dir() or log.name.endswith((*BAG_SUFFIXES, *PACKED_BAGS)):
-        from handcart.evaluation.replay.bags.bag_log import read_bag_log
+        from handcart.evaluation.offline_localization.bags.bag_log import read_bag_log
 
         if nmea is not None:
             raise typer.BadParameter("--nmea goes with a CSV file, not with a bag")
         if columns is not None:
             raise typer.BadParameter("--columns goes with a CSV file, not with a bag")
         return read_bag_log(log, reference, "receive" if stamps == "receive" else "header")
-    from handcart.evaluation.replay.csv_log import read_csv_log
+    from handcart.evaluation.offline_localization.logs.csv_log import read_csv_log
 
     if reference is not None:
         raise typer.BadParameter("--reference is a bag's topic; a CSV file has true_x and true_y")
@@ -166,7 +167,7 @@ def _read(log: Path, nmea: Path | None, reference: str | None, stamps: str, colu
     played = read_csv_log(log, columns)
     if nmea is None:
         return played
-    from handcart.evaluation.replay.nmea_log import with_nmea
+    from handcart.evaluation.offline_localization.logs.nmea_log import with_nmea
 
     return with_nmea(played, nmea)
 

@@ -24,9 +24,9 @@ def make_map(
     """Draw the map of a world as a lidar would survey it: all but surprises, at one height."""
     import numpy as np
 
-    from handcart.backends.simulation.world.load_world import load_world
-    from handcart.backends.simulation.world.world_map import map_of_world
-    from handcart.evaluation.drawing.picture_file import write_png
+    from handcart.backends.simulation.world_files.load_world import load_world
+    from handcart.backends.simulation.world_files.world_map import map_of_world
+    from handcart.evaluation.viewing.drawing.picture_file import write_png
     from handcart.tools.terminal.writing import NotWritable, check_folder, write_text
 
     if out.suffix != ".yaml":

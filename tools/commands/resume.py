@@ -34,8 +34,8 @@ def resume(
     from handcart.files.printable import printable
     from handcart.networks.coordination.interrupts import Interrupts
     from handcart.networks.operator.permits import Permits
-    from handcart.networks.run_options import RunOptions
-    from handcart.networks.runs.run_names import latest_run
+    from handcart.networks.run_files.run_names import latest_run
+    from handcart.networks.runs.run_options import RunOptions
     from handcart.tools.terminal.next_steps import next_steps
     from handcart.tools.terminal.progress import Progress
 

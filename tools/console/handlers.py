@@ -16,7 +16,7 @@ from handcart.files.printable import clipped, printable
 from handcart.networks.operator.acknowledging import acknowledge
 from handcart.networks.operator.asking import ask, tell_to_stop
 from handcart.networks.operator.message import COMMAND_WORDS, LONGEST_WORD
-from handcart.networks.runs.run_folder import read_file
+from handcart.networks.run_files.run_folder import read_file
 
 from .guard import TICKETS_PATH, said
 from .kept_details import KeptDetails

@@ -14,11 +14,11 @@ from handcart.networks.chains.policy import TooLarge
 from handcart.networks.drawing.folded_network import Spot
 from handcart.networks.drawing.network_picture import draw_network
 from handcart.networks.drawing.svg import to_svg
-from handcart.networks.journal.past_run import PastRun, read_run
 from handcart.networks.journal.waiting import waiting
 from handcart.networks.operator.acknowledging import cause_of
 from handcart.networks.operator.view_address import view_address
-from handcart.networks.runs.run_folder import read_run_journal
+from handcart.networks.past_runs.past_run import PastRun, read_run
+from handcart.networks.run_files.run_folder import read_run_journal
 from handcart.networks.task.task_file import load_task
 
 EVIDENCE_PATH = "evidence"

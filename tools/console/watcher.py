@@ -11,8 +11,8 @@ from typing import Any
 
 from handcart.files.errors import HandcartError
 from handcart.networks.operator.asking import NotAnswering, ask
-from handcart.networks.operator.socket_path import CONTROL_SOCKET
-from handcart.networks.runs.run_names import ListedRun, list_runs
+from handcart.networks.run_files.run_names import ListedRun, list_runs
+from handcart.networks.run_files.socket_path import CONTROL_SOCKET
 
 from .run_details import RUN_PAGES
 

@@ -58,9 +58,9 @@ def bench(
     from handcart.backends.can.bench.bench import Bench
     from handcart.backends.can.bench.bench_server import BenchServer
     from handcart.backends.can.bench.injected_faults import inject
+    from handcart.backends.can.bus.errors import NoDrives
     from handcart.backends.can.bus.open_bus import open_interface
-    from handcart.backends.can.errors import NoDrives
-    from handcart.backends.description.robot_loading import load_robot
+    from handcart.backends.loading.robot_loading import load_robot
     from handcart.backends.registry import make_backend
     from handcart.tools.terminal.asked_to_end import AskedToEnd
 
@@ -104,7 +104,7 @@ def bench(
 def _check_free(bus: can.BusABC, spec: CanSpec, interface: str, channel: str, robot: str) -> None:
     """Raise `ChannelTaken` if another bench or robot is on the channel."""
     from handcart.backends.can.bus.channel_use import other_channel_hint, taken_by
-    from handcart.backends.can.errors import ChannelTaken
+    from handcart.backends.can.bus.errors import ChannelTaken
 
     nodes = {axis.node for _, axis in spec.axes()}
     by = taken_by(bus, nodes, is_shared=interface != BETWEEN_PROCESSES)

@@ -37,7 +37,7 @@ def bringup(
 ) -> None:
     """Do the next step of the procedure from first power to the task; each is recorded, none is skipped."""
     from handcart.backends.can.can_backend import CanBackend
-    from handcart.backends.description.robot_loading import load_robot
+    from handcart.backends.loading.robot_loading import load_robot
     from handcart.backends.registry import bench_class
     from handcart.evaluation.bringup.ladder import ALL_RUNGS, Ladder
     from handcart.evaluation.bringup.site import Site

@@ -26,7 +26,7 @@ def jog(
     """Move one axis while the space bar is held, the hand at 250 mm/s at most; letting go stops it."""
     from pathlib import Path
 
-    from handcart.backends.description.robot_loading import load_robot
+    from handcart.backends.loading.robot_loading import load_robot
     from handcart.evaluation.bringup.jog import HAND_SPEED, Jogger, UnknownAxis, slides
     from handcart.evaluation.bringup.operator import BenchOperator, Operator
     from handcart.evaluation.bringup.site import Site

@@ -53,8 +53,8 @@ def teach(
     dry_run: Annotated[bool, typer.Option("--dry-run", help="only show what would change")] = False,
 ) -> None:
     """Record a posture into a robot's file, comments and order kept; shows the change."""
-    from handcart.backends.description.robot_loading import load_robot
     from handcart.backends.description.robot_names import robot_path
+    from handcart.backends.loading.robot_loading import load_robot
     from handcart.tools.terminal.writing import write_text
 
     spec = load_robot(robot)

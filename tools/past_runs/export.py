@@ -32,16 +32,16 @@ def export(
 
 
 def _mcap(folder: Path, file: Path) -> str:
-    from handcart.evaluation.export.run_mcap import write_mcap
-    from handcart.evaluation.playback.playback import Playback
+    from handcart.evaluation.viewing.export.run_mcap import write_mcap
+    from handcart.evaluation.viewing.playback.playback import Playback
 
     counts = write_mcap(Playback.read(folder), file)
     return ", ".join(f"{count} {topic}" for topic, count in sorted(counts.items()))
 
 
 def _parquet(folder: Path, file: Path) -> str:
-    from handcart.evaluation.campaigns.campaign_folder import CampaignFolder
-    from handcart.evaluation.export.campaign_parquet import write_parquet
+    from handcart.evaluation.campaigns.data.campaign_folder import CampaignFolder
+    from handcart.evaluation.viewing.export.campaign_parquet import write_parquet
 
     trials = CampaignFolder.read(folder).trials()
     write_parquet(trials, file)

@@ -17,9 +17,9 @@ def report(
     ] = None,
 ) -> None:
     """Write a run, or a campaign, as one page that needs nothing beside it, nor a network."""
-    from handcart.evaluation.campaigns.campaign_folder import ARGUMENTS
+    from handcart.evaluation.campaigns.data.campaign_folder import ARGUMENTS
     from handcart.files.printable import printable
-    from handcart.networks.runs.run_names import latest_run
+    from handcart.networks.run_files.run_names import latest_run
     from handcart.tools.terminal.writing import NotWritable
 
     folder = folder or latest_run(Path("runs"))
@@ -33,13 +33,13 @@ def report(
 
 
 def _run_page(folder: Path, page: Path | None) -> Path:
-    from handcart.evaluation.report.report import write_report
+    from handcart.evaluation.viewing.report.report import write_report
 
     return write_report(folder, page)
 
 
 def _campaign_page(folder: Path, page: Path | None) -> Path:
-    from handcart.evaluation.campaign_page.campaign_page import CampaignPage
+    from handcart.evaluation.campaigns.page.campaign_page import CampaignPage
 
     found = CampaignPage.of(folder)
     found.write_runs()

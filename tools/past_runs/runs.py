@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
-    from handcart.networks.runs.run_names import ListedRun
+    from handcart.networks.run_files.run_names import ListedRun
 
 
 def runs(
@@ -20,7 +20,7 @@ def runs(
     import orjson
 
     from handcart.files.printable import printable
-    from handcart.networks.runs.run_names import list_runs
+    from handcart.networks.run_files.run_names import list_runs
 
     found = list_runs(folder)
     if as_json:

@@ -16,11 +16,11 @@ def view(
     ] = None,
 ) -> None:
     """Show a recorded run in the browser, on this machine alone, until Ctrl-C."""
-    from handcart.evaluation.playback.playback import Playback
-    from handcart.evaluation.view.replay import Replay
-    from handcart.evaluation.view.serving.server import open_server
+    from handcart.evaluation.viewing.playback.playback import Playback
+    from handcart.evaluation.viewing.view.replay import Replay
+    from handcart.evaluation.viewing.view.serving.server import open_server
     from handcart.files.printable import printable
-    from handcart.networks.runs.run_names import latest_run
+    from handcart.networks.run_files.run_names import latest_run
     from handcart.tools.terminal.asked_to_end import AskedToEnd
 
     playback = Playback.read(run or latest_run(Path("runs")))

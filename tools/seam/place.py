@@ -25,7 +25,7 @@ def place(
 ) -> None:
     """Divide a path among places of the base; write task.yaml with its files, and placements.svg."""
     from handcart.backends.description.robot_file import UnknownPosture
-    from handcart.backends.description.robot_loading import load_robot
+    from handcart.backends.loading.robot_loading import load_robot
     from handcart.evaluation.seam.seam_placing import NoToolArm, place_seam, write_task
     from handcart.files.errors import FileError
     from handcart.files.models.loading import load

@@ -7,14 +7,14 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from handcart.evaluation.campaign_report.exact_value import beside, exact_goal
-from handcart.evaluation.campaign_report.rerun import rerun
+from handcart.evaluation.campaigns.statistics.exact_value import beside, exact_goal
+from handcart.evaluation.campaigns.statistics.rerun import rerun
 
 if TYPE_CHECKING:
-    from handcart.evaluation.campaign_report.campaign_report import CampaignReport, Spread
-    from handcart.evaluation.campaign_report.claim import Settling
-    from handcart.evaluation.campaigns.campaign_folder import CampaignFolder
-    from handcart.evaluation.learned.learned import Learned
+    from handcart.evaluation.campaigns.data.campaign_folder import CampaignFolder
+    from handcart.evaluation.campaigns.learned.learned import Learned
+    from handcart.evaluation.campaigns.statistics.campaign_report import CampaignReport, Spread
+    from handcart.evaluation.campaigns.statistics.claim import Settling
     from handcart.tools.terminal.rare_words import RareWords
 
 
@@ -99,7 +99,7 @@ class CampaignWords:
             yield f"{times:>6} x {blame.primitive} {blame.outcome}{found}: {blame.reason}"
 
     def _worst_lines(self) -> Iterator[str]:
-        from handcart.evaluation.campaign_report.divergence import first_difference
+        from handcart.evaluation.campaigns.statistics.divergence import first_difference
 
         median = self._report.median_run
         for trial in self._report.worst():
@@ -117,7 +117,7 @@ class CampaignWords:
 
     def facts(self) -> dict[str, Any]:
         """Return fields for programs."""
-        from handcart.evaluation.campaign_report.divergence import first_difference
+        from handcart.evaluation.campaigns.statistics.divergence import first_difference
 
         report, median, goal = self._report, self._report.median_run, self._exact()
         exact: dict[str, Any] = {"unknown": goal} if isinstance(goal, str) else {"p_goal": goal}
@@ -174,7 +174,7 @@ def _interval(spread: Spread, yes_no: bool) -> str:
 
 def report_of(found: CampaignFolder) -> tuple[CampaignReport, CampaignWords | RareWords]:
     """Return the report on a campaign's folder, and the texts for it."""
-    from handcart.evaluation.campaign_report.campaign_report import CampaignReport
+    from handcart.evaluation.campaigns.statistics.campaign_report import CampaignReport
     from handcart.tools.terminal.rare_words import RareWords
 
     report = CampaignReport(found.trials())

@@ -15,12 +15,12 @@ from rich.markup import escape
 
 from handcart.backends.robot.robot import Robot
 from handcart.files.printable import printable
-from handcart.networks.coordination.events import Ended, Event, LeftOut, Planned, Restoring, RunEnded, Started
+from handcart.networks.events.events import Ended, Event, LeftOut, Planned, Restoring, RunEnded, Started
+from handcart.networks.events.run_observer import RunObserver
 from handcart.networks.graph.network import Action
 from handcart.networks.graph.planner import NoWay, Plan
-from handcart.networks.run_observer import RunObserver
 from handcart.networks.task.preparing import Prepared
-from handcart.primitives.contract.outcome import Fail, GiveUp, Success
+from handcart.primitives.outcomes.outcome import Fail, GiveUp, Success
 from handcart.robotics.numerics.compiled import hearing_of_compiling
 from handcart.tools.terminal.first_use import COMPILING_MESSAGE as COMPILING_MESSAGE
 

@@ -7,9 +7,9 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from handcart.evaluation.campaign_report.exact_value import exact_end
-from handcart.evaluation.campaigns.trial import Trial
-from handcart.evaluation.rare.rare_estimate import RareEstimate
+from handcart.evaluation.campaigns.data.trial import Trial
+from handcart.evaluation.campaigns.rare.rare_estimate import RareEstimate
+from handcart.evaluation.campaigns.statistics.exact_value import exact_end
 
 
 class RareWords:

@@ -9,7 +9,8 @@ from contextlib import AbstractContextManager
 from typing_extensions import override
 
 from handcart.evaluation.bringup.operator import Held, NoAnswer, Operator
-from handcart.tools.hardware.key_holding import held_key
+
+from .key_holding import held_key
 
 
 class TerminalOperator(Operator):

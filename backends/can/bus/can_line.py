@@ -10,7 +10,7 @@ from contextlib import suppress
 import can
 import canopen
 
-from handcart.backends.can.errors import QueueFull
+from .errors import QueueFull
 
 Heard = Callable[[can.Message, bool], None]
 """Callback for each frame; its second argument is True if the frame was sent, False if received."""

@@ -7,8 +7,9 @@ from typing import Any
 
 import can
 
-from handcart.backends.can.errors import NoInterface
 from handcart.backends.description.can_spec import CanSpec
+
+from .errors import NoInterface
 
 UDP_MULTICAST = "udp_multicast"
 _UNDER_WAY = 4096  # own frames that are waited for at most

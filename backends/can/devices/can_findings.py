@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from handcart.backends.can.bus.cyclic_frames import bus_load
 from handcart.backends.description.can_spec import VIRTUAL_INTERFACE
 from handcart.files.suggest import suggest
+
+from .cyclic_frames import bus_load
 
 if TYPE_CHECKING:
     from handcart.backends.description.can_spec import AxisSpec, CanSpec, JointDriveSpec

@@ -7,16 +7,16 @@ from pathlib import Path
 
 from canopen.objectdictionary import ObjectDictionary, ODVariable
 
-from handcart.backends.can.bus.cyclic_frames import mode_of
 from handcart.backends.can.bus.pdo_layout import layout
 from handcart.backends.can.drives.axes import planned_axes
 from handcart.backends.can.drives.position_range import described_range, other_type, wrap_inside_travel
+from handcart.backends.can.eds.eds_file import missing_objects, read_eds
+from handcart.backends.can.eds.lacks import DEVICE_LACKS, lack_of, left_out
 from handcart.backends.description.can_spec import AxisSpec, CanSpec, WheelDriveSpec
 from handcart.backends.description.robot_file import RobotFile
 from handcart.files.errors import FileError, Finding
 
-from .eds_file import missing_objects, read_eds
-from .lacks import DEVICE_LACKS, lack_of, left_out
+from .cyclic_frames import mode_of
 
 _ALWAYS = {
     0x1000: "device type",

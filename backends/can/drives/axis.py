@@ -16,11 +16,11 @@ from canopen.sdo.base import SdoVariable
 from canopen.sdo.client import SdoClient
 from canopen.sdo.exceptions import SdoCommunicationError
 
+from handcart.backends.can.bus.errors import SilentDrive, TooManyCounts, WrongDrive
 from handcart.backends.can.bus.fault_words import fault_words
 from handcart.backends.can.bus.line_sdo_client import LineSdoClient, NoAnswer
 from handcart.backends.can.bus.pdo_layout import CYCLIC_POSITION, PROFILE_POSITION, Pdo, layout
-from handcart.backends.can.devices.lacks import left_out
-from handcart.backends.can.errors import SilentDrive, TooManyCounts, WrongDrive
+from handcart.backends.can.eds.lacks import left_out
 from handcart.backends.description.can_spec import AxisSpec
 
 from .axis_limits import AxisLimits

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections import deque
 
+from handcart.backends.can.bus.errors import DriveNotReady, LostAnswers, OffDemand, SilentDrive
 from handcart.backends.can.bus.pdo_layout import Pdo
-from handcart.backends.can.errors import DriveNotReady, LostAnswers, OffDemand, SilentDrive
 
 from .axis import ENABLED, Axis
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from canopen.objectdictionary import ObjectDictionary
 
-from handcart.backends.can.devices.eds_file import read_eds
+from handcart.backends.can.eds.eds_file import read_eds
 
 DRIVE_EDS = Path(__file__).parent / "drive.eds"
 

@@ -8,14 +8,14 @@ from contextlib import suppress
 from canopen.profiles.p402 import OperationMode
 from canopen.sdo.exceptions import SdoAbortedError
 
+from handcart.backends.can.bus.errors import Difference, EncoderWraps, ReadBackDiffers, WrongDrive
 from handcart.backends.can.bus.pdo_layout import (
     CYCLIC_POSITION,
     CYCLIC_VELOCITY,
     PROFILE_POSITION,
     PROFILE_VELOCITY,
 )
-from handcart.backends.can.devices.lacks import accepting
-from handcart.backends.can.errors import Difference, EncoderWraps, ReadBackDiffers, WrongDrive
+from handcart.backends.can.eds.lacks import accepting
 from handcart.backends.description.can_spec import CanSpec
 
 from .axis import Axis

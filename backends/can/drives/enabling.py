@@ -11,8 +11,8 @@ from canopen.profiles.p402 import State402
 from canopen.sdo.exceptions import SdoAbortedError
 
 from handcart.backends.can.bus.can_line import CanLine
+from handcart.backends.can.bus.errors import DriveNotReady, WrongDrive
 from handcart.backends.can.bus.fault_words import fault_words
-from handcart.backends.can.errors import DriveNotReady, WrongDrive
 
 from .axis import ENABLED, FAULT, HOLD_COMMAND, QUICK_STOP, Axis, state_of
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import can
 from typing_extensions import override
 
-from handcart.backends.can.errors import ControllerFault
+from handcart.backends.can.bus.errors import ControllerFault
 
 from .watch import Watch
 

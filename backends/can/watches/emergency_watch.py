@@ -7,8 +7,8 @@ from collections.abc import Collection, Mapping
 import can
 from typing_extensions import override
 
+from handcart.backends.can.bus.errors import Emergency, TwoNodes
 from handcart.backends.can.bus.fault_words import fault_words
-from handcart.backends.can.errors import Emergency, TwoNodes
 
 from .watch import Watch, plain
 

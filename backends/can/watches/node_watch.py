@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import can
 from typing_extensions import override
 
-from handcart.backends.can.errors import CanFault, NodeRestarted, SilentDrive, TwoNodes
+from handcart.backends.can.bus.errors import CanFault, NodeRestarted, SilentDrive, TwoNodes
 
 from .watch import Watch, plain
 

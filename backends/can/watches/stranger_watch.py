@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import can
 from typing_extensions import override
 
-from handcart.backends.can.errors import Stranger
+from handcart.backends.can.bus.errors import Stranger
 
 from .watch import Watch, plain
 

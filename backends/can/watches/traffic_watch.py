@@ -8,7 +8,7 @@ from collections.abc import Callable
 import can
 from typing_extensions import override
 
-from handcart.backends.can.errors import Overloaded
+from handcart.backends.can.bus.errors import Overloaded
 
 from .watch import Watch
 

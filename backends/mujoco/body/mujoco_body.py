@@ -10,10 +10,9 @@ import numpy as np
 from typing_extensions import override
 
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.mujoco.mujoco_engine import MujocoEngine
-from handcart.backends.mujoco.mujoco_module import mujoco
-from handcart.backends.mujoco.rendering.robot_looks import PartLook, robot_looks
-from handcart.backends.mujoco.world_spec import (
+from handcart.backends.mujoco.engine.mujoco_engine import MujocoEngine
+from handcart.backends.mujoco.engine.mujoco_module import mujoco
+from handcart.backends.mujoco.engine.world_spec import (
     CONTACT_COMPLIANCE,
     HOLDS_ON_SOFT,
     LINKAGE_IMPEDANCE,
@@ -25,7 +24,7 @@ from handcart.backends.mujoco.world_spec import (
     quaternion,
 )
 from handcart.backends.physics.body.robot_body import RobotBody
-from handcart.backends.physics.body.surface import Surface
+from handcart.backends.physics.engine.surface import Surface
 from handcart.backends.physics.refusal import refusal
 from handcart.backends.physics.urdf.rigid_groups import passing_pairs
 from handcart.backends.physics.urdf.sound_urdf import held_still, sound_urdf
@@ -38,6 +37,7 @@ from handcart.robotics.kinematics.urdf_tree import joint_leaders
 from .building import ENGINE_NAME
 from .mujoco_joints import YIELDING_DRIVE_NAME, MujocoJoints
 from .mujoco_urdf import read_robot
+from .robot_looks import PartLook, robot_looks
 
 TOP_ACCELERATION = 100.0  # of a drive that moves nothing but itself [rad/s²]
 TOP_SLIDE_ACCELERATION = 50.0  # the same of one that slides [m/s²]

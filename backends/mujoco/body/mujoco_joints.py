@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from handcart.backends.mujoco.mujoco_engine import MujocoEngine
+from handcart.backends.mujoco.engine.mujoco_engine import MujocoEngine
 from handcart.backends.physics.body.joint_group import (
     FULL_TORQUE_ERROR_RAD,
     MIN_TORQUE_RATIO,

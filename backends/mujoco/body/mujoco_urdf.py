@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from handcart.backends.mujoco.mujoco_module import mujoco
+from handcart.backends.mujoco.engine.mujoco_module import mujoco
 from handcart.backends.physics.urdf.sound_urdf import SoundUrdf
 from handcart.robotics.kinematics.coal_bodies import read_mesh
 

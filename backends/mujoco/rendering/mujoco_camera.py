@@ -11,7 +11,7 @@ from typing_extensions import override
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.sensor_specs import CameraSpec
 from handcart.backends.mujoco.body.mujoco_body import MujocoBody
-from handcart.backends.mujoco.mujoco_engine import MujocoEngine
+from handcart.backends.mujoco.engine.mujoco_engine import MujocoEngine
 from handcart.backends.physics.sensors.engine_camera import SAMPLES_PER_SIDE, EngineCamera
 from handcart.backends.physics.sensors.physics_site import physics_of
 from handcart.backends.physics.world.world_bodies import WorldBodies

@@ -8,7 +8,7 @@ from typing import Any
 from typing_extensions import override
 
 from handcart.backends.mujoco.body.mujoco_body import MujocoBody
-from handcart.backends.mujoco.mujoco_engine import MujocoEngine
+from handcart.backends.mujoco.engine.mujoco_engine import MujocoEngine
 from handcart.backends.physics.sensors.physics_site import physics_of
 from handcart.backends.sensors.depth_spec import DepthCameraSpec
 from handcart.backends.simulation.depth.scene_depth_camera import SceneDepthCamera

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.mujoco.mujoco_module import mujoco
+from handcart.backends.mujoco.engine.mujoco_module import mujoco
 from handcart.robotics.geometry.transform import Transform
 
 from .gl_context import make_context

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.mujoco.mujoco_module import mujoco
+from handcart.backends.mujoco.body.robot_looks import PartLook
+from handcart.backends.mujoco.engine.looks import Looks
+from handcart.backends.mujoco.engine.mujoco_module import mujoco
 from handcart.backends.simulation.world.thing import GreyImage
 
-from .looks import Looks
-from .robot_looks import PartLook
 from .stage_spec import LAMP_NAME, StageSpec
 from .style import Style
 

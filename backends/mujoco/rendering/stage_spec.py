@@ -8,16 +8,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.mujoco.mujoco_module import mujoco
-from handcart.backends.mujoco.world_spec import ROBOT_PREFIX, where
-from handcart.backends.physics.thing_form import BOX_FACES, BOX_NORMALS, ThingForm, Uvs
+from handcart.backends.mujoco.body.robot_looks import PartLook
+from handcart.backends.mujoco.engine.looks import BoxLook, Looks, TileLook
+from handcart.backends.mujoco.engine.mujoco_module import mujoco
+from handcart.backends.mujoco.engine.world_spec import ROBOT_PREFIX, where
+from handcart.backends.physics.engine.thing_form import BOX_FACES, BOX_NORMALS, ThingForm, Uvs
 from handcart.backends.simulation.world.material import Material
 from handcart.backends.simulation.world.sheet import Sheet
 from handcart.robotics.geometry.transform import transform
 
 from .ground_looks import FLOOR_SIDE, GRASS_SIDE, floor_picture, grass_picture
-from .looks import BoxLook, Looks, TileLook
-from .robot_looks import PartLook
 from .style import Style
 
 LAMP_NAME = "lamp"

@@ -7,11 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.mujoco.mujoco_engine import MujocoEngine
+from handcart.backends.mujoco.body.robot_looks import PartLook
+from handcart.backends.mujoco.engine.mujoco_engine import MujocoEngine
 from handcart.robotics.geometry.transform import Transform
 
 from .photographer import Photographer
-from .robot_looks import PartLook
 from .stage import Stage
 from .style import Style
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from handcart.backends.backend import NoWindow
 from handcart.backends.mujoco.body.mujoco_body import MujocoBody
-from handcart.backends.mujoco.mujoco_engine import MujocoEngine
+from handcart.backends.mujoco.engine.mujoco_engine import MujocoEngine
 from handcart.robotics.geometry.transform import Transform
 
 from .stage import Stage

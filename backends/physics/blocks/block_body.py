@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from handcart.backends.physics.thing_form import Sticks
+from handcart.backends.physics.engine.thing_form import Sticks
 from handcart.backends.physics.world.thing_body import ThingBody
 
 

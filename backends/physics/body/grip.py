@@ -8,13 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.description.robot_file import GripperSpec
-from handcart.backends.physics.engine import Engine, Pinned, Point
+from handcart.backends.physics.engine.engine import Engine, Pinned, Point
+from handcart.backends.physics.engine.surface import PAD_FRICTION, PAD_SURFACE, Surface
 from handcart.backends.physics.world.thing_body import THING_FRICTION
 from handcart.backends.urdf.robot_shape import FingerShape
 from handcart.robotics.geometry.transform import inverse
 
 from .robot_body import RobotBody
-from .surface import PAD_FRICTION, PAD_SURFACE, Surface
 
 BEHIND_TIP = (0.01, 0.04)  # of the points along a finger [m]
 PAD_HEIGHT_RATIO = 0.375  # of a finger's height, above and below its middle

@@ -6,11 +6,11 @@ import numpy as np
 
 from handcart.backends.capabilities.base import WheelTravel
 from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.physics.engine.surface import SCRUBBING_SURFACE
 from handcart.backends.simulation.body.simulated_parts import CommandedBase
-from handcart.backends.simulation.keyed_noise import keyed
+from handcart.backends.simulation.noise.keyed_noise import keyed
 
 from .robot_body import RobotBody
-from .surface import SCRUBBING_SURFACE
 from .wheel_drives import WheelDrives
 
 

@@ -10,12 +10,12 @@ import numpy as np
 from handcart.backends.capabilities.base import WheelTravel
 from handcart.backends.description.ground_spec import GroundSpec
 from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.physics.engine.surface import SOFT_TYRES
 from handcart.backends.physics.urdf.sound_urdf import ROCKER_JOINTS
 from handcart.backends.simulation.body.simulated_parts import CommandedBase
 from handcart.robotics.geometry.transform import inverse
 
 from .robot_body import RobotBody
-from .surface import SOFT_TYRES
 from .wheel_drives import WheelDrives
 
 REAR, FRONT = ("left_wheel", "right_wheel"), ("front_left_wheel", "front_right_wheel")

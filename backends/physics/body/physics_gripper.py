@@ -9,10 +9,10 @@ from typing_extensions import override
 
 from handcart.backends.description.robot_file import GripperSpec
 from handcart.backends.description.simulated_errors import Errors
+from handcart.backends.physics.engine.surface import Surface
 from handcart.backends.simulation.body.simulated_parts import SimulatedGripper
 
 from .robot_body import RobotBody
-from .surface import Surface
 
 FINGER_JOINTS = ("left_finger", "right_finger")
 PRESSING_LEAD_M = 3e-4  # commanded this far beyond where they stand, the fingers press [m]

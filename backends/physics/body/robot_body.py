@@ -6,6 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
 from typing import ClassVar
 
+from handcart.backends.physics.engine.surface import Surface
 from handcart.backends.physics.urdf.sound_urdf import casters
 from handcart.backends.physics.urdf.sprung import CHASSIS_LINK
 from handcart.backends.physics.urdf.urdf_repairs import Repair
@@ -14,7 +15,6 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform
 
 from .joint_group import JointGroup
-from .surface import Surface
 
 
 class RobotBody(ABC):

@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.physics.engine import GRAVITY_M_S2
+from handcart.backends.physics.engine.engine import GRAVITY_M_S2
 from handcart.backends.physics.urdf.sprung import PITCH, ROLL
-from handcart.backends.simulation.keyed_noise import keyed
+from handcart.backends.simulation.noise.keyed_noise import keyed
 from handcart.robotics.geometry.transform import Transform, inverse
 from handcart.robotics.kinematics.arm_model import ArmModel
 

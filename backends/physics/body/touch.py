@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.physics.engine import Engine, Touching
+from handcart.backends.physics.engine.engine import Engine, Touching
 from handcart.backends.physics.world.world_bodies import WorldBodies
 from handcart.backends.simulation.body.arm_contact import LOAD_NAME
 

@@ -9,8 +9,9 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from handcart.backends.physics.engine.surface import TYRE_SURFACE
+
 from .robot_body import RobotBody
-from .surface import TYRE_SURFACE
 
 COUNTS_PER_TURN = 65536  # of an encoder, a turn
 CATCHES_UP = 0.02  # time constant of the drives' position loop [s]

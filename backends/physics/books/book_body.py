@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from handcart.backends.physics.thing_form import Cuboid, Portrait, Uvs, Wedge
+from handcart.backends.physics.engine.thing_form import Cuboid, Portrait, Uvs, Wedge
 from handcart.backends.physics.world.thing_body import ThingBody
 from handcart.backends.simulation.books.book import Book
 from handcart.backends.simulation.books.painted_books import spine_levels

@@ -7,8 +7,8 @@ from typing import ClassVar
 import numpy as np
 
 from handcart.backends.description.sensor_specs import ImuSpec
-from handcart.backends.simulation.scene import Scene
 from handcart.backends.simulation.sensors.simulated_imu import SimulatedImu, Vector
+from handcart.backends.simulation.world.scene import Scene
 
 
 class PhysicsImu(SimulatedImu):

@@ -10,7 +10,7 @@ from typing_extensions import override
 
 from handcart.backends.description.sensor_specs import RangeSpec
 from handcart.backends.physics.body.robot_body import RobotBody
-from handcart.backends.physics.engine import Engine
+from handcart.backends.physics.engine.engine import Engine
 from handcart.backends.simulation.sensors.range_faults import NO_FAULTS, RangeFaults
 from handcart.backends.simulation.sensors.simulated_range_sensor import SimulatedRangeSensor
 from handcart.backends.simulation.sensors.simulated_sensor import SensorSite

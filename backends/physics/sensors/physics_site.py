@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from handcart.backends.physics.body.robot_body import RobotBody
-from handcart.backends.physics.engine import Engine
+from handcart.backends.physics.engine.engine import Engine
 from handcart.backends.physics.world.world_bodies import WorldBodies
 from handcart.backends.simulation.sensors.simulated_sensor import SensorSite
 

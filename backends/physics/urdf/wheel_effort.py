@@ -6,8 +6,8 @@ from collections.abc import Collection
 from xml.etree import ElementTree
 from xml.etree.ElementTree import SubElement
 
-from handcart.backends.physics.body.surface import TYRE_SURFACE
-from handcart.backends.physics.engine import GRAVITY_M_S2
+from handcart.backends.physics.engine.engine import GRAVITY_M_S2
+from handcart.backends.physics.engine.surface import TYRE_SURFACE
 from handcart.robotics.kinematics.urdf_contents import joints_of, links_of
 
 

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.description.ground_spec import GroundSpec
-from handcart.backends.physics.engine import Engine
-from handcart.backends.simulation.keyed_noise import keyed
+from handcart.backends.physics.engine.engine import Engine
+from handcart.backends.simulation.noise.keyed_noise import keyed
 
 # [m] between points whose heights are given; of 0.25 a foot would stand on ridges of 27 degrees
 CELL_M = 0.05

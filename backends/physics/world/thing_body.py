@@ -8,8 +8,8 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.physics.engine import Engine
-from handcart.backends.physics.thing_form import Cuboid, Portrait, Sticks, ThingForm, Uvs, Wedge
+from handcart.backends.physics.engine.engine import Engine
+from handcart.backends.physics.engine.thing_form import Cuboid, Portrait, Sticks, ThingForm, Uvs, Wedge
 from handcart.backends.simulation.world.thing import GreyImage, Side, Thing
 
 THING_FRICTION = 0.65  # squared, 0.42: paper on paper, paper on wood, wood on wood

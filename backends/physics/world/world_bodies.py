@@ -7,10 +7,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from handcart.backends.physics.engine import Engine
+from handcart.backends.physics.engine.engine import Engine
 from handcart.backends.saved_state import NotAState
 from handcart.backends.simulation.bodies import Bodies
-from handcart.backends.simulation.scene import Scene
+from handcart.backends.simulation.world.scene import Scene
 from handcart.backends.simulation.world.solids import THE_GROUND, Solid
 from handcart.backends.simulation.world.thing import Thing
 from handcart.robotics.geometry.transform import Transform, inverse, transform

@@ -15,7 +15,6 @@ from handcart.backends.capabilities.base import Base, WheelTravel
 from handcart.backends.capabilities.gps import Fix
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.plain_values import Kinds, attributes, from_plain, set_attributes
-from handcart.backends.robot.lidar import MIN_ECHOES, Lidar
 from handcart.backends.saved_state import NotAState
 from handcart.robotics.far import FarArray
 from handcart.robotics.geometry.pose2 import Pose2
@@ -27,8 +26,10 @@ from handcart.robotics.navigation.localization.localizer import (
     ScanLocalizer,
 )
 from handcart.robotics.navigation.localization.start_search import SURE_FIT, Beams
+from handcart.robotics.navigation.localization.watched_moment import Belief
 from handcart.robotics.navigation.locating.local_map import LocalMap
-from handcart.robotics.navigation.outdoors.watched_moment import Belief
+
+from .lidar import MIN_ECHOES, Lidar
 
 STILL_SCANS = 20  # periods at rest after which further scans tell nothing new
 LOOK_AGAIN = 10  # periods at rest between scans that tell whether somebody moved the base

@@ -9,7 +9,7 @@ from pydantic import model_validator
 from typing_extensions import override
 
 from handcart.backends.plain_values import Kinds
-from handcart.backends.simulation.props import Props
+from handcart.backends.simulation.world.props import Props
 from handcart.backends.simulation.world.world_file import each_once
 from handcart.files.models.model import FileModel
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from handcart.backends.simulation.scene import Scene
+from handcart.backends.simulation.world.scene import Scene
 from handcart.robotics.geometry.pose2 import Pose2
 
 from .arm_contact import NO_TOUCH

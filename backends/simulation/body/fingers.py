@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from handcart.backends.simulation.world.grasp import Pads, aside_at_pads
 from handcart.backends.simulation.world.thing import Rest, Thing
 from handcart.robotics.geometry.transform import inverse
 
-from .grasp import Pads, aside_at_pads
 from .hand import Hand
 
 _LETS_GO = 0.001  # opening beyond a thing's thickness at which it is free

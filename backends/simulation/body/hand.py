@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.simulation.scene import Scene
+from handcart.backends.simulation.world.hand_rule import ARM_STIFFNESS_N_M, FORCE_CAP, HandRule
+from handcart.backends.simulation.world.scene import Scene
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import inverse
 from handcart.robotics.kinematics.arm_model import ArmModel
 
 from .arm_contact import LOAD_NAME, NO_TOUCH, ArmContact, Touch
-from .hand_rule import ARM_STIFFNESS_N_M, FORCE_CAP, HandRule
 from .sliding import push_out, slide
 
 _STEP = 0.02  # that a link goes between two looks: panels and boards are as thick [m]

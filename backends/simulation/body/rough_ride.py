@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from handcart.backends.description.ground_spec import GroundSpec
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.simulation.keyed_noise import keyed, keyed_normal
+from handcart.backends.simulation.noise.keyed_noise import keyed, keyed_normal
 from handcart.robotics.far import Far
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_CURVATURE

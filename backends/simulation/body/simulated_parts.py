@@ -19,7 +19,7 @@ from handcart.backends.description.simulated_errors import Errors
 from handcart.backends.limits import checked_drive, checked_joints, checked_width
 from handcart.backends.plain_values import Kinds
 from handcart.backends.simulation.body.swing import is_swing, swing_yaw
-from handcart.backends.simulation.keyed_noise import keyed, keyed_normal
+from handcart.backends.simulation.noise.keyed_noise import keyed, keyed_normal
 from handcart.robotics.kinematics.arm_model import ArmModel
 
 _DAMPING = 1e-8 * np.eye(6)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.description.simulated_errors import Errors
-from handcart.backends.simulation.keyed_noise import keyed
+from handcart.backends.simulation.noise.keyed_noise import keyed
 
 
 def is_swing(errors: Errors, loaded: bool, start: NDArray[np.float64], end: NDArray[np.float64]) -> bool:

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from handcart.backends.simulation.body.grasp import MIN_BITE_M, PAD_LENGTH_M, Pads
-from handcart.backends.simulation.keyed_noise import keyed
-from handcart.backends.simulation.rendering.painting import Painted
-from handcart.backends.simulation.scene import Scene
+from handcart.backends.simulation.noise.keyed_noise import keyed
+from handcart.backends.simulation.world.grasp import MIN_BITE_M, PAD_LENGTH_M, Pads
+from handcart.backends.simulation.world.painting import Painted
+from handcart.backends.simulation.world.scene import Scene
 from handcart.backends.simulation.world.thing import Rest, Thing
 from handcart.robotics.geometry.transform import Transform, inverse, transform
 from handcart.robotics.kinematics.arm_model import ArmModel

@@ -10,9 +10,9 @@ import numpy as np
 from typing_extensions import override
 
 from handcart.backends.plain_values import Kinds
-from handcart.backends.simulation.keyed_noise import keyed
-from handcart.backends.simulation.props import Props
-from handcart.backends.simulation.scene import Scene
+from handcart.backends.simulation.noise.keyed_noise import keyed
+from handcart.backends.simulation.world.props import Props
+from handcart.backends.simulation.world.scene import Scene
 from handcart.backends.simulation.world.solids import Solid
 from handcart.backends.simulation.world.thing import Rest
 from handcart.robotics.geometry.pose2 import Pose2

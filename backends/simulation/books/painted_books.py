@@ -11,8 +11,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.simulation.rendering.canvas import Canvas
-from handcart.backends.simulation.rendering.painting import SIDE_CORNERS, SIDE_NORMALS, Painted, paint_box
+from handcart.backends.simulation.world.canvas import Canvas
+from handcart.backends.simulation.world.painting import SIDE_CORNERS, SIDE_NORMALS, Painted, paint_box
 from handcart.backends.simulation.world.thing import GreyImage, Rest
 from handcart.robotics.geometry.transform import transform
 from handcart.robotics.kinematics.shapes import Box

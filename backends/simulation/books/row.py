@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
-from handcart.backends.simulation.body.hand_rule import ARM_STIFFNESS_N_M, FORCE_CAP
+from handcart.backends.simulation.world.hand_rule import ARM_STIFFNESS_N_M, FORCE_CAP
 from handcart.backends.simulation.world.thing import Thing
 
 from .book import Book

@@ -10,7 +10,7 @@ from typing_extensions import override
 from handcart.backends.plain_values import Kinds
 from handcart.backends.saved_state import NotAState
 from handcart.backends.simulation.body.arm_contact import FINGER_LINKS, LOAD_NAME
-from handcart.backends.simulation.body.hand_rule import ARM_STIFFNESS_N_M, FORCE_CAP, HandRule, Met, Vector
+from handcart.backends.simulation.world.hand_rule import ARM_STIFFNESS_N_M, FORCE_CAP, HandRule, Met, Vector
 from handcart.backends.simulation.world.thing import Rest, Thing
 from handcart.robotics.geometry.transform import Transform, transform
 from handcart.robotics.kinematics.arm_model import ArmModel

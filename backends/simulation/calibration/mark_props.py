@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from typing_extensions import override
 
-from handcart.backends.simulation.props import Props
+from handcart.backends.simulation.world.props import Props
 
 from .mark import Mark
 from .spec import MarksSection

@@ -12,9 +12,9 @@ from typing_extensions import override
 
 from handcart.backends.sensors.depth_spec import DepthCameraSpec
 from handcart.backends.simulation.rendering.renderer import METAL_GREY, paint_scene
-from handcart.backends.simulation.scene import Scene
 from handcart.backends.simulation.sensors.simulated_sensor import SensorSite
 from handcart.backends.simulation.world.material import Material
+from handcart.backends.simulation.world.scene import Scene
 from handcart.robotics.geometry.transform import Transform, transform
 from handcart.robotics.kinematics.shapes import Box
 

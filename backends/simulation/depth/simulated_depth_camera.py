@@ -15,7 +15,7 @@ from handcart.backends.capabilities.depth_camera import DepthCamera, DepthImage
 from handcart.backends.plain_values import Kinds
 from handcart.backends.robot.mounted_camera import camera_mount
 from handcart.backends.sensors.depth_spec import DepthCameraSpec
-from handcart.backends.simulation.keyed_noise import keyed
+from handcart.backends.simulation.noise.keyed_noise import keyed
 from handcart.backends.simulation.sensors.simulated_sensor import SensorSite, SimulatedSensor
 from handcart.backends.simulation.sensors.true_camera import mount_error
 from handcart.robotics.geometry.transform import Transform

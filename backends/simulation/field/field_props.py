@@ -9,9 +9,9 @@ import numpy as np
 from typing_extensions import override
 
 from handcart.backends.plain_values import Kinds
-from handcart.backends.simulation.props import Props
-from handcart.backends.simulation.scene import Scene
 from handcart.backends.simulation.world.placed_thing import PlacedSpec
+from handcart.backends.simulation.world.props import Props
+from handcart.backends.simulation.world.scene import Scene
 from handcart.backends.simulation.world.thing import Rest, Thing
 from handcart.robotics.geometry.transform import Transform, inverse, transform
 

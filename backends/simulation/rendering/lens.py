@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.description.simulated_errors import Errors
-from handcart.backends.simulation.keyed_noise import keyed
+from handcart.backends.simulation.noise.keyed_noise import keyed
 from handcart.robotics.perception.cameras.camera_model import CameraModel
 from handcart.robotics.perception.cameras.lens_fold import LensKind
 

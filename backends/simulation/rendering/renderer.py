@@ -8,15 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.description.simulated_errors import Errors
-from handcart.backends.simulation.scene import Scene
+from handcart.backends.simulation.world.canvas import Canvas
+from handcart.backends.simulation.world.painting import paint_box
+from handcart.backends.simulation.world.scene import Scene
 from handcart.backends.simulation.world.thing import Rest
 from handcart.robotics.geometry.transform import Transform, transform
 from handcart.robotics.kinematics.shapes import Box
 from handcart.robotics.perception.cameras.camera_model import CameraModel
 
-from .canvas import Canvas
 from .lens import Lens
-from .painting import paint_box
 
 GreyImage = NDArray[np.uint8]
 

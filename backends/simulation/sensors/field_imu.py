@@ -8,8 +8,8 @@ from typing import ClassVar
 import numpy as np
 
 from handcart.backends.description.sensor_specs import ImuSpec
-from handcart.backends.simulation.keyed_noise import keyed, keyed_normal
-from handcart.backends.simulation.scene import Scene
+from handcart.backends.simulation.noise.keyed_noise import keyed, keyed_normal
+from handcart.backends.simulation.world.scene import Scene
 from handcart.robotics.geometry.pose2 import Pose2
 
 from .simulated_imu import SimulatedImu, Vector

@@ -11,8 +11,8 @@ from typing_extensions import override
 
 from handcart.backends.capabilities.beacons import BeaconRanges, Beacons
 from handcart.backends.description.beacons_spec import BeaconsSpec
-from handcart.backends.simulation.keyed_noise import keyed
-from handcart.backends.simulation.scene import Scene
+from handcart.backends.simulation.noise.keyed_noise import keyed
+from handcart.backends.simulation.world.scene import Scene
 from handcart.backends.simulation.world.world_file import BeaconsThere
 
 from .simulated_sensor import SensorSite, SimulatedSensor

@@ -16,8 +16,8 @@ from handcart.backends.description.sensor_specs import CameraSpec
 from handcart.backends.plain_values import Kinds
 from handcart.backends.robot.mounted_camera import MountedCamera, camera_mount, known_camera
 from handcart.backends.simulation.rendering.renderer import Renderer
-from handcart.backends.simulation.scene import Scene
 from handcart.backends.simulation.sensors.true_camera import true_camera
+from handcart.backends.simulation.world.scene import Scene
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.perception.cameras.camera_model import CameraModel

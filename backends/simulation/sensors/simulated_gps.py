@@ -11,8 +11,8 @@ from typing_extensions import override
 
 from handcart.backends.capabilities.gps import Fix, Gps
 from handcart.backends.description.ground_spec import GpsSpec
-from handcart.backends.simulation.keyed_noise import keyed
-from handcart.backends.simulation.scene import Scene
+from handcart.backends.simulation.noise.keyed_noise import keyed
+from handcart.backends.simulation.world.scene import Scene
 from handcart.backends.simulation.world.world_file import SkySpec
 from handcart.robotics.far import Far
 from handcart.robotics.kinematics.urdf_frames import base_T_frame

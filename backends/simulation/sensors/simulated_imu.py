@@ -11,8 +11,8 @@ from typing_extensions import override
 from handcart.backends.capabilities.imu import Imu
 from handcart.backends.description.sensor_specs import ImuSpec
 from handcart.backends.plain_values import Kinds
-from handcart.backends.simulation.keyed_noise import keyed, keyed_normal
-from handcart.backends.simulation.scene import Scene
+from handcart.backends.simulation.noise.keyed_noise import keyed, keyed_normal
+from handcart.backends.simulation.world.scene import Scene
 from handcart.robotics.kinematics.libraries import pin
 
 from .simulated_sensor import SensorSite, SimulatedSensor

@@ -9,8 +9,8 @@ from typing_extensions import override
 
 from handcart.backends.capabilities.positioning import PoseReading, Positioning
 from handcart.backends.description.sensor_specs import PositioningSpec
-from handcart.backends.simulation.keyed_noise import keyed_normal
-from handcart.backends.simulation.scene import Scene
+from handcart.backends.simulation.noise.keyed_noise import keyed_normal
+from handcart.backends.simulation.world.scene import Scene
 from handcart.robotics.geometry.pose2 import Pose2
 
 from .simulated_sensor import SensorSite, SimulatedSensor

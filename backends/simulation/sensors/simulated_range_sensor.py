@@ -13,7 +13,7 @@ from typing_extensions import override
 from handcart.backends.capabilities.range_sensor import RangeSensor, Scan
 from handcart.backends.description.sensor_specs import RangeSpec
 from handcart.backends.plain_values import Kinds
-from handcart.backends.simulation.keyed_noise import keyed, keyed_normal
+from handcart.backends.simulation.noise.keyed_noise import keyed, keyed_normal
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform
 

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.description.sensor_spec import SensorSpec
 from handcart.backends.plain_values import Kinds
-from handcart.backends.sensors.sensor_spec import SensorSpec
-from handcart.backends.simulation.scene import Scene
+from handcart.backends.simulation.world.scene import Scene
 from handcart.backends.simulation.world.world_file import WorldFile
 
 S = TypeVar("S", bound=SensorSpec, covariant=True)

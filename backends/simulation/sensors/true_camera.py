@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 from handcart.backends.description.sensor_specs import CameraSpec
 from handcart.backends.description.simulated_errors import Errors
 from handcart.backends.robot.mounted_camera import CameraMount, MountedCamera, stated_camera
-from handcart.backends.simulation.keyed_noise import keyed
+from handcart.backends.simulation.noise.keyed_noise import keyed
 from handcart.robotics.geometry.transform import Transform
 
 

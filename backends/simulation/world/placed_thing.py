@@ -9,10 +9,10 @@ import numpy as np
 from pydantic import Field
 from typing_extensions import override
 
-from handcart.backends.simulation.keyed_noise import keyed
-from handcart.backends.simulation.scene import Scene
+from handcart.backends.simulation.noise.keyed_noise import keyed
 from handcart.robotics.geometry.transform import transform
 
+from .scene import Scene
 from .thing import Rest, Thing
 from .world_file import FloorPose, Millimetres, Name
 

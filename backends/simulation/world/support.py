@@ -6,11 +6,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.simulation.scene import Scene
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, inverse
 from handcart.robotics.kinematics.shapes import Box
 
+from .scene import Scene
 from .thing import Rest, Thing
 
 HIGHEST_DROP = 0.01  # onto a support; from higher up a box topples [m]

@@ -137,7 +137,7 @@ class BeaconsThere(FileModel):
 class WorldFile(FileModel):
     """The surroundings of the robot: the keys that every world may have.
 
-    `handcart.backends.simulation.world.world_model` adds the domains' keys.
+    `handcart.backends.simulation.world_files.world_model` adds the domains' keys.
     """
 
     format: Literal["handcart-world/1"]

@@ -7,7 +7,6 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.capabilities.all_kinds import all_capabilities, is_declared
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.camera import Camera
@@ -15,8 +14,9 @@ from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.capabilities.range_sensor import RangeSensor, Scan
 from handcart.backends.description.range_spec import RangeSpec
 from handcart.backends.description.simulated_errors import Errors
-from handcart.backends.robot.lidar import Lidar
+from handcart.backends.robot.localization.lidar import Lidar
 from handcart.backends.robot.mounted_camera import known_camera, mount_of
+from handcart.backends.sensors.all_kinds import all_capabilities, is_declared
 from handcart.evaluation.conformance.rig.bench import Bench
 from handcart.evaluation.conformance.rig.parts import needed, part_of
 from handcart.evaluation.conformance.rig.periods import (

@@ -7,15 +7,15 @@ from numpy.typing import NDArray
 
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.range_sensor import RangeSensor
-from handcart.backends.robot.lidar import Lidar
+from handcart.backends.robot.localization.lidar import Lidar
 from handcart.backends.simulation.sensors.ranges import cast_rays
 from handcart.backends.simulation.world.solids import FloorPlan
 from handcart.evaluation.conformance.rig.bench import Bench
 from handcart.evaluation.conformance.rig.parts import needed
 from handcart.evaluation.conformance.rig.periods import move_joints, steps
 from handcart.evaluation.conformance.rig.skipped import Skipped
+from handcart.evaluation.judging.survey import simulated_world
 from handcart.evaluation.trials.rig import Rig
-from handcart.evaluation.truth.survey import simulated_world
 from handcart.robotics.kinematics.arm_model import ArmModel
 
 from .check import Check, CheckResult

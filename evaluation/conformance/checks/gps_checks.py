@@ -11,7 +11,7 @@ from handcart.backends.capabilities.gps import Gps
 from handcart.evaluation.conformance.rig.bench import Bench
 from handcart.evaluation.conformance.rig.parts import needed
 from handcart.evaluation.conformance.rig.skipped import Skipped
-from handcart.evaluation.truth.survey import simulated_world
+from handcart.evaluation.judging.survey import simulated_world
 
 from .check import Check, CheckResult
 

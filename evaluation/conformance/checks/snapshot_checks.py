@@ -12,9 +12,9 @@ from handcart.evaluation.conformance.rig.bench import Bench
 from handcart.evaluation.conformance.rig.parts import part_of
 from handcart.evaluation.conformance.rig.periods import beside, move_joints, steps
 from handcart.evaluation.conformance.rig.reach import Reach
+from handcart.evaluation.judging.true_changes import not_restored
 from handcart.evaluation.trials.rig import Rig
-from handcart.evaluation.truth.true_changes import not_restored
-from handcart.primitives.contract.outcome import Fail
+from handcart.primitives.outcomes.outcome import Fail
 from handcart.primitives.restoring.snapshot import Snapshot, limits, residuals, take_snapshot
 
 from .check import Check, CheckResult

@@ -24,7 +24,7 @@ from handcart.evaluation.conformance.rig.periods import (
     drivable,
     steps,
 )
-from handcart.evaluation.truth.survey import simulated_world
+from handcart.evaluation.judging.survey import simulated_world
 
 from .check import Check, CheckResult
 

@@ -8,7 +8,7 @@ from enum import Enum
 from functools import cache
 from typing import Any
 
-from handcart.backends.capabilities.all_kinds import all_capabilities
+from handcart.backends.sensors.all_kinds import all_capabilities
 from handcart.tasks.domain import domains, imported
 
 NO_FAULT = "nothing"

@@ -22,7 +22,7 @@ from handcart.evaluation.conformance.rig.layered_backend import Kind, LayeredBac
 from handcart.evaluation.conformance.rig.numbers import broken
 from handcart.evaluation.conformance.rig.parts import part_of
 from handcart.evaluation.conformance.rig.periods import SETTLING_PERIODS
-from handcart.evaluation.truth.survey import simulated_world
+from handcart.evaluation.judging.survey import simulated_world
 
 from .fault import Fault, FaultKind, all_sensors
 

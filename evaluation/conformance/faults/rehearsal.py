@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.robot.robot import Robot
 from handcart.evaluation.conformance.rig.bench import Bench, liar_around
 from handcart.networks.graph.network import Action
@@ -14,7 +14,7 @@ from handcart.networks.graph.planner import NoWay, Planner
 from handcart.networks.task.preparing import make_robot, prepare
 from handcart.networks.task.task_file import Task, load_task
 from handcart.primitives.contract.action_primitive import ActionPrimitive
-from handcart.primitives.contract.outcome import Success
+from handcart.primitives.outcomes.outcome import Success
 
 from .faulty_backend import FaultyBackend
 from .underway import Underway

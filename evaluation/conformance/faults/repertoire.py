@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.files.errors import FileError
 from handcart.networks.task.preparing import check
 from handcart.networks.task.task_file import Task, load_task

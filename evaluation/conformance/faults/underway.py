@@ -9,13 +9,13 @@ from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.robot.robot import Robot
 from handcart.evaluation.conformance.rig.periods import SETTLING_PERIODS, steps
 from handcart.evaluation.conformance.rig.standing import TrueState
-from handcart.evaluation.truth.survey import SurveyedRun, simulated_world
-from handcart.evaluation.truth.surveys import Surveys
+from handcart.evaluation.judging.survey import SurveyedRun, simulated_world
+from handcart.evaluation.judging.surveys import Surveys
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.contract.attempt import LONGEST_RESTORE, attempt
-from handcart.primitives.contract.discrepancy import Discrepancy
-from handcart.primitives.contract.outcome import Fail, GiveUp, Outcome, Success
 from handcart.primitives.knowledge.world_model import WorldModel
+from handcart.primitives.outcomes.discrepancy import Discrepancy
+from handcart.primitives.outcomes.outcome import Fail, GiveUp, Outcome, Success
 
 from .fault import HARMLESS_FAULTS, Fault, FaultKind
 from .faulty_backend import FaultyBackend

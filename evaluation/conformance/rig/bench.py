@@ -8,7 +8,7 @@ from typing import TypeVar
 from handcart.backends.backend import Backend
 from handcart.backends.capabilities.capability import Capability
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.robot.robot import Robot
 from handcart.evaluation.trials.rig import Rig, RigFiles, build_rig
 
@@ -45,6 +45,6 @@ class Bench:
 
 def liar_around(name: str, backend: Backend, spec: RobotFile) -> Backend:
     """The liar with that name around a backend."""
-    from handcart.evaluation.conformance.planted.backend_liars import BACKEND_LIARS
+    from .backend_liars import BACKEND_LIARS
 
     return BACKEND_LIARS[name](backend, spec)

@@ -10,9 +10,9 @@ from typing import Any
 from typing_extensions import override
 
 from handcart.backends.backend import Backend
-from handcart.backends.capabilities.all_kinds import all_capabilities
 from handcart.backends.capabilities.capability import Capability
 from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.sensors.all_kinds import all_capabilities
 
 Kind = type[Capability]
 

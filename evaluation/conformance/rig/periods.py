@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.backend import Backend, CommandError
-from handcart.backends.capabilities.all_kinds import all_capabilities
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.capability import Capability
 from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.sensors.all_kinds import all_capabilities
 
 from .numbers import as_numbers
 from .parts import needed

@@ -15,8 +15,8 @@ from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.ground_truth import GroundTruth
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
-from handcart.primitives.contract.discrepancy import Discrepancy
 from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.outcomes.discrepancy import Discrepancy
 
 from .parts import part_of
 from .periods import beside

@@ -12,7 +12,7 @@ from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.ground_truth import GroundTruth
-from handcart.evaluation.truth.true_changes import not_still
+from handcart.evaluation.judging.true_changes import not_still
 
 from .parts import part_of
 

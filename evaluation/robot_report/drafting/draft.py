@@ -6,11 +6,11 @@ import math
 from collections.abc import Mapping, Sequence
 
 from handcart.backends.description.joint_units import JointUnits
+from handcart.evaluation.robot_report.outline import Outline
 from handcart.files.extras import lack
 from handcart.robotics.kinematics.urdf_contents import JointFacts, joints_of
 
 from .home_posture import Home, home_of, middle_of, radius_of
-from .outline import Outline
 
 GUESSED_TEXT = "by the URDF; measure"
 DEFAULT_FOOTPRINT_M = 0.5  # for a robot without collision bodies

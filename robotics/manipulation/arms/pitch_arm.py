@@ -7,11 +7,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.robotics.manipulation.placement.placement_scores import PlacementScores
-from handcart.robotics.manipulation.placement.score_rule import ScoreRule
-from handcart.robotics.manipulation.tracking.tool_path import ToolPath
+from handcart.robotics.manipulation.paths.tool_path import ToolPath
 
 from .pitch_arm_table import pitch_arm_joints, pitch_arm_table
+from .placement_scores import PlacementScores
+from .score_rule import ScoreRule
 
 Floats = NDArray[np.float64]
 

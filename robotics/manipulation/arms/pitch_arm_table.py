@@ -7,9 +7,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.robotics.manipulation.placement.score_rule import UNUSABLE_SCORE, worth
 from handcart.robotics.numerics.compiled import compiled, compiled_for
 
+from .score_rule import UNUSABLE_SCORE, worth
 from .two_links import two_links
 
 Floats = NDArray[np.float64]

@@ -7,11 +7,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.robotics.manipulation.placement.placement_scores import PlacementScores
-from handcart.robotics.manipulation.placement.score_rule import UNUSABLE_SCORE, ScoreRule, worth
-from handcart.robotics.manipulation.tracking.tool_path import ToolPath
+from handcart.robotics.manipulation.paths.tool_path import ToolPath
 from handcart.robotics.numerics.compiled import compiled
 
+from .placement_scores import PlacementScores
+from .score_rule import UNUSABLE_SCORE, ScoreRule, worth
 from .two_links import two_links
 
 Floats = NDArray[np.float64]

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.robotics.kinematics.arm_model import ArmModel
-from handcart.robotics.manipulation.placement.placement_scores import PlacementScores
-from handcart.robotics.manipulation.placement.score_rule import Measure, ScoreRule
-from handcart.robotics.manipulation.tracking.tool_path import ToolPath
+from handcart.robotics.manipulation.paths.tool_path import ToolPath
 
+from .placement_scores import PlacementScores
+from .score_rule import Measure, ScoreRule
 from .screw_chain import ScrewChain
 from .screw_steps import NOTHING_FREE, TOOL_FREE, VERTICAL_FREE
 from .screw_table import pool_poses, screw_table

@@ -7,9 +7,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.robotics.manipulation.placement.score_rule import UNUSABLE_SCORE, worth
 from handcart.robotics.numerics.compiled import compiled
 
+from .score_rule import UNUSABLE_SCORE, worth
 from .screw_steps import descend, determinant_in_place, solve_in_place, tip_and_jacobian, without_free
 
 Floats = NDArray[np.float64]

@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.manipulation.tracking.tool_path import ToolPath
+from handcart.robotics.manipulation.paths.tool_path import ToolPath
+from handcart.robotics.manipulation.paths.untrackable import Untrackable
 
 from .placement_division import Segment
 from .placer import Blocked, Free, Placements, Placer
-from .untrackable import Untrackable
 
 Floats = NDArray[np.float64]
 

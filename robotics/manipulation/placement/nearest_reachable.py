@@ -7,10 +7,10 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.robotics.manipulation.tracking.tool_path import ToolPath
+from handcart.robotics.manipulation.paths.tool_path import ToolPath
+from handcart.robotics.manipulation.paths.untrackable import Untrackable
 
 from .placement_refinement import Scorer
-from .untrackable import Untrackable
 
 Floats = NDArray[np.float64]
 

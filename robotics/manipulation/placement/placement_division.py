@@ -9,9 +9,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from handcart.robotics.manipulation.arms.placement_scores import PlacementScores
+from handcart.robotics.manipulation.paths.untrackable import Untrackable
+
 from .division_programs import cheapest_layers, farthest_run, heaviest_run, layers, segment_score
-from .placement_scores import PlacementScores
-from .untrackable import Untrackable
 
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]

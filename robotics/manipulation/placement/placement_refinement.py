@@ -8,10 +8,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.robotics.manipulation.tracking.tool_path import ToolPath
+from handcart.robotics.manipulation.arms.placement_scores import PlacementScores
+from handcart.robotics.manipulation.paths.tool_path import ToolPath
 
 from .placement_division import Division, Segment, best_division
-from .placement_scores import PlacementScores
 
 Floats = NDArray[np.float64]
 Scorer = Callable[[Floats, ToolPath], PlacementScores]

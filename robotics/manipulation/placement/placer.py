@@ -13,17 +13,17 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.manipulation.arms.pitch_arm_of import pitch_arm_of
+from handcart.robotics.manipulation.arms.placement_scores import PlacementScores
+from handcart.robotics.manipulation.arms.score_rule import Measure, ScoreRule
 from handcart.robotics.manipulation.arms.screw_arm import FreeTurn, ScrewArm
+from handcart.robotics.manipulation.paths.tool_path import ToolPath
+from handcart.robotics.manipulation.paths.untrackable import Untrackable
 from handcart.robotics.manipulation.tracking.tool_follower import ToolFollower
-from handcart.robotics.manipulation.tracking.tool_path import ToolPath
 from handcart.robotics.manipulation.tracking.tracking_limits import ArmLoad
 
 from .nearest_reachable import with_nearest
 from .placement_division import Division, Segment, best_division, fewest_placements
 from .placement_refinement import Scorer, refine
-from .placement_scores import PlacementScores
-from .score_rule import Measure, ScoreRule
-from .untrackable import Untrackable
 
 Floats = NDArray[np.float64]
 Masks = NDArray[np.bool_]

@@ -9,12 +9,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.robotics.manipulation.tracking.tool_path import ToolPath
+from handcart.robotics.manipulation.arms.placement_scores import PlacementScores
+from handcart.robotics.manipulation.paths.tool_path import ToolPath
+from handcart.robotics.manipulation.paths.untrackable import Untrackable
 
 from .placement_division import best_division_by_cost
-from .placement_scores import PlacementScores
 from .placer import Blocked, Placer
-from .untrackable import Untrackable
 
 Floats = NDArray[np.float64]
 Masks = NDArray[np.bool_]

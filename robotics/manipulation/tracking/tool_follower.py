@@ -10,9 +10,8 @@ from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.manipulation.arms.screw_arm import FreeTurn
 from handcart.robotics.manipulation.arms.screw_chain import ScrewChain
 from handcart.robotics.manipulation.arms.screw_steps import descend, tip_and_jacobian, without_free
-from handcart.robotics.manipulation.placement.untrackable import Untrackable
-
-from .tool_path import ToolPath
+from handcart.robotics.manipulation.paths.tool_path import ToolPath
+from handcart.robotics.manipulation.paths.untrackable import Untrackable
 
 Floats = NDArray[np.float64]
 

@@ -16,9 +16,9 @@ from handcart.robotics.manipulation.motions.toppra_library import (
     JointVelocityConstraintVarying,
     SplineInterpolator,
 )
-from handcart.robotics.manipulation.placement.untrackable import Untrackable
+from handcart.robotics.manipulation.paths.tool_path import ToolPath
+from handcart.robotics.manipulation.paths.untrackable import Untrackable
 
-from .tool_path import ToolPath
 from .tracking_limits import ArmLoad, LimitUse
 
 Floats = NDArray[np.float64]

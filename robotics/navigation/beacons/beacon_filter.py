@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.navigation.localization.watched_moment import Belief, WatchedMoment
 from handcart.robotics.navigation.outdoors import field_model as states
 from handcart.robotics.navigation.outdoors.field_localizer import (
     CONSISTENCY_WINDOW,
@@ -27,7 +28,6 @@ from handcart.robotics.navigation.outdoors.field_model import (
 )
 from handcart.robotics.navigation.outdoors.field_noise import FieldNoise
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance
-from handcart.robotics.navigation.outdoors.watched_moment import Belief, WatchedMoment
 
 from .beacon_errors import BeaconErrors
 

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
-from handcart.robotics.navigation.outdoors.watched_moment import Belief, WatchedMoment
+
+from .watched_moment import Belief, WatchedMoment
 
 _LEAST = 1e-12 * np.eye(3)  # [m², rad²] of a pose that is certain: it can be divided by
 

@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
-from handcart.robotics.navigation.localization.fix_monitor import MAX_TESTED_FIXES, FixMonitor, whitened
-from handcart.robotics.navigation.localization.lost_track import FoundTrack, LostTrack
+from handcart.robotics.navigation.localization.watched_moment import Belief, Branch, WatchedMoment, mixed
 from handcart.robotics.navigation.outdoors import field_model as states
 from handcart.robotics.navigation.outdoors.field_model import (
     FieldModel,
@@ -25,7 +24,9 @@ from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_NOISE, F
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance, GyroOdometry
 from handcart.robotics.navigation.outdoors.sky import Sky, leapt, log_normal
 from handcart.robotics.navigation.outdoors.smoothing import Entries, TrackRecord
-from handcart.robotics.navigation.outdoors.watched_moment import Belief, Branch, WatchedMoment, mixed
+
+from .fix_monitor import MAX_TESTED_FIXES, FixMonitor, whitened
+from .lost_track import FoundTrack, LostTrack
 
 LOG_REFLECTION_SHARE = math.log(0.001)  # logarithm of the share of fixes that begin to lie anywhere
 ODD_STILL = math.log(0.95)  # and of those that go on to lie where the one before was

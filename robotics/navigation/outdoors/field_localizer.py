@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.navigation.localization.watched_moment import Belief
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance, GyroOdometry
-from handcart.robotics.navigation.outdoors.watched_moment import Belief
 
 CONSISTENCY_WINDOW = 60.0  # [s] over which readings are held against what was expected of them
 MIN_READINGS = 10  # readings to judge by

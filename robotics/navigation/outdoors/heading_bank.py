@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.navigation.localization.watched_moment import Belief, spread_about
 from handcart.robotics.navigation.outdoors.field_model import (
     BIAS,
     HEADING,
@@ -23,7 +24,6 @@ from handcart.robotics.navigation.outdoors.field_model import (
 from handcart.robotics.navigation.outdoors.field_noise import FieldNoise
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance, GyroOdometry
 from handcart.robotics.navigation.outdoors.sky import log_normal
-from handcart.robotics.navigation.outdoors.watched_moment import Belief, spread_about
 
 HEADING_COUNT = 36
 KNOWN_HEADING_SIGMA_RAD = math.radians(4.0)  # sigma of a heading that is known well enough to lay sensors by

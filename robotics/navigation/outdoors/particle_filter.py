@@ -10,13 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
-from handcart.robotics.navigation.localization.fix_monitor import FixMonitor
-from handcart.robotics.navigation.localization.lost_track import LostTrack
+from handcart.robotics.navigation.localization.watched_moment import Belief
 from handcart.robotics.navigation.outdoors.field_localizer import FieldLocalizer
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance
 from handcart.robotics.navigation.outdoors.heading_bank import KNOWN_HEADING_SIGMA_RAD
-from handcart.robotics.navigation.outdoors.watched_moment import Belief
 from handcart.robotics.numerics.compiled import compiled
+
+from .fix_monitor import FixMonitor
+from .lost_track import LostTrack
 
 Array = NDArray[np.float64]
 

@@ -8,7 +8,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.robotics.navigation.outdoors.watched_moment import Belief, Branch, WatchedMoment
+from handcart.robotics.navigation.localization.watched_moment import Belief, Branch, WatchedMoment
 
 Array = NDArray[np.float64]
 # of a state's variance before a gain is taken, relative to one: exactly known states have none

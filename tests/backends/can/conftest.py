@@ -13,9 +13,9 @@ from can.interfaces import virtual
 from handcart.backends.can.bench.bench import Bench
 from handcart.backends.can.can_backend import CanBackend
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.kinematic.kinematic_backend import KinematicBackend
-from handcart.backends.simulation.world.world_model import world_model
+from handcart.backends.loading.robot_loading import load_robot
+from handcart.backends.simulation.world_files.world_model import world_model
 
 ROOM: dict[str, Any] = {
     "format": "handcart-world/1",

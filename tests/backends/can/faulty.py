@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from handcart.backends.can.bench.injected_faults import inject
-from handcart.backends.can.errors import CanFault
+from handcart.backends.can.bus.errors import CanFault
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base
 

@@ -8,7 +8,7 @@ import can
 import numpy as np
 import pytest
 
-from handcart.backends.can.errors import (
+from handcart.backends.can.bus.errors import (
     BusFault,
     CanFault,
     ControllerFault,

@@ -8,12 +8,12 @@ import pytest
 from numpy.typing import NDArray
 
 from handcart.backends.backend import CommandError
-from handcart.backends.can.errors import NoDrives, TooManyCounts
+from handcart.backends.can.bus.errors import NoDrives, TooManyCounts
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.registry import make_backend
 from handcart.backends.saved_state import pack, unpack
 

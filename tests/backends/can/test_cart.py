@@ -9,14 +9,14 @@ from typing import Any
 import pytest
 
 from handcart.backends.description.can_spec import CanSpec
-from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.description.robot_names import SHIPPED_FOLDER
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.evaluation.conformance.checks.all_checks import checks
 from handcart.evaluation.conformance.rig.bench import Bench
 from handcart.evaluation.trials.rig import build_rig
 from handcart.files.errors import FileError
-from handcart.primitives.contract.outcome import Success
 from handcart.primitives.driving.move_to import MoveTo
+from handcart.primitives.outcomes.outcome import Success
 
 
 @pytest.mark.slow

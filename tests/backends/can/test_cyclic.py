@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from handcart.backends.can.bench.bench_bus import BenchBus
+from handcart.backends.can.bus.errors import CanFault, ReadBackDiffers
 from handcart.backends.can.drives.axis_settings import interpolation_time
-from handcart.backends.can.errors import CanFault, ReadBackDiffers
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 
 from .conftest import Make
 

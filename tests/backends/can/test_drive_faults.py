@@ -7,7 +7,7 @@ import pytest
 from handcart.backends.can.bench.bench import Bench
 from handcart.backends.can.bench.bench_bus import BenchBus
 from handcart.backends.can.bench.injected_faults import INJECTED_FAULTS, inject
-from handcart.backends.can.errors import (
+from handcart.backends.can.bus.errors import (
     CanFault,
     ControllerFault,
     DriveNotReady,

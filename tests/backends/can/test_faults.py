@@ -12,7 +12,7 @@ import pytest
 from handcart.backends.backend import NoBench
 from handcart.backends.can.bench.injected_faults import UnknownFault, inject
 from handcart.backends.can.bus.can_line import CanLine
-from handcart.backends.can.errors import (
+from handcart.backends.can.bus.errors import (
     BusFault,
     DriveNotReady,
     NoInterface,
@@ -24,7 +24,7 @@ from handcart.backends.can.errors import (
 from handcart.backends.can.simulated.drive_node import DriveNode
 from handcart.backends.capabilities.base import Base
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.registry import make_backend
 
 from .conftest import LEFT, RIGHT, Make

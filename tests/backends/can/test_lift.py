@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 from handcart.backends.can.can_arm import CanArm
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.evaluation.bringup.axis_rungs import LimitsRung
 from handcart.evaluation.bringup.operator import BenchOperator
 from handcart.evaluation.bringup.site import Site
 from handcart.evaluation.trials.rig import LIBRARY_FOLDER
 from handcart.evaluation.trials.running import run_task
-from handcart.networks.run_options import RunOptions
+from handcart.networks.runs.run_options import RunOptions
 from tests.lift_robot import write_lift_robot
 
 

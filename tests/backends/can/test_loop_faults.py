@@ -6,7 +6,7 @@ import time
 
 import pytest
 
-from handcart.backends.can.errors import CanFault, LateLoop
+from handcart.backends.can.bus.errors import CanFault, LateLoop
 from handcart.backends.capabilities.base import Base
 from handcart.backends.description.robot_file import RobotFile
 

@@ -12,11 +12,11 @@ import pytest
 from can.interfaces.virtual import VirtualBus
 
 from handcart.backends.can.bench.bench import Bench
+from handcart.backends.can.bus.errors import CanFault, Emergency
 from handcart.backends.can.can_backend import CanBackend
-from handcart.backends.can.errors import CanFault, Emergency
 from handcart.backends.capabilities.base import Base
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 
 PERIOD = 0.1
 BUS = {"interface": "virtual", "channel": "by themselves", "heartbeat_timeout_ms": 5000}
@@ -25,8 +25,8 @@ BUS = {"interface": "virtual", "channel": "by themselves", "heartbeat_timeout_ms
 @pytest.fixture
 def robot(cart: RobotFile, monkeypatch: pytest.MonkeyPatch) -> RobotFile:
     """Machines that tests run on may be busy."""
-    monkeypatch.setattr("handcart.backends.can.pace.MAX_PERIOD_EXCESS_S", 30.0)
-    monkeypatch.setattr("handcart.backends.can.pace.MAX_MISSED_PERIODS", 10_000)
+    monkeypatch.setattr("handcart.backends.can.bus.pace.MAX_PERIOD_EXCESS_S", 30.0)
+    monkeypatch.setattr("handcart.backends.can.bus.pace.MAX_MISSED_PERIODS", 10_000)
     assert cart.can is not None
     spec = cart.can.model_copy(update=BUS)
     return cart.model_copy(update={"can": spec, "period_s": PERIOD})

@@ -9,7 +9,7 @@ import pytest
 
 from handcart.evaluation.trials.rig import LIBRARY_FOLDER
 from handcart.evaluation.trials.running import run_task
-from handcart.networks.run_options import RunOptions
+from handcart.networks.runs.run_options import RunOptions
 
 
 def run(folder: Path, backend: str, bench: str | None = None) -> tuple[Any, ...]:

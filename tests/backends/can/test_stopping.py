@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from handcart.backends.can.bus.can_line import CanLine
-from handcart.backends.can.errors import CanFault, OffDemand
+from handcart.backends.can.bus.errors import CanFault, OffDemand
 from handcart.backends.can.simulated.profile_position import ProfilePosition
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base

@@ -10,9 +10,9 @@ import pytest
 
 from benchmarks.damage.fuzzed_bus import BUS_PHASES, attacks
 from handcart.backends.can.bench.bench import Bench
+from handcart.backends.can.bus.errors import BrokenOff, CanFault, NodeRestarted, SilentDrive, WrongDrive
 from handcart.backends.can.can_backend import CanBackend
 from handcart.backends.can.drives.axes import Axes
-from handcart.backends.can.errors import BrokenOff, CanFault, NodeRestarted, SilentDrive, WrongDrive
 from handcart.backends.can.simulated.drive_node import DriveNode
 from handcart.backends.capabilities.base import Base
 from handcart.backends.description.robot_file import RobotFile

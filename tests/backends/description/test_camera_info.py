@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.description.robot_names import robot_path
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.robot.mounted_camera import camera_model, known_camera, mount_of
 from handcart.evaluation.trials.rig import build_rig
 from handcart.files.errors import FileError
 from handcart.primitives.books.recognize import Recognize
-from handcart.primitives.contract.outcome import Success
+from handcart.primitives.outcomes.outcome import Success
 
 INFO = """\
 image_width: 640

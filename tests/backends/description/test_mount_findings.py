@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.files.errors import FileError
 
 ROBOT = """\

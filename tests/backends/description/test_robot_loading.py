@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.description.robot_names import robot_path
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.files.errors import FileError
 
 

@@ -8,8 +8,8 @@ import pytest
 
 from handcart.backends.description.range_spec import RangeSpec
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.description.robot_names import named_robots
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.files.errors import FileError
 
 ROBOT = """\

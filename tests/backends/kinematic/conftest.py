@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.kinematic.kinematic_backend import KinematicBackend
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.simulation.books.book_props import BookProps
 from handcart.backends.simulation.world.world_file import WorldFile
-from handcart.backends.simulation.world.world_model import world_model
+from handcart.backends.simulation.world_files.world_model import world_model
 from handcart.files.models.loading import load
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import transform

@@ -14,11 +14,11 @@ from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.camera import Camera
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.capabilities.range_sensor import RangeSensor
-from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.kinematic.kinematic_backend import KinematicBackend
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.simulation.books.book_props import BookProps
-from handcart.backends.simulation.scene import Scene
-from handcart.backends.simulation.world.world_model import world_model
+from handcart.backends.simulation.world.scene import Scene
+from handcart.backends.simulation.world_files.world_model import world_model
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import apply, inverse, transform
 from handcart.robotics.perception.landmarks.tag_reader import read_tags

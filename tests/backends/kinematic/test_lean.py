@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.kinematic.kinematic_backend import KinematicBackend
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.simulation.books.book import Book
 from handcart.backends.simulation.books.book_lean import lean_in_row
 from handcart.backends.simulation.books.book_props import BookProps

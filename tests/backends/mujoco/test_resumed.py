@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
+from handcart.backends.mujoco.engine.mujoco_module import mujoco
 from handcart.backends.mujoco.mujoco_backend import MujocoBackend
-from handcart.backends.mujoco.mujoco_module import mujoco
 from handcart.backends.saved_state import NotAState, pack, unpack
 from handcart.backends.simulation.blocks.block_props import BlockProps
-from handcart.backends.simulation.world.world_model import world_model
+from handcart.backends.simulation.world_files.world_model import world_model
 from handcart.files.models.loading import load
 
 WORLD = """

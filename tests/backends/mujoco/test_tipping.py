@@ -9,8 +9,8 @@ import pytest
 
 from handcart.backends.backend import RobotFault
 from handcart.backends.capabilities.base import Base
-from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.description.robot_names import robot_path
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.registry import make_backend
 
 WORLD = """\

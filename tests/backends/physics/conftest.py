@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.physics.physics_backend import PhysicsBackend
 from handcart.backends.registry import backend_class
 from handcart.backends.simulation.books.book_props import BookProps
 from handcart.backends.simulation.world.world_file import WorldFile
-from handcart.backends.simulation.world.world_model import world_model
+from handcart.backends.simulation.world_files.world_model import world_model
 from handcart.files.models.loading import load
 from handcart.robotics.geometry.transform import Transform, transform
 from handcart.robotics.kinematics.arm_model import ArmModel

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.physics.physics_backend import PhysicsBackend
 from handcart.backends.saved_state import pack, unpack
 from handcart.backends.simulation.blocks.block_props import BlockProps
 from handcart.backends.simulation.calibration.mark_props import MarkProps
 from handcart.backends.simulation.world.thing import Rest, Thing
-from handcart.backends.simulation.world.world_model import world_model
+from handcart.backends.simulation.world_files.world_model import world_model
 from handcart.files.models.loading import load
 from handcart.robotics.geometry.transform import inverse, transform
 from handcart.robotics.perception.landmarks.landmark_finder import find_landmarks

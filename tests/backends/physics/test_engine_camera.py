@@ -8,7 +8,7 @@ import pytest
 
 from handcart.backends.physics.physics_backend import PhysicsBackend
 from handcart.evaluation.trials.running import run_task
-from handcart.networks.run_options import RunOptions
+from handcart.networks.runs.run_options import RunOptions
 
 TASKS = Path(__file__).parents[3] / "tasks"
 

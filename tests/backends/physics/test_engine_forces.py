@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from handcart.backends.capabilities.base import Base
-from handcart.backends.physics.engine import Engine
+from handcart.backends.physics.engine.engine import Engine
+from handcart.backends.physics.engine.thing_form import Cuboid, ThingForm
 from handcart.backends.physics.physics_backend import PhysicsBackend
-from handcart.backends.physics.thing_form import Cuboid, ThingForm
 from handcart.backends.simulation.books.book_props import BookProps
 from handcart.robotics.geometry.transform import transform
 

@@ -12,21 +12,21 @@ import pytest
 from numpy.typing import NDArray
 
 from handcart.backends.description.ground_spec import GroundSpec
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.physics.body.physics_car import FRONT, REAR
-from handcart.backends.physics.engine import GRAVITY_M_S2
+from handcart.backends.physics.engine.engine import GRAVITY_M_S2
 from handcart.backends.physics.physics_backend import PhysicsBackend
 from handcart.backends.physics.world.terrain import Terrain
 from handcart.backends.simulation.field.field_props import FieldProps
 from handcart.backends.simulation.world.thing import Rest
-from handcart.backends.simulation.world.world_model import world_model
+from handcart.backends.simulation.world_files.world_model import world_model
+from handcart.evaluation.judging.survey import simulated_world
 from handcart.evaluation.trials.rig import Rig
 from handcart.evaluation.trials.running import resume_task, run_task
-from handcart.evaluation.truth.survey import simulated_world
-from handcart.networks.run_options import RunOptions
+from handcart.networks.runs.run_options import RunOptions
 from handcart.networks.task.preparing import prepare
-from handcart.primitives.contract.outcome import Fail, Success
 from handcart.primitives.field.deploy import Deploy
+from handcart.primitives.outcomes.outcome import Fail, Success
 
 from ...conftest import Copier
 

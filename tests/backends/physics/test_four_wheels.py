@@ -11,9 +11,9 @@ import pytest
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.positioning import Positioning
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.physics.physics_backend import PhysicsBackend
-from handcart.backends.simulation.world.world_model import world_model
+from handcart.backends.simulation.world_files.world_model import world_model
 from handcart.backends.urdf.driven_wheels import NoWheels, driven_wheels
 
 EMPTY = world_model().model_validate({"format": "handcart-world/1", "start": {"x_m": 0.0, "y_m": 0.0}})

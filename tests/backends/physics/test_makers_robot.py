@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from handcart.backends.capabilities.arm import Arm
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.physics.physics_backend import PhysicsBackend
-from handcart.backends.simulation.world.world_model import world_model
+from handcart.backends.simulation.world_files.world_model import world_model
 
 EMPTY = world_model().model_validate({"format": "handcart-world/1", "start": {"x_m": 0.0, "y_m": 0.0}})
 ROBOT = """\

@@ -9,10 +9,10 @@ import pytest
 
 from handcart.backends.capabilities.base import Base
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.physics.physics_backend import PhysicsBackend
 from handcart.backends.physics.urdf.sound_urdf import sound_urdf
-from handcart.backends.simulation.world.world_model import world_model
+from handcart.backends.simulation.world_files.world_model import world_model
 from handcart.files.errors import FileError
 from handcart.robotics.kinematics.urdf_contents import bodies_of
 from tests.backends.physics.mesh_robot import MASS, write_robot

@@ -9,7 +9,7 @@ import pytest
 
 from benchmarks.robots.mimic_robots import LEADER_COUNT, MimicRobot
 from benchmarks.robots.mimics import MAX_LINK_ERROR, move
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 
 BACKENDS = ("kinematic", "mujoco", "pybullet")
 SEEDS = (9, 10)

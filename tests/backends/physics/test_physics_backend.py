@@ -13,7 +13,7 @@ import pytest
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.kinematic.kinematic_backend import KinematicBackend
-from handcart.backends.physics.engine import Pinned
+from handcart.backends.physics.engine.engine import Pinned
 from handcart.backends.physics.physics_backend import PhysicsBackend
 from handcart.backends.plain_values import to_plain
 from handcart.backends.saved_state import pack, unpack
@@ -287,7 +287,7 @@ def test_the_same_seed_gives_the_same_run(make: Make) -> None:
 def test_the_engine_writes_nothing_to_our_streams(physics: type[PhysicsBackend]) -> None:
     code = (
         "from pathlib import Path; from handcart.backends.registry import make_backend;"
-        "from handcart.backends.description.robot_loading import load_robot;"
+        "from handcart.backends.loading.robot_loading import load_robot;"
         "world = Path('tasks/return_book/world.yaml');"
         f"b = make_backend('{physics.name}', load_robot('librarian'), world, 0);"
         "b.step(); b.view(); b.capabilities()[3].image(); b.close()"

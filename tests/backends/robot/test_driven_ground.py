@@ -9,9 +9,9 @@ import pytest
 
 from handcart.backends.capabilities.range_sensor import RangeSensor, Scan
 from handcart.backends.description.range_spec import RangeSpec
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.plain_values import attributes
-from handcart.backends.robot.lidar import Lidar
+from handcart.backends.robot.localization.lidar import Lidar
 from handcart.backends.robot.unseen_ground import UnseenGround
 from handcart.robotics.geometry.pose2 import Pose2
 

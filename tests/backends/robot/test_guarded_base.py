@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from handcart.backends.capabilities.base import Base, WheelTravel
 from handcart.backends.capabilities.range_sensor import Scan
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.robot.guarded_base import SIDE_MARGIN_M, GuardedBase, steady_points
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.bump_area import bump_fronts

@@ -12,13 +12,13 @@ from handcart.backends.backend import CommandError
 from handcart.backends.capabilities.gps import Gps
 from handcart.backends.capabilities.imu import Imu
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.kinematic.kinematic_backend import KinematicBackend
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.simulation.field.sensor import Sensor
 from handcart.backends.simulation.world.placed_thing import PlacedSpec
 from handcart.backends.simulation.world.support import rest_of
 from handcart.backends.simulation.world.thing import Rest
-from handcart.backends.simulation.world.world_model import world_model
+from handcart.backends.simulation.world_files.world_model import world_model
 from handcart.primitives.field.scara_arm import scara_of
 from handcart.robotics.geometry.transform import transform
 from handcart.robotics.manipulation.arms.scara import Scara

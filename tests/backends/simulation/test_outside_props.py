@@ -17,7 +17,7 @@ from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.camera import Camera
 from handcart.backends.capabilities.gripper import Gripper
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.registry import check_world, make_backend
 from handcart.backends.saved_state import pack, unpack
 from handcart.backends.simulation.world.thing import Rest

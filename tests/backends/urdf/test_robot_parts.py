@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.files.errors import FileError
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.kinematics.shapes import Hull

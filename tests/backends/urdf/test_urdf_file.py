@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.description.robot_names import robot_path
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.urdf.mesh_path import is_mesh, mesh_path
 from handcart.backends.urdf.robot_parts import read_urdf_file
 from handcart.files.errors import FileError, UnsafePath

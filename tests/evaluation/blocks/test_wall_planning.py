@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.evaluation.blocks.swept_zones import swept_zones
 from handcart.evaluation.blocks.wall_planning import plan_wall
 from handcart.files.errors import FileError

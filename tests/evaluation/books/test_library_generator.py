@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from handcart.backends.simulation.world.world_model import world_model
+from handcart.backends.simulation.world_files.world_model import world_model
 from handcart.evaluation.books.library_books import GeneratedBook
 from handcart.evaluation.books.library_files import write_library
 from handcart.evaluation.books.library_generator import NoSuchLibrary, make_library

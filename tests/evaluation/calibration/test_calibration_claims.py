@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.robot.mounted_camera import mount_of, stated_camera
 from handcart.backends.simulation.sensors.true_camera import true_camera
 from handcart.evaluation.calibration.calibration_claims import camera_faults, suspension_faults
-from handcart.primitives.contract.calibrated import Calibrated
+from handcart.primitives.outcomes.calibrated import Calibrated
 from handcart.robotics.geometry.transform import inverse
 
 ROBOT = load_robot("toyama/uncalibrated")

@@ -25,9 +25,9 @@ from handcart.evaluation.campaigns import scheduler_check
 from handcart.evaluation.campaigns.campaign import run_campaign
 from handcart.evaluation.campaigns.campaign_setting import CampaignSetting
 from handcart.evaluation.campaigns.cluster import Cluster, ClusterLost, TrialThere
+from handcart.evaluation.campaigns.data.trial import Trial
+from handcart.evaluation.campaigns.data.trial_log import TrialLog, line_of
 from handcart.evaluation.campaigns.scheduler_check import NoCluster, NoScheduler, check_scheduler
-from handcart.evaluation.campaigns.trial import Trial
-from handcart.evaluation.campaigns.trial_log import TrialLog, line_of
 from handcart.evaluation.campaigns.workers import TrialFault
 from handcart.files.errors import InputError
 

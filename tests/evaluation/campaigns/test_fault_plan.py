@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from handcart.evaluation.campaigns.campaign_folder import CampaignFolder
+from handcart.evaluation.campaigns.data.campaign_folder import CampaignFolder
 from handcart.evaluation.campaigns.fault_plan import InjectedFaults, load_faults
 from handcart.files.errors import FileError
 from tests.tools.conftest import Said

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from handcart.evaluation.campaigns import workers as module
-from handcart.evaluation.campaigns.trial import Trial
+from handcart.evaluation.campaigns.data.trial import Trial
 from handcart.evaluation.campaigns.workers import TrialFault, Workers
 from tests.conftest import Clock
 

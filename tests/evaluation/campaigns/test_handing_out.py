@@ -12,8 +12,8 @@ import pytest
 
 from handcart.evaluation.campaigns import cluster as module
 from handcart.evaluation.campaigns.cluster import Cluster, ClusterLost
-from handcart.evaluation.campaigns.trial import Trial
-from handcart.evaluation.campaigns.trial_log import line_of
+from handcart.evaluation.campaigns.data.trial import Trial
+from handcart.evaluation.campaigns.data.trial_log import line_of
 from handcart.evaluation.campaigns.workers import TrialFault
 from tests.conftest import Clock
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from benchmarks.campaigns.walk import walk
-from handcart.evaluation.campaigns.campaign_folder import CampaignFolder
+from handcart.evaluation.campaigns.data.campaign_folder import CampaignFolder
 from handcart.evaluation.campaigns.variation import Variation, load_variation
 from handcart.files.errors import FileError
 from handcart.files.yaml.yaml_document import changed_numbers

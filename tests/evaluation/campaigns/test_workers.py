@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from handcart.evaluation.campaigns.trial import Trial
+from handcart.evaluation.campaigns.data.trial import Trial
 from handcart.evaluation.campaigns.workers import TrialFault, Workers
 from handcart.files.errors import InputError
 
@@ -66,8 +66,8 @@ CAMPAIGN = """
 import sys, time
 from handcart.evaluation.campaigns.campaign import run_campaign
 from handcart.evaluation.campaigns.campaign_setting import CampaignSetting
-from handcart.evaluation.campaigns.trial import Trial
-from handcart.evaluation.campaigns.trial_log import TrialLog
+from handcart.evaluation.campaigns.data.trial import Trial
+from handcart.evaluation.campaigns.data.trial_log import TrialLog
 from handcart.evaluation.campaigns import campaign
 from pathlib import Path
 
@@ -110,7 +110,7 @@ def test_killed_at_any_instant_it_goes_on_and_loses_nothing(tmp_path: Path) -> N
         process.kill()
         process.wait()
     subprocess.run([sys.executable, str(script), str(path)], cwd=ROOT, check=True, timeout=60)
-    from handcart.evaluation.campaigns.trial_log import TrialLog
+    from handcart.evaluation.campaigns.data.trial_log import TrialLog
 
     with TrialLog(path) as log:
         assert [each.seed for each in log.trials()] == list(range(60))
@@ -124,7 +124,7 @@ DEAF = """
 import signal, sys, time
 from handcart.evaluation.campaigns import campaign
 from handcart.evaluation.campaigns.campaign_setting import CampaignSetting
-from handcart.evaluation.campaigns.trial_log import TrialLog
+from handcart.evaluation.campaigns.data.trial_log import TrialLog
 from pathlib import Path
 
 def beside(setting, seed):

@@ -33,7 +33,7 @@ from handcart.evaluation.conformance.report import KitReport
 from handcart.evaluation.conformance.rig.bench import Bench
 from handcart.evaluation.conformance.rig.reach import Reach
 from handcart.evaluation.conformance.task_runs import Ran, compared
-from handcart.evaluation.truth.survey import simulated_world
+from handcart.evaluation.judging.survey import simulated_world
 from handcart.files.errors import FileError
 from handcart.networks.task.task_file import load_task
 from handcart.robotics.geometry.pose2 import Pose2

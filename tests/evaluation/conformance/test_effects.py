@@ -11,21 +11,21 @@ from typing import Any
 import numpy as np
 import pytest
 
-from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.ground_truth import Body, GroundTruth
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.evaluation.blocks.block_survey import BlockSurvey
 from handcart.evaluation.calibration.calibration_survey import CalibrationSurvey
 from handcart.evaluation.field.field_survey import FieldSurvey
-from handcart.evaluation.truth.arrival_survey import ArrivalSurvey
-from handcart.evaluation.truth.base_surveys import LocalisationSurvey
-from handcart.evaluation.truth.survey import Claim, Survey
-from handcart.evaluation.truth.surveys import survey_kinds
-from handcart.evaluation.truth.true_changes import disturbed, moved
-from handcart.primitives.contract.calibrated import Calibrated
-from handcart.primitives.contract.discrepancy import Discrepancy
+from handcart.evaluation.judging.arrival_survey import ArrivalSurvey
+from handcart.evaluation.judging.base_surveys import LocalisationSurvey
+from handcart.evaluation.judging.survey import Claim, Survey
+from handcart.evaluation.judging.surveys import survey_kinds
+from handcart.evaluation.judging.true_changes import disturbed, moved
 from handcart.primitives.driving.move_to import MoveTo
 from handcart.primitives.field.target import Laid
 from handcart.primitives.knowledge.place import DirectedTolerance, Place, Shelf
+from handcart.primitives.outcomes.calibrated import Calibrated
+from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.primitives.registry import primitive_names
 from handcart.robotics.geometry.pose2 import Pose2
 

@@ -12,8 +12,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.description.robot_names import robot_path
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.evaluation.robot_report.mount_remarks import hidden_sector, mount_remarks
 
 LIDAR = '<origin xyz="0 0 0.25"/>'

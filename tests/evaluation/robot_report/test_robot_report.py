@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.evaluation.robot_report.masses import mass_faults
 from handcart.evaluation.robot_report.meshes import mesh_row
 from handcart.evaluation.robot_report.postures import HandAim, posture_at

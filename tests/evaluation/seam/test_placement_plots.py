@@ -16,8 +16,8 @@ from handcart.evaluation.seam.placement_plots import (
 from handcart.evaluation.seam.tracking_plot import draw_tracking_errors
 from handcart.robotics.manipulation.arms.pitch_arm import PitchArm
 from handcart.robotics.manipulation.arms.planar_arm import PlanarArm
+from handcart.robotics.manipulation.paths.tool_path import ToolPath, tool_path
 from handcart.robotics.manipulation.placement.placement_division import Division, Segment
-from handcart.robotics.manipulation.tracking.tool_path import ToolPath, tool_path
 
 
 @pytest.fixture

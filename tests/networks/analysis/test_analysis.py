@@ -26,8 +26,8 @@ from handcart.networks.chains.chance import Chance
 from handcart.networks.graph.network import Action, ActionNetwork, Binding, Situation
 from handcart.networks.graph.planner import NoWay
 from handcart.networks.graph.route import Route
-from handcart.primitives.contract.outcome import Success
 from handcart.primitives.driving.modify import Modify
+from handcart.primitives.outcomes.outcome import Success
 
 TABLE = Path(__file__).resolve().parents[3] / "tasks" / "return_book" / "paper_table.yaml"
 BOUND = Binding.of(Modify(place="x"))

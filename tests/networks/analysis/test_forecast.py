@@ -25,8 +25,8 @@ from handcart.networks.coordination.coordinator import Coordinator
 from handcart.networks.graph.network import Action, ActionNetwork, Binding, Situation
 from handcart.networks.graph.planner import NoWay
 from handcart.networks.graph.route import Route
-from handcart.primitives.contract.outcome import Success
 from handcart.primitives.driving.modify import Modify
+from handcart.primitives.outcomes.outcome import Success
 from tests.networks.conftest import Stand
 
 BOUND = Binding.of(Modify(place="x"))

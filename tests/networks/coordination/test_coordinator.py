@@ -15,15 +15,15 @@ from handcart.backends.capabilities.base import WheelTravel
 from handcart.backends.robot.robot import Robot
 from handcart.networks.analysis.worst_cases import worst_cases
 from handcart.networks.coordination.coordinator import Coordinator
-from handcart.networks.coordination.events import Ended, Event, LeftOut, Planned, Started
 from handcart.networks.coordination.supervision import Request
+from handcart.networks.events.events import Ended, Event, LeftOut, Planned, Started
 from handcart.networks.graph.network import Action, ActionNetwork, Binding, NetworkError, Situation
 from handcart.networks.journal.journal import Journal
 from handcart.networks.journal.journal_record import read_journal, without_wall
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
-from handcart.primitives.contract.discrepancy import Discrepancy
-from handcart.primitives.contract.outcome import Fail
 from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.outcomes.discrepancy import Discrepancy
+from handcart.primitives.outcomes.outcome import Fail
 from tests.networks.conftest import Stand
 
 

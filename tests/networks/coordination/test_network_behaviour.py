@@ -8,8 +8,8 @@ import pytest
 from py_trees.common import Status
 
 from handcart.networks.coordination.coordinator import Coordinator
-from handcart.networks.coordination.events import Event
 from handcart.networks.coordination.network_behaviour import NetworkBehaviour
+from handcart.networks.events.events import Event
 from handcart.networks.graph.network import Action, ActionNetwork, Binding, Situation
 from tests.networks.conftest import Stand
 

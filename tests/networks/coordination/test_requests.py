@@ -9,10 +9,10 @@ from typing import Any
 import pytest
 
 from handcart.networks.coordination.coordinator import Coordinator
-from handcart.networks.coordination.events import Ended, Event, Planned, Started
 from handcart.networks.coordination.network_behaviour import NetworkBehaviour
 from handcart.networks.coordination.run_life import RunState
 from handcart.networks.coordination.supervision import Request
+from handcart.networks.events.events import Ended, Event, Planned, Started
 from handcart.networks.graph.network import Action, ActionNetwork, Binding, Situation
 from handcart.networks.operator.message import fault_of
 from tests.networks.conftest import Stand

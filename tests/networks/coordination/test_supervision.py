@@ -11,10 +11,10 @@ import pytest
 from handcart.backends.capabilities.base import Base
 from handcart.backends.robot.robot import Robot
 from handcart.networks.coordination.coordinator import Coordinator
-from handcart.networks.coordination.events import Event, LeftOut, Planned
-from handcart.networks.coordination.run_end import RunEnd
 from handcart.networks.coordination.run_life import RunState
 from handcart.networks.coordination.supervision import MAX_REQUESTS, MAX_UNAPPLIED, Request
+from handcart.networks.events.events import Event, LeftOut, Planned
+from handcart.networks.events.run_end import RunEnd
 from handcart.networks.graph.network import Action, ActionNetwork, Binding, Situation
 from handcart.networks.journal.journal import Journal
 from handcart.networks.journal.journal_record import read_journal

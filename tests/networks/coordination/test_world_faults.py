@@ -12,9 +12,9 @@ import pytest
 from handcart.backends.capabilities.base import Base
 from handcart.backends.robot.robot import Robot
 from handcart.networks.coordination.coordinator import Coordinator
-from handcart.networks.coordination.events import Ended, Event, LeftOut, Started
-from handcart.networks.coordination.run_end import RunEnd
 from handcart.networks.coordination.world_watch import WorldWatch
+from handcart.networks.events.events import Ended, Event, LeftOut, Started
+from handcart.networks.events.run_end import RunEnd
 from handcart.networks.graph.network import Action, ActionNetwork, Binding, Situation
 from handcart.networks.graph.planner import Planner
 from handcart.networks.journal.journal import Journal
@@ -22,9 +22,9 @@ from handcart.networks.journal.journal_record import read_journal
 from handcart.networks.journal.retracing import standing
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.contract.attempt import NOT_ALONE, attempt
-from handcart.primitives.contract.discrepancy import Discrepancy
-from handcart.primitives.contract.outcome import Fail, GiveUp
 from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.outcomes.discrepancy import Discrepancy
+from handcart.primitives.outcomes.outcome import Fail, GiveUp
 from handcart.primitives.restoring.snapshot import moved, take_snapshot
 from tests.networks.conftest import Stand
 

@@ -10,8 +10,8 @@ import pytest
 
 from handcart.networks.drawing.figure import figure_of
 from handcart.networks.drawing.network_picture import Box, Frame, Link, NetworkPicture, draw_network
-from handcart.networks.graph.journaled_network import NamedBinding
 from handcart.networks.graph.network import Action, ActionNetwork, Situation
+from handcart.networks.past_runs.journaled_network import NamedBinding
 from handcart.networks.task.task_file import load_task
 from tests.drawn_texts import faults_of
 

@@ -14,9 +14,9 @@ import pytest
 from handcart.backends.capabilities.base import Base
 from handcart.backends.robot.robot import Robot
 from handcart.networks.coordination.coordinator import Coordinator
-from handcart.networks.coordination.events import Ended, Event, Started
-from handcart.networks.coordination.run_end import RunEnd
 from handcart.networks.coordination.supervision import Request
+from handcart.networks.events.events import Ended, Event, Started
+from handcart.networks.events.run_end import RunEnd
 from handcart.networks.graph.network import Action, ActionNetwork, Binding, Situation
 from handcart.networks.journal.journal import Journal
 from handcart.networks.journal.journal_record import JournalError, read_journal

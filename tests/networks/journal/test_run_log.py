@@ -12,16 +12,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from handcart.networks.coordination.events import Ended, Event, Restoring, Started
+from handcart.networks.events.events import Ended, Event, Restoring, Started
 from handcart.networks.graph.network import Action, ActionNetwork, Binding, Situation
 from handcart.networks.journal.journal import Journal, plain_json
 from handcart.networks.journal.journal_record import read_journal
 from handcart.networks.journal.measured import in_words, measure, measured_fields, snapshot_of
 from handcart.networks.journal.retracing import NeedsOperator, standing
 from handcart.networks.journal.run_log import RunLog, outcome_record
-from handcart.primitives.contract.cause import Cause
-from handcart.primitives.contract.discrepancy import Measured
-from handcart.primitives.contract.outcome import GiveUp, Success, fail_if_restored
+from handcart.primitives.outcomes.cause import Cause
+from handcart.primitives.outcomes.discrepancy import Measured
+from handcart.primitives.outcomes.outcome import GiveUp, Success, fail_if_restored
 from handcart.primitives.restoring.snapshot import Snapshot
 from handcart.robotics.geometry.pose2 import Pose2
 from tests.networks.conftest import Stand

@@ -12,7 +12,7 @@ import pytest
 from handcart.networks.journal.journal import Journal, RunAlive
 from handcart.networks.journal.journal_record import read_journal
 from handcart.networks.operator.acknowledging import NothingToAcknowledge, acknowledge, cause_of
-from handcart.networks.runs.run_folder import read_run_journal
+from handcart.networks.run_files.run_folder import read_run_journal
 
 ACTION = {"index": 0, "do": "MOVE_TO", "from": "a", "to": "b"}
 PLAN = ("PLAN", {"situation": "a", "way": [0], "cost": 1.0, "excluded": []})

@@ -22,7 +22,7 @@ from handcart.networks.operator.asking import (
 )
 from handcart.networks.operator.message import LONGEST_WORD, fault_of
 from handcart.networks.operator.own_page import SECURITY_HEADERS, OwnPage
-from handcart.networks.operator.socket_path import socket_path
+from handcart.networks.run_files.socket_path import socket_path
 
 
 @contextmanager

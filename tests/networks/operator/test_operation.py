@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from handcart.networks.coordination.coordinator import Coordinator
-from handcart.networks.coordination.events import Started
+from handcart.networks.events.events import Started
 from handcart.networks.graph.network import Action, ActionNetwork, Binding, Situation
 from handcart.networks.operator.asking import tell_to_stop
 from handcart.networks.operator.operation import Operation

@@ -11,12 +11,12 @@ import pytest
 from handcart.backends.capabilities.scan import Scan, Validity
 from handcart.backends.robot.robot import Robot
 from handcart.networks.coordination.coordinator import Coordinator
-from handcart.networks.coordination.events import Ended, Restoring, Started
+from handcart.networks.events.events import Ended, Restoring, Started
 from handcart.networks.graph.network import Action, ActionNetwork, Situation
 from handcart.networks.runs.flight_recorder import MAX_ARRAYS, FlightRecorder, load_arrays, load_readings
 from handcart.primitives.contract.action_primitive import Periods
-from handcart.primitives.contract.discrepancy import Discrepancy
 from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.robotics.geometry.pose2 import Pose2
 from tests.networks import conftest
 from tests.networks.conftest import Stand

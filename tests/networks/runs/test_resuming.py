@@ -22,11 +22,11 @@ from handcart.networks.journal.journal import Journal
 from handcart.networks.journal.journal_record import read_journal
 from handcart.networks.journal.retracing import NeedsOperator, standing
 from handcart.networks.journal.waiting import waiting
-from handcart.networks.run_options import RunOptions
+from handcart.networks.run_files.run_folder import read_run_journal
 from handcart.networks.runs.checkpoint import CHECKPOINT_FILE, keep_checkpoint, load_checkpoint
 from handcart.networks.runs.resuming import NothingToResume, Past, read_past, task_of
 from handcart.networks.runs.run import execute
-from handcart.networks.runs.run_folder import read_run_journal
+from handcart.networks.runs.run_options import RunOptions
 from handcart.networks.runs.state_check import (
     SETTLING_PERIODS,
     StateCheck,

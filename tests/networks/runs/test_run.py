@@ -14,16 +14,16 @@ import pytest
 
 from handcart.backends.robot.robot import Robot
 from handcart.files.whole_file import write_whole
-from handcart.networks.action_log import ActionLog
-from handcart.networks.coordination.events import Event, RunEnded
-from handcart.networks.coordination.run_end import RunEnd
+from handcart.networks.events.events import Event, RunEnded
+from handcart.networks.events.run_end import RunEnd
+from handcart.networks.events.run_observer import RunObserver
 from handcart.networks.journal.journal import Journal
 from handcart.networks.journal.journal_record import JournalError, read_journal, without_wall
-from handcart.networks.journal.past_run import read_run
-from handcart.networks.run_observer import RunObserver
-from handcart.networks.run_options import RunOptions
+from handcart.networks.past_runs.action_log import ActionLog
+from handcart.networks.past_runs.past_run import read_run
+from handcart.networks.run_files.telemetry import load_track
 from handcart.networks.runs.run import execute
-from handcart.networks.runs.telemetry import load_track
+from handcart.networks.runs.run_options import RunOptions
 from handcart.networks.task.preparing import Prepared, load_model
 from handcart.networks.task.task_file import load_task
 from tests.networks.conftest import Stand

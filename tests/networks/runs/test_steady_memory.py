@@ -6,7 +6,7 @@ import gc
 import weakref
 from typing import Any, cast
 
-from handcart.networks.coordination.events import Ended, RunEnded
+from handcart.networks.events.events import Ended, RunEnded
 from handcart.networks.runs.steady_memory import SteadyMemory
 
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.robot.localization.determination import PoseNeed
 from handcart.networks.task.pose_forecast import PoseForecast, forecast_pose
 from handcart.robotics.geometry.pose2 import Pose2

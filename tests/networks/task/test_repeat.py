@@ -13,8 +13,8 @@ from handcart.files.models.json_schema import schema
 from handcart.networks.analysis.figures import figures
 from handcart.networks.analysis.task_findings import task_findings
 from handcart.networks.coordination.coordinator import Coordinator
-from handcart.networks.coordination.events import Event, Started
 from handcart.networks.drawing.drawing import WRITER_BY_SUFFIX
+from handcart.networks.events.events import Event, Started
 from handcart.networks.graph.network import Action
 from handcart.networks.task.preparing import beginning_at
 from handcart.networks.task.task_file import Task

@@ -12,7 +12,7 @@ import pytest
 from handcart.backends.robot.robot import Robot
 from handcart.files.errors import FileError
 from handcart.networks.coordination.coordinator import Coordinator
-from handcart.networks.coordination.events import Event, Started
+from handcart.networks.events.events import Event, Started
 from handcart.networks.graph.network import Action
 from handcart.networks.task.task_file import Task
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods

@@ -9,7 +9,7 @@ import pytest
 from handcart.evaluation.trials.running import run_task
 from handcart.files.errors import FileError
 from handcart.networks.graph.planner import NoWay, Planner
-from handcart.networks.run_options import RunOptions
+from handcart.networks.runs.run_options import RunOptions
 from handcart.networks.task.preparing import check, prepare
 from handcart.networks.task.task_file import load_task
 from handcart.networks.task.unknown_start import drawn_pose

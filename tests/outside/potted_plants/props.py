@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.plain_values import Kinds
-from handcart.backends.simulation.props import Props
 from handcart.backends.simulation.world.placed_thing import PlacedSpec, PlacedThing
+from handcart.backends.simulation.world.props import Props
 from handcart.backends.simulation.world.thing import GreyImage, Side
 from handcart.files.models.model import FileModel
 from handcart.robotics.geometry.transform import inverse

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 from handcart.evaluation.conformance.faults.fault import Fault, FaultKind
-from handcart.evaluation.truth.survey import Claim, Effect, Survey
+from handcart.evaluation.judging.survey import Claim, Effect, Survey
 
 from .knowledge import Plants
 from .props import Pots

@@ -12,13 +12,13 @@ from pydantic import Field
 from handcart import ActionPrimitive, Arm, Discrepancy, Gripper, NeedsPerson
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import Periods
-from handcart.primitives.contract.discrepancy import Measured
-from handcart.primitives.contract.meant_contact import MeantContact
+from handcart.primitives.knowledge.meant_contact import MeantContact
 from handcart.primitives.knowledge.place_name import Names
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
 from handcart.primitives.motions.arm_motion import move_straight, move_to_pose
 from handcart.primitives.motions.from_above import gripped, gripping, pointing_down
 from handcart.primitives.motions.grip import close, holds, open_to, width_off
+from handcart.primitives.outcomes.discrepancy import Measured
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, transform
 from handcart.robotics.kinematics.shapes import Box

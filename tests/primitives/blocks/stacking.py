@@ -10,7 +10,7 @@ from handcart.evaluation.trials.rig import Rig, RigFiles, build_rig
 from handcart.primitives.blocks.fixate import Fixate
 from handcart.primitives.blocks.pick_up_block import PickUpBlock
 from handcart.primitives.contract.action_primitive import ActionPrimitive
-from handcart.primitives.contract.outcome import Outcome, Success
+from handcart.primitives.outcomes.outcome import Outcome, Success
 
 TASK = Path(__file__).parents[3] / "tasks" / "stack_blocks"
 

@@ -10,7 +10,7 @@ from handcart.files.errors import FileError
 from handcart.networks.task.preparing import check
 from handcart.primitives.blocks.fixate import Fixate
 from handcart.primitives.blocks.pick_up_block import PickUpBlock
-from handcart.primitives.contract.outcome import Fail
+from handcart.primitives.outcomes.outcome import Fail
 
 from .stacking import TASK, at_the_wall
 

@@ -13,8 +13,8 @@ from handcart.evaluation.trials.rig import Rig, RigFiles, build_rig
 from handcart.primitives.blocks.blocks import Blocks
 from handcart.primitives.blocks.fixate import Fixate, landmark_of
 from handcart.primitives.blocks.fixating import covariance_of_mean, fixate, fixed_by, planned_view, sought
-from handcart.primitives.contract.evidence import Evidence
-from handcart.primitives.contract.outcome import Fail, Success
+from handcart.primitives.outcomes.evidence import Evidence
+from handcart.primitives.outcomes.outcome import Fail, Success
 from handcart.robotics.geometry.pose2 import Pose2
 
 from .stacking import TASK, at_the_wall, scene_of

@@ -18,9 +18,9 @@ from handcart.primitives.blocks.fixate import Fixate
 from handcart.primitives.blocks.pick_up_block import PickUpBlock
 from handcart.primitives.blocks.stack import Stack
 from handcart.primitives.contract.attempt import attempt
-from handcart.primitives.contract.discrepancy import Discrepancy
-from handcart.primitives.contract.outcome import Fail, GiveUp, Success
 from handcart.primitives.driving.move_to import MoveTo
+from handcart.primitives.outcomes.discrepancy import Discrepancy
+from handcart.primitives.outcomes.outcome import Fail, GiveUp, Success
 from handcart.robotics.geometry.transform import inverse, transform
 
 from .stacking import at_the_wall, do_with, scene_of, with_block

@@ -9,7 +9,7 @@ import pytest
 from benchmarks.blocks.which_landmark import SHIPPED_PLAN, TRIED_PLANS, trial
 from handcart.primitives.blocks.blocks import Blocks
 from handcart.primitives.blocks.fixate import Fixate
-from handcart.primitives.contract.outcome import Success
+from handcart.primitives.outcomes.outcome import Success
 from handcart.robotics.geometry.pose2 import Pose2
 
 from .stacking import TASK, at_the_wall, scene_of

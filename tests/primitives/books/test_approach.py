@@ -11,7 +11,7 @@ import pytest
 from handcart.backends.simulation.books.book_props import BookProps
 from handcart.primitives.books.approach import Approach
 from handcart.primitives.books.books import Books
-from handcart.primitives.contract.outcome import Fail, Success
+from handcart.primitives.outcomes.outcome import Fail, Success
 from tests.primitives.conftest import Rig
 
 

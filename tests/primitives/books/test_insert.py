@@ -10,7 +10,7 @@ import pytest
 
 from handcart.backends.simulation.books.book_props import BookProps
 from handcart.primitives.books.insert import Insert
-from handcart.primitives.contract.outcome import Fail, GiveUp, Success
+from handcart.primitives.outcomes.outcome import Fail, GiveUp, Success
 from tests.primitives.conftest import Rig
 
 

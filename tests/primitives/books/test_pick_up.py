@@ -11,7 +11,7 @@ import pytest
 from handcart.backends.simulation.books.book_props import BookProps
 from handcart.primitives.books.books import Books
 from handcart.primitives.books.pick_up import PickUp
-from handcart.primitives.contract.outcome import Fail, GiveUp, Success
+from handcart.primitives.outcomes.outcome import Fail, GiveUp, Success
 from tests.primitives.conftest import Rig
 
 TRAY = "tray: {{accession: 117, call: 512.7 NAG, thickness_mm: {0}, height_mm: 210, depth_mm: 150}}\n"

@@ -13,7 +13,7 @@ from handcart.backends.simulation.books.book_props import BookProps
 from handcart.primitives.books.books import Books
 from handcart.primitives.books.catalogue import Book, Catalogue
 from handcart.primitives.books.recognize import Recognize
-from handcart.primitives.contract.outcome import Fail, Success
+from handcart.primitives.outcomes.outcome import Fail, Success
 from handcart.robotics.perception.landmarks.tag_reader import Tag, read_tags
 from tests.primitives.conftest import Rig
 

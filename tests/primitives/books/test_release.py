@@ -16,7 +16,7 @@ from handcart.primitives.books.books import Books
 from handcart.primitives.books.catalogue import Book
 from handcart.primitives.books.insert import Insert
 from handcart.primitives.books.release import Release
-from handcart.primitives.contract.outcome import Fail, GiveUp, Success
+from handcart.primitives.outcomes.outcome import Fail, GiveUp, Success
 from handcart.robotics.perception.books.call_number import parse
 from handcart.robotics.perception.books.label_reader import Label
 from tests.primitives.conftest import Rig

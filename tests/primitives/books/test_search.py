@@ -14,7 +14,7 @@ from handcart.backends.simulation.books.standing_book import leaned
 from handcart.primitives.books.books import Books
 from handcart.primitives.books.catalogue import Book, Catalogue
 from handcart.primitives.books.search import Search, _end_of_row
-from handcart.primitives.contract.outcome import Fail, Success
+from handcart.primitives.outcomes.outcome import Fail, Success
 from handcart.robotics.perception.books.call_number import parse
 from handcart.robotics.perception.books.shelf_views import ShelfBook, ShelfReading
 from tests.primitives.conftest import Rig

@@ -19,9 +19,9 @@ from py_trees.timers import Timer
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.clock.tick_clock import TICK_TIME, WallClockError, robot_clock
 from handcart.primitives.contract.behaviour_primitive import behaviour_primitive
-from handcart.primitives.contract.outcome import Fail, Success
 from handcart.primitives.contract.tree_primitive import GeneratorBehaviour, ticked
 from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.outcomes.outcome import Fail, Success
 from tests.primitives.conftest import Rig
 
 PERIOD = 0.05

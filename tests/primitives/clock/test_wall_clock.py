@@ -22,9 +22,9 @@ from handcart.primitives.clock.tick_clock import WallClockError
 from handcart.primitives.clock.wall_clock import wall_clock_reads
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.contract.behaviour_primitive import behaviour_primitive
-from handcart.primitives.contract.outcome import Fail
 from handcart.primitives.contract.tree_primitive import GeneratorBehaviour, ticked
 from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.outcomes.outcome import Fail
 from handcart.primitives.registry import primitive_class, primitive_names
 from tests.primitives.conftest import Rig
 

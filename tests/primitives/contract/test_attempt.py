@@ -15,9 +15,9 @@ from handcart.backends.robot.robot import Robot
 from handcart.primitives.books.books import Books
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.contract.attempt import PUSHED_REASON
-from handcart.primitives.contract.discrepancy import Discrepancy, NeedsPerson
-from handcart.primitives.contract.outcome import Fail, GiveUp, Success
 from handcart.primitives.knowledge.world_model import ModelView, UndeclaredAccess
+from handcart.primitives.outcomes.discrepancy import Discrepancy, NeedsPerson
+from handcart.primitives.outcomes.outcome import Fail, GiveUp, Success
 from handcart.primitives.restoring.retrace import retrace
 from handcart.primitives.restoring.snapshot import Seen, Snapshot
 from handcart.primitives.restoring.trace import Trace

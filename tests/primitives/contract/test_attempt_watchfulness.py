@@ -14,9 +14,9 @@ from handcart.backends.robot.robot import Robot
 from handcart.evaluation.conformance.rig.layered_backend import LayeredBackend
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.contract.attempt import NOT_ALONE, PUSHED_REASON
-from handcart.primitives.contract.discrepancy import Discrepancy, NeedsPerson
-from handcart.primitives.contract.outcome import Fail, GiveUp, Success
 from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.outcomes.discrepancy import Discrepancy, NeedsPerson
+from handcart.primitives.outcomes.outcome import Fail, GiveUp, Success
 from handcart.primitives.restoring.retrace import retrace
 from handcart.primitives.restoring.snapshot import REST_PERIODS, Snapshot
 from handcart.primitives.restoring.trace import Trace

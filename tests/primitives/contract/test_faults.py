@@ -10,8 +10,8 @@ import pytest
 from numpy.typing import NDArray
 
 from handcart.backends.capabilities.imu import Imu
-from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.description.robot_names import SHIPPED_FOLDER
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.registry import make_backend
 from handcart.backends.robot.robot import Robot, StaleReading
 from handcart.evaluation.conformance.faults.fault import FOR_GOOD, Fault, FaultKind
@@ -20,13 +20,13 @@ from handcart.evaluation.conformance.faults.rehearsal import Solo
 from handcart.evaluation.conformance.faults.underway import Ending, Underway
 from handcart.evaluation.conformance.rig.bench import Bench
 from handcart.evaluation.conformance.rig.reach import Reach
+from handcart.evaluation.judging.survey import simulated_world
 from handcart.evaluation.trials.rig import Rig
-from handcart.evaluation.truth.survey import simulated_world
 from handcart.networks.task.preparing import prepare
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
-from handcart.primitives.contract.outcome import GiveUp
 from handcart.primitives.driving.move_to import MoveTo
 from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.outcomes.outcome import GiveUp
 from handcart.robotics.geometry.pose2 import Pose2
 
 BENCH = Bench("kinematic")

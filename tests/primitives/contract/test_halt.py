@@ -11,10 +11,10 @@ import pytest
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
-from handcart.primitives.contract.discrepancy import NeedsPerson
 from handcart.primitives.contract.halt import PRESSING_FORCE_N
-from handcart.primitives.contract.outcome import GiveUp
 from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.outcomes.discrepancy import NeedsPerson
+from handcart.primitives.outcomes.outcome import GiveUp
 from tests.primitives.conftest import Rig
 
 GOES = 0.01  # [rad]

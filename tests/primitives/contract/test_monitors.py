@@ -11,13 +11,7 @@ import numpy as np
 import pytest
 
 from handcart.backends.description.joint_units import JointUnits
-from handcart.primitives.contract.calibrated import Calibrated, as_facts
-from handcart.primitives.contract.cause import MAX_CALLS, Cause, cause_of
-from handcart.primitives.contract.discrepancy import Discrepancy, Measured, NeedsPerson
-from handcart.primitives.contract.evidence import Evidence
 from handcart.primitives.contract.intents import UNRECORDED_INTENTS, Intents
-from handcart.primitives.contract.meant_contact import MeantContact
-from handcart.primitives.contract.outcome import Fail, GiveUp, Success, fail_if_restored
 from handcart.primitives.contract.standstill_monitor import (
     MIN_MOTION,
     STANDSTILL_TIMEOUT_S,
@@ -29,6 +23,12 @@ from handcart.primitives.contract.tracking_error_monitor import (
     TRACKING_TOLERANCE_RAD,
     TrackingErrorMonitor,
 )
+from handcart.primitives.knowledge.meant_contact import MeantContact
+from handcart.primitives.outcomes.calibrated import Calibrated, as_facts
+from handcart.primitives.outcomes.cause import MAX_CALLS, Cause, cause_of
+from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured, NeedsPerson
+from handcart.primitives.outcomes.evidence import Evidence
+from handcart.primitives.outcomes.outcome import Fail, GiveUp, Success, fail_if_restored
 from handcart.robotics.geometry.pose2 import Pose2
 
 PERIOD = 0.0625

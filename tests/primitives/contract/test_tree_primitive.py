@@ -18,10 +18,10 @@ from handcart.backends.capabilities.base import Base
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.books.books import Books
 from handcart.primitives.contract.behaviour_primitive import behaviour_primitive
-from handcart.primitives.contract.discrepancy import Discrepancy, NeedsPerson
-from handcart.primitives.contract.outcome import Fail, GiveUp, Success
 from handcart.primitives.contract.tree_primitive import GeneratorBehaviour, TreePrimitive, leaves, ticked
 from handcart.primitives.knowledge.world_model import ModelView, UndeclaredAccess
+from handcart.primitives.outcomes.discrepancy import Discrepancy, NeedsPerson
+from handcart.primitives.outcomes.outcome import Fail, GiveUp, Success
 from tests.primitives.conftest import Rig
 
 

@@ -12,9 +12,9 @@ from benchmarks.driving.unseen_boxes import try_world
 from handcart.backends.capabilities.base import Base
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
-from handcart.primitives.contract.outcome import Fail
 from handcart.primitives.knowledge.bumps import avoided_points, keep_off_bumps
 from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.outcomes.outcome import Fail
 from tests.primitives.conftest import Rig
 
 BOX = (0.62, 1.43)

@@ -7,10 +7,10 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from handcart.primitives.contract.outcome import Fail, Success
 from handcart.primitives.driving.modify import Modify
 from handcart.primitives.driving.move_to import MoveTo
 from handcart.primitives.knowledge.world_model import WorldModel
+from handcart.primitives.outcomes.outcome import Fail, Success
 from tests.primitives.conftest import Rig
 
 LOW = "  - {{name: box, x_m: {x}, y_m: {y}, size_m: [{wide}, {deep}, 0.2]}}\n"  # below the lidar

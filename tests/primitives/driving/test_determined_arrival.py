@@ -14,11 +14,11 @@ import pytest
 
 from handcart.backends.robot.localization.determination import PoseNeed
 from handcart.evaluation.trials.rig import Rig, RigFiles, build_rig
-from handcart.primitives.contract.discrepancy import Discrepancy
-from handcart.primitives.contract.outcome import Fail, GiveUp, Success
 from handcart.primitives.driving import move_to
 from handcart.primitives.driving.move_to import MoveTo
 from handcart.primitives.knowledge.place import Place
+from handcart.primitives.outcomes.discrepancy import Discrepancy
+from handcart.primitives.outcomes.outcome import Fail, GiveUp, Success
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.following.pose_regulator import PoseTolerance
 from handcart.robotics.navigation.localization.front_line import FrontLine

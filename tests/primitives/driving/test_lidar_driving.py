@@ -10,10 +10,10 @@ from pydantic import PrivateAttr
 
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
-from handcart.primitives.contract.discrepancy import Discrepancy
-from handcart.primitives.contract.outcome import Fail, GiveUp, Success
 from handcart.primitives.driving.move_to import MoveTo
 from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.outcomes.discrepancy import Discrepancy
+from handcart.primitives.outcomes.outcome import Fail, GiveUp, Success
 from tests.primitives.conftest import Rig
 
 BOX = "surprises:\n  - {{name: box, x_m: {x}, y_m: {y}, size_m: [0.4, 0.4, 0.6]}}\n"

@@ -12,8 +12,8 @@ import pytest
 
 from handcart.backends.capabilities.scan import Scan
 from handcart.backends.description.range_spec import RangeSpec
-from handcart.primitives.contract.discrepancy import NeedsPerson
 from handcart.primitives.driving.lidar_watch import LidarWatch
+from handcart.primitives.outcomes.discrepancy import NeedsPerson
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.expected_echoes import expected_echoes
 from handcart.robotics.navigation.maps.grid_map import Box, GridMap, from_boxes

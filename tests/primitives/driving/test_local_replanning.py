@@ -8,10 +8,10 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from handcart.primitives.contract.outcome import Fail, Success
 from handcart.primitives.driving.modify import Modify
 from handcart.primitives.driving.move_to import MoveTo
 from handcart.primitives.knowledge.world_model import WorldModel
+from handcart.primitives.outcomes.outcome import Fail, Success
 from tests.primitives.conftest import Rig
 
 BOX = "  - {{name: box {n}, x_m: {x}, y_m: {y}, heading_deg: 20, size_m: [0.5, 0.4, 0.6]{more}}}\n"

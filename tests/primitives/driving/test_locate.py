@@ -13,9 +13,9 @@ from PIL import Image
 
 from handcart.backends.robot.robot import UnknownStart
 from handcart.evaluation.trials.rig import Rig, RigFiles, build_rig
-from handcart.primitives.contract.outcome import Fail, Success
 from handcart.primitives.driving.locate import Locate
 from handcart.primitives.driving.move_to import MoveTo
+from handcart.primitives.outcomes.outcome import Fail, Success
 from handcart.robotics.geometry.pose2 import Pose2
 
 DRIVE_MAP = Path(__file__).parents[3] / "tasks" / "drive_map"

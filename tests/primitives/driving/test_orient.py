@@ -11,15 +11,15 @@ from typing import Any
 
 import pytest
 
-from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.description.robot_names import robot_path
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.robot.localization.localization import worst_sigmas
 from handcart.evaluation.trials.rig import Rig
 from handcart.files.errors import FileError
 from handcart.networks.task.preparing import prepare
-from handcart.primitives.contract.outcome import Fail, Success
 from handcart.primitives.driving.move_to import MoveTo
 from handcart.primitives.driving.orient import Orient
+from handcart.primitives.outcomes.outcome import Fail, Success
 
 TASK = Path(__file__).parents[3] / "tasks" / "deploy_straight" / "task.yaml"
 WORLD = """\

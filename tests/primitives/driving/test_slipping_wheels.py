@@ -14,9 +14,9 @@ from handcart.evaluation.conformance.faults.faulty_backend import FaultyBackend
 from handcart.evaluation.conformance.faults.underway import Ending, Underway
 from handcart.evaluation.trials.rig import RigFiles, build_rig
 from handcart.primitives.contract.attempt import attempt
-from handcart.primitives.contract.outcome import Success
 from handcart.primitives.driving.looks_at_rest import LooksAtRest
 from handcart.primitives.driving.move_to import MoveTo
+from handcart.primitives.outcomes.outcome import Success
 
 TASK = Path(__file__).resolve().parents[3] / "tasks" / "stack_blocks"
 FILES = RigFiles(

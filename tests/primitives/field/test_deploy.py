@@ -19,14 +19,14 @@ from handcart.evaluation.trials.rig import Rig
 from handcart.files.models.loading import load
 from handcart.networks.task.preparing import prepare
 from handcart.primitives.contract.attempt import attempt
-from handcart.primitives.contract.discrepancy import Discrepancy
-from handcart.primitives.contract.outcome import Fail, GiveUp, Success
 from handcart.primitives.field.deploy import Deploy, _spread
 from handcart.primitives.field.field import Field
 from handcart.primitives.field.field_work import FieldWork
 from handcart.primitives.field.scara_arm import scara_of
 from handcart.primitives.field.sensor_arm import MAX_YIELD_M, SensorArm
 from handcart.primitives.field.target import Laid
+from handcart.primitives.outcomes.discrepancy import Discrepancy
+from handcart.primitives.outcomes.outcome import Fail, GiveUp, Success
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import transform
 

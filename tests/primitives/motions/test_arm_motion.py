@@ -13,10 +13,9 @@ import pytest
 
 from handcart.backends.backend import CommandError
 from handcart.backends.capabilities.arm import Arm
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.registry import make_backend
 from handcart.backends.robot.robot import Robot
-from handcart.primitives.contract.discrepancy import Discrepancy
 from handcart.primitives.contract.tracking_error_monitor import (
     IN_A_ROW,
     MAX_LAG_PERIODS,
@@ -24,6 +23,7 @@ from handcart.primitives.contract.tracking_error_monitor import (
 )
 from handcart.primitives.motions.arm_motion import ARM_MARGIN_M, follow, move_to_joints, move_to_pose
 from handcart.primitives.motions.pushing import push, relax
+from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.primitives.restoring.arm_command import command_moment
 from handcart.primitives.restoring.snapshot import residuals, settle, take_snapshot
 from handcart.primitives.restoring.trace import Moment

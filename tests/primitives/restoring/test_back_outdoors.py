@@ -11,18 +11,18 @@ import numpy as np
 import pytest
 
 from handcart.backends.capabilities.base import Base
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.robot.robot import Robot
 from handcart.evaluation.trials.rig import Rig
 from handcart.networks.task.preparing import prepare
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
-from handcart.primitives.contract.discrepancy import Discrepancy
-from handcart.primitives.contract.outcome import Fail, GiveUp
 from handcart.primitives.driving.driving import CAR_ROOM, ROCK_POSITION_TOLERANCE_M
 from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.outcomes.discrepancy import Discrepancy
+from handcart.primitives.outcomes.outcome import Fail, GiveUp
 from handcart.primitives.restoring.snapshot import moved, take_snapshot
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.outdoors.watched_moment import Belief
+from handcart.robotics.navigation.localization.watched_moment import Belief
 
 TASK = Path(__file__).parents[3] / "tasks" / "deploy_straight" / "task.yaml"
 

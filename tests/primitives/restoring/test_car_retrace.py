@@ -13,14 +13,14 @@ import pytest
 
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.gripper import Gripper
-from handcart.primitives.contract.discrepancy import Discrepancy
+from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.primitives.restoring.arm_command import GRIP_PAUSE, command_moment, hold_measured, moves_fingers
 from handcart.primitives.restoring.car_retrace import MIN_STRETCH_M, car_retrace, check_stands
 from handcart.primitives.restoring.snapshot import Snapshot, take_snapshot
 from handcart.primitives.restoring.trace import Moment, Trace
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.following.drive_limits import DriveLimits
-from handcart.robotics.navigation.outdoors.watched_moment import Belief
+from handcart.robotics.navigation.localization.watched_moment import Belief
 
 PERIOD = 0.05
 

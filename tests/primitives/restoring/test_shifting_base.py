@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from handcart.backends.description.robot_loading import load_robot
-from handcart.primitives.contract.discrepancy import Discrepancy
+from handcart.backends.loading.robot_loading import load_robot
+from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.primitives.restoring.retrace import LONGEST_REACH, RETURN_TOLERANCE, reach_pose
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.following.drive_limits import DriveLimits

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.primitives.driving.standing_room import StandingRoom
 from handcart.primitives.seam.kept_divisions import MAX_DIVISIONS, KeptDivisions
 from handcart.robotics.geometry.pose2 import Pose2

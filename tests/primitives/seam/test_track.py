@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from handcart.evaluation.trials.rig import Rig
-from handcart.primitives.contract.discrepancy import Discrepancy
-from handcart.primitives.contract.outcome import Fail, Success
+from handcart.primitives.outcomes.discrepancy import Discrepancy
+from handcart.primitives.outcomes.outcome import Fail, Success
 from handcart.primitives.seam.divide import Divide
 from handcart.primitives.seam.seam import Seam
 from handcart.primitives.seam.seam_work import SeamPart, SeamWork

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from handcart.backends.simulation.scene import Scene
+from handcart.backends.simulation.world.scene import Scene
 from handcart.evaluation.seam.seam_survey import distances
 from handcart.evaluation.trials.rig import Rig
-from handcart.primitives.contract.outcome import Fail, Success
+from handcart.primitives.outcomes.outcome import Fail, Success
 from handcart.primitives.seam.divide import Divide
 from handcart.primitives.seam.seam import Seam
 from handcart.primitives.seam.track import Track

@@ -6,8 +6,8 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.description.robot_names import named_robots
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.kinematics.urdf_contents import bodies_of
 from handcart.robotics.kinematics.urdf_frames import base_T_frame, link_poses

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.robotics.manipulation.tracking.tool_path import ToolPath, tool_path
+from handcart.robotics.manipulation.paths.tool_path import ToolPath, tool_path
 
 Floats = NDArray[np.float64]
 

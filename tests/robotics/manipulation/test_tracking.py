@@ -10,9 +10,9 @@ from handcart.robotics.geometry.transform import transform
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.manipulation.arms.pitch_arm import PitchArm
 from handcart.robotics.manipulation.arms.screw_arm import FreeTurn
-from handcart.robotics.manipulation.placement.untrackable import Untrackable
+from handcart.robotics.manipulation.paths.tool_path import ToolPath, tool_path
+from handcart.robotics.manipulation.paths.untrackable import Untrackable
 from handcart.robotics.manipulation.tracking.tool_follower import ToolFollower
-from handcart.robotics.manipulation.tracking.tool_path import ToolPath, tool_path
 from handcart.robotics.manipulation.tracking.tracking_limits import ArmLoad
 from handcart.robotics.manipulation.tracking.tracking_time import TrackingLimits, time_evenly, time_tracking
 

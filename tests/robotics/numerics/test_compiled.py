@@ -31,7 +31,8 @@ def test_it_is_told_of_like_the_function() -> None:
 
 
 def test_nothing_is_imported_before_something_is_computed() -> None:
-    code = "import sys, handcart.evaluation.playback.playback, handcart.robotics.navigation.routes.ways as w"
+    code = "import sys, handcart.evaluation.viewing.playback.playback as _\n"
+    code += "import handcart.robotics.navigation.routes.ways as w"
     words = [sys.executable, "-c", f"{code}; print('numba' in sys.modules)"]
     assert subprocess.run(words, capture_output=True, text=True, timeout=60, check=True).stdout == "False\n"
 

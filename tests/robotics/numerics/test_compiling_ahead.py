@@ -20,7 +20,7 @@ RUNS = """\
 import sys
 from pathlib import Path
 from handcart.evaluation.trials.running import run_task
-from handcart.networks.run_options import RunOptions
+from handcart.networks.runs.run_options import RunOptions
 from handcart.robotics.numerics.compiled import COMPILED_AHEAD
 from handcart.robotics.numerics.compiling_ahead import types_of
 

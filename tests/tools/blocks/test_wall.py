@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from handcart.evaluation.trials.running import run_task
-from handcart.networks.run_options import RunOptions
+from handcart.networks.runs.run_options import RunOptions
 from handcart.networks.task.preparing import check
 from handcart.tools.blocks.wall import wall
 from tests.primitives.blocks.drawings import drawing_file

@@ -19,9 +19,9 @@ import pytest
 
 from handcart.evaluation.campaigns.campaign import run_campaign
 from handcart.evaluation.campaigns.campaign_setting import CampaignSetting
-from handcart.evaluation.campaigns.trial import Trial
+from handcart.evaluation.campaigns.data.trial import Trial
 from handcart.evaluation.campaigns.workers import end as end_processes
-from handcart.networks.run_options import RunOptions
+from handcart.networks.runs.run_options import RunOptions
 from tests.tools.conftest import Said
 
 ROOT = Path(__file__).resolve().parents[3]

@@ -11,10 +11,10 @@ from typing import Any
 
 import pytest
 
-from handcart.evaluation.campaign_page.campaign_page import CampaignPage
-from handcart.evaluation.campaign_report.campaign_report import CampaignReport
-from handcart.evaluation.campaigns.campaign_folder import CampaignFolder
-from handcart.evaluation.campaigns.trial import ActionEnd, Trial
+from handcart.evaluation.campaigns.data.campaign_folder import CampaignFolder
+from handcart.evaluation.campaigns.data.trial import ActionEnd, Trial
+from handcart.evaluation.campaigns.page.campaign_page import CampaignPage
+from handcart.evaluation.campaigns.statistics.campaign_report import CampaignReport
 from tests.browser import DESK, PHONE, axe_findings, browsing, needs_browser
 from tests.tools.conftest import Said
 

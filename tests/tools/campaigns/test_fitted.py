@@ -11,8 +11,8 @@ import orjson
 import pytest
 
 from benchmarks.campaigns.walk import walk
-from handcart.evaluation.campaigns.campaign_folder import CampaignFolder
-from handcart.evaluation.campaigns.walked_trials import network_trials
+from handcart.evaluation.campaigns.data.campaign_folder import CampaignFolder
+from handcart.evaluation.campaigns.data.walked_trials import network_trials
 from tests.tools.conftest import Said
 
 ASKED: dict[str, Any] = {"task": "walk.yaml", "level": "run", "shard": None, "first": 0, "trials": 200}

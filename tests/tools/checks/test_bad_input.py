@@ -160,7 +160,8 @@ def test_findings_of_do_name_what_was_typed(handcart: Callable[..., Said]) -> No
     said = handcart("do", "MOVE_TO", "place=shelf_1", "wait_s=two", "weit_s=3")
     assert said.err.splitlines() == [
         "wait_s=two: wait_s is 'two'; allowed: a number from 0 to 600 s",
-        "weit_s=3: unknown key 'weit_s'; did you mean 'wait_s'? allowed: place, wait_s, reverse, together",
+        "weit_s=3: unknown key 'weit_s'; did you mean 'wait_s'? "
+        "allowed: place, wait_s, reverse, detour, together",
     ]
 
 

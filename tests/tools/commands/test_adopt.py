@@ -57,7 +57,7 @@ def test_the_change_is_shown_for_review(handcart: Callable[..., Said], run: Path
 def test_it_is_written_and_nothing_else_changes(
     handcart: Callable[..., Said], run: Path, robot: Path
 ) -> None:
-    from handcart.backends.description.robot_loading import load_robot
+    from handcart.backends.loading.robot_loading import load_robot
 
     before = robot.read_text(encoding="utf-8")
     assert handcart("adopt", run, "--write").status == 0
@@ -79,7 +79,7 @@ def test_it_is_written_and_nothing_else_changes(
 def test_a_read_only_file_is_copied_where_asked(
     handcart: Callable[..., Said], run: Path, robot: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from handcart.backends.description.robot_loading import load_robot
+    from handcart.backends.loading.robot_loading import load_robot
 
     allowed = os.access
     with monkeypatch.context() as patch:

@@ -16,9 +16,9 @@ import pytest
 from handcart.evaluation.books.library_files import Libraries
 from handcart.evaluation.campaigns.campaign_setting import CampaignSetting
 from handcart.evaluation.campaigns.trial_run import run_trial
-from handcart.evaluation.explanation.explanation import explain
+from handcart.evaluation.viewing.explanation.explanation import explain
 from handcart.networks.journal.journal import Journal
-from handcart.networks.journal.past_run import read_run
+from handcart.networks.past_runs.past_run import read_run
 from handcart.networks.runs.flight_recorder import load_readings
 from tests.tools.conftest import Said
 

@@ -24,9 +24,9 @@ from handcart.networks.journal.journal import Journal
 from handcart.networks.journal.journal_record import read_journal
 from handcart.networks.journal.waiting import waiting
 from handcart.networks.operator.acknowledging import NothingToAcknowledge, acknowledge
-from handcart.networks.run_options import RunOptions
+from handcart.networks.run_files.run_folder import read_run_journal
 from handcart.networks.runs.checkpoint import load_checkpoint
-from handcart.networks.runs.run_folder import read_run_journal
+from handcart.networks.runs.run_options import RunOptions
 from tests.tools.conftest import Said
 
 ROOT = Path(__file__).resolve().parents[3]

@@ -19,7 +19,7 @@ pytest.importorskip("aiohttp", reason="the extra console isn't installed")
 from benchmarks.campaigns.walk import walk
 from handcart.evaluation.trials.running import run_task
 from handcart.networks.operator.control import Control, Message
-from handcart.networks.run_options import RunOptions
+from handcart.networks.runs.run_options import RunOptions
 from handcart.tools.console.server import Server
 
 OVER, LIVE = "walk-0", "walk-1"

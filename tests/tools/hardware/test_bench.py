@@ -13,7 +13,7 @@ import pytest
 from handcart.backends.can.can_backend import CanBackend
 from handcart.backends.capabilities.base import Base
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.tools.hardware.bench import AT_THE_PROGRAM
 from tests.tools.conftest import Said
 
@@ -55,9 +55,9 @@ def test_wheels_are_driven_over_the_network(
     far: RobotFile, bench: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(
-        "handcart.backends.can.pace.MAX_PERIOD_EXCESS_S", 30.0
+        "handcart.backends.can.bus.pace.MAX_PERIOD_EXCESS_S", 30.0
     )  # machines that tests run on may be busy
-    monkeypatch.setattr("handcart.backends.can.pace.MAX_MISSED_PERIODS", 10_000)
+    monkeypatch.setattr("handcart.backends.can.bus.pace.MAX_MISSED_PERIODS", 10_000)
     with CanBackend.build(far, None, 0) as backend:
         base = backend.get(Base)  # type: ignore[type-abstract]
         assert base is not None

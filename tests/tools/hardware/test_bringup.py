@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.evaluation.bringup.ladder import ALL_RUNGS, BenchFirst, Ladder
 from handcart.evaluation.bringup.operator import BenchOperator, ScriptedOperator
 from handcart.evaluation.bringup.record import read

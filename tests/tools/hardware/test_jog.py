@@ -11,8 +11,8 @@ import pytest
 from handcart.backends.can.can_backend import CanBackend
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.kinematic.kinematic_backend import KinematicBackend
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.evaluation.bringup.jog import HAND_SPEED, Jogger, Lease, UnknownAxis
 from handcart.evaluation.trials.rig import LIBRARY_FOLDER
 from tests.conftest import Clock

@@ -37,7 +37,7 @@ def test_a_posture_is_recorded_and_nothing_else_changes(handcart: Callable[..., 
 
 
 def test_postures_are_copied_and_replaced(handcart: Callable[..., Said], robot: Path) -> None:
-    from handcart.backends.description.robot_loading import load_robot
+    from handcart.backends.loading.robot_loading import load_robot
 
     for source in ("carry", "home"):
         assert handcart("teach", "pick_up_1", "--robot", robot, "--from-posture", source).status == 0
@@ -93,7 +93,7 @@ def test_hand_points_the_given_way(
     x: tuple[float, ...],
     z: tuple[float, ...] | None,
 ) -> None:
-    from handcart.backends.description.robot_loading import load_robot
+    from handcart.backends.loading.robot_loading import load_robot
 
     said = handcart("teach", "look", "--robot", robot, *options)
     assert said.status == 0, said.err

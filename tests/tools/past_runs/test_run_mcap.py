@@ -13,7 +13,7 @@ import pytest
 from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory
 
-from handcart.evaluation.playback.playback import Playback
+from handcart.evaluation.viewing.playback.playback import Playback
 from tests.tools.conftest import Said
 
 SCHEMAS = {

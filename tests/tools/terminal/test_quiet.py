@@ -56,7 +56,7 @@ def test_a_damaged_picture_is_told_by_us_alone(tour: Path) -> None:
 def test_a_diagram_without_names_has_no_legend() -> None:
     from matplotlib.figure import Figure
 
-    from handcart.evaluation.drawing.legend import add_legend
+    from handcart.evaluation.viewing.drawing.legend import add_legend
 
     axis = Figure().subplots()
     add_legend(axis)

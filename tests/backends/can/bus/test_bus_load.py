@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from handcart.backends.can.bus.bus_load import BusLoad, CyclicFrame, frame_bits
-from handcart.backends.can.bus.cyclic_frames import cyclic_frames
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.can.devices.cyclic_frames import cyclic_frames
+from handcart.backends.loading.robot_loading import load_robot
 
 
 def stuffed_bits(bits: list[int]) -> int:

@@ -14,8 +14,8 @@ from can.interfaces.virtual import VirtualBus
 from handcart.backends.can.bench.bench import Bench
 from handcart.backends.can.bus import channel_use
 from handcart.backends.can.bus.channel_use import other_channel_hint, own_channel, taken_by
+from handcart.backends.can.bus.errors import Stranger
 from handcart.backends.can.can_backend import CanBackend
-from handcart.backends.can.errors import Stranger
 from handcart.backends.description.robot_file import RobotFile
 
 CHANNEL = "a channel for one"

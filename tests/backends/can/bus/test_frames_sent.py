@@ -8,7 +8,7 @@ from canopen.objectdictionary import datatypes
 from handcart.backends.can.bus.fault_words import fault_words
 from handcart.backends.can.bus.heartbeat import Heartbeat
 from handcart.backends.can.bus.pdo_layout import CIA402_MODES, layout
-from handcart.backends.can.devices.eds_file import SIGNED_BITS
+from handcart.backends.can.eds.eds_file import SIGNED_BITS
 from tests.conftest import Clock
 
 

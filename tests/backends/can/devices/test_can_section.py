@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from handcart.backends.description.can_spec import JointDriveSpec
-from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.description.robot_names import SHIPPED_FOLDER
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.files.errors import FileError
 from handcart.networks.task.preparing import check, prepare
 

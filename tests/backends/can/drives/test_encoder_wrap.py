@@ -12,19 +12,19 @@ import pytest
 from canopen.objectdictionary import ObjectDictionary
 
 from handcart.backends.can.bench.bench import Bench
+from handcart.backends.can.bus.errors import EncoderWraps, OffDemand
 from handcart.backends.can.can_backend import CanBackend
-from handcart.backends.can.devices.eds_file import read_eds
 from handcart.backends.can.drives.position_jumps import encoder_bits
 from handcart.backends.can.drives.position_range import PositionRange, described_range
-from handcart.backends.can.errors import EncoderWraps, OffDemand
+from handcart.backends.can.eds.eds_file import read_eds
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.files.errors import FileError
+from tests.backends.can.eds.test_lacks import maker_eds, written
 
 from ..conftest import LEFT
-from ..devices.test_lacks import maker_eds, written
 from ..faulty import JOINT_1
 
 RANGE = 0x607B

@@ -30,8 +30,8 @@ from handcart.backends.can.sensors.utc_order import UtcOrder
 from handcart.backends.can.sensors.video_camera import VideoCamera
 from handcart.backends.capabilities.range_sensor import RangeSensor, Scan
 from handcart.backends.description.can_sensor_spec import CameraSource, GpsSource, LineSource, SensorsSpec
-from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.description.sensor_specs import CameraSpec, RangeSpec
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.robot.mounted_camera import MountedCamera, camera_model
 from handcart.robotics.geometry.pose2 import Pose2
 

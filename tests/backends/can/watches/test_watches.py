@@ -5,7 +5,7 @@ from __future__ import annotations
 import can
 import pytest
 
-from handcart.backends.can.errors import (
+from handcart.backends.can.bus.errors import (
     ControllerFault,
     Emergency,
     NodeRestarted,

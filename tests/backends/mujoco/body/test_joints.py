@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.mujoco.mujoco_backend import MujocoBackend
 from handcart.backends.physics.body.joint_group import MIN_TORQUE_RATIO
 from handcart.backends.physics.body.physics_arm import CATCHES_UP
-from handcart.backends.simulation.world.world_model import world_model
+from handcart.backends.simulation.world_files.world_model import world_model
 
 WORLD = {"format": "handcart-world/1", "start": {"x_m": 0.0, "y_m": 0.0}}
 

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.mujoco.mujoco_backend import MujocoBackend
 from handcart.backends.mujoco.rendering.gl_context import NoPictures, make_context
-from handcart.backends.simulation.world.world_model import world_model
+from handcart.backends.simulation.world_files.world_model import world_model
 from handcart.files.models.loading import load
 
 WORLD = """

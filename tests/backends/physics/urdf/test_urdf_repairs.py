@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.physics.physics_backend import PhysicsBackend
 from handcart.backends.physics.urdf.urdf_repairs import MIN_MASS_KG, repaired
 from handcart.backends.simulation.world.world_file import WorldFile

@@ -18,7 +18,7 @@ from handcart.backends.capabilities.imu import Imu
 from handcart.backends.capabilities.positioning import PoseReading, Positioning
 from handcart.backends.capabilities.range_sensor import RangeSensor, Scan
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.robot.localization.localization import (
     Localization,
     WheelLocalization,

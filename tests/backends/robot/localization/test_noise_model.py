@@ -9,8 +9,8 @@ import pytest
 
 from handcart.backends.description.beacons_spec import BeaconsSpec
 from handcart.backends.description.ground_spec import GpsSpec, GroundSpec
-from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.description.sensor_specs import ImuSpec
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.robot.localization.noise_model import beacon_errors, field_localizer, field_noise
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.beacons.beacon_filter import BeaconFilter

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from handcart.backends.backend import Backend
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.registry import make_backend
 
 CART = Path(__file__).parents[4] / "backends" / "robots" / "cart"

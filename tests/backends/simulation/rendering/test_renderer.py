@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.robot.mounted_camera import camera_model
 from handcart.backends.simulation.books.book_props import BookProps
 from handcart.backends.simulation.rendering.renderer import Renderer
-from handcart.backends.simulation.scene import Scene
 from handcart.backends.simulation.simulated_backend import build_scene
-from handcart.backends.simulation.world.world_model import world_model
+from handcart.backends.simulation.world.scene import Scene
+from handcart.backends.simulation.world_files.world_model import world_model
 from handcart.robotics.geometry.transform import Transform, transform
 from handcart.robotics.perception.landmarks.tag_reader import read_tags
 

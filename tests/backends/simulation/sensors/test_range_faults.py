@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.description.range_spec import RangeSpec
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.registry import make_backend
 from handcart.backends.simulation.sensors.range_faults import OWN_BODY_M
 

@@ -13,15 +13,15 @@ import numpy as np
 import pytest
 
 from handcart.backends.capabilities.beacons import Beacons
-from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.description.robot_names import robot_path
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.evaluation.conformance.checks.beacon_checks import beacons
 from handcart.evaluation.conformance.checks.check import CheckResult
 from handcart.evaluation.conformance.rig.bench import Bench
-from handcart.evaluation.replay.csv_log import read_csv_log
-from handcart.evaluation.replay.drive_recorder import DriveRecorder
-from handcart.evaluation.replay.replay import NoRanges, localizer_for, replay
-from handcart.evaluation.replay.replay_words import in_words
+from handcart.evaluation.offline_localization.drive_recorder import DriveRecorder
+from handcart.evaluation.offline_localization.logs.csv_log import read_csv_log
+from handcart.evaluation.offline_localization.replay import NoRanges, localizer_for, replay
+from handcart.evaluation.offline_localization.replay_words import in_words
 from handcart.evaluation.trials.rig import RigFiles
 from handcart.files.errors import FileError
 from handcart.networks.task.preparing import prepare

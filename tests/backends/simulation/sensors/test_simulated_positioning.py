@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from handcart.backends.capabilities.positioning import PoseReading
-from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.description.sensor_specs import PositioningSpec
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.plain_values import attributes, set_attributes
-from handcart.backends.simulation.scene import Scene
 from handcart.backends.simulation.sensors.simulated_positioning import SimulatedPositioning
 from handcart.backends.simulation.simulated_backend import build_scene
-from handcart.backends.simulation.world.world_model import world_model
+from handcart.backends.simulation.world.scene import Scene
+from handcart.backends.simulation.world_files.world_model import world_model
 from handcart.robotics.geometry.pose2 import Pose2
 
 EMPTY = world_model().model_validate({"format": "handcart-world/1", "start": {"x_m": 0.0, "y_m": 0.0}})

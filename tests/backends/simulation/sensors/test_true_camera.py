@@ -3,17 +3,17 @@ from typing import Any
 import numpy as np
 import pytest
 
-from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.description.sensor_specs import CalibratedCamera
 from handcart.backends.kinematic.kinematic_backend import KinematicBackend
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.robot.mounted_camera import camera_model, known_camera, mount_of, stated_camera
 from handcart.backends.simulation.calibration.mark_props import MarkProps
 from handcart.backends.simulation.rendering.renderer import Renderer
 from handcart.backends.simulation.sensors.true_camera import true_camera
 from handcart.backends.simulation.simulated_backend import build_scene
-from handcart.backends.simulation.world.world_model import world_model
+from handcart.backends.simulation.world_files.world_model import world_model
 from handcart.robotics.geometry.transform import apply, difference, inverse, transform
-from handcart.robotics.perception.cameras.charuco_board import CharucoBoard
+from handcart.robotics.perception.landmarks.charuco_board import CharucoBoard
 from handcart.robotics.perception.landmarks.landmark_pose import facing
 
 FOUND = CalibratedCamera(

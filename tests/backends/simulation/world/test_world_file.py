@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from handcart.backends.simulation.world.world_model import world_model
+from handcart.backends.simulation.world_files.world_model import world_model
 from handcart.files.errors import FileError
 from handcart.files.models.loading import load
 

@@ -10,13 +10,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.primitives.seam.seam_placer import placer_of
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.manipulation.paths.tool_path import ToolPath, tool_path
+from handcart.robotics.manipulation.paths.untrackable import Untrackable
 from handcart.robotics.manipulation.placement.alongside import level_with, place_alongside, seen_from
 from handcart.robotics.manipulation.placement.placer import Placer
-from handcart.robotics.manipulation.placement.untrackable import Untrackable
-from handcart.robotics.manipulation.tracking.tool_path import ToolPath, tool_path
 
 from ..seams import arched_poses
 

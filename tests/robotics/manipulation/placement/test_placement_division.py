@@ -8,6 +8,8 @@ from itertools import combinations, pairwise, product
 import numpy as np
 import pytest
 
+from handcart.robotics.manipulation.arms.placement_scores import PlacementScores
+from handcart.robotics.manipulation.paths.untrackable import Untrackable
 from handcart.robotics.manipulation.placement.placement_division import (
     TooFewPlacements,
     best_division,
@@ -16,8 +18,6 @@ from handcart.robotics.manipulation.placement.placement_division import (
     fewest_placements,
     greedy_division,
 )
-from handcart.robotics.manipulation.placement.placement_scores import PlacementScores
-from handcart.robotics.manipulation.placement.untrackable import Untrackable
 
 CASES = 300
 

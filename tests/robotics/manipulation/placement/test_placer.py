@@ -8,10 +8,10 @@ import pytest
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.manipulation.arms.screw_arm import FreeTurn
+from handcart.robotics.manipulation.paths.tool_path import ToolPath
+from handcart.robotics.manipulation.paths.untrackable import Untrackable
 from handcart.robotics.manipulation.placement.placement_division import TooFewPlacements
 from handcart.robotics.manipulation.placement.placer import Placements, Placer, Work
-from handcart.robotics.manipulation.placement.untrackable import Untrackable
-from handcart.robotics.manipulation.tracking.tool_path import ToolPath
 
 from ..seams import arched, five_joint_urdf
 

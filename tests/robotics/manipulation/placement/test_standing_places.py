@@ -8,13 +8,13 @@ import pytest
 from handcart.robotics.geometry.transform import transform
 from handcart.robotics.kinematics.shapes import Box
 from handcart.robotics.manipulation.arms.pitch_arm import PitchArm
+from handcart.robotics.manipulation.arms.placement_scores import PlacementScores
+from handcart.robotics.manipulation.arms.score_rule import Measure, ScoreRule
+from handcart.robotics.manipulation.paths.tool_path import ToolPath
+from handcart.robotics.manipulation.paths.untrackable import Untrackable
 from handcart.robotics.manipulation.placement.nearest_reachable import with_nearest
 from handcart.robotics.manipulation.placement.placement_division import best_division
-from handcart.robotics.manipulation.placement.placement_scores import PlacementScores
-from handcart.robotics.manipulation.placement.score_rule import Measure, ScoreRule
 from handcart.robotics.manipulation.placement.standing_places import OpenFloor, stands_clear
-from handcart.robotics.manipulation.placement.untrackable import Untrackable
-from handcart.robotics.manipulation.tracking.tool_path import ToolPath
 from handcart.robotics.navigation.maps.grid_map import from_boxes
 
 from ..seams import arched, stands

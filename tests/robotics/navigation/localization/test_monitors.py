@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.localization.fix_monitor import FixMonitor, whitened
-from handcart.robotics.navigation.localization.lost_track import LostTrack
 from handcart.robotics.navigation.localization.slip_monitor import SlipMonitor, turn_variance
 from handcart.robotics.navigation.localization.way_monitor import WayMonitor
+from handcart.robotics.navigation.outdoors.fix_monitor import FixMonitor, whitened
+from handcart.robotics.navigation.outdoors.lost_track import LostTrack
 
 ONE = np.eye(2)
 FORECAST = 0.5 * ONE

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.localization.watched_moment import Belief
 from handcart.robotics.navigation.outdoors import field_model as states
 from handcart.robotics.navigation.outdoors.field_kalman import FieldKalman
 from handcart.robotics.navigation.outdoors.field_model import corrected, fix_forecast, level_lever
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_NOISE
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance, GyroOdometry
-from handcart.robotics.navigation.outdoors.watched_moment import Belief
 
 STEADY = REFERENCE_NOISE._replace(gyro_walk=0.0, gyro_warm_up=0.0, gyro_bias=0.02, gyro_white=0.005)
 START = Pose2(1.0, -2.0, 0.3)

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.localization.watched_moment import Belief
 from handcart.robotics.navigation.outdoors.field_localizer import FieldLocalizer
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance
 from handcart.robotics.navigation.outdoors.particle_filter import ParticleErrors, ParticleFilter
-from handcart.robotics.navigation.outdoors.watched_moment import Belief
 
 START = Pose2(1.0, 2.0, 0.5)
 GRAVITY = np.array([0.0, 0.0, 9.81])

@@ -10,13 +10,13 @@ import scipy.stats
 from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.localization.watched_moment import Belief, mixed
 from handcart.robotics.navigation.outdoors import field_model as states
 from handcart.robotics.navigation.outdoors.field_kalman import FieldKalman, Fixed
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_NOISE, FieldNoise
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance, GyroOdometry
 from handcart.robotics.navigation.outdoors.sky import leapt, log_normal
 from handcart.robotics.navigation.outdoors.smoothing import TrackRecord
-from handcart.robotics.navigation.outdoors.watched_moment import Belief, mixed
 
 LEAPING = REFERENCE_NOISE._replace(gps_drift=3.0, gps_drift_time=600.0, jump=3.0, jump_every=100.0)
 STANDS = Advance(0.0, 0.0, 0.0, 1.0, 1.0, 0.0)

@@ -13,7 +13,7 @@ from handcart.robotics.perception.books.shelf_views import fuse_labels, fuse_vie
 from handcart.robotics.perception.books.slots import find_slots
 from handcart.robotics.perception.books.spine_edges import Strips
 from handcart.robotics.perception.books.spines import Spine, SpineView, find_spines
-from handcart.robotics.perception.cameras.overlay import draw_overlay
+from handcart.robotics.perception.drawing.overlay import draw_overlay
 
 from ..conftest import Book, Bookshelf
 

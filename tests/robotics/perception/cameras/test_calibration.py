@@ -9,10 +9,10 @@ from handcart.robotics.perception.cameras.board_pose import pose_board
 from handcart.robotics.perception.cameras.calibration_board import BoardView
 from handcart.robotics.perception.cameras.camera_calibration import calibrate_camera
 from handcart.robotics.perception.cameras.camera_model import CameraModel
-from handcart.robotics.perception.cameras.charuco_board import CharucoBoard
 from handcart.robotics.perception.cameras.chessboard import Chessboard
 from handcart.robotics.perception.cameras.hand_eye_calibration import HandEyeView, calibrate_hand_eye
 from handcart.robotics.perception.cameras.hand_eye_closed_form import HAND_EYE_METHODS, closed_form
+from handcart.robotics.perception.landmarks.charuco_board import CharucoBoard
 from handcart.robotics.perception.landmarks.landmark_pose import facing
 
 from ..conftest import Tabletop

@@ -1,0 +1,51 @@
+"""Appearance of the world that an engine received."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.physics.engine.thing_form import ThingForm
+from handcart.backends.simulation.world.material import Material
+from handcart.backends.simulation.world.sheet import Sheet
+from handcart.backends.simulation.world.thing import GreyImage
+from handcart.robotics.kinematics.shapes import Box
+
+
+class BoxLook(NamedTuple):
+    """Appearance of an immovable box, or one that comes and goes."""
+
+    box: Box
+    grey: int
+    moves: bool
+    material: Material
+
+
+class TileLook(NamedTuple):
+    """Appearance of rough ground; see `Engine.add_tile`."""
+
+    corner: NDArray[np.float64]
+    cell: float
+    heights: NDArray[np.float64]
+
+
+@dataclass
+class Looks:
+    """Appearance by the numbers of the bodies. It only grows, and does not affect the engine."""
+
+    level: bool = False
+    """True if there is a level floor."""
+    boxes: dict[int, BoxLook] = field(default_factory=dict)
+    tiles: dict[int, TileLook] = field(default_factory=dict)
+    sheets: list[Sheet] = field(default_factory=list)
+    things: dict[int, ThingForm] = field(default_factory=dict)
+    shown: dict[int, GreyImage] = field(default_factory=dict)
+    """Pictures that things show instead of those that they were made with."""
+
+    @property
+    def count(self) -> int:
+        """Return the number of entries; a new number means that the stage has to be built again."""
+        return len(self.boxes) + len(self.tiles) + len(self.sheets) + len(self.things)

@@ -1,0 +1,300 @@
+"""MuJoCo: its clock, its bodies, its saved states."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from typing_extensions import override
+
+from handcart.backends.physics.engine.engine import ContactPoint, Engine, Pinned, Touching
+from handcart.backends.physics.engine.thing_form import ThingForm
+from handcart.backends.plain_values import from_plain, to_plain
+from handcart.backends.saved_state import NotAState
+from handcart.backends.simulation.world.material import WOOD_MATERIAL, Material
+from handcart.backends.simulation.world.sheet import Sheet
+from handcart.backends.simulation.world.thing import GreyImage
+from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.kinematics.shapes import Box
+
+from .beams import Beams
+from .growing_model import GrowingModel
+from .leaning import Leaning
+from .looks import BoxLook, Looks, TileLook
+from .mujoco_module import mujoco
+from .numbering import Numbering, ThingNumbers
+from .pins import Pins
+from .pressing import Pressing
+from .saved_data import restore, saved
+from .slipping import Slipping
+from .world_spec import box_inertia, quaternion
+
+Array = NDArray[np.float64]
+SLIP_CHECK_STEPS = 2  # steps of the solver after which it is seen whether what is held slips
+TOUCH_CHECKS_PER_PERIOD = 4  # times at a period's end that what touches is looked at
+
+
+class MujocoEngine(Engine):
+    """A model and its data of MuJoCo's. Bodies are numbered as they are made.
+
+    Drives are MuJoCo's: Python acts once a period, and looks at what touches, and slips, in between.
+    """
+
+    CHUNK = math.inf
+    CONTACTS_CARRY = 0.5  # they know speeds, not places: what they hold in a hand that turns drifts
+
+    def __init__(self, period: float) -> None:
+        """Start the engine; see `Engine`."""
+        super().__init__(period)
+        mujoco()
+        self._grown = GrowingModel(self.chunk / self.substeps, self._number)
+        self.world = self._grown.world
+        self._forms: list[ThingForm | None] = []
+        self.looks = Looks()
+        """Appearance of all bodies."""
+        self.pins = Pins()
+        """Rigid connections where contacts alone don't hold."""
+        self._slipping = Slipping(self.pins, self.CONTACTS_CARRY, self.chunk)
+        self._links: dict[int, tuple[int, int]] = {}
+        self._bodies: dict[tuple[int, int], int] = {}
+        self._leaning = Leaning()
+        self._seen: Array | None = None
+        """All coordinates when `moved` was last asked; None: everything may have moved."""
+
+    # The model
+
+    @property
+    def model(self) -> Any:
+        """MuJoCo's model of all that was made."""
+        return self._grown.both()[0]
+
+    @property
+    def data(self) -> Any:
+        """MuJoCo's data of it; poses of links in it may be those of before, see `links`."""
+        return self._grown.both()[1]
+
+    def grow(self) -> int:
+        """Something is added to `world`; gives the number of a further body."""
+        self._grown.changed()
+        self._forms.append(None)
+        return len(self._forms) - 1
+
+    def changed(self) -> None:
+        """Note that `world` was changed."""
+        self._grown.changed()
+
+    def link_body(self, number: int, link: int) -> int:
+        """MuJoCo's number of a link."""
+        return self._bodies[number, link]
+
+    def name_links(self, number: int, bodies: dict[str, int]) -> None:
+        """A body is made of MuJoCo's bodies of these names, each with its number as a link."""
+        model = self.model
+        self._links = {model.body(name).id: (number, link) for name, link in bodies.items()}
+        self._bodies = {owner: body for body, owner in self._links.items()}
+        self._number(model)
+
+    def _number(self, model: Any) -> None:
+        """Whose is what in a model."""
+        things = [number for number, form in enumerate(self._forms) if form is not None]
+        self._numbering, self._seen = Numbering(model, self._links, things), None
+        self._pressing, self._beams = Pressing(self._numbering.owners), Beams(model)
+        self._leaning.compiled(model, next(iter(self._links), None))
+
+    def links(self) -> Any:
+        """MuJoCo's data, poses of all links as of now."""
+        return self._grown.links()
+
+    def displaced(self) -> None:
+        """Coordinates were changed: poses follow when they are asked for."""
+        self._grown.displaced()
+
+    def parts(self) -> Sequence[int]:
+        """Return the solver's steps of each part of a chunk.
+
+        Contacts are read after each part and forces averaged, because the force of one impact alone
+        misleads.
+        """
+        often = max(0, min(TOUCH_CHECKS_PER_PERIOD, self.substeps // SLIP_CHECK_STEPS - 1))
+        return (self.substeps - often * SLIP_CHECK_STEPS, *(SLIP_CHECK_STEPS,) * often)
+
+    @override
+    def step(self, steps: int | None = None) -> None:
+        model, data = self._grown.both()
+        steps = self.substeps if steps is None else steps
+        while (pinned := self._slipping.pinned) is not None and steps > 0:
+            mujoco().mj_step(model, data, min(SLIP_CHECK_STEPS, steps))
+            steps -= SLIP_CHECK_STEPS
+            self._slipping.look(model, data, *self._joined(pinned))
+        if steps > 0:
+            mujoco().mj_step(model, data, steps)
+        self.displaced()
+        self._leaning.look(model, data)
+
+    @override
+    def close(self) -> None:
+        self._grown.forget()
+
+    # Bodies
+
+    @override
+    def add_floor(self, friction: float) -> int:
+        number = self.grow()
+        self.looks.level = True
+        self.world.floor(number, friction)
+        return number
+
+    @override
+    def add_box(
+        self, box: Box, friction: float, grey: int, moves: bool = False, material: Material = WOOD_MATERIAL
+    ) -> int:
+        number = self.grow()
+        self.looks.boxes[number] = BoxLook(box, grey, moves, material)
+        self.world.box(number, box, friction, moves)
+        return number
+
+    @override
+    def add_tile(self, corner: Array, cell: float, heights: Array, friction: float) -> int:
+        number = self.grow()
+        self.looks.tiles[number] = TileLook(corner, cell, heights)
+        self.world.tile(number, corner, cell, heights, friction)
+        return number
+
+    @override
+    def add_sheet(self, sheet: Sheet) -> None:
+        self.looks.sheets.append(sheet)
+
+    @override
+    def add_thing(self, form: ThingForm) -> int:
+        number = self.grow()
+        self._forms[number] = self.looks.things[number] = form
+        self.world.thing(number, form)
+        return number
+
+    @override
+    def show(self, body: int, picture: GreyImage) -> None:
+        self.looks.shown[body] = picture
+
+    @override
+    def weigh(self, body: int, mass: float) -> None:
+        form = self._forms[body]
+        assert form is not None
+        inertia = box_inertia(mass, form.size)
+        model, index = self.model, self.thing_at(body).body
+        model.body_mass[index], model.body_inertia[index] = mass, inertia
+        pinned = model.eq_data.copy()
+        mujoco().mj_setConst(model, mujoco().MjData(model))  # how hard contacts push follows from the masses
+        model.eq_data[:] = pinned  # it has things held where they were at first
+        spec = self.world.spec.body(f"{body}")
+        spec.mass, spec.inertia = mass, inertia
+
+    def pose(self, body: int) -> Transform:
+        """See `Engine`; of things."""
+        index, data = self.thing_at(body).body, self.links()
+        result = np.zeros((4, 4))
+        result[:3, :3], result[:3, 3], result[3, 3] = data.xmat[index].reshape(3, 3), data.xpos[index], 1.0
+        return result
+
+    @override
+    def moved(self) -> Collection[int] | None:
+        coordinates, seen = self.data.qpos, self._seen
+        self._seen = coordinates.copy()
+        return None if seen is None else self._numbering.moved(coordinates != seen)
+
+    def thing_at(self, body: int) -> ThingNumbers:
+        """Return the indices of a thing in MuJoCo's arrays."""
+        self._grown.both()
+        return self._numbering.things[body]
+
+    @override
+    def set_pose(self, body: int, pose: Transform) -> None:
+        model, data = self._grown.both()
+        placed = np.concatenate([pose[:3, 3], quaternion(pose)])
+        if body in self._numbering.things:
+            thing = self._numbering.things[body]
+            data.qpos[thing.position : thing.position + 7] = placed
+            data.qvel[thing.velocity : thing.velocity + 6] = 0.0
+        else:
+            mocap = int(model.body(f"{body}").mocapid[0])
+            data.mocap_pos[mocap], data.mocap_quat[mocap] = placed[:3], placed[3:]
+        self.displaced()
+
+    @override
+    def touches(self, body: int, anything: bool) -> None:
+        bits, model = int(anything), self.model
+        thing = self._numbering.things[body]
+        model.body_contype[thing.body] = model.body_conaffinity[thing.body] = bits  # MuJoCo looks here first
+        for geometry in thing.geometries:
+            model.geom_contype[geometry] = model.geom_conaffinity[geometry] = bits
+            spec = self.world.spec.geom(model.geom(geometry).name)
+            spec.contype = spec.conaffinity = bits
+
+    @property
+    @override
+    def pinned(self) -> Pinned | None:
+        return self._slipping.pinned
+
+    @override
+    def pin(self, wanted: Pinned | None) -> None:
+        model, data = self._grown.both()
+        if wanted is None:
+            self._slipping.let_go(data)
+        else:
+            self._slipping.hold(model, data, wanted, *self._joined(wanted))
+
+    def _joined(self, pinned: Pinned) -> tuple[int, int]:
+        """MuJoCo's numbers of what is held together."""
+        return self.link_body(pinned.body, pinned.link), self._numbering.things[pinned.other].body
+
+    # What is there
+
+    @override
+    def touching(self, body: int) -> Collection[Touching]:
+        data = self.data  # what is numbered below may be numbered anew by it
+        return self._pressing.touching(data, body)
+
+    @override
+    def contacts(self, body: int) -> list[ContactPoint]:
+        data = self.data
+        return self._pressing.contacts(data, body)
+
+    @override
+    def free_shares(self, start: Array, ends: Array) -> Array:
+        data = self.links()
+        return self._beams.free_shares(data, start, ends)
+
+    # States
+
+    def state(self) -> dict[str, Any]:
+        """See `Engine`: to the last bit."""
+        pinned = to_plain(self.pinned, Pinned | None)
+        leans = self._leaning.trees.astype(np.int64)
+        return {**saved(self.model, self.data), "pinned": pinned, "leans": leans}
+
+    @override
+    def set_state(self, state: object) -> None:
+        model, data = self._grown.both()
+        if not isinstance(state, dict) or not {"pinned", "leans"} <= state.keys():
+            raise NotAState("no state of this engine; needed: mujoco, asleep, pinned, leans")
+        pinned = from_plain(state["pinned"], Pinned | None, "pinned")
+        self._check_pinned(pinned)
+        leans = from_plain(state["leans"], NDArray[np.int64], "leans")
+        if leans.shape != self._leaning.trees.shape:
+            raise NotAState("no saved state: the engine's world has other bodies")
+        own = {name: state[name] for name in state if name not in ("pinned", "leans")}
+        self.pin(pinned)
+        restore(model, data, own)  # what slips just now isn't held
+        self._leaning.set(model, leans != 0)
+        self.displaced()
+        self._seen = None
+
+    def _check_pinned(self, pinned: Pinned | None) -> None:
+        if pinned is None:
+            return
+        if pinned.other not in self._numbering.things or (pinned.body, pinned.link) not in self._bodies:
+            raise NotAState("no saved state: the held body is missing")
+        if len(pinned.points) != len(pinned.other_points):
+            raise NotAState("no saved state: the held body has other points")

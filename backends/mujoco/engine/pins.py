@@ -1,0 +1,65 @@
+"""Points at which two bodies are held together."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from handcart.backends.physics.engine.engine import Pinned
+
+from .mujoco_module import mujoco
+from .world_spec import CONTACT_COMPLIANCE
+
+MAX_PIN_POINTS = 4  # points
+_NAME = "pin {}"
+
+
+class Pins:
+    """Equalities between the hand and the held thing; which thing that is changes during the run.
+
+    In the model, the equalities of joints that mimic others precede them, with one constraint row each.
+    """
+
+    def __init__(self) -> None:
+        """Begin without pins."""
+        self._there, self._first = False, 0
+
+    def prepare(self, spec: Any, hand: str, other: str) -> None:
+        """Have them in the model, open; `other` is some other body."""
+        kinds, what = mujoco().mjtEq, mujoco().mjtObj
+        self._first = len(spec.equalities)
+        assert all(each.type == kinds.mjEQ_JOINT for each in spec.equalities)
+        for number in range(MAX_PIN_POINTS):
+            pin = spec.add_equality(name=_NAME.format(number), name1=hand, name2=other, active=False)
+            pin.type, pin.objtype, pin.solref = kinds.mjEQ_CONNECT, what.mjOBJ_BODY, CONTACT_COMPLIANCE
+        self._there = True
+
+    def closed(self, data: Any) -> bool:
+        """Return whether they hold something."""
+        return bool(data.eq_active[self._first])
+
+    def pull(self, data: Any) -> float:
+        """Return the mean load of a point, in [N]."""
+        forces = data.efc_force[self._first : self._first + 3 * MAX_PIN_POINTS].tolist()
+        return (
+            sum(math.hypot(*forces[row : row + 3]) for row in range(0, 3 * MAX_PIN_POINTS, 3))
+            / MAX_PIN_POINTS
+        )
+
+    def open(self, data: Any) -> None:
+        """Hold nothing."""
+        if self._there:
+            data.eq_active[self._first : self._first + MAX_PIN_POINTS] = 0
+
+    def close(self, model: Any, data: Any, wanted: Pinned, hand: int, other: int) -> None:
+        """Hold two of MuJoCo's bodies together."""
+        turn = np.zeros(9)
+        mujoco().mju_quat2Mat(turn, model.body_iquat[hand])
+        for each, (point, there) in enumerate(zip(wanted.points, wanted.other_points, strict=True)):
+            number = self._first + each
+            model.eq_obj1id[number], model.eq_obj2id[number] = hand, other
+            model.eq_data[number, :3] = turn.reshape(3, 3) @ point + model.body_ipos[hand]
+            model.eq_data[number, 3:6] = there
+            data.eq_active[number] = 1

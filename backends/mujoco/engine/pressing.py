@@ -1,0 +1,72 @@
+"""Pairs of bodies that press on each other, from MuJoCo's contacts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from handcart.backends.physics.engine.engine import ContactPoint, Touching
+
+Owner = tuple[int, int]
+"""A body of the engine's and its link; a thing's is -1."""
+_NOTHING = frozenset[Touching]()
+
+
+class Pressing:
+    """Contacts with forces, by the bodies that they belong to.
+
+    After most steps the same geometries touch as before, so the last result is cached.
+    """
+
+    def __init__(self, owners: Sequence[Owner]) -> None:
+        """Whose each geometry is."""
+        self._owners = owners
+        self._seen = b""
+        self._found: dict[int, frozenset[Touching]] = {}
+
+    def touching(self, data: Any, body: int) -> frozenset[Touching]:
+        """See `Engine.touching`: the same object as long as nothing has changed."""
+        if data.nefc == 0:
+            return _NOTHING
+        contact = data.contact
+        rows, pairs = contact.efc_address, contact.geom
+        pressed = (data.efc_force.take(rows, mode="clip") > 0.0) & (rows >= 0)
+        seen = pairs.tobytes() + pressed.tobytes()
+        if seen != self._seen:
+            self._seen, self._found = seen, self._of(pairs[pressed].tolist())
+        return self._found.get(body, _NOTHING)
+
+    def _of(self, pairs: Sequence[tuple[int, int]]) -> dict[int, frozenset[Touching]]:
+        """Return the bodies that touch each body, from pairs of pressing geometries."""
+        found: dict[int, set[Touching]] = {}
+        for first, second in pairs:
+            one, other = self._owners[first], self._owners[second]
+            found.setdefault(one[0], set()).add(Touching(one[1], *other))
+            found.setdefault(other[0], set()).add(Touching(other[1], *one))
+        return {body: frozenset(each) for body, each in found.items()}
+
+    def contacts(self, data: Any, body: int) -> list[ContactPoint]:
+        """Return the contact points of one body, with normals and forces in the world's frame."""
+        contact, forces = data.contact, data.efc_force
+        found = []
+        for touching, index, row, sign in self._points(data, body):
+            # A contact's frame has its normal first, which points from the first to the second geometry.
+            frame = sign * contact.frame[index].reshape(3, 3)
+            force = forces[row : row + 3] @ frame
+            found.append(ContactPoint(*touching, tuple(frame[0].tolist()), tuple(force.tolist())))
+        return found
+
+    def _points(self, data: Any, body: int) -> Iterator[tuple[Touching, int, int, float]]:
+        """Yield the contacts of a body: touching pair, number, first row of forces, and sign of the contact
+        frame.
+        """
+        contact, forces, owners = data.contact, data.efc_force, self._owners
+        rows = contact.efc_address.tolist()
+        for index, (row, (first, second)) in enumerate(zip(rows, contact.geom.tolist(), strict=True)):
+            one, other = owners[first], owners[second]
+            if row < 0 or body not in (one[0], other[0]) or forces[row] <= 0.0:
+                continue
+            if one[0] == body:
+                yield Touching(one[1], *other), index, row, -1.0
+            if other[0] == body:
+                yield Touching(other[1], *one), index, row, 1.0

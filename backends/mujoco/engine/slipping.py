@@ -1,0 +1,73 @@
+"""Slip of a held thing under more force than the grip bears."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.physics.engine.engine import Pinned
+from handcart.robotics.geometry.transform import Transform, inverse
+
+from .mujoco_module import mujoco
+from .pins import Pins
+
+STICKING_SPEED_M_S = 0.005  # [m/s]: slower, what slid in the hand is held again
+
+
+class Slipping:
+    """Held thing, by pins that open while it slips."""
+
+    def __init__(self, pins: Pins, contacts_carry: float, period: float) -> None:
+        """Prepare slipping with the share `Engine.CONTACTS_CARRY`.
+
+        Args:
+            pins: equalities that hold the thing.
+            contacts_carry: share of the pads' friction that contacts have.
+            period: control period, in [s]; a thing that slid less than `STAYS` allows in it is held again.
+        """
+        self._pins, self._carry, self._stays = pins, contacts_carry, STICKING_SPEED_M_S * period
+        self.pinned: Pinned | None = None
+        """Rigid connection, slipping or not."""
+
+    def hold(self, model: Any, data: Any, pinned: Pinned, hand: int, other: int) -> None:
+        """Hold two of MuJoCo's bodies together."""
+        self.pinned = pinned
+        self._pins.close(model, data, pinned, hand, other)
+
+    def let_go(self, data: Any) -> None:
+        """Hold nothing."""
+        self.pinned = None
+        self._pins.open(data)
+
+    def look(self, model: Any, data: Any, hand: int, other: int) -> None:
+        """Time has passed: let it slide while more pulls at it than holds it, and hold it where it stays."""
+        pinned = self.pinned
+        assert pinned is not None
+        if self._pins.closed(data):
+            # While they hold, contacts carry next to nothing: what is still can pull at these points alone.
+            if self._pins.pull(data) > pinned.force_n / (1.0 - self._carry):
+                self._pins.open(data)
+            return
+        mujoco().mj_kinematics(model, data)
+        there = _points(data, pinned, hand, other)
+        slid = float(np.linalg.norm(there - np.array(pinned.other_points), axis=1).max())
+        points = tuple((float(x), float(y), float(z)) for x, y, z in there)
+        self.pinned = replace(pinned, other_points=points)
+        if slid < self._stays:
+            self.hold(model, data, self.pinned, hand, other)
+
+
+def _points(data: Any, pinned: Pinned, hand: int, other: int) -> NDArray[np.float64]:
+    """Return the hand's points in the frame of the held thing, (n, 3) in [m]."""
+    world_T_hand = _pose(data.xipos[hand], data.ximat[hand])
+    other_T_hand = inverse(_pose(data.xpos[other], data.xmat[other])) @ world_T_hand
+    return np.asarray(np.array(pinned.points) @ other_T_hand[:3, :3].T + other_T_hand[:3, 3])
+
+
+def _pose(position: NDArray[np.float64], turn: NDArray[np.float64]) -> Transform:
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = turn.reshape(3, 3), position
+    return pose

@@ -1,0 +1,184 @@
+"""Growing description from which MuJoCo compiles a model."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from handcart.backends.physics.engine.engine import GRAVITY_M_S2
+from handcart.backends.physics.engine.thing_form import Cuboid, ThingForm, Wedge
+from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.kinematics.shapes import Box
+
+from .mujoco_module import mujoco
+
+CONTACT_COMPLIANCE = (0.005, 1.0)
+"""Compliance of contacts: time constant in [s], of two steps, and damping ratio; resting things sink in 0.01
+mm.
+"""
+PAD_IMPEDANCE = (0.95, 0.99, 0.0005, 0.5, 2.0)
+"""Impedance of pads: with MuJoCo's default, 60 N press a thing of 40 g 0.6 mm into each pad, with this 0.25
+mm.
+
+A thing held by a turning hand drifts, because MuJoCo's steps follow the tangent of its path. The points of
+`Grip` bring it back, against friction that gives a little. With the hardest impedance (0.999), or with
+MuJoCo's own remedies for slipping (`impratio` 10, `noslip_iterations` 5), friction would oppose this
+return.
+"""
+TYRE_IMPEDANCE = (0.995, 0.999, 0.0005, 0.5, 2.0)
+"""Impedance of sticking tyres: with MuJoCo's default, a car on rough ground turns by 0.6 degrees in a
+minute.
+"""
+LINKAGE_IMPEDANCE = (0.999, 0.9999, 0.0005, 0.5, 2.0)
+"""Impedance of a linkage between two joints: a load on the following joint moves it by less than 1e-5."""
+SOFT_GROUND_IMPEDANCE = (0.9, 0.9, 0.001, 0.5, 2.0)
+"""Impedance of wheels on soft ground: equal at each depth, so that a point's force is proportional to it.
+
+MuJoCo's force at rest is its stiffness times the depth, divided by (1 - impedance) and by the body's
+inverse mass at the contact. In motion it acts as if 9 times that mass moved along, so the ground gives
+slowly.
+"""
+HOLDS_ON_SOFT = 100.0
+"""Times as hard as it gives, ground that gives holds wheels along it (`impratio`): with 1, a car creeps."""
+AXLE_FRICTION_RATIO = 2.0
+"""Times as much friction along an axle as is asked for: the ATRV then turns on the spot by 0.99 to 1.02
+of what its file has, without this by 1.06 to 1.10."""
+ROBOT_PREFIX = "robot/"
+"""Before the names of the robot's links and joints."""
+ROBOT_GROUP = 1
+"""Group of the robot's geometries: no beam of its range sensor meets it."""
+GROUND_DEPTH_M = 1.0  # [m] of solid ground below the lowest point of a tile
+
+Array = NDArray[np.float64]
+
+
+class WorldSpec:
+    """The `MjSpec` of a world; bodies are named by their numbers."""
+
+    def __init__(self, step: float) -> None:
+        """Create a world whose solver has steps of that length, in [s]."""
+        mj = mujoco()
+        self.spec: Any = mj.MjSpec()
+        option = self.spec.option
+        option.timestep, option.gravity = step, (0.0, 0.0, -GRAVITY_M_S2)
+        option.integrator = mj.mjtIntegrator.mjINT_IMPLICITFAST
+        option.cone = mj.mjtCone.mjCONE_ELLIPTIC
+        option.enableflags |= mj.mjtEnableBit.mjENBL_SLEEP
+        self._floor = ""
+
+    def floor(self, number: int, friction: float) -> None:
+        """A plane through the origin."""
+        kind = mujoco().mjtGeom.mjGEOM_PLANE
+        self._floor = f"{number}"
+        self.solid(self.spec.worldbody, self._floor, friction, type=kind, size=(0.0, 0.0, 1.0))
+
+    def box(self, number: int, box: Box, friction: float, moves: bool) -> None:
+        """A box that nothing moves; one that is put elsewhere is a body of its own."""
+        kind, half = mujoco().mjtGeom.mjGEOM_BOX, [size / 2 for size in box.size]
+        body, placed = self.spec.worldbody, where(box.pose)
+        if moves:
+            body, placed = self.spec.worldbody.add_body(name=f"{number}", mocap=True, **placed), {}
+        self.solid(body, f"{number}", friction, type=kind, size=half, **placed)
+
+    def tile(self, number: int, corner: Array, cell: float, heights: Array, friction: float) -> None:
+        """Rough ground; see `Engine.add_tile`."""
+        low, span = float(heights.min()), max(float(np.ptp(heights)), 1e-6)
+        half = cell * (len(heights) - 1) / 2
+        field = self.spec.add_hfield(
+            name=f"field {number}",
+            size=(half, half, span, GROUND_DEPTH_M),
+            nrow=len(heights),
+            ncol=len(heights),
+            userdata=((heights - low) / span).ravel(),
+        )
+        kind, (x, y) = mujoco().mjtGeom.mjGEOM_HFIELD, corner + half
+        self.solid(
+            self.spec.worldbody, f"{number}", friction, type=kind, hfieldname=field.name, pos=(x, y, low)
+        )
+
+    def thing(self, number: int, form: ThingForm) -> None:
+        """Add a free rigid body, around its middle."""
+        body = self.spec.worldbody.add_body(name=f"{number}", **where(form.middle))
+        body.add_freejoint(name=f"{number}")
+        body.explicitinertial, body.ipos = True, (0.0, 0.0, 0.0)
+        body.mass, body.inertia = form.mass, box_inertia(form.mass, form.size)
+        sleeps = mujoco().mjtSleepPolicy
+        body.sleep = sleeps.mjSLEEP_INIT if form.asleep else sleeps.mjSLEEP_ALLOWED
+        for index, piece in enumerate(form.pieces):
+            name = f"{number}" if index == 0 else f"{number}.{index}"
+            self.solid(body, name, form.friction, **self._piece(name, piece))
+
+    def solid(self, body: Any, name: str, friction: float, **shape: Any) -> None:
+        """A geometry that rubs. MuJoCo has the larger one of two frictions for a pair: with others of their
+        like, all have what the product of two would be."""
+        body.add_geom(
+            name=name,
+            friction=(friction**2, 0.005, 0.0001),
+            solref=CONTACT_COMPLIANCE,
+            condim=3,
+            mass=0.0,
+            **shape,
+        )
+
+    def bulge(self, wheel: Any) -> None:
+        """Let a cylinder touch the ground at one point, like a bulging tyre, instead of along its edges.
+
+        The edges of a turning base's wheel move at different speeds, and the wheel would hop from one to
+        the other.
+        """
+        kinds = mujoco().mjtGeom
+        if wheel.type == kinds.mjGEOM_CYLINDER:
+            radius, half_width, _ = wheel.size
+            wheel.type, wheel.size = kinds.mjGEOM_ELLIPSOID, (radius, radius, half_width)
+
+    def scrub(self, wheel: Any, along_axle: float) -> None:
+        """Let a wheel slide along its axle on the floor, with a share of its friction across the axle.
+
+        MuJoCo aligns the first tangent of a capsule's contacts with its axis, and a pair can have two
+        frictions. The capsule is as thick as the wheel, and touches the floor at two points as far apart
+        as the wheel is wide.
+        """
+        radius, _, half_width = wheel.size  # of one that bulges
+        wheel.type, wheel.size = mujoco().mjtGeom.mjGEOM_CAPSULE, (radius, half_width, 0.0)
+        wheel.name = f"{wheel.parent.name} rim"
+        friction = float(wheel.friction[0])
+        pair = self.spec.add_pair(geomname1=self._floor, geomname2=wheel.name, condim=3)
+        pair.friction, pair.solref = (
+            (AXLE_FRICTION_RATIO * along_axle * friction, friction, 0.005, 0.0001, 0.0001),
+            CONTACT_COMPLIANCE,
+        )
+
+    def _piece(self, name: str, piece: Cuboid | Wedge) -> dict[str, Any]:
+        kinds = mujoco().mjtGeom
+        if isinstance(piece, Cuboid):
+            half = [size / 2 for size in piece.size]
+            return {"type": kinds.mjGEOM_BOX, "size": half, "pos": (piece.ahead, 0.0, 0.0)}
+        mesh = self.spec.add_mesh(name=f"wedge {name}", uservert=_corners(piece).ravel())
+        return {"type": kinds.mjGEOM_MESH, "meshname": mesh.name}
+
+
+def where(pose: Transform) -> dict[str, Any]:
+    """A pose (4, 4) as MuJoCo wants it."""
+    return {"pos": pose[:3, 3], "quat": quaternion(pose)}
+
+
+def quaternion(pose: Transform) -> Array:
+    """(4,) w, x, y, z of a pose (4, 4)."""
+    return np.asarray(Rotation.from_matrix(pose[:3, :3]).as_quat()[[3, 0, 1, 2]])
+
+
+def box_inertia(mass: float, size: Sequence[float]) -> tuple[float, float, float]:
+    """Return the inertia of a box of a size (3,) in [m] around its middle, in [kg m²]."""
+    x, y, z = (length**2 for length in size)
+    return mass / 12 * (y + z), mass / 12 * (x + z), mass / 12 * (x + y)
+
+
+def _corners(wedge: Wedge) -> Array:
+    """(8, 3) in [m]."""
+    y, z, narrow = wedge.thickness / 2, wedge.height / 2, wedge.thickness / 2 - wedge.chamfer
+    outline = ((wedge.base, -y), (wedge.base, y), (wedge.end, narrow), (wedge.end, -narrow))
+    return np.array([(x, across, up) for up in (-z, z) for x, across in outline])

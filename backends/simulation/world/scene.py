@@ -1,0 +1,228 @@
+"""The true state of a simulated world. Only evaluation and the simulation itself read it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import ClassVar, NamedTuple, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.ground_truth import Body, GroundTruth
+from handcart.backends.plain_values import Kinds
+from handcart.backends.saved_state import NotAState
+from handcart.backends.simulation.world.solids import FloorPlan, Solid
+from handcart.backends.simulation.world.thing import Rest, Thing
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform, inverse
+from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.kinematics.urdf_frames import base_T_frame
+
+from .scene_props import SceneProps
+from .suspension import leaning
+
+GRAVITY_M_S2 = 9.81  # [m/s²]
+ScenePropsT = TypeVar("ScenePropsT", bound=SceneProps)
+
+
+class Contact(NamedTuple):
+    """The beginning of a contact."""
+
+    time: float
+    """[s]"""
+    body: str
+    """Part of the robot: "base", a link, "load" (the held object), "fingers"."""
+    other: str
+    """Body that it touched."""
+
+
+def level(x: float, y: float) -> float:
+    """The height of a floor."""
+    return 0.0
+
+
+@dataclass(eq=False)
+class Scene:
+    """World and robot as they truly are.
+
+    `base` is world_T_base; `joints` (n,) in [rad]; `width` the opening between the finger pads in [m];
+    `hand_force` (3,) in [N] in the hand frame, without noise; `contacts` all that the robot ran into.
+    """
+
+    STATE: ClassVar[Kinds] = {
+        "base": Pose2,
+        "tilted_base": Transform | None,
+        "joints": NDArray[np.float64],
+        "width": float,
+        "time": float,
+        "held_name": str | None,
+        "hand_T_held": Transform,
+        "lean": tuple[float, float],
+        "hand_force": NDArray[np.float64],
+        "contacts": list[Contact],
+        "touching": frozenset[tuple[str, str]],
+        "changes": int,
+    }
+    """Attributes that a checkpoint keeps, with their types."""
+
+    robot: RobotFile
+    arm: ArmModel | None
+    solids: tuple[Solid, ...]
+    """All of them: the room's, then those of domains."""
+    base: Pose2
+    joints: NDArray[np.float64]
+    width: float
+    plain_solids: tuple[Solid, ...] = ()
+    """Solids that the camera sees as plain boxes."""
+    props: dict[str, SceneProps] = field(default_factory=dict)
+    """Domains' objects, by the domain's name."""
+    time: float = 0.0
+    lean: tuple[float, float] = (0.0, 0.0)
+    """Roll and pitch of the base on its suspension, in [rad]."""
+    held: Thing | None = None
+    hand_T_held: Transform = field(default_factory=lambda: np.eye(4))
+    hand_force: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
+    contacts: list[Contact] = field(default_factory=list)
+    touching: frozenset[tuple[str, str]] = frozenset()
+    """Touching pairs of this period, as in `Contact`."""
+    open_ground: bool = False
+    """True outdoors: released things rest on the ground."""
+    ground_height: Callable[[float, float], float] = level
+    """Height of the ground at a place, all in [m]."""
+    tilted_base: Transform | None = None
+    """world_T_base (4, 4) if physics lets the base tilt; None: it is level."""
+    changes: int = 0
+    """Number of times that a thing was moved, for caches of values derived from poses."""
+    _leant: tuple[tuple[Pose2, tuple[float, float]], Transform] | None = field(default=None, repr=False)
+    """The last base and lean asked for, and world_T_base (4, 4): it is asked many times in a period."""
+    _owners: dict[int, tuple[Thing, SceneProps]] = field(default_factory=dict, repr=False)
+    """Things that `props_of` was asked about, by their `id`, and whose they are: asked in each period."""
+
+    @cached_property
+    def body_plan(self) -> FloorPlan:
+        """Return the floor plan of bodies that the base may run into."""
+        return FloorPlan(self.solids, 0.02, self.robot.body_height)
+
+    @cached_property
+    def full_plan(self) -> FloorPlan:
+        """Return the floor plan of bodies that any part of the robot may run into."""
+        return FloorPlan(self.solids, 0.02, 2.0)
+
+    @property
+    def held_name(self) -> str | None:
+        """Name of the held object, or None."""
+        return None if self.held is None else self.held.name
+
+    @held_name.setter
+    def held_name(self, name: str | None) -> None:
+        self.held = self.thing_named(name)
+
+    def thing_named(self, name: str | None) -> Thing | None:
+        """Return a thing by its name; None for None.
+
+        Raises:
+            NotAState: no thing has that name.
+        """
+        found = next((thing for thing in self.things() if thing.name == name), None)
+        if name is not None and found is None:
+            raise NotAState(f"no saved state: there is no {name!r} in this world")
+        return found
+
+    # Where things are
+
+    @property
+    def world_T_base(self) -> Transform:
+        """(4, 4)."""
+        return self.leaning_at(self.base) if self.tilted_base is None else self.tilted_base
+
+    def leaning_at(self, base: Pose2) -> Transform:
+        """world_T_base (4, 4) of a base elsewhere that leans as it does now, on its suspension."""
+        if self._leant is None or self._leant[0] != (base, self.lean):
+            pose = base.lift()
+            if self.lean != (0.0, 0.0):
+                pose = pose @ leaning(self.lean, self.robot.errors.lean_pivot_m)
+            self._leant = (base, self.lean), pose
+        return self._leant[1].copy()
+
+    def world_T(self, frame: str) -> Transform:
+        """True pose (4, 4) of a frame of the robot."""
+        if self.arm is None:
+            return self.world_T_base @ base_T_frame(self.robot.urdf_text(), frame)
+        return self.world_T_base @ self.arm.forward(self.joints, frame)
+
+    def of(self, kind: type[ScenePropsT]) -> ScenePropsT:
+        """Return a domain's objects, by the class of its props; empty if the world's file has none."""
+        found = next((each for each in self.props.values() if isinstance(each, kind)), None)
+        return kind.none_in(self) if found is None else found
+
+    def things(self) -> list[Thing]:
+        """All that hands can carry."""
+        return [thing for props in self.props.values() for thing in props.things()]
+
+    def props_of(self, thing: Thing) -> SceneProps:
+        """Return the props of the domain of a thing."""
+        known = self._owners.get(id(thing))
+        if known is None or known[0] is not thing:
+            owner = next(
+                props for props in self.props.values() if any(each is thing for each in props.things())
+            )
+            known = self._owners[id(thing)] = thing, owner
+        return known[1]
+
+    def riding(self) -> list[Thing]:
+        """Return the things on the robot."""
+        return [thing for thing in self.things() if thing.rest is Rest.TRAY]
+
+    def felt_force(self) -> NDArray[np.float64]:
+        """Return (3,) in [N] in the hand frame: `hand_force`, felt weights, and forces of props."""
+        force = self.hand_force
+        for props in self.props.values():
+            force = force + props.hand_force()
+        if self.held is not None and self.held.WEIGHS:
+            down = np.array([0.0, 0.0, -GRAVITY_M_S2 * self.held.mass])
+            force = force + self.world_T("hand")[:3, :3].T @ down
+        return force
+
+    def truth(self) -> GroundTruth:
+        """Return a copy of the true state of everything."""
+        bodies = {each.name: self._body(each) for each in self.things()}
+        slides = np.array(self.robot.joint_units.slides[: self.joints.size], dtype=np.bool_)
+        bumps = sum(contact.body == "base" for contact in self.contacts)
+        return GroundTruth(self.base, self.joints.copy(), slides, float(self.width), bodies, bumps)
+
+    def _body(self, thing: Thing) -> Body:
+        if self.held is thing:
+            return Body("hand", inverse(self.world_T("hand")) @ thing.pose)
+        if thing.rest is Rest.TRAY:
+            return Body("tray", inverse(self.world_T_base) @ thing.pose)
+        return Body(thing.carrier, thing.pose.copy())
+
+    # What changes it
+
+    def move_base(self, base: Pose2) -> None:
+        """Put the base with its load elsewhere; the held object moves with the hand."""
+        self.base = base
+        self._carry_along()
+
+    def lean_to(self, lean: tuple[float, float]) -> None:
+        """Let the base lean otherwise: roll and pitch in [rad]."""
+        if lean != self.lean:
+            self.lean = lean
+            self._carry_along()
+
+    def _carry_along(self) -> None:
+        if not (riding := self.riding()):
+            return
+        world_T_base = self.world_T_base
+        for thing in riding:
+            thing.pose = world_T_base @ thing.base_T_thing
+            self.changes += 1
+
+    def touch(self, pairs: frozenset[tuple[str, str]]) -> None:
+        """Record the touching pairs of this period; new pairs are new contacts."""
+        for body, other in sorted(pairs - self.touching):
+            self.contacts.append(Contact(self.time, body, other))
+        self.touching = pairs

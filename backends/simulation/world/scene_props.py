@@ -1,0 +1,91 @@
+"""Interface of a domain's objects for a scene."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Sequence
+from typing import Any, ClassVar, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.plain_values import Kinds
+from handcart.backends.simulation.world.sheet import Sheet
+from handcart.backends.simulation.world.thing import Rest, Thing
+from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.kinematics.arm_model import ArmModel
+
+from .grasp import Pads, fits, hand_T_gripped, thickness
+from .hand_rule import HandRule
+from .painting import Painted, paint_thing
+
+
+class SceneProps(ABC):
+    """Things of a domain in a scene: how they look, are gripped and let go, and what they do; see `Props`."""
+
+    STATE: ClassVar[Kinds] = {}
+    """Attributes that a checkpoint keeps, with their types: its things, and what else changes."""
+
+    @classmethod
+    @abstractmethod
+    def none_in(cls, scene: Any) -> Self:
+        """Return the empty props of a `Scene` whose world's file has no keys of the domain."""
+
+    def things(self) -> Iterable[Thing]:
+        """Return the things that hands can carry, in a fixed order."""
+        return ()
+
+    def sheets(self) -> Sequence[Sheet]:
+        """Return the printed sheets on level surfaces."""
+        return ()
+
+    def painted(self, rests: frozenset[Rest]) -> Iterable[Painted]:
+        """Yield the surfaces that the camera sees of things with one of these rests."""
+        for thing in self.things():
+            if thing.rest in rests:
+                yield paint_thing(thing)
+
+    # What happens
+
+    def taken(self, thing: Thing) -> None:
+        """The hand has a thing: nothing else carries it."""
+        thing.rest = Rest.HAND
+
+    def step(self) -> None:
+        """A period begins: let happen what happens of itself."""
+
+    def hand_force(self) -> NDArray[np.float64]:
+        """Return the force (3,) in [N] that the props add to the hand's reading, in the hand's frame."""
+        return np.zeros(3)
+
+    # In a hand without physics
+
+    def hand_rule(self, arm: ArmModel) -> HandRule | None:
+        """Return the rule that replaces rigid geometry between the hand and these things; called once."""
+        return None
+
+    def thickness(self, thing: Thing, pads: Pads) -> float:
+        """Return the thickness of a thing between the pads, in [m]."""
+        return thickness(thing, pads)
+
+    def fits(self, thing: Thing, pads: Pads) -> bool:
+        """Return whether closing pads meet a thing so that they can hold it."""
+        return fits(thing, pads)
+
+    def gripped(self, thing: Thing, pads: Pads) -> Transform:
+        """Return hand_T_thing (4, 4) after the pads have closed on the thing."""
+        return hand_T_gripped(thing, pads)
+
+    @abstractmethod
+    def let_go(self, thing: Thing) -> None:
+        """The fingers let go: set its pose and what carries it."""
+
+    # In physics
+
+    def awake(self, hand: NDArray[np.float64]) -> Iterable[Thing]:
+        """Things that physics may have moved in this period; the hand is at (3,) in [m] in the world."""
+        return self.things()
+
+    @abstractmethod
+    def rested(self, thing: Thing) -> None:
+        """Physics has put a thing, which isn't held, where its pose is: set what carries it."""

@@ -1,0 +1,109 @@
+"""What is wrong between a world, the robot that is put into it, and the map that it is given."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import cv2
+import numpy as np
+
+from handcart.backends.simulation.world.solids import FloorPlan, Solid, room_of
+from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
+
+from .world_model import kinds_of_props
+
+if TYPE_CHECKING:
+    from handcart.backends.description.robot_file import RobotFile
+    from handcart.backends.simulation.world.world_file import WorldFile
+    from handcart.files.errors import Finding
+    from handcart.files.models.loading import Loaded
+    from handcart.robotics.geometry.pose2 import Pose2
+
+MAX_SIGMAS = 5.0
+ASTRAY_M = 0.3  # between where the robot is put and where it is told to be: scan matching pulls that in
+ASTRAY_DEG = 15.0
+MAX_MAP_DISTANCE_M = 0.3  # [m] from what the map shows to what stands there
+MIN_MAP_SHARE = 0.5  # of what the map shows stands in a world of its own
+
+
+def world_findings(
+    loaded: Loaded[WorldFile],
+    world: WorldFile,
+    robot: RobotFile,
+    initial_pose: Pose2 | None,
+    grid: GridMap | None,
+) -> Iterator[Finding]:
+    """Yield faults of a world that prevent a run from beginning well.
+
+    Args:
+        loaded: the world's file.
+        world: the same world, with the solids of its map.
+        robot: robot that is placed in it.
+        initial_pose: initial map_T_base as given to the robot; None if it is given none.
+        grid: the map that the robot is given, if any.
+    """
+    solids = solids_of(world)
+    yield from _stands_on(loaded, robot, solids)
+    for kind in kinds_of_props().values():
+        if isinstance(world, kind.section):
+            yield from kind.findings(loaded, robot)
+    if initial_pose is not None and not loaded.value.misplaced:
+        yield from _elsewhere(loaded, robot, initial_pose)
+    if grid is not None and grid.occupied.any():
+        yield from _off_its_map(loaded, grid, solids)
+
+
+def solids_of(world: WorldFile) -> list[Solid]:
+    """Return all solids in a world, including domains' solids and surprises."""
+    kinds = kinds_of_props().values()
+    solids = room_of(world)
+    return solids + [each for kind in kinds if isinstance(world, kind.section) for each in kind.solids(world)]
+
+
+def _stands_on(loaded: Loaded[WorldFile], robot: RobotFile, solids: list[Solid]) -> Iterator[Finding]:
+    start, radius = loaded.value.start, robot.footprint_radius_m
+    plan = FloorPlan(solids, 0.02, robot.body_height)
+    clearance, name = plan.clearance(start.x_m, start.y_m, 0.0)
+    if clearance < radius:
+        where = f"{name} stands where the robot starts: {clearance:.2f} m from its middle"
+        yield loaded.finding(("start",), f"{where}; allowed: beyond its footprint, {radius:.2f} m")
+
+
+def _elsewhere(loaded: Loaded[WorldFile], robot: RobotFile, initial_pose: Pose2) -> Iterator[Finding]:
+    start = loaded.value.start
+    away = math.hypot(start.x_m - initial_pose.x, start.y_m - initial_pose.y)
+    turned = abs(math.remainder(start.heading_deg - math.degrees(initial_pose.theta), 360.0))
+    most = ASTRAY_M + MAX_SIGMAS * robot.errors.start_mm / 1e3
+    widest = ASTRAY_DEG + MAX_SIGMAS * robot.errors.start_deg
+    if away > most or turned > widest:
+        there = f"({initial_pose.x:.2f}, {initial_pose.y:.2f}) m, {math.degrees(initial_pose.theta):.0f} deg"
+        wrong = f"the robot is put {away:.2f} m and {turned:.0f} deg from where it is told to start, {there}"
+        yield loaded.finding(
+            ("start",), f"{wrong}; allowed: {most:.2f} m, {widest:.0f} deg, or misplaced: true"
+        )
+
+
+def _off_its_map(loaded: Loaded[WorldFile], grid: GridMap, solids: list[Solid]) -> Iterator[Finding]:
+    start = loaded.value.start
+    if not grid.inside(np.array([[start.x_m, start.y_m]]))[0]:
+        yield loaded.finding(("start",), "the robot starts off the map that it is given; allowed: on it")
+        return
+    share = _alike(grid, solids)
+    if share < MIN_MAP_SHARE:
+        wrong = f"only {share:.0%} of the robot's map is found in this world (within {MAX_MAP_DISTANCE_M} m)"
+        yield loaded.finding(
+            (), f"{wrong}; allowed: {MIN_MAP_SHARE:.0%} at least, of a world and its own map"
+        )
+
+
+def _alike(grid: GridMap, solids: list[Solid]) -> float:
+    """The share of the occupied cells with something of the world near them."""
+    shape = grid.occupied.shape
+    size = shape[1] * grid.resolution, shape[0] * grid.resolution
+    boxes = [solid.outline for solid in solids]
+    stands = from_boxes(boxes, grid.resolution, (grid.origin_x, grid.origin_y), size).occupied
+    away = cv2.distanceTransform((~stands).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    near = away[: shape[0], : shape[1]] * grid.resolution <= MAX_MAP_DISTANCE_M + grid.resolution
+    return float(np.mean(near[grid.occupied]))

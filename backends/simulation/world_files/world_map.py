@@ -1,0 +1,62 @@
+"""The map of a simulated world, as a lidar at a given height would survey it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from handcart.backends.simulation.world.solids import Solid
+from handcart.backends.simulation.world.world_file import Surprise, WorldFile
+from handcart.backends.simulation.world_files.world_findings import solids_of
+from handcart.files.errors import InputError
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
+
+MARGIN_M = 0.2  # of free cells around everything that is shown
+MAX_CELLS = 25_000_000  # of one map, as a picture of 5000 by 5000 pixels
+
+
+class NoMap(InputError):
+    """A world of which no map can be drawn."""
+
+
+def map_of_world(world: WorldFile, height: float, resolution: float) -> GridMap:
+    """Return the map of everything in a world that cuts the level plane at a height.
+
+    Surprises are left out, because no map shows them.
+
+    Args:
+        world: the world, as `load_world` returns it.
+        height: height of the plane above the floor, in [m].
+        resolution: side of a cell, in [m].
+
+    Raises:
+        NoMap: nothing cuts the plane, or the map would have more than `MAX_CELLS` cells.
+    """
+    surprises = {each.name for each in world.surprises if isinstance(each, Surprise)}
+    shown = [each for each in solids_of(world) if each.box.name not in surprises and each.reaches(height)]
+    if not shown:
+        raise NoMap(
+            f"nothing in the world cuts the plane {height:g} m above the floor; allowed: a height at "
+            "which it has walls, furniture or feet of tables"
+        )
+    low, high = _bounds(shown)
+    origin = np.floor((low - MARGIN_M) / resolution + 1e-6) * resolution
+    size = high + MARGIN_M - origin
+    cells = float(np.prod(np.ceil(size / resolution)))
+    if cells > MAX_CELLS:
+        raise NoMap(
+            f"a map with cells of {resolution:g} m would have {cells:.2g} cells; allowed: "
+            f"{MAX_CELLS:.2g} cells at most, so a coarser resolution"
+        )
+    corner = round(float(origin[0]), 6), round(float(origin[1]), 6)
+    return from_boxes((each.outline for each in shown), resolution, corner, (float(size[0]), float(size[1])))
+
+
+def _bounds(solids: list[Solid]) -> tuple[np.ndarray, np.ndarray]:
+    """Return the least and the largest x and y of all solids, (2,) each in [m]."""
+    corners = []
+    for x, y, yaw, length, width in (each.outline for each in solids):
+        half = np.array([[1, 1], [1, -1]]) * (length / 2, width / 2)
+        turned = [Pose2(0.0, 0.0, yaw).apply(corner) for corner in half]
+        corners += [np.array([x, y]) + sign * corner for corner in turned for sign in (-1, 1)]
+    return np.min(corners, axis=0), np.max(corners, axis=0)

@@ -1,0 +1,54 @@
+"""The whole of a world's file: general keys, and those of all domains."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+from pydantic import create_model
+
+from handcart.backends.simulation.world.world_file import WorldFile
+from handcart.tasks import domain
+
+if TYPE_CHECKING:
+    from handcart.backends.simulation.world.props import Props
+    from handcart.files.models.model import FileModel
+
+
+def kinds_of_props() -> Mapping[str, type[Props[Any]]]:
+    """The classes of what domains have in simulated worlds, by the domain's name, in a fixed order."""
+    declared = domain.domains()
+    return {each.name: domain.imported(each.props) for each in declared if each.props is not None}
+
+
+def world_model() -> type[WorldFile]:
+    """The model of a world's file; it is one of each domain's `Props.section` as well.
+
+    Raises:
+        ValueError: two domains want the same key, or name a validator alike; or a key has no default.
+    """
+    return _composed(tuple(each.section for each in kinds_of_props().values()))
+
+
+@cache
+def _composed(sections: tuple[type[FileModel], ...]) -> type[WorldFile]:
+    general: type[FileModel] = WorldFile
+    names = Counter(name for each in (general, *sections) for name in _names(each))
+    if twice := sorted(name for name, times in names.items() if times > 1):
+        raise ValueError(f"two domains have the same name in their sections of a world: {', '.join(twice)}")
+    needed = [key for each in sections for key, field in each.model_fields.items() if field.is_required()]
+    if needed:
+        raise ValueError(f"a world can't be made to have {', '.join(needed)}; needed: a default")
+    bases: Any = (*reversed(sections), WorldFile)
+    model: type[WorldFile] = create_model(
+        "WorldFile", __base__=bases, __doc__="What stands around the robot."
+    )
+    return model
+
+
+def _names(section: type[FileModel]) -> set[str]:
+    """Keys and validators: of two that are alike, a common subclass would lose one."""
+    found = section.__pydantic_decorators__
+    return {*section.model_fields, *found.model_validators, *found.field_validators}

@@ -1,0 +1,133 @@
+"""Trials that are walks through the action network alone, without a robot."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, overload
+
+import numpy as np
+
+from handcart.evaluation.campaigns.walks.file_odds import FileOdds
+from handcart.evaluation.campaigns.walks.odds import End, Odds
+from handcart.evaluation.campaigns.walks.walk_table import WalkTable
+from handcart.evaluation.campaigns.walks.walker import NO_ACTION, Walked, Walker
+from handcart.networks.graph.planner import NoWay
+from handcart.networks.graph.route import Route
+from handcart.networks.task.task_file import Task, load_task
+from handcart.primitives.outcomes.outcome import Success
+
+from .action_ends import names_in_network
+from .trial import ActionEnd, Trial
+
+DRAWN, UNKNOWN = "drawn by its probability", "nobody has seen how it ends"
+WALK_BATCH_SIZE = 4096
+"""Walks side by side: a seed's walk is the same, whichever others are asked for."""
+_STREAM = 20  # tells these draws from others that begin with the same numbers
+
+
+class WalkedTrials:
+    """Trials of one task by odds: the same for the same seed."""
+
+    def __init__(self, task: Task, odds: Odds, side_by_side: int = WALK_BATCH_SIZE) -> None:
+        """Nothing is walked yet.
+
+        Args:
+            task: whose network is walked through.
+            odds: how its actions end.
+            side_by_side: seeds whose walks are drawn together; with another number they are others.
+        """
+        self.task, self.names, self.side_by_side = task, names_in_network(task), side_by_side
+        self._odds, self.walker = odds, Walker(WalkTable(task.network), odds)
+        self._kept: tuple[int, Walked] | None = None
+
+    def trial(self, seed: int) -> Trial:
+        """The walk of a seed."""
+        number, column = divmod(seed, self.side_by_side)
+        return self.trial_of(seed, self.together(number), column)
+
+    def together(self, number: int) -> Walked:
+        """The walks of the seeds from `number * side_by_side` on."""
+        if self._kept is None or self._kept[0] != number:
+            draws = np.random.default_rng([_STREAM, number % 2**64])
+            self._kept = number, self.walker.walk(draws, self.side_by_side)
+        return self._kept[1]
+
+    def times(self, walked: Walked) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+        """How long each of some walks took (n,), in [s]."""
+        return np.asarray(walked.seconds.sum(axis=0) + self._odds.rest_s)
+
+    def trial_of(self, seed: int, walked: Walked, column: int) -> Trial:
+        """One of some walks, action by action, gone through once more as a coordinator would."""
+        route = Route(self.task.network)
+        ends: list[ActionEnd] = []
+        time, fails, replans = 0.0, 0, -1
+        outcome, status, reason = "Success", 0, ""
+        columns = (walked.action[:, column], walked.ends[:, column], walked.seconds[:, column])
+        for index, code, seconds in zip(*(each.tolist() for each in columns), strict=True):
+            if route.arrived:
+                break
+            replans += not route.planned
+            if not route.planned and isinstance(route.plan(), NoWay):
+                break
+            action, end, time = route.next, End(code), time + seconds
+            if index == NO_ACTION:
+                route.took(Success())
+                continue
+            assert action.index == index, "the coordinator plans otherwise than its table"
+            why = {End.SUCCESS: "", End.UNKNOWN: UNKNOWN}.get(end, DRAWN)
+            row = self.names[index], action.source, action.target, end.outcome, time, why
+            ends.append(ActionEnd(*row, for_good=end is End.FOR_GOOD))
+            if end is End.SUCCESS:
+                route.took(Success())
+            elif end.outcome == "Fail":
+                fails += 1
+                route.failed(why, end is End.FOR_GOOD)
+            else:
+                fails += 1
+                outcome, status, reason = "GiveUp", 4, f"{action}: {why}"
+                break
+        if not status and not route.arrived:
+            plan = route.plan()
+            assert isinstance(plan, NoWay)
+            replans += 1
+            outcome, status, reason = "Fail", 3, plan.explanation
+        if walked.skipped[column] and not status:
+            outcome, status, reason = "Fail", 3, "elements were left undone"
+        whole = time + self._odds.rest_s
+        summary: dict[str, Any] = {"outcome": outcome, "situation": route.situation, "reason": reason}
+        summary |= {"actions": len(ends), "fails": fails, "replans": max(0, replans), "sim_time_s": whole}
+        return Trial(seed, status, {**summary, "seed": seed, "run_dir": "", "metrics": {}}, ends)
+
+
+class WalkedSequence(Sequence[Trial]):
+    """The trials of some seeds, each walked when it is asked for."""
+
+    def __init__(self, trials: WalkedTrials, seeds: range) -> None:
+        """In their order; nothing is walked yet."""
+        self.trials, self.seeds = trials, seeds
+
+    def __len__(self) -> int:
+        return len(self.seeds)
+
+    @overload
+    def __getitem__(self, at: int) -> Trial: ...
+    @overload
+    def __getitem__(self, at: slice) -> WalkedSequence: ...
+    def __getitem__(self, at: int | slice) -> Trial | WalkedSequence:
+        if isinstance(at, slice):
+            return WalkedSequence(self.trials, self.seeds[at])
+        return self.trials.trial(self.seeds[at])
+
+
+def network_trials(task: Path, settings: Mapping[str, str]) -> WalkedTrials:
+    """The trials of a task's file, which is read once as long as it doesn't change; raises `FileError`."""
+    changed = task.stat().st_mtime_ns if task.exists() else 0
+    return _read(task, tuple(settings.items()), changed)
+
+
+@lru_cache(maxsize=4)
+def _read(task: Path, settings: tuple[tuple[str, str], ...], changed: int) -> WalkedTrials:
+    read = load_task(task, dict(settings))
+    return WalkedTrials(read, FileOdds(read))

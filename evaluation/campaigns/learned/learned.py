@@ -1,0 +1,125 @@
+"""Odds learned from campaign folders, with their cross-validation."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from itertools import chain
+from pathlib import Path
+
+from handcart.evaluation.campaigns.data.action_ends import action_names
+from handcart.evaluation.campaigns.data.campaign_folder import TRIALS, CampaignFolder
+from handcart.evaluation.campaigns.data.walked_trials import WalkedTrials
+from handcart.files.errors import InputError
+from handcart.files.printable import printable
+from handcart.networks.task.task_file import Task, load_task
+
+from .held_out import Trust, hold_out
+from .learned_odds import LearnedOdds
+from .prediction import Prediction, predict
+from .seen_actions import SeenActions
+
+MIN_TRIALS = 20
+"""Minimum number of trials for learning."""
+
+
+class NothingLearned(InputError):
+    """Error: the campaigns do not allow a prediction for the task."""
+
+
+@dataclass(frozen=True)
+class Learned:
+    """Data of campaigns' trials for a task: their own, or one that connects the same actions differently."""
+
+    task: Task
+    folders: tuple[Path, ...]
+    seen: SeenActions
+
+    @classmethod
+    def read(cls, task: Task, folders: Sequence[Path]) -> Learned:
+        """Read campaign folders.
+
+        Raises:
+            NoCampaign, TrialLogError: a folder cannot be read.
+            NothingLearned: there are too few trials, or they contain none of the task's actions.
+        """
+        found = [CampaignFolder.read_runs(folder) for folder in folders]
+        for each in found:
+            if (level := each.arguments["level"]) != "run":
+                wrong = f"{each.folder}: its trials are of --level {level}; allowed: those that were run"
+                raise NothingLearned(printable(wrong))
+        seen = SeenActions.of(task, chain.from_iterable(each.trials() for each in found))
+        names = ", ".join(map(str, folders))
+        if len(seen.success) < MIN_TRIALS:
+            count = len(seen.success)
+            raise NothingLearned(printable(f"{names}: {count} trials; needed: at least {MIN_TRIALS}"))
+        if not len(seen.entry):
+            raise NothingLearned(printable(f"{names}: none of {task.document.file}'s actions; needed: some"))
+        return cls(task, tuple(folders), seen)
+
+    def check(self) -> None:
+        """Raise `NothingLearned` if one half of the trials does not predict the other."""
+        wrong = self.trust.wrong
+        if wrong is not None:
+            raise NothingLearned(
+                f"odds learned from one half of the trials predict {wrong.name} {wrong.predicted:.3g} "
+                f"for the other, in which it is {wrong.measured:.3g} (p = {wrong.p_value:.2g}); needed: "
+                "trials whose actions depend on no more than their own Fails and on whether the one before "
+                "failed"
+            )
+
+    @cached_property
+    def trust(self) -> Trust:
+        """Cross-validation of each half of the trials on the other."""
+        return hold_out(self.task, self.seen)
+
+    @cached_property
+    def prediction(self) -> Prediction:
+        """Prediction from all trials together."""
+        return predict(self.task, self.seen)
+
+    @property
+    def unknown(self) -> list[str]:
+        """Names of the task's actions that no trial has started."""
+        odds = LearnedOdds(self.task, self.seen, 1.0)
+        return [name for number, name in enumerate(action_names(self.task)) if odds.unknown(number)]
+
+    def words(self) -> Iterator[str]:
+        """Yield a summary as lines of text."""
+        low, high = self.prediction.success_95
+        short, long = self.prediction.time_95_s
+        count = len(self.seen.success)
+        yield (
+            f"learned from {count} trials, which alone bound it to {100 * low:.1f} to {100 * high:.1f} % "
+            f"and a mean time of {short:.4g} to {long:.4g} s (95 %), however many are walked"
+        )
+        for each in self.trust.tried:
+            words = f"predicts {each.predicted:.3g}, there it is {each.measured:.3g} (p = {each.p_value:.2g})"
+            yield f"  one half of them for the other: {each.name}: {words}"
+        for name in self.unknown:
+            yield f"  never started in them, so a walk that comes to it ends: {name}"
+
+    def facts(self) -> dict[str, object]:
+        """Return the summary as JSON values."""
+        return {
+            "trials": len(self.seen.success),
+            "success_95": self.prediction.success_95,
+            "mean_time_95_s": self.prediction.time_95_s,
+            "halves": [each._asdict() for each in self.trust.tried],
+            "never_started": self.unknown,
+        }
+
+
+def learned_trials(task: Path, settings: Mapping[str, str], folders: Sequence[Path]) -> WalkedTrials:
+    """Return trials of a task as learned from campaigns; unchanged files are read only once."""
+    changed = tuple(each.stat().st_mtime_ns for each in (task, *(one / TRIALS for one in folders)))
+    return _read(task, tuple(settings.items()), tuple(folders), changed)
+
+
+@lru_cache(maxsize=4)
+def _read(
+    task: Path, settings: tuple[tuple[str, str], ...], folders: tuple[Path, ...], changed: tuple[int, ...]
+) -> WalkedTrials:
+    read = load_task(task, dict(settings))
+    return WalkedTrials(read, LearnedOdds(read, Learned.read(read, folders).seen))

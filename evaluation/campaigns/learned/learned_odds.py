@@ -1,0 +1,121 @@
+"""Odds of actions, estimated from recorded trials."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.evaluation.campaigns.walks.odds import CONTEXT_COUNT, Codes, End, Floats, Numbers
+from handcart.networks.task.task_file import Task
+
+from .seen_actions import SeenActions
+
+KNOWN_ENDS = len(End) - 1  # ends that can be observed
+POOLING_WEIGHTS = (1.0, 3.0, 10.0, 30.0, 100.0, 1e9)
+_FOLDS = 5
+_ENOUGH = 20  # durations seen in a context, from which other contexts are not used
+_LEAST = 1e-4  # probability of an unseen end, when likelihoods are compared
+
+
+class LearnedOdds:
+    """Odds of each action's end and duration by context; rare contexts are pooled with the others.
+
+    The share of an end in a context is (its count + w times its share in all contexts) / (the context's
+    count + w), the mean of a Dirichlet posterior; durations are drawn from those seen with that end.
+    """
+
+    def __init__(self, task: Task, seen: SeenActions, pooling: float | None = None) -> None:
+        """Estimate the odds of a task's actions.
+
+        Args:
+            task: the task; its actions may be connected differently than in the trials.
+            seen: the actions of at least one trial.
+            pooling: the weight w; None: the one of `POOLING_WEIGHTS` with the largest cross-validated
+                likelihood.
+        """
+        self.pooling = best_pooling(task, seen) if pooling is None else pooling
+        self._entry = np.array([-1 if each is None else each for each in task.entries], dtype=np.int64)
+        shares = _shares(_counts(task, seen), self.pooling)
+        self._limits = np.cumsum(shares, axis=2)
+        self._known = shares.sum(axis=(1, 2)) > 0.0
+        self._drawers = _Drawers.of(len(task.file.actions), seen)
+        self.rest_s = float(seen.rest_s.mean())
+
+    def unknown(self, entry: int) -> bool:
+        """Return whether an action of the task's file was never started in the trials."""
+        return not self._known[entry]
+
+    def ends(self, action: Numbers, context: Numbers, drawn: Floats) -> Codes:
+        """Draw how each action ends, with the probabilities learned from a campaign."""
+        entry = self._entry[action]
+        ends = (drawn[:, None] >= self._limits[entry, context, : KNOWN_ENDS - 1]).sum(axis=1)
+        return np.where(self._known[entry], ends, End.UNKNOWN).astype(np.int8)
+
+    def seconds(self, action: Numbers, context: Numbers, ends: Codes, drawn: Floats) -> Floats:
+        """Return drawn durations (n,) in [s]; 0 for actions without data."""
+        seconds = np.zeros(len(action))
+        known = ends != End.UNKNOWN
+        entry = self._entry[action[known]]
+        seconds[known] = self._drawers.draw(entry, context[known], ends[known], drawn[known])
+        return seconds
+
+
+class _Drawers(NamedTuple):
+    """Recorded durations, grouped by action, context and end."""
+
+    seconds: Floats
+    begin: NDArray[np.int64]
+    """(entries, contexts, ends) start index of each group in `seconds`."""
+    held: NDArray[np.int64]
+    """(entries, contexts, ends) size of each group."""
+
+    @classmethod
+    def of(cls, entries: int, seen: SeenActions) -> _Drawers:
+        shape = (entries, CONTEXT_COUNT, KNOWN_ENDS)
+        own = np.ravel_multi_index((seen.entry, seen.context, seen.end), shape)
+        every = np.ravel_multi_index((seen.entry, seen.end), (entries, KNOWN_ENDS))
+        own_count = np.bincount(own, minlength=int(np.prod(shape))).reshape(shape)
+        all_count = np.bincount(every, minlength=entries * KNOWN_ENDS).reshape(entries, 1, KNOWN_ENDS)
+        own_begin = (np.cumsum(own_count) - own_count.ravel()).reshape(shape)
+        all_begin = len(own) + (np.cumsum(all_count) - all_count.ravel()).reshape(all_count.shape)
+        order = (np.argsort(each, kind="stable") for each in (own, every))
+        enough = own_count >= _ENOUGH
+        return cls(
+            np.concatenate([seen.seconds[each] for each in order]),
+            np.where(enough, own_begin, all_begin),
+            np.where(enough, own_count, all_count),
+        )
+
+    def draw(self, entry: NDArray[np.int64], context: Numbers, ends: Codes, drawn: Floats) -> Floats:
+        at = entry, context, ends
+        return np.asarray(self.seconds[self.begin[at] + (drawn * self.held[at]).astype(np.int64)])
+
+
+def best_pooling(task: Task, seen: SeenActions) -> float:
+    """Return the pooling weight with the largest likelihood in a five-fold cross-validation."""
+    scores = dict.fromkeys(POOLING_WEIGHTS, 0.0)
+    numbers = np.arange(len(seen.success))
+    for fold in range(_FOLDS):
+        learned = _counts(task, seen.chosen(numbers[numbers % _FOLDS != fold]))
+        other = _counts(task, seen.chosen(numbers[numbers % _FOLDS == fold]))
+        for pooling in POOLING_WEIGHTS:
+            scores[pooling] += float((other * np.log(np.maximum(_shares(learned, pooling), _LEAST))).sum())
+    return max(POOLING_WEIGHTS, key=lambda pooling: scores[pooling])
+
+
+def _counts(task: Task, seen: SeenActions) -> Floats:
+    """Return the counts (entries, contexts, ends) of the ends seen."""
+    shape = (len(task.file.actions), CONTEXT_COUNT, KNOWN_ENDS)
+    flat = np.ravel_multi_index((seen.entry, seen.context, seen.end), shape)
+    return np.bincount(flat, minlength=int(np.prod(shape))).reshape(shape).astype(np.float64)
+
+
+def _shares(counts: Floats, pooling: float) -> Floats:
+    """Return probabilities (entries, contexts, ends) that sum to 1 over ends; 0 for an action never
+    started.
+    """
+    every = counts.sum(axis=1, keepdims=True)
+    pooled = every / np.maximum(every.sum(axis=2, keepdims=True), 1.0)
+    return np.asarray((counts + pooling * pooled) / (counts.sum(axis=2, keepdims=True) + pooling))

@@ -1,0 +1,92 @@
+"""Actions of a task in recorded trials, as columns of numbers."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.evaluation.campaigns.data.action_ends import action_names
+from handcart.evaluation.campaigns.data.trial import ActionEnd, Trial
+from handcart.evaluation.campaigns.walks.odds import MOST_FAILS, End, Floats
+from handcart.networks.task.task_file import Task
+
+Numbers = NDArray[np.int64]
+_FAULT = 5  # exit status of a trial that ended by a fault of the program
+_ENDS = {"Success": End.SUCCESS, "Fail": End.FAIL, "GiveUp": End.GIVE_UP}
+
+
+class SeenActions(NamedTuple):
+    """Columns of m actions that were started in n trials."""
+
+    trial: Numbers
+    """(m,) index of the trial, from 0 to n - 1, ascending."""
+    entry: Numbers
+    """(m,) index of the action in the task's file."""
+    context: Numbers
+    """(m,) number of the history, see `context_of`."""
+    end: Numbers
+    """(m,) end of the action, as `End`."""
+    seconds: Floats
+    """(m,) time since the end of the preceding action or the start of the trial, in [s]."""
+    success: Floats
+    """(n,) 1.0 for a trial that reached the goal, otherwise 0.0."""
+    time_s: Floats
+    """(n,) durations of the trials."""
+    rest_s: Floats
+    """(n,) time of each trial after its last action."""
+
+    @classmethod
+    def of(cls, task: Task, trials: Iterable[Trial]) -> SeenActions:
+        """Read the actions of a task's trials.
+
+        Trials that ended by a fault of the program, and actions that the task does not have, are
+        skipped.
+        """
+        entries = {name: number for number, name in enumerate(action_names(task))}
+        rows: list[tuple[int, int, int, int, float]] = []
+        whole: list[tuple[float, float, float]] = []
+        for trial in trials:
+            if trial.status == _FAULT:
+                continue
+            before, after_fail = 0.0, False
+            fails: Counter[tuple[str, str, str]] = Counter()
+            for end in trial.actions:
+                this = end[:3]
+                kind = _end_of(end)
+                if end.action in entries:
+                    context = 2 * min(fails[this], MOST_FAILS) + after_fail
+                    row = len(whole), entries[end.action], context, kind, max(0.0, end.time_s - before)
+                    rows.append(row)
+                before, after_fail = end.time_s, kind is not End.SUCCESS
+                fails[this] += after_fail
+            time = float(trial.summary["sim_time_s"])
+            whole.append((float(trial.success), time, max(0.0, time - before)))
+        columns = np.array(rows, dtype=np.float64).reshape(-1, 5).T
+        trial, entry, context, kind = columns[:4].astype(np.int64)
+        success, time_s, rest_s = np.array(whole, dtype=np.float64).reshape(-1, 3).T
+        return cls(trial, entry, context, kind, columns[4], success, time_s, rest_s)
+
+    def chosen(self, trials: Numbers) -> SeenActions:
+        """Return the columns of the trials with these indices (k,); an index may occur several times."""
+        begin = np.searchsorted(self.trial, trials)
+        count = np.searchsorted(self.trial, trials, side="right") - begin
+        place = np.repeat(np.arange(len(trials)), count)
+        rows = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count) + np.repeat(begin, count)
+        return SeenActions(
+            place,
+            self.entry[rows],
+            self.context[rows],
+            self.end[rows],
+            self.seconds[rows],
+            self.success[trials],
+            self.time_s[trials],
+            self.rest_s[trials],
+        )
+
+
+def _end_of(end: ActionEnd) -> End:
+    return End.FOR_GOOD if end.for_good else _ENDS[end.outcome]

@@ -1,0 +1,105 @@
+"""The trials of a campaign as columns, read once, for plots and the list of all trials."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.evaluation.campaigns.data.trial import Trial
+from handcart.evaluation.campaigns.statistics.tally import OF_ALL, figures
+
+MOST_ROWS = 10_000
+MOST_CELLS = 100_000  # beside those that all trials have
+MOST_WORDS = 1_000_000  # letters of all reasons together
+MAX_REASON_LETTERS = 160  # letters of a reason
+
+
+class Row(NamedTuple):
+    """One trial in the list of all."""
+
+    seed: int
+    outcome: str
+    untrue: bool
+    run: str
+    """Name of its run's folder; empty: there is none."""
+    cells: tuple[str, ...]
+    why: str
+    """Empty for a Success."""
+
+
+class TrialTable:
+    """Trials by row and column."""
+
+    def __init__(self, trials: Iterable[Trial]) -> None:
+        """Read them all, in the order of their seeds."""
+        self.seeds: list[int] = []
+        self._ends: list[tuple[str, bool, str, str]] = []
+        values: dict[str, list[tuple[int, float]]] = {name: [] for name in OF_ALL}
+        success: list[bool] = []
+        for at, trial in enumerate(trials):
+            self.seeds.append(trial.seed)
+            success.append(trial.success)
+            self._ends.append((trial.summary["outcome"], bool(trial.untrue), trial.run_name, _why(trial)))
+            for name, value in {**figures(trial), **trial.varied}.items():
+                values.setdefault(name, []).append((at, float(value)))
+        self.success = np.array(success, bool)
+        """(n,): whether each trial reached the goal."""
+        self.columns = {name: self._column(each) for name, each in values.items()}
+        """By metric, or by the name of what varies: (n,), NaN where a trial has none."""
+
+    def _column(self, found: Iterable[tuple[int, float]]) -> NDArray[np.float64]:
+        column = np.full(len(self.seeds), math.nan)
+        for at, value in found:
+            column[at] = value
+        return column
+
+    def differing(self) -> list[str]:
+        """Columns whose values aren't all the same: those of all trials first, then by name."""
+        names = [*OF_ALL, *sorted(self.columns.keys() - set(OF_ALL))]
+        return [name for name in names if not constant(self.columns[name])]
+
+    def listed(self) -> tuple[list[str], list[Row], int]:
+        """The list's columns and rows, and how many trials are left out of it.
+
+        Of very many trials those are left out, and those columns, that say least: a page has to stay small.
+        """
+        chosen = self._chosen()
+        names = list(OF_ALL)
+        names += [name for name in self.differing() if name not in names][: MOST_CELLS // max(1, len(chosen))]
+        reasons = sum(bool(self._ends[at][3]) for at in chosen)
+        longest = min(MAX_REASON_LETTERS, MOST_WORDS // max(1, reasons))
+        rows = [self._row(at, names, longest) for at in chosen]
+        return names, rows, len(self.seeds) - len(rows)
+
+    def _chosen(self) -> Sequence[int]:
+        """Those that did not succeed, or are untrue, first; in the order of their seeds."""
+        if len(self.seeds) <= MOST_ROWS:
+            return range(len(self.seeds))
+        dull = [bool(self.success[at]) and not self._ends[at][1] for at in range(len(self.seeds))]
+        ordered = sorted(range(len(self.seeds)), key=dull.__getitem__)
+        return sorted(ordered[:MOST_ROWS])
+
+    def _row(self, at: int, names: Iterable[str], longest: int) -> Row:
+        outcome, untrue, run, why = self._ends[at]
+        cells = tuple(short(float(self.columns[name][at])) for name in names)
+        shown = why if len(why) <= longest else f"{why[:longest]}…"
+        return Row(self.seeds[at], outcome, untrue, run, cells, shown)
+
+
+def constant(values: NDArray[np.float64]) -> bool:
+    """Whether all values that are there are the same."""
+    there = values[np.isfinite(values)]
+    return not len(there) or bool((there == there[0]).all())
+
+
+def short(value: float) -> str:
+    """Five digits; nothing for NaN."""
+    return f"{value:.5g}" if math.isfinite(value) else ""
+
+
+def _why(trial: Trial) -> str:
+    return "; ".join(trial.untrue) or str(trial.summary["reason"])

@@ -1,0 +1,129 @@
+"""Estimate of a rare probability from the populations of a campaign."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from scipy.special import stdtrit
+
+from handcart.evaluation.campaigns.data.trial import Trial
+
+from .population import Level, Population
+
+INTERVAL_ERROR_RATE = 0.05
+"""Share of the confidence intervals that may miss the true value."""
+
+
+class LevelSeen(NamedTuple):
+    """Result of a level, added up over all populations."""
+
+    share: float
+    """Estimated share of all runs that reach the level."""
+    runs: int
+    """Number of runs that started at the level."""
+    reached: int
+    """Number of these runs that reached the next level."""
+    hits: int
+    """Number of these runs that ended with the rare outcome before the next level."""
+
+    @property
+    def part(self) -> float:
+        """Contribution of the level to the probability, if all populations are alike."""
+        return self.share * self.hits / max(1, self.runs)
+
+    @property
+    def unseen(self) -> float:
+        """Upper bound (95 %) of the contribution of a level without a hit; 0 for a level with hits."""
+        return (
+            0.0 if self.hits else self.share * -math.expm1(math.log(INTERVAL_ERROR_RATE) / max(1, self.runs))
+        )
+
+
+@dataclass(frozen=True)
+class RareEstimate:
+    """Estimate of the probability of a rare outcome from independent populations."""
+
+    probability: float
+    low: float | None
+    """Lower end of the 95 % interval; None for a single population, or if no population had a hit."""
+    high: float | None
+    """Upper end of the 95 % interval; None as for `low`."""
+    sigma: float
+    """Standard error of the probability, from the spread of the populations."""
+    levels: tuple[LevelSeen, ...]
+    steps: int
+    """Number of actions that were started."""
+    steps_of_a_run: float
+    """Mean number of actions in a complete run."""
+
+    @classmethod
+    def of(cls, trials: Iterable[Trial]) -> RareEstimate:
+        """Compute the estimate from a campaign's trials; without any trial the probability is 0."""
+        populations = [
+            Population(tuple(Level(*each) for each in trial.summary["metrics"]["levels"])) for trial in trials
+        ]
+        found = np.array([each.probability for each in populations] or [0.0])
+        count, mean = len(found), float(found.mean())
+        sigma = float(found.std(ddof=1) / math.sqrt(count)) if count > 1 else math.inf
+        low, high = interval(mean, sigma, count) or (None, None)
+        steps_of_a_run = sum(each.steps_of_a_run for each in populations) / max(1, len(populations))
+        steps = sum(each.steps for each in populations)
+        return cls(mean, low, high, sigma, _levels(populations), steps, steps_of_a_run)
+
+    @property
+    def unseen(self) -> float:
+        """Upper bound (95 %) of the contribution of outcomes straight from a level without a hit."""
+        return max((level.unseen for level in self.levels), default=1.0)
+
+    @property
+    def worth(self) -> float:
+        """Number of plain trials that would give the same standard error; 0 if it is unknown."""
+        if not self.probability or not 0.0 < self.sigma < math.inf:
+            return 0.0
+        return self.probability * (1.0 - self.probability) / self.sigma**2
+
+    @property
+    def cost(self) -> float:
+        """Number of plain trials that would start the same number of actions."""
+        return self.steps / self.steps_of_a_run if self.steps_of_a_run else 0.0
+
+    def agrees(self, exact: float) -> bool:
+        """Return whether the estimate is consistent with an exact value."""
+        if self.low is None or self.high is None:
+            return exact <= self.probability + self.unseen
+        return self.low <= exact <= self.high
+
+
+def interval(mean: float, sigma: float, count: int) -> tuple[float, float] | None:
+    """Return the 95 % interval of a positive mean: Student's, of its logarithm, by the delta method.
+
+    A probability that is a product of shares is skewed, its logarithm less so.
+
+    Args:
+        mean: mean of independent estimates.
+        sigma: standard error of the mean.
+        count: number of estimates.
+
+    Returns:
+        Lower and upper end; None if there are fewer than two estimates or the mean is not positive.
+    """
+    if count < 2 or mean <= 0.0:
+        return None
+    factor = math.exp(float(stdtrit(count - 1, 1.0 - INTERVAL_ERROR_RATE / 2.0)) * sigma / mean)
+    return mean / factor, mean * factor
+
+
+def _levels(populations: Sequence[Population]) -> tuple[LevelSeen, ...]:
+    """Return each level, added up over all populations."""
+    seen = []
+    for number in range(max((len(each.levels) for each in populations), default=0)):
+        there = [each for each in populations if number < len(each.levels)]
+        share = sum(each.weights[number] for each in there) / len(populations)
+        at = [each.levels[number] for each in there]
+        runs, reached, hits = (sum(level[place] for level in at) for place in range(3))
+        seen.append(LevelSeen(share, runs, reached, hits))
+    return tuple(seen)

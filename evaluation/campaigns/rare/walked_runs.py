@@ -1,0 +1,86 @@
+"""Walks through an action network that are stopped at a level and continued from there."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.evaluation.campaigns.walks.odds import End
+from handcart.evaluation.campaigns.walks.odds import Numbers as Counts
+from handcart.evaluation.campaigns.walks.walk_table import GOAL, NO_WAY
+from handcart.evaluation.campaigns.walks.walker import GAVE_UP, Stride, Walker
+from handcart.networks.graph.network import ActionNetwork
+
+from .population import Level, Numbers
+from .rare_event import RareEvent
+
+Flags = NDArray[np.bool_]
+
+
+class WalkedRuns:
+    """Walks through a network, as `Runs` for splitting."""
+
+    def __init__(
+        self, network: ActionNetwork, walker: Walker, event: RareEvent, draws: np.random.Generator
+    ) -> None:
+        """Prepare walks that have not started.
+
+        Args:
+            network: the network of the walker.
+            walker: walker with the outcome probabilities.
+            event: the rare event.
+            draws: random generator for the outcomes.
+        """
+        self._walker, self._event, self._draws = walker, event, draws
+        self._attempts = np.array([action.attempts for action in network.actions], dtype=np.int32)
+        self._at = self._importance = np.zeros(0, dtype=np.int32)
+        self._after_fail = self._skipped = np.zeros(0, dtype=bool)
+
+    def advance(self, level: int, starts: Numbers | int) -> Level:
+        """Continue walks from their starts until each has ended or reached the level."""
+        self._begin(starts)
+        steps = 0
+        while (left := np.flatnonzero((self._at >= 0) & (self._importance < level))).size:
+            made = self._walker.stride(
+                self._at[left], self._after_fail[left], self._draws.random((2, left.size))
+            )
+            self._skipped[left] |= made.skip
+            self._after_fail[left], self._at[left] = made.after_fail, made.next
+            self._importance[left] = self._nearer(self._importance[left], made)
+            steps += int((~made.skip).sum())
+        reached = self._at >= 0
+        found = Level(reached.size, int(reached.sum()), int(self._hits().sum()), steps)
+        self._keep(np.flatnonzero(reached))
+        return found
+
+    def _begin(self, starts: Numbers | int) -> None:
+        if not isinstance(starts, int):
+            self._keep(starts)
+            return
+        self._at = np.full(starts, self._walker.start, dtype=np.int32)
+        self._importance = np.zeros(starts, dtype=np.int32)
+        self._after_fail, self._skipped = np.zeros(starts, dtype=bool), np.zeros(starts, dtype=bool)
+
+    def _keep(self, which: Numbers) -> None:
+        self._at, self._importance = self._at[which], self._importance[which]
+        self._after_fail, self._skipped = self._after_fail[which], self._skipped[which]
+
+    def _nearer(self, importance: Counts, made: Stride) -> Counts:
+        """Return the importance of each walk after this action."""
+        failed, for_good = made.ends == End.FAIL, made.ends == End.FOR_GOOD
+        if self._event.importance == "fails":
+            return np.asarray(importance + (failed | for_good), dtype=np.int32)
+        used = np.select([failed, for_good], [made.fails + 1, self._attempts[made.action]], 0)
+        return np.asarray(np.maximum(importance, used), dtype=np.int32)
+
+    def _hits(self) -> Flags:
+        """Return which of the walks have ended with the rare outcome."""
+        left_undone = (self._at == GOAL) & self._skipped
+        match self._event.outcome:
+            case "GiveUp":
+                found = self._at == GAVE_UP
+            case "Success":
+                found = (self._at == GOAL) & ~left_undone
+            case _:
+                found = (self._at == NO_WAY) | left_undone
+        return np.asarray(found)

@@ -1,0 +1,107 @@
+"""Results of a campaign."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from handcart.evaluation.campaigns.data.trial import Trial
+
+from .action_shares import ActionShare
+from .intervals import median_interval, wilson
+from .tally import OUTCOME_NAMES, WORST_TRIAL_COUNT, Blame, Tally
+
+
+@dataclass(frozen=True)
+class Spread:
+    """Distribution of a metric over the trials that have it."""
+
+    count: int
+    least: float
+    median: float
+    most_95: float
+    """95 % of the trials are at or below this."""
+    most: float
+    mean: float
+    """Mean; the share of yes for yes-or-no metrics."""
+    low: float | None
+    """Lower end of the 95 % interval of the median; of yes and no, of the share of yes. None: too few trials
+    bound none."""
+    high: float | None
+    """Its upper end."""
+
+
+@dataclass(frozen=True)
+class CampaignReport:
+    """The figures of its trials, which are read one by one."""
+
+    trials: Sequence[Trial]
+    """Trials in the order of their seeds."""
+    holds: bool | None = None
+    """Verdict on the claimed success rate; None: no claim, or undecided."""
+
+    counted: Tally | None = None
+    """Tally of the trials, if it has been counted already; None otherwise."""
+
+    @cached_property
+    def tally(self) -> Tally:
+        """All that is counted, in one pass."""
+        return Tally(self.trials) if self.counted is None else self.counted
+
+    @property
+    def successes(self) -> int:
+        """Trials that reached the goal."""
+        return self.tally.successes
+
+    @property
+    def wilson(self) -> tuple[float, float]:
+        """95 % interval of the success rate, by Wilson; of no trials at all it is everything."""
+        return wilson(self.successes, len(self.trials))
+
+    @property
+    def outcomes(self) -> Counter[str]:
+        """Counts of outcomes, with the reason unless Success; `#` replaces numbers in it."""
+        return self.tally.outcomes
+
+    @property
+    def untrue(self) -> list[Trial]:
+        """Trials with an outcome that the ground truth contradicts."""
+        return [self.trials[at] for at in self.tally.untrue]
+
+    @property
+    def shares(self) -> list[ActionShare]:
+        """Return the outcome counts of each action, in the order of first occurrence."""
+        return [
+            ActionShare(name, *(found[each] for each in OUTCOME_NAMES))
+            for name, found in self.tally.actions.items()
+        ]
+
+    @property
+    def blames(self) -> list[tuple[Blame, int]]:
+        """Fails and GiveUps by primitive and cause, and how often, the most frequent first."""
+        return sorted(self.tally.blames.items(), key=lambda each: (-each[1], each[0]))
+
+    @property
+    def median_run(self) -> Trial | None:
+        """The trial that took the median time of those that succeeded; None: none did."""
+        at = self.tally.median_run
+        return None if at is None else self.trials[at]
+
+    def spreads(self) -> dict[str, Spread]:
+        """Each metric's distribution, with 95 % intervals."""
+        return {name: self._spread(name) for name in self.tally.columns}
+
+    def _spread(self, name: str) -> Spread:
+        values = np.asarray(self.tally.columns[name])
+        least, median, most_95, most = map(float, np.quantile(values, [0.0, 0.5, 0.95, 1.0]))
+        count = len(values)
+        bounds = wilson(int(values.sum()), count) if name in self.tally.yes_no else median_interval(values)
+        return Spread(count, least, median, most_95, most, float(values.mean()), *(bounds or (None, None)))
+
+    def worst(self, most: int = WORST_TRIAL_COUNT) -> list[Trial]:
+        """Trials to look at first: untrue ones, then those that did not succeed, then those with Fails."""
+        return [self.trials[-rank[-1]] for rank in self.tally.worst[:most]]

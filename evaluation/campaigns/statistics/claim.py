@@ -1,0 +1,98 @@
+"""A claim about the success rate that is settled as soon as the trials are enough."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from scipy.special import betaln
+
+from handcart.evaluation.campaigns.data.trial import Trial
+from handcart.files.errors import InputError
+
+MAX_ERROR_PROBABILITY = 0.05
+"""At most so often a verdict is wrong, however often it is looked for."""
+_FORM = re.compile(r"\s*p\s*(>|<)\s*(0?\.\d+)\s*")
+
+
+class NoClaim(InputError):
+    """Words that claim nothing of a success rate."""
+
+    def __init__(self, words: str) -> None:
+        super().__init__(f'--until "{words}": no claim; allowed: "p > 0.95" or "p < 0.5", between 0 and 1')
+
+
+@dataclass(frozen=True)
+class Claim:
+    """That the success rate is above, or below, a limit."""
+
+    above: bool
+    limit: float
+
+    @classmethod
+    def of(cls, words: str) -> Claim:
+        """Such as `p > 0.95`; raises `NoClaim`."""
+        found = _FORM.fullmatch(words)
+        if found is None or not 0.0 < float(found[2]) < 1.0:
+            raise NoClaim(words)
+        return cls(found[1] == ">", float(found[2]))
+
+    def __str__(self) -> str:
+        return f"p {'>' if self.above else '<'} {self.limit:g}"
+
+    def verdict(self, successes: int, count: int) -> bool | None:
+        """Return whether the claim holds, or None while undecided.
+
+        The claim holds if its limit is outside a confidence sequence: the rates whose bet against a uniform
+        mixture of all other rates has not gained a factor of 1 / ERROR (Robbins 1970). So the verdict may
+        be asked after each trial.
+        """
+        failures = count - successes
+        bet = float(betaln(1 + successes, 1 + failures))
+        bet -= successes * math.log(self.limit) + failures * math.log1p(-self.limit)
+        if bet < -math.log(MAX_ERROR_PROBABILITY):
+            return None
+        return (successes > count * self.limit) is self.above
+
+
+class Settling:
+    """Hears of trials, whichever ends first, and asks after each in the order of the seeds: which trials
+    count must not depend on how long they take.
+    """
+
+    def __init__(self, claim: Claim, seeds: Sequence[int]) -> None:
+        """Nothing is heard of yet."""
+        self.claim, self._seeds = claim, seeds
+        self.count = self.successes = 0
+        """Number of counted trials."""
+        self.verdict: bool | None = None
+        self._waiting: dict[int, bool] = {}
+
+    def hear(self, trial: Trial) -> bool:
+        """A trial has ended; whether the claim is settled."""
+        self._waiting[trial.seed] = trial.success
+        while self.verdict is None and self.count < len(self._seeds):
+            success = self._waiting.pop(self._seeds[self.count], None)
+            if success is None:
+                break
+            self.count += 1
+            self.successes += success
+            self.verdict = self.claim.verdict(self.successes, self.count)
+        return self.verdict is not None
+
+    @classmethod
+    def heard(cls, words: str | None, seeds: Sequence[int], trials: Iterable[Trial]) -> Settling | None:
+        """Return the state of a claim after these trials; None without a claim."""
+        if words is None:
+            return None
+        settling = cls(Claim.of(words), seeds)
+        any(settling.hear(trial) for trial in trials)
+        return settling
+
+    def words(self) -> str:
+        """The verdict."""
+        if self.verdict is None:
+            return f"{self.claim}: {self.count} trials are not enough to be sure"
+        return f"{self.claim}: {'yes' if self.verdict else 'no'}, sure after {self.count} trials"

@@ -1,0 +1,116 @@
+"""Counts over a campaign's trials, in one pass."""
+
+from __future__ import annotations
+
+import heapq
+import math
+import re
+from array import array
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from handcart.evaluation.campaigns.data.trial import Trial
+
+OUTCOME_NAMES = ("Success", "Fail", "GiveUp")
+WORST_TRIAL_COUNT = 10
+OF_ALL = ("sim_time_s", "actions", "fails")
+"""Figures of each trial in addition to its task's metrics; the machine's time is not one of them."""
+_NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?!\w)")
+
+
+class Blame(NamedTuple):
+    """A kind of Fail or GiveUp."""
+
+    primitive: str
+    outcome: str
+    check: str
+    """Check that found the cause, as in `Cause.check`; empty if unknown."""
+    reason: str
+    """With # for each number."""
+
+
+def in_general(reason: str) -> str:
+    """Words with # for each number, so that those are equal that differ in measured values alone."""
+    return _NUMBER.sub("#", reason)
+
+
+def outcome_in_general(summary: Mapping[str, Any]) -> str:
+    """Return the outcome of a trial and its reason, with numbers replaced by `#`."""
+    reason = in_general(summary["reason"])
+    return str(summary["outcome"]) + (f": {reason}" if reason else "")
+
+
+def figures(trial: Trial) -> dict[str, float | bool]:
+    """The metrics of a trial that are one number, or yes and no, by name."""
+    found = {**trial.summary["metrics"], **{key: trial.summary[key] for key in OF_ALL}}
+    return {
+        name: value
+        for name, value in found.items()
+        if isinstance(value, bool | int | float) and math.isfinite(value)
+    }
+
+
+class Tally:
+    """Counts; of 100,000 trials it takes some MB."""
+
+    def __init__(self, trials: Iterable[Trial]) -> None:
+        self.count = self.successes = 0
+        self.outcomes: Counter[str] = Counter()
+        """Counts of outcomes, with the general reason unless Success."""
+        self.untrue: list[int] = []
+        """Seeds of trials with an outcome that the ground truth contradicts."""
+        self.columns: dict[str, array[float]] = {}
+        """Each metric's values."""
+        self.yes_no: set[str] = set()
+        """Names of the yes-or-no metrics."""
+        self.actions: dict[str, Counter[str]] = {}
+        """Counts of outcomes of each action in the file."""
+        self.blames: Counter[Blame] = Counter()
+        self.worst: list[tuple[bool, bool, float, int]] = []
+        """The trials to look at first, by rank, the last element saying which."""
+        self.times, self.timed = array("d"), array("q")
+        """How long trials took that succeeded, in [s], and which they are."""
+        for at, trial in enumerate(trials):
+            self._add(at, trial)
+        self.worst.sort(reverse=True)
+
+    @property
+    def median_run(self) -> int | None:
+        """Return the seed of the successful trial with the median time; None without success."""
+        if not self.timed:
+            return None
+        order = np.lexsort((np.asarray(self.timed), np.asarray(self.times)))
+        return self.timed[int(order[(len(order) - 1) // 2])]
+
+    def _add(self, at: int, trial: Trial) -> None:
+        summary = trial.summary
+        self.count += 1
+        self.successes += trial.success
+        self.outcomes[outcome_in_general(summary)] += 1
+        if trial.untrue:
+            self.untrue.append(at)
+        if trial.success:
+            self.times.append(summary["sim_time_s"])
+            self.timed.append(at)
+        for name, value in figures(trial).items():
+            self.columns.setdefault(name, array("d")).append(value)
+            if isinstance(value, bool):
+                self.yes_no.add(name)
+        for end in trial.actions:
+            self.actions.setdefault(end.action, Counter())[end.outcome] += 1
+            if end.outcome != "Success":
+                self.blames[Blame(end.primitive, end.outcome, end.check, in_general(end.reason))] += 1
+        self._rank(at, trial)
+
+    def _rank(self, at: int, trial: Trial) -> None:
+        """Untrue ones first, then those that did not succeed, then those with most Fails."""
+        fails = float(trial.summary["fails"])
+        if trial.untrue or not trial.success or fails:
+            self.rank((bool(trial.untrue), not trial.success, fails, -at))
+
+    def rank(self, rank: tuple[bool, bool, float, int]) -> None:
+        """Keep it if it is among the worst by now."""
+        (heapq.heappush if len(self.worst) < WORST_TRIAL_COUNT else heapq.heappushpop)(self.worst, rank)

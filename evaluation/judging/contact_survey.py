@@ -1,0 +1,174 @@
+"""Survey of the contacts of the robot in a run: part of the robot, touched body, time and force."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from typing_extensions import override
+
+from handcart.backends.robot.robot import Robot
+from handcart.backends.simulation.body.arm_contact import LOAD_NAME
+from handcart.primitives.contract.action_primitive import ActionPrimitive
+from handcart.primitives.knowledge.meant_contact import RobotPart
+from handcart.primitives.outcomes.outcome import Outcome, Success
+from handcart.robotics.kinematics.arm_model import ArmModel
+
+from .survey import Survey, SurveyedRun
+
+FINGERS_BODY = "fingers"  # both fingers together, as one body that pushes
+MAX_LISTED_CONTACTS = 8  # contacts listed one by one in a run's metrics
+Pair = tuple[str, str]
+
+
+@dataclass
+class Touched:
+    """One contact, from its begin (or the begin of its action) to its end (or the end of its action)."""
+
+    part: RobotPart
+    body: str
+    """Name of the robot's link, or of the held body."""
+    other: str
+    """Name of the touched body in the world."""
+    action: int
+    """Number of the running action; 0 if no action was running."""
+    do: str
+    """Name of the primitive of the running action; empty if no action was running."""
+    from_s: float
+    """Begin of the contact on the robot's clock, in [s]."""
+    to_s: float
+    force_n: float | None
+    """Largest force on the hand during the contact, in [N]; None where no force is known."""
+    meant: bool
+    """True if the primitive declares this contact as meant."""
+
+    def __str__(self) -> str:
+        how_long = f"from {self.from_s:.2f} s to {self.to_s:.2f} s"
+        return f"{self.body} touched {self.other}, which it didn't mean to, {how_long}"
+
+
+class ContactSurvey(Survey):
+    """Survey that records all contacts of the robot, once per period of a simulated scene."""
+
+    name = "contacts"
+    noted = list[Touched]
+
+    @override
+    def __init__(self, run: SurveyedRun) -> None:
+        super().__init__(run)
+        self.contacts: list[Touched] = []
+        """All contacts of the run, both finished and lasting."""
+        self._running: tuple[int, ActionPrimitive] | None = None
+        self._lasting: dict[Pair, Touched | None] = {}
+        """Contacts that last now, by pair of bodies; None for those that began before the last action
+        ended.
+        """
+        self._links, self._held = RobotLinks(run.world.arm), ""
+
+    @classmethod
+    @override
+    def applies(cls, run: SurveyedRun) -> bool:
+        return run.scene is not None
+
+    def started(self, number: int, primitive: ActionPrimitive) -> None:
+        """Note the start of an action; bodies that touch already count as touched by this action."""
+        self._running, self._lasting = (number, primitive), {}
+
+    def ended(self, number: int, primitive: ActionPrimitive, outcome: Outcome) -> list[str]:
+        """Return a message for each unmeant contact of an action that ended in Success."""
+        unmeant = self.unmeant()
+        self._running = None
+        self._lasting = dict.fromkeys(self.run.world.touching)
+        return [str(each) for each in unmeant] if isinstance(outcome, Success) else []
+
+    def unmeant(self) -> list[Touched]:
+        """Return the contacts of the running action that its primitive does not declare as meant."""
+        number = 0 if self._running is None else self._running[0]
+        return [each for each in self.contacts if each.action == number and number and not each.meant]
+
+    def look(self, robot: Robot) -> None:
+        """Update the contacts after a period."""
+        if self.run.world.held is not None:
+            self._held = self.run.world.held.name
+        touching = self.run.world.touching
+        if not touching and not self._lasting:
+            return
+        self._lasting = {pair: each for pair, each in self._lasting.items() if pair in touching}
+        for pair in sorted(touching):
+            if pair not in self._lasting:
+                self._lasting[pair] = self._begin(pair, robot.time)
+            each = self._lasting[pair]
+            if each is not None:
+                self._go_on_touching(each, robot.time)
+
+    def _begin(self, pair: Pair, now: float) -> Touched:
+        body, other = pair
+        part, number, do, meant = self._links.part(body), 0, "", False
+        if self._running is not None:
+            number, primitive = self._running
+            do, means = primitive.label(), primitive.meant_contacts(self.run.model)
+            meant = any(each.covers(part, other) for each in means)
+        name = f"held {self._held}" if body == LOAD_NAME else body
+        touched = Touched(part, name, other, number, do, round(now, 3), now, None, meant)
+        self.contacts.append(touched)
+        return touched
+
+    def _go_on_touching(self, each: Touched, now: float) -> None:
+        each.to_s = round(now, 3)
+        if each.part in ("hand", "held"):
+            force = float(np.linalg.norm(self.run.world.hand_force))
+            each.force_n = round(max(force, each.force_n or 0.0), 1)
+
+    @override
+    def notes(self) -> list[Touched]:
+        return self.contacts
+
+    @override
+    def go_on(self, noted: list[Touched]) -> None:
+        self.contacts = noted
+        self._lasting = dict.fromkeys(self.run.world.touching)
+
+    def figures(self) -> dict[str, Any]:
+        """Return the number of contacts of each part of the robot, and the first of the unmeant contacts."""
+        unmeant = [each for each in self.contacts if not each.meant]
+        seconds = sum(each.to_s - each.from_s for each in unmeant)
+        counts = {f"contacts_of_{part}": _of(self.contacts, part) for part in ("base", "arm", "hand", "held")}
+        return {
+            **counts,
+            "contacts_unmeant": len(unmeant),
+            "contacts_unmeant_s": round(seconds, 2),
+            "contacts": [asdict(each) for each in unmeant[:MAX_LISTED_CONTACTS]],
+        }
+
+
+def _of(contacts: list[Touched], part: str) -> int:
+    return sum(each.part == part for each in contacts)
+
+
+class RobotLinks:
+    """Classifier of the robot's bodies in contacts: base, arm, hand or held."""
+
+    def __init__(self, arm: ArmModel | None) -> None:
+        """Sort the links of an arm; None for a robot without an arm."""
+        self._arm = set() if arm is None else _moved(arm, 0)
+        self._hand = {FINGERS_BODY} if arm is None else {FINGERS_BODY, "hand", *_moved(arm, arm.dof - 1)}
+
+    def part(self, body: str) -> RobotPart:
+        """Return the part that a body belongs to, by its name in a contact; a structure on the base counts as
+        base.
+        """
+        if body == LOAD_NAME:
+            return "held"
+        if body in self._hand:
+            return "hand"
+        return "arm" if body in self._arm else "base"
+
+
+def _moved(arm: Any, first: int) -> set[str]:
+    """Return the names of the links that are moved by a joint with index `first` or higher."""
+    here = 0.5 * (arm.lower + arm.upper)
+    there = here + np.where(np.arange(arm.dof) >= first, 0.1, 0.0)
+    names = [shape.name for shape in arm.link_shapes(here)]
+    poses = zip(names, arm.link_poses(here).copy(), arm.link_poses(there), strict=True)
+    return {name for name, one, other in poses if not np.allclose(one, other)}

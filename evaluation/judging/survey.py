@@ -1,0 +1,193 @@
+"""Interface of a survey: it compares the outcomes of a domain's primitives with the ground truth."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+
+from typing_extensions import override
+
+from handcart.backends.backend import Backend
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.ground_truth import GroundTruth
+from handcart.backends.robot.robot import Robot
+from handcart.networks.task.preparing import Prepared
+from handcart.primitives.contract.action_primitive import ActionPrimitive
+from handcart.primitives.knowledge.world_model import WorldModel
+from handcart.primitives.outcomes.outcome import Outcome
+from handcart.tasks.domain import Domain
+
+if TYPE_CHECKING:
+    from handcart.backends.simulation.world.scene import Scene
+
+
+@dataclass(frozen=True)
+class SurveyedRun:
+    """The parts of a run, or of a single attempt, that a survey may read."""
+
+    robot: Robot
+    spec: RobotFile
+    """The robot's file as loaded at first: a calibration changes the robot's own specification."""
+    model: WorldModel
+    scene: Scene | None
+    """The true simulated world; None for a backend without a simulated scene."""
+    seed: int = 0
+    """Seed of the simulated errors."""
+    does: frozenset[str] = frozenset()
+    """Names of the primitives that the run may execute."""
+    folder: Path | None = None
+    """Folder for a survey's notes; None: no notes are kept."""
+
+    def concerns(self, domain: Domain) -> bool:
+        """Return whether the run uses a domain: its primitives, its section of the model or its props."""
+        there = self.scene is not None and domain.name in self.scene.props
+        return there or domain.name in self.model.sections or bool(self.does & domain.primitives.keys())
+
+    @property
+    def world(self) -> Scene:
+        """The simulated scene; callers have checked that there is one."""
+        assert self.scene is not None, "nothing is simulated"
+        return self.scene
+
+    @classmethod
+    def of(cls, prepared: Prepared, folder: Path | None = None) -> SurveyedRun:
+        """Return the view of a prepared run that has not started."""
+        robot = prepared.robot
+        does = frozenset(action.do for action in prepared.task.network.actions)
+        scene = simulated_world(prepared.backend)
+        return cls(robot, robot.spec, prepared.model, scene, prepared.seed, does, folder)
+
+
+def simulated_world(backend: Backend) -> Scene | None:
+    """Return the scene that a backend simulates, found through all its wrappers; None if it simulates no
+    scene.
+    """
+    while backend.inner is not None:
+        backend = backend.inner
+    if not backend.simulated:
+        return None
+    from handcart.backends.simulation.simulated_backend import SimulatedBackend
+
+    return backend.scene if isinstance(backend, SimulatedBackend) else None
+
+
+class Claim(NamedTuple):
+    """A Success together with the ground truth before and after it."""
+
+    primitive: Any
+    """The `ActionPrimitive` that reported the Success."""
+    before: GroundTruth
+    after: GroundTruth
+
+
+Effect = Callable[[Any, Claim], list[str]]
+"""Check of a Success: given the survey and the claim, it returns a message for each promise that is false."""
+
+
+class Survey(ABC):
+    """Observer of a run that sees the ground truth, which no primitive may see, and changes nothing.
+
+    A survey that raises an exception is removed for the rest of the run and reported in `untrue`; the run
+    continues.
+    """
+
+    name: ClassVar[str]
+    """Key of its notes, for example the name of the domain."""
+    effects: ClassVar[Mapping[str, Effect]] = {}
+    """Checks of a primitive's Success, by name of the primitive.
+
+    Disturbed bodies, other than those that the primitive holds or that its `meant_contacts` name for the
+    hand, are found without such a check.
+    """
+    noted: ClassVar[Any] = None
+    """Type that `notes` returns: numbers, strings, lists, mappings, dataclasses of them; None for no
+    notes.
+    """
+    limits: ClassVar[Mapping[str, float]] = {}
+    """Largest allowed value of a metric where the Success of a complete run is true, by name of the
+    metric.
+    """
+    shown: ClassVar[frozenset[str]] = frozenset()
+    """Primitives whose pictures are shown first in a run's overview."""
+
+    def __init__(self, run: SurveyedRun) -> None:
+        """Prepare to observe a run that is about to start or continue."""
+        self.run = run
+
+    @classmethod
+    def applies(cls, run: SurveyedRun) -> bool:
+        """Return whether the survey can check anything: the run has a simulated world and one of its
+        primitives.
+        """
+        return run.scene is not None and bool(run.does & cls.effects.keys())
+
+    def started(self, number: int, primitive: ActionPrimitive) -> None:
+        """Note that the action with this number starts."""
+
+    def look(self, robot: Robot) -> None:
+        """Observe the robot after a period."""
+
+    def ended(self, number: int, primitive: ActionPrimitive, outcome: Outcome) -> list[str]:
+        """Return a message for each further claim of the ended action's outcome that is false."""
+        return []
+
+    def notes(self) -> Any:
+        """Return the values, of type `noted`, that a continued run needs and cannot compute again."""
+
+    def go_on(self, noted: Any) -> None:
+        """Restore the last notes of the interrupted run that this run continues.
+
+        Args:
+            noted: of the type `noted`; any value if that is None.
+
+        Raises:
+            ValueError: the notes cannot belong to such a run.
+        """
+
+    @abstractmethod
+    def figures(self) -> Mapping[str, Any]:
+        """Return the metrics of a run that has ended."""
+
+    def faults(self) -> list[str]:
+        """Return a message for each claim of the complete run's Success that is false."""
+        return []
+
+    def report(self, prepared: Prepared, folder: Path) -> None:
+        """Write files for other programs into the folder of a run that has ended.
+
+        Raises:
+            OSError: writing failed, for example because the disk is full.
+        """
+
+    def draw(self, folder: Path) -> None:
+        """Draw pictures into the folder of a run that has ended; its page shows each `*.svg`.
+
+        Raises:
+            OSError: writing failed, for example because the disk is full.
+        """
+
+
+class FiguresSurvey(Survey):
+    """Survey whose notes and metrics are one mapping, `_figures`, by name of the metric."""
+
+    noted = dict[str, float]
+
+    @override
+    def __init__(self, run: SurveyedRun) -> None:
+        super().__init__(run)
+        self._figures: dict[str, float] = {}
+
+    @override
+    def notes(self) -> dict[str, float]:
+        return self._figures
+
+    @override
+    def go_on(self, noted: dict[str, float]) -> None:
+        self._figures = noted
+
+    @override
+    def figures(self) -> dict[str, Any]:
+        return self._figures

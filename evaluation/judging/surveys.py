@@ -1,0 +1,245 @@
+"""All surveys of a run, called in turn."""
+
+from __future__ import annotations
+
+import traceback
+from collections.abc import Callable, Iterator, Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any, TypeVar
+
+from handcart.backends.ground_truth import GroundTruth
+from handcart.backends.robot.robot import Robot
+from handcart.backends.saved_state import NotAState
+from handcart.files.errors import InputError
+from handcart.networks.task.preparing import Prepared
+from handcart.primitives.contract.action_primitive import ActionPrimitive
+from handcart.primitives.outcomes.outcome import Fail, Outcome, Success
+from handcart.primitives.preconditions.hand_use import Hand
+from handcart.primitives.restoring.snapshot import RESIDUAL_SIGMAS
+from handcart.tasks.domain import domains, imported
+
+from .arrival_survey import ArrivalSurvey
+from .base_surveys import LocalisationSurvey, PathSurvey
+from .contact_survey import ContactSurvey
+from .hand_claims import HAND_NAME, false_hold, things_held
+from .sensor_sigmas import BASE_SIGMA_DEG, BASE_SIGMA_MM
+from .survey import Claim, Survey, SurveyedRun
+from .survey_notes import as_noted
+from .true_changes import disturbed, not_restored
+
+GENERAL_SURVEYS = (PathSurvey, ContactSurvey, LocalisationSurvey, ArrivalSurvey)
+MOST_DISTURBED_MM = 10.0  # largest allowed motion of a body that a primitive does not move
+SurveyT = TypeVar("SurveyT", bound=Survey)
+T = TypeVar("T")
+
+
+class NoSurvey(InputError):
+    """Error: a domain names a class that is not a survey; raised before anything moves."""
+
+
+def survey_kinds(run: SurveyedRun | None = None) -> tuple[type[Survey], ...]:
+    """Return the general surveys and those of all domains, or only of the domains that `run` uses.
+
+    Raises:
+        NoSurvey: one of them cannot be imported, or is not a survey.
+    """
+    named = [
+        (domain.name, domain.survey)
+        for domain in domains()
+        if domain.survey is not None and (run is None or run.concerns(domain))
+    ]
+    return (*GENERAL_SURVEYS, *(_kind(name, path) for name, path in named))
+
+
+@cache
+def _kind(domain: str, path: str) -> type[Survey]:
+    try:
+        kind = imported(path)
+    except Exception as error:  # a foreign module may raise anything
+        reason = f"{type(error).__name__}: {error}"
+        raise NoSurvey(f"the survey {path} of the domain {domain} can't be imported: {reason}") from error
+    if not (isinstance(kind, type) and issubclass(kind, Survey)):
+        raise NoSurvey(
+            f"the survey {path} of the domain {domain} is not a survey; allowed: a subclass of Survey"
+        )
+    return kind
+
+
+class Surveys:
+    """The surveys that apply to a run; a survey that raises an exception is removed."""
+
+    def __init__(self, run: SurveyedRun) -> None:
+        """Create the surveys for a run that is about to start or continue."""
+        self.run = run
+        self.broken: list[str] = []
+        """Messages about the surveys that raised an exception."""
+        self._every: list[Survey] = []
+        self._before: GroundTruth | None = None
+        for kind in survey_kinds(run):
+            self._add(kind)
+
+    def _add(self, kind: type[Survey]) -> None:
+        try:
+            if kind.applies(self.run):
+                self._every.append(kind(self.run))
+        except InputError:  # its notes in the run's folder are damaged
+            raise
+        except Exception as error:
+            self.broken.append(_broke(kind, error))
+
+    def of(self, kind: type[SurveyT]) -> SurveyT | None:
+        """Return the survey of a class; None if it does not apply to this run."""
+        return next((each for each in self._every if isinstance(each, kind)), None)
+
+    @property
+    def shown(self) -> frozenset[str]:
+        """Primitives whose pictures are shown first in a run's overview."""
+        return frozenset().union(*(each.shown for each in self._every))
+
+    def look(self, robot: Robot) -> None:
+        """Let every survey observe the robot after a period."""
+        for survey in self._every:
+            try:
+                survey.look(robot)
+            except Exception as error:
+                self._leave_out(survey, error)
+
+    def started(self, number: int, primitive: ActionPrimitive) -> None:
+        """Record the ground truth at the start of an action, and notify every survey."""
+        self._before = self.run.robot.backend.ground_truth()
+        for _ in self._asked(lambda survey: survey.started(number, primitive)):
+            pass
+
+    def ended(self, number: int, primitive: ActionPrimitive, outcome: Outcome) -> list[str]:
+        """Return a message for each false claim of the ended action's outcome."""
+        after = self.run.robot.backend.ground_truth()
+        wrong: list[str] = []
+        if self._before is not None and after is not None:
+            if isinstance(outcome, Fail):
+                wrong = not_restored(self._before, after, self.run.spec, self._base_sigma(outcome))
+            elif isinstance(outcome, Success):
+                wrong = self._false_effect(Claim(primitive, self._before, after))
+        more = [untrue for _, untrue in self._asked(lambda survey: survey.ended(number, primitive, outcome))]
+        return wrong + [each for untrue in more for each in untrue]
+
+    def _base_sigma(self, fail: Fail) -> tuple[float, float]:
+        """Return the standard deviation of the measured base motion, in [mm] and [deg]; with a GNSS as
+        claimed.
+        """
+        sigma, found = (BASE_SIGMA_MM, BASE_SIGMA_DEG), fail.residuals
+        if not self.run.robot.localization.POSE_JUMPS or "base_unsure_mm" not in found:
+            return sigma
+        return max(sigma[0], found["base_unsure_mm"] / RESIDUAL_SIGMAS), max(
+            sigma[1], found["base_unsure_deg"] / RESIDUAL_SIGMAS
+        )
+
+    def _false_effect(self, claim: Claim) -> list[str]:
+        """Return a message for each false claim of a Success; without a survey of the primitive, its
+        disturbances only.
+        """
+        own = _own(claim, self.run)
+        wrong = [
+            f"it moved {each} mm (at most {MOST_DISTURBED_MM:.0f})"
+            for each in disturbed(claim.before, claim.after, MOST_DISTURBED_MM, own)
+        ]
+        wrong += false_hold(claim, self.run.model)
+        own_word = getattr(claim.primitive, "false_effect", None)
+        if own_word is not None:
+            return wrong + list(own_word(self.run.world, claim.before))
+        label = claim.primitive.label()
+        checks = self._asked(lambda survey: survey.effects[label](survey, claim), label)
+        return wrong + [each for _, untrue in checks for each in untrue]
+
+    def notes(self) -> dict[str, Any]:
+        """Return the notes of each survey that a continued run needs, by name of the survey."""
+        noting = [each for each in self._every if each.noted is not None]
+        return {survey.name: notes for survey, notes in self._asked(lambda each: each.notes(), among=noting)}
+
+    def go_on(self, notes: Mapping[str, Any], path: Path) -> None:
+        """Restore the notes of the interrupted run that this run continues.
+
+        Args:
+            notes: notes by name of the survey, as read from a file.
+            path: path of this file, used in messages.
+
+        Raises:
+            NotAState: the notes are damaged or have another format.
+        """
+        for survey in [each for each in self._every if each.noted is not None]:
+            try:
+                survey.go_on(as_noted(notes[survey.name], survey.noted))
+            except KeyError:
+                raise NotAState(f"{path}: nothing was noted of {survey.name}") from None
+            except ValueError as error:
+                raise NotAState(f"{path}: of {survey.name}: {error}") from None
+
+    def figures(self) -> dict[str, Any]:
+        """Return the metrics of a run that has ended."""
+        by_survey = [figures for _, figures in self._asked(lambda survey: survey.figures())]
+        return {name: value for each in by_survey for name, value in each.items()}
+
+    def faults(self) -> list[str]:
+        """Return one line for each survey with the false claims of the complete run's Success."""
+        by_survey = [faults for _, faults in self._asked(lambda survey: survey.faults())]
+        return ["; ".join(faults) for faults in by_survey if faults]
+
+    def report(self, prepared: Prepared, folder: Path) -> None:
+        """Write all reports into the folder of a run that has ended; raises as `Survey.report`."""
+        self._write(lambda survey: survey.report(prepared, folder))
+
+    def draw(self, folder: Path) -> None:
+        """Draw all pictures into the folder of a run that has ended; raises as `Survey.draw`."""
+        self._write(lambda survey: survey.draw(folder))
+
+    def _write(self, write: Callable[[Survey], None]) -> None:
+        for survey in self._every:
+            try:
+                write(survey)
+            except OSError:
+                raise
+            except Exception as error:
+                self._leave_out(survey, error)
+
+    def _asked(
+        self, ask: Callable[[Survey], T], label: str | None = None, among: list[Survey] | None = None
+    ) -> Iterator[tuple[Survey, T]]:
+        """Yield each survey with its answer, only of those that check the primitive `label` if it is
+        given.
+        """
+        for survey in list(self._every if among is None else among):
+            if label is not None and label not in survey.effects:
+                continue
+            try:
+                answer = ask(survey)
+            except Exception as error:
+                self._leave_out(survey, error)
+            else:
+                yield survey, answer
+
+    def _leave_out(self, survey: Survey, error: Exception) -> None:
+        self._every = [each for each in self._every if each is not survey]
+        self.broken.append(_broke(type(survey), error))
+
+
+def _own(claim: Claim, run: SurveyedRun) -> set[str]:
+    """Return the names of the bodies that a primitive may move: held before or after, or meant to be touched.
+
+    A body held before the start of a primitive that requires an empty hand is not included: it would be
+    dropped.
+    """
+    held = things_held(claim.after)
+    if claim.primitive.hand_use().before is not Hand.EMPTY:
+        held |= things_held(claim.before)
+    meant = [each for each in claim.primitive.meant_contacts(run.model) if each.part == HAND_NAME]
+    return held | {
+        name for name in claim.before.bodies if any(each.covers(HAND_NAME, name) for each in meant)
+    }
+
+
+def _broke(kind: type[Survey], error: Exception) -> str:
+    """Return a message with the survey, the exception and its source line."""
+    at = traceback.extract_tb(error.__traceback__)[-1]
+    where = f"{Path(at.filename).name}, line {at.lineno}"
+    which = f"{kind.__module__}:{kind.__name__}"
+    return f"the survey {which} broke and says no more: {type(error).__name__}: {error} ({where})"

@@ -1,0 +1,34 @@
+"""Removal of the drift in roll and pitch of a vehicle that never stops."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.evaluation.offline_localization.logs.drive_log import DriveLog
+
+WINDOW_S = 30.0  # within which roll and pitch of a vehicle return to their mean
+Array = NDArray[np.float64]
+
+
+def without_tilt_drift(log: DriveLog) -> DriveLog:
+    """Subtract from the x and y gyros their moving average over half a minute.
+
+    Odometry estimates these biases only at a standstill. For a vehicle that never stops, the computed
+    attitude would tip over within minutes. No vehicle keeps rolling to one side, so the average is the
+    bias.
+    """
+    rates = log.rates.copy()
+    for axis in (0, 1):
+        rows = np.flatnonzero(np.isfinite(rates[:, axis]))
+        if len(rows) > 1:
+            rates[rows, axis] -= _moving_mean(log.times[rows], rates[rows, axis])
+    return log._replace(rates=rates)
+
+
+def _moving_mean(times: Array, values: Array) -> Array:
+    """Return the mean (n,) of values (n,) within half of `WINDOW_S` before and after each."""
+    sums = np.concatenate([[0.0], np.cumsum(values)])
+    first = np.searchsorted(times, times - 0.5 * WINDOW_S, side="left")
+    last = np.searchsorted(times, times + 0.5 * WINDOW_S, side="right")
+    return np.asarray((sums[last] - sums[first]) / (last - first))

@@ -1,0 +1,135 @@
+"""Recorder of wheels, gyros and GNSS receiver in a run, as a log for `handcart localize`."""
+
+from __future__ import annotations
+
+import math
+from contextlib import suppress
+from pathlib import Path
+from typing import TextIO
+
+import numpy as np
+from typing_extensions import override
+
+from handcart.backends.robot.robot import Robot
+from handcart.files.csv_table import number_in
+from handcart.networks.events.events import Event
+from handcart.networks.events.run_observer import RunObserver
+from handcart.networks.task.preparing import Prepared
+
+DRIVE_LOG_FILE = "drive.csv"
+TIME_RESOLUTION_S = 1e-4  # of the written times
+COLUMN_UNITS = {
+    "time": "s",
+    **{f"gyro_{axis}": "rad/s" for axis in "xyz"},
+    **{f"accelerometer_{axis}": "m/s2" for axis in "xyz"},
+    "wheel_left": "m",
+    "wheel_right": "m",
+    "gps_east": "m",
+    "gps_north": "m",
+    "gps_sigma": "m",
+    "true_x": "m",
+    "true_y": "m",
+    "true_heading": "rad",
+}
+"""Units of the columns, by name."""
+
+
+class DriveRecorder(RunObserver):
+    """Observer that writes one row per period for an outdoor robot; in simulation also the true pose.
+
+    A write error, for example a full disk, ends the log and not the run.
+    """
+
+    def __init__(self) -> None:
+        self._file: TextIO | None = None
+        self._robot: Robot | None = None
+        self._noted = 0.0
+
+    def begin(self, prepared: Prepared, run_dir: Path) -> None:
+        """Open the log; that of a continued run is cut at the time of its continuation and extended."""
+        robot = prepared.robot
+        if robot.localization.sensed is None:
+            return
+        self._robot, self._noted = robot, robot.time
+        path = run_dir / DRIVE_LOG_FILE
+        with suppress(OSError):
+            lines = _kept(path, robot.time) if path.exists() else [_header(robot)]
+            self._file = path.open("w", encoding="utf-8")
+            self._file.writelines(lines)
+
+    @override
+    def period(self, robot: Robot) -> None:
+        self._note(robot)
+
+    def event(self, event: Event) -> None:
+        """Write the log to disk at each event: a killed run continues from the end of an action."""
+        if self._robot is not None:
+            self._note(self._robot, whole=True)
+
+    def _note(self, robot: Robot, whole: bool = False) -> None:
+        """Write the latest readings, once; `whole`: also flush the file."""
+        if self._file is None:
+            return
+        try:
+            if robot.time > self._noted:
+                self._noted = robot.time
+                self._file.write(_row(robot))
+            if whole:
+                self._file.flush()
+        except OSError:
+            self.end()
+
+    @override
+    def end(self) -> None:
+        if self._file is not None:
+            with suppress(OSError):
+                self._file.close()
+        self._file = None
+
+
+def _row(robot: Robot) -> str:
+    sensed = robot.localization.sensed
+    assert sensed is not None
+    base = robot.backend.true_base()
+    place = (math.nan,) * 3 if sensed.fix is None else (*sensed.fix.position.tolist(), sensed.fix.sigma)
+    true = (math.nan,) * 3 if base is None else tuple(base)
+    values = [*sensed.rates.tolist(), *sensed.accelerations.tolist(), *sensed.rolled.tolist(), *place, *true]
+    if robot.spec.beacons is not None:
+        nothing = np.full(len(robot.spec.beacons.places_m), math.nan)
+        values += (nothing if sensed.ranges is None else sensed.ranges).tolist()
+    cells = ["" if math.isnan(value) else f"{value:.6g}" for value in values]
+    return ",".join([f"{robot.time:.4f}", *cells]) + "\n"
+
+
+def _kept(path: Path, time: float) -> list[str]:
+    """Return the lines of a log up to the time in [s] from which its run continues."""
+    lines = path.read_text(encoding="utf-8", errors="replace").splitlines(keepends=True)
+    table = next((k for k, line in enumerate(lines) if line.startswith("time,")), len(lines) - 1) + 1
+    whole = [line for line in lines[table:] if line.endswith("\n")]
+    return lines[:table] + [
+        line for line in whole if number_in(line.split(",")[0]) < time + TIME_RESOLUTION_S
+    ]
+
+
+def _header(robot: Robot) -> str:
+    """Return the YAML header and the line of titles."""
+    start, antenna = robot.pose, robot.spec.antenna
+    sigma = float(np.sqrt(robot.localization.covariance[2, 2]))
+    heading = f", heading_deg: {math.degrees(start.theta):.4f}" if sigma < 1.0 else ""
+    columns, beacons = dict(COLUMN_UNITS), list[str]()
+    if robot.spec.beacons is not None:
+        columns |= {f"range_{name}": "m" for name in robot.spec.beacons.places_m}
+        section = robot.spec.beacons.model_dump_json(exclude={"kind"})
+        beacons = [f"beacons: {section}"]  # JSON is YAML
+    lines = [
+        "---",
+        "format: handcart-log/1",
+        f"start: {{x_m: {start.x:.4f}, y_m: {start.y:.4f}{heading}}}",
+        f"antenna_m: [{', '.join(f'{each:.4f}' for each in antenna)}]",
+        *beacons,
+        "columns:",
+        *(f"  {name}: {{unit: {unit}}}" for name, unit in columns.items()),
+        "---",
+        ",".join(columns),
+    ]
+    return "\n".join(lines) + "\n"

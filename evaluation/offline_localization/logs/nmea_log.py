@@ -1,0 +1,85 @@
+"""Import of fixes from a receiver's NMEA log into a log of wheels and gyros."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+
+from handcart.backends.can.sensors.nmea_sentence import (
+    NO_SATELLITE_FIXES,
+    Accuracy,
+    Position,
+    read_sentence,
+)
+from handcart.files.errors import FileError, Finding
+from handcart.files.printable import counted
+from handcart.files.regular_file import read_regular_file
+
+from .csv_log import MAX_BYTES, first_place, plane
+from .drive_log import DriveLog
+from .places import checked_places
+
+DAY_S = 86_400.0
+GST_MAX_DELAY_S = 2.0  # between a GGA and the GST that belongs to it
+
+
+def with_nmea(log: DriveLog, path: Path) -> DriveLog:
+    """Return a log with the fixes of a file of NMEA 0183 sentences (GGA, GST) instead of its own.
+
+    The receiver's clock is UTC. If the log's times are seconds since 1970 or of the day, they are taken
+    as UTC too; otherwise the first fix is assumed to coincide with the first row. Damaged sentences are
+    skipped.
+
+    Raises:
+        FileError: the file cannot be read, or contains no fix.
+    """
+    positions, accuracies, others = [], {}, Counter[int]()
+    for line in read_regular_file(path, MAX_BYTES).splitlines():
+        try:
+            sentence = read_sentence(line.strip())
+        except (ValueError, UnicodeDecodeError):
+            continue
+        if isinstance(sentence, Accuracy):
+            accuracies[round(sentence.utc, 1)] = sentence.sigma
+        elif isinstance(sentence, Position) and sentence.is_fix:
+            positions.append(sentence)
+        elif isinstance(sentence, Position):
+            others[sentence.quality] += 1
+    skipped = _skipped(others)
+    if not positions:
+        wrong = "no fix in it; needed: GGA sentences of NMEA 0183 with a place and sound checksums"
+        raise FileError([Finding(str(path), 1, 1, "; ".join([wrong, *skipped]))])
+    times = np.unwrap([each.utc for each in positions], period=DAY_S)
+    times = times - times[0] + _first(log, positions[0].utc)
+    lats, lons, notes = checked_places(
+        np.array([each.lat for each in positions]), np.array([each.lon for each in positions]), times
+    )
+    places = plane(lats, lons, first_place(lats, lons))
+    fixes, sigmas = np.full_like(log.fixes, math.nan), np.full_like(log.sigmas, math.nan)
+    for time, place, each in zip(times, places, positions, strict=True):
+        row = int(np.searchsorted(log.times, time))
+        if row < len(log.times) and time >= log.times[0]:
+            fixes[row], sigmas[row] = place, accuracies.get(round(each.utc, 1), math.nan)
+    return log._replace(fixes=fixes, sigmas=sigmas, notes=(*log.notes, *notes, *skipped))
+
+
+def _skipped(others: Counter[int]) -> list[str]:
+    """Return a note for each quality whose positions are not satellite fixes."""
+    return [
+        f"skipped {counted(count, 'place')} of quality {quality}: "
+        + NO_SATELLITE_FIXES.get(quality, "unknown in NMEA 0183")
+        for quality, count in sorted(others.items())
+        if quality != 0
+    ]
+
+
+def _first(log: DriveLog, utc: float) -> float:
+    """Return the time of the first fix on the log's clock, in [s]."""
+    begun = float(log.times[0])
+    of_day = begun % DAY_S
+    if begun < DAY_S and not begun <= utc <= float(log.times[-1]):
+        return begun
+    return begun - of_day + utc

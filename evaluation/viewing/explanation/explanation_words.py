@@ -1,0 +1,252 @@
+"""Explanation as text for people."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from handcart.networks.graph.planner import SKIP_WEIGHT
+from handcart.networks.past_runs.hindsight import Choice, Option, Way
+from handcart.networks.past_runs.past_run import PastAction, PastRun
+
+from .explanation import Explanation, Residual, relying_on_the_journal
+
+CHECK_TEXTS = {
+    "observe": "while looking at what it will touch",
+    "motion": "in its motion",
+    "watch": "by its watch, asked every period",
+    "effect": "by its look at the effect, at rest at the end",
+    "restore": "on the way back",
+    "finish": "while withdrawing",
+    "rest": "while waiting for rest",
+    "push": "by looking where the base stands",
+    "following": "by comparing the arm's readings with its commands",
+    "time": "by the clock",
+    "supervision": "from outside",
+    "framework": "by the framework",
+}
+"""Text for each kind of check that may find a fault, by its name in the journal."""
+MAX_ROUTE_ACTIONS = 6  # actions of a route that are named
+
+
+def in_words(explanation: Explanation, chart: Path | None) -> str:
+    """Return a text with one line for each action of the run, followed by the explained action.
+
+    Args:
+        explanation: of an action or of the run's end.
+        chart: path of its chart; None if none was drawn.
+
+    Raises:
+        JournalError: the journal's content is inconsistent.
+    """
+    with relying_on_the_journal(explanation.run):
+        return _in_words(explanation, chart)
+
+
+def _in_words(explanation: Explanation, chart: Path | None) -> str:
+    parts = [_head(explanation.run), _time_line(explanation.run, explanation.action)]
+    if explanation.action is not None:
+        parts += [
+            _about(explanation.action),
+            _chosen(explanation),
+            _happened(explanation),
+            _restored(explanation),
+        ]
+    parts.append(_frames(explanation))
+    parts.append(_files(explanation, chart))
+    return "\n\n".join(part for part in parts if part)
+
+
+def _head(run: PastRun) -> str:
+    header, end = run.header, run.end
+    lines = [f"{run.folder}: {header['task']} (backend {header['backend']}, seed {header['seed']})"]
+    if end is None:
+        lines.append("no end in the journal: it was killed, or is still running")
+    else:
+        reason = f": {end['reason']}" if end["reason"] else ""
+        lines.append(f"{end['outcome']} in situation {end['situation']}{reason}")
+    return "\n".join(lines)
+
+
+def _time_line(run: PastRun, chosen: PastAction | None) -> str:
+    if not run.actions:
+        return "No action was started."
+    do = max(len(each.do) for each in run.actions)
+    way = max(len(f"{each.source} to {each.target}") for each in run.actions)
+    return "\n".join(_line(each, each is chosen, do, way) for each in run.actions)
+
+
+def _line(each: PastAction, chosen: bool, do: int, way: int) -> str:
+    mark = ">" if chosen else " "
+    leads = f"{each.source} to {each.target}"
+    ended = each.outcome or "no end"
+    reason = f": {each.reason}" if each.reason else ""
+    return f"{mark}{each.number:4d}  {each.start:8.1f} s  {each.do:<{do}}  {leads:<{way}}  {ended}{reason}"
+
+
+def _about(action: PastAction) -> str:
+    given = ", ".join(f"{name}={value}" for name, value in action.parameters.items())
+    return f"Action {action.number}: {action.do}{f' with {given}' if given else ''}"
+
+
+def _chosen(explanation: Explanation) -> str:
+    lines = ["Why it was chosen"]
+    if explanation.choice is None:
+        return "\n".join(
+            [*lines, "  the journal doesn't keep the network, so what else there was isn't known"]
+        )
+    lines += [f"  {line}" for line in choice_words(explanation.choice)]
+    known = ", ".join(f"{name} (action {who.number}, {who.do})" for name, who in explanation.relied_on)
+    return "\n".join([*lines, *([f"  what it could use: {known}"] if known else [])])
+
+
+def choice_words(choice: Choice) -> Iterator[str]:
+    """Yield the reasons for choosing an action: its route to the goal, and the alternatives."""
+    chosen, *others = choice.options
+    fails = f", failed {_times(chosen.fails)} before" if chosen.fails else ""
+    yield f"cheapest way to the goal, {_cost(choice.way)}: {_steps(choice.way)}"
+    yield f"{chosen.action.do} counted {_seconds(chosen.weight)} of it{fails}"
+    if not others:
+        yield f"nothing else leads out of {choice.chosen.source}"
+    for each in others:
+        yield f"instead {each.action}: {_instead(each)}"
+    later = choice.next_best
+    if later is not None and later.actions[0] is choice.chosen:
+        yield f"the next best way parts from it later, {_cost(later)}: {_steps(later)}"
+    if later is None:
+        yield "no other way led to the goal"
+    if choice.after_fail is not None:
+        rest = f"{_cost(choice.after_fail)} from the goal: {_steps(choice.after_fail)}"
+        yield f"a Fail leads to {choice.chosen.on_fail}, then {rest}"
+
+
+def _instead(option: Option) -> str:
+    fails = f", failed {_times(option.fails)} before" if option.fails else ""
+    if option.way is None:
+        return option.out
+    return f"{_cost(option.way)}{fails}: {_steps(option.way)}"
+
+
+def _steps(way: Way) -> str:
+    names = [each.do for each in way.actions]
+    return ", ".join([*names[:MAX_ROUTE_ACTIONS], *(["..."] if len(names) > MAX_ROUTE_ACTIONS else [])])
+
+
+def _cost(way: Way) -> str:
+    return _seconds(way.cost)
+
+
+def _seconds(cost: float) -> str:
+    """Return a cost as text: seconds, and the number of skipped actions."""
+    skipped, rest = divmod(cost, SKIP_WEIGHT)
+    undone = f" and {skipped:.0f} left undone" if skipped else ""
+    return f"{rest:g} s{undone}"
+
+
+def _times(count: int) -> str:
+    return "once" if count == 1 else f"{count} times"
+
+
+def _happened(explanation: Explanation) -> str:
+    action = explanation.action
+    assert action is not None
+    if action.outcome in ("Success", ""):
+        lines = ["What happened", f"  {action.start:.1f} to {action.end:.1f} s: {action.outcome or 'no end'}"]
+        return "\n".join([*lines, *(f"  {line}" for line in _facts(action))])
+    lines = [f"Why it ended in {action.outcome}"]
+    lines += [f"  {line}" for cause in explanation.causes for line in cause_words(action, cause)]
+    if not explanation.causes:
+        lines.append(f"  {action.reason} (the journal keeps no more)")
+    return "\n".join([*lines, *(f"  {line}" for line in _facts(action))])
+
+
+def cause_words(action: PastAction, cause: Mapping[str, Any]) -> Iterator[str]:
+    """Yield one line for each link of a cause: primitive, check, functions, sensor."""
+    when = action.end if action.broken_off is None or cause.get("restoring") else action.broken_off
+    yield f"{when:.1f} s: {cause['reason']}"
+    chain = [action.do, f"found {CHECK_TEXTS.get(cause['check'], cause['check'])}"]
+    if cause["calls"]:
+        chain.append(" > ".join(cause["calls"]))
+    if cause.get("fault"):
+        chain.append(f"{cause['fault']}: a fault in the code, not in the world")
+    if cause.get("measured"):
+        chain.append(measured_words(cause["measured"]))
+    for depth, link in enumerate(chain):
+        yield f"  {'   ' * (depth - 1)}{'└─ ' if depth else ''}{link}"
+
+
+def measured_words(measured: Mapping[str, Any]) -> str:
+    """Return a measurement as text, for example `Arm: force that resists 8.1 N, needed: at most 7 N`."""
+    head = f"{measured['sensor']}: {measured['what']}"
+    value, limit = measured["value"], measured["limit"]
+    unit = f" {measured['unit']}" if measured["unit"] else ""
+    if value is None:
+        return f"{head}: not seen{'' if limit is None else f' within {limit:.3g}{unit}'}"
+    if limit is None:
+        return f"{head} {value:.3g}{unit}"
+    return f"{head} {value:.3g}{unit}, needed: at {'least' if value < limit else 'most'} {limit:.3g}{unit}"
+
+
+def _facts(action: PastAction) -> Iterator[str]:
+    """Yield the evidence that the primitive recorded."""
+    found: Mapping[str, float | str] = action.result.get("evidence", {})
+    if found:
+        yield "it noted:"
+    for name, value in found.items():
+        said = f"{value:g}" if isinstance(value, float | int) else str(value).strip().replace("\n", "\n    ")
+        yield f"  {name} {said}"
+
+
+def _restored(explanation: Explanation) -> str:
+    action = explanation.action
+    assert action is not None
+    if not action.fails:
+        return ""
+    if not explanation.residuals:
+        said = "nothing had moved" if action.outcome == "Fail" else "it was not measured"
+        return f"What was restored\n  nothing to compare: {said}"
+    lasted = "" if action.broken_off is None else f", {action.broken_off:.1f} to {action.end:.1f} s"
+    return "\n".join([f"What was restored{lasted}", *_table(explanation.residuals)])
+
+
+def _table(residuals: Sequence[Residual]) -> Iterator[str]:
+    width = max(len(each.name) for each in residuals)
+    for each in residuals:
+        size = f"{each.size:9.3f}" if math.isfinite(each.size) else "     gone"
+        limit = "" if each.limit is None else f"  at most {each.limit:g}"
+        yield f"  {each.name:<{width}}  {size}{limit}{'' if each.within else '   <- beyond it'}"
+
+
+def _frames(explanation: Explanation) -> str:
+    """Return the CAN frames around the action as text; empty if none were recorded."""
+    if explanation.frames is None:
+        return ""
+    from .frames_around import frames_around, in_words
+
+    action, last = explanation.action, float(explanation.run.records[-1]["t"])
+    end = action.end if action else last
+    instant = end if action is None or action.broken_off is None else action.broken_off
+    if explanation.frames_at is not None:
+        instant = explanation.frames_at
+    try:
+        around = frames_around(explanation.frames, explanation.run.folder, instant)
+    except (OSError, ValueError) as error:
+        if explanation.frames_at is not None:
+            raise
+        return f"Frames on the CAN bus\n  they can't be read: {error}"
+    where = f"around {instant:.3f} s" if math.isfinite(instant) else f"at the end of {explanation.frames}"
+    head = f"Frames on the CAN bus {where}, without what was said before"
+    return "\n".join([head, *(f"  {line}" for line in in_words(around))])
+
+
+def _files(explanation: Explanation, chart: Path | None) -> str:
+    named = {
+        "what was seen": explanation.picture,
+        "points on the map": explanation.points,
+        "last readings and commands": explanation.readings,
+        "CAN frames": explanation.frames,
+        "drawn": chart,
+    }
+    return "\n".join(f"{what}: {path}" for what, path in named.items() if path is not None)

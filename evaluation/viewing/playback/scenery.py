@@ -1,0 +1,174 @@
+"""Constant data of a recorded run: the robot's shape, its surroundings and its map."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from handcart.files.models.model import FileModel
+from handcart.robotics.geometry.pose2 import Pose2
+
+from .seven import Seven, seven, sevens
+
+if TYPE_CHECKING:
+    from handcart.backends.simulation.world.scene import Scene
+    from handcart.backends.simulation.world.solids import Solid
+    from handcart.backends.simulation.world.thing import Thing
+    from handcart.networks.task.preparing import Prepared
+    from handcart.robotics.navigation.maps.grid_map import GridMap
+
+Size = tuple[float, float, float]
+Grey = Annotated[int, Field(ge=0, le=255)]
+UNKNOWN, OCCUPIED, FREE = 128, 0, 255  # in the picture of a map
+
+
+class SolidShape(FileModel):
+    """A fixed box, which may appear and disappear."""
+
+    name: str
+    pose: Seven
+    """world_T_centre of the box."""
+    size_m: Size
+    grey: Grey | None = None
+    """Grey value; None: the colour of furniture."""
+    appears_s: float = 0.0
+    """Time of appearing on the world's clock, which advances while a run is paused."""
+    leaves_s: float | None = None
+
+
+class ThingShape(FileModel):
+    """A box that a hand can carry."""
+
+    name: str
+    size_m: Size
+    middle: Seven
+    """thing_T_centre: pose of the box in the thing's frame."""
+    grey: Grey
+
+
+class MapShape(FileModel):
+    """The robot's occupancy grid."""
+
+    resolution_m: float
+    origin_m: tuple[float, float]
+    """x and y of the picture's lower left corner on the map."""
+    png: str
+    """PNG in base64, with the highest y first: 0 occupied, 255 free, 128 unknown."""
+
+    def picture(self) -> NDArray[np.uint8]:
+        """Return the grey values (h, w), with the highest y first.
+
+        Raises:
+            ValueError: the content is not a picture.
+        """
+        raw = np.frombuffer(base64.b64decode(self.png), np.uint8)
+        found = cv2.imdecode(raw, cv2.IMREAD_GRAYSCALE) if len(raw) else None
+        if found is None:
+            raise ValueError("the map in it is not a picture")
+        return found.astype(np.uint8, copy=False)
+
+
+class RobotShape(FileModel):
+    """Shape of the robot and of its lidar."""
+
+    name: str
+    urdf: str
+    """Text of the URDF; meshes are named by absolute paths on the machine that ran it."""
+    joints: tuple[str, ...] = ()
+    """Names of the arm's joints, in the order of all its readings."""
+    slides: tuple[bool, ...] = ()
+    """True for each prismatic joint, in the order of `joints`."""
+    footprint_m: float
+    """Radius of the footprint."""
+    angles_rad: tuple[float, ...] = ()
+    """Directions of the lidar's beams, in its frame."""
+    base_t_sensor: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Pose of the lidar on the base: x, y in [m], heading in [rad]."""
+
+
+class Scenery(FileModel):
+    """Constant data of a recorded run, in the world's frame, which is the map's frame if there is a map."""
+
+    format: Literal["handcart-playback/1"] = "handcart-playback/1"
+    robot: RobotShape
+    simulated: bool
+    """True if the solids and all true poses are known."""
+    outdoors: bool = False
+    solids: tuple[SolidShape, ...] = ()
+    map: MapShape | None = None
+    places: dict[str, tuple[float, float, float]] = Field(default_factory=dict)
+    """Places by name: x, y in [m], heading in [rad]."""
+
+
+def scenery_of(prepared: Prepared, scene: Scene | None) -> Scenery:
+    """Return the scenery of a prepared run; `scene` is its simulated world, or None for a real robot."""
+    places = {name: place.pose for name, place in prepared.model.places.items()}
+    return Scenery(
+        robot=_robot(prepared),
+        simulated=scene is not None,
+        outdoors=scene is not None and scene.open_ground,
+        solids=() if scene is None else tuple(map(_solid, _without_ground(scene.solids))),
+        map=_map(prepared.model.map),
+        places={name: (pose.x, pose.y, pose.theta) for name, pose in places.items()},
+    )
+
+
+def thing_shapes(things: Sequence[Thing]) -> list[ThingShape]:
+    """Return the shapes in which things are drawn."""
+    middles = sevens(np.array([each.thing_T_middle for each in things]).reshape(-1, 4, 4)).tolist()
+    return [
+        ThingShape(name=each.name, size_m=each.size, middle=middle, grey=each.grey)
+        for each, middle in zip(things, middles, strict=True)
+    ]
+
+
+def _robot(prepared: Prepared) -> RobotShape:
+    robot = prepared.robot
+    spec, sensor = robot.spec, robot.lidar
+    scan = None if sensor is None else sensor.scan()
+    stands = Pose2(0.0, 0.0, 0.0) if scan is None else scan.base_T_sensor
+    joints = () if spec.arm is None else spec.arm.joints
+    return RobotShape(
+        name=prepared.task.robot,
+        urdf=spec.urdf_text(),
+        joints=joints,
+        slides=tuple(spec.joint_units.slides[: len(joints)]) if joints else (),
+        footprint_m=spec.footprint_radius_m,
+        angles_rad=() if scan is None else tuple(scan.angles.tolist()),
+        base_t_sensor=(stands.x, stands.y, stands.theta),
+    )
+
+
+def _without_ground(solids: Iterable[Solid]) -> Iterable[Solid]:
+    from handcart.backends.simulation.world.solids import THE_GROUND
+
+    return (each for each in solids if each is not THE_GROUND)
+
+
+def _solid(solid: Solid) -> SolidShape:
+    return SolidShape(
+        name=solid.box.name,
+        pose=seven(solid.box.pose),
+        size_m=solid.box.size,
+        grey=solid.grey,
+        appears_s=solid.appears,
+        leaves_s=solid.leaves if np.isfinite(solid.leaves) else None,
+    )
+
+
+def _map(grid: GridMap | None) -> MapShape | None:
+    if grid is None:
+        return None
+    shade = np.where(grid.occupied, OCCUPIED, np.where(grid.unknown, UNKNOWN, FREE)).astype(np.uint8)
+    _, png = cv2.imencode(".png", shade[::-1])
+    return MapShape(
+        resolution_m=grid.resolution,
+        origin_m=(grid.origin_x, grid.origin_y),
+        png=base64.b64encode(png.tobytes()).decode(),
+    )

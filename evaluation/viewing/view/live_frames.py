@@ -1,0 +1,104 @@
+"""Frames of a live run."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.gripper import Gripper
+from handcart.backends.robot.robot import Robot
+from handcart.backends.simulation.world.scene import Scene
+from handcart.evaluation.viewing.playback.playback import Moment
+from handcart.evaluation.viewing.playback.recorder import jpeg_of
+from handcart.evaluation.viewing.playback.scenery import Scenery, ThingShape, thing_shapes
+from handcart.evaluation.viewing.playback.seven import sevens
+
+from .frame import Frame
+from .rays import height_of, rays_of
+from .recorded_frames import PATH_STEP_M
+
+Array = NDArray[np.float64]
+
+
+class LiveFrames:
+    """Source of frames that show the current state of robot and world.
+
+    A frame may never be drawn: therefore each contains all things, and all things that appeared since
+    the run began.
+    """
+
+    def __init__(self, robot: Robot, scene: Scene | None, scenery: Scenery, known: set[str]) -> None:
+        """Read the state of a robot and its simulated scene; `known` holds the names of the things already
+        drawn.
+        """
+        self._robot, self._scene, self._scenery, self._known = robot, scene, scenery, known
+        backend = robot.backend
+        self._arm, self._gripper = backend.get(Arm), backend.get(Gripper)  # type: ignore[type-abstract]
+        self._range = robot.lidar
+        self._height = height_of(scenery.robot.urdf)
+        self._new: list[ThingShape] = []
+        self._way: list[Array] = []
+        self._back: list[bool] = []
+        self._joints, self._width = np.zeros(len(scenery.robot.joints)), 0.0
+        self._ranges: Array | None = None
+
+    @property
+    def time(self) -> float:
+        """Time of the robot, in [s]."""
+        return self._robot.time
+
+    def now(self, situation: str, action: int, restoring: bool, planned: Array | None) -> Frame:
+        """Return the frame of this period; `planned` is the planned path (n, 2) in [m], or None."""
+        robot, scene = self._robot, self._scene
+        with suppress(Exception):  # reported by primitives that need the reading
+            self._sense()
+        truth = None if scene is None else sevens(scene.world_T_base[None])[0]
+        world_time = robot.time if scene is None else scene.time
+        pose = np.array(robot.pose)
+        covariance = np.array(robot.localization.covariance)
+        moment = Moment(
+            robot.time, world_time, pose, truth, self._joints, self._width, covariance, action, restoring
+        )
+        rays = None
+        if self._ranges is not None:
+            rays = rays_of(self._scenery.robot, self._ranges, moment.base, self._height)
+        self._go_on(moment.base[:2], restoring)
+        cloud, seen = robot.localization.particles, robot.seen
+        return Frame(
+            moment,
+            situation,
+            self._things(),
+            tuple(self._new),
+            rays,
+            None if cloud is None else cloud.T,
+            None if seen is None else jpeg_of(seen),
+            np.empty((0, 2)) if planned is None else np.asarray(planned),
+            robot.base.felt,
+            np.array(self._way),
+            np.array(self._back, dtype=np.bool_),
+        )
+
+    def _sense(self) -> None:
+        if self._arm is not None:
+            self._joints = self._arm.joints().copy()
+        if self._gripper is not None:
+            self._width = self._gripper.width()
+        if self._range is not None:
+            self._ranges = self._range.scan().ranges
+
+    def _go_on(self, here: Array, restoring: bool) -> None:
+        if not self._way or float(np.linalg.norm(here - self._way[-1])) >= PATH_STEP_M:
+            self._way.append(here.copy())
+            self._back.append(restoring)
+
+    def _things(self) -> dict[str, Array | None]:
+        things = [] if self._scene is None else self._scene.things()
+        for each in things:
+            if each.name not in self._known:
+                self._known.add(each.name)
+                self._new += thing_shapes([each])
+        poses = sevens(np.array([each.pose for each in things]).reshape(-1, 4, 4))
+        return {each.name: pose for each, pose in zip(things, poses, strict=True)}

@@ -1,0 +1,40 @@
+"""Section of the action network around the current situation, drawn on the page's panel."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from html import escape
+
+from handcart.networks.drawing.network_picture import Box, NetworkPicture, draw_network
+from handcart.networks.drawing.svg import to_svg
+from handcart.networks.graph.network import ActionNetwork
+from handcart.networks.past_runs.past_run import PastAction
+
+WINDOW_WIDTH_PX, WINDOW_HEIGHT_PX = 560.0, 260.0  # in pixels of the network
+BOX_MARGIN_PX = 10.0  # around the outermost boxes
+
+
+class NetworkWindow:
+    """Drawing of a network with the outcomes of its actions, from which sections are cut."""
+
+    def __init__(self, network: ActionNetwork, actions: Sequence[PastAction]) -> None:
+        self._picture = draw_network(network, [(each.index, each.outcome) for each in actions])
+
+    def svg(self, situation: str, action: PastAction | None) -> str:
+        """Return the section around the running action, or around the situation, with both highlighted."""
+        lit = [self._picture.box(situation=situation)]
+        if action is not None:
+            lit = [self._picture.box(action=action.index), *lit]
+        drawn = to_svg(self._picture, lit, _window(self._picture, lit[0]))
+        named = f'role="img" aria-label="action network at {escape(situation)}"'
+        return drawn.replace("<svg ", f"<svg {named} ", 1)
+
+
+def _window(picture: NetworkPicture, box: Box) -> str:
+    """Return the section around a box as a `viewBox`, no higher than its content."""
+    x = min(max(box.x + box.width / 2 - WINDOW_WIDTH_PX / 2, 0.0), max(0.0, picture.width - WINDOW_WIDTH_PX))
+    seen = [each for each in picture.boxes if each.x < x + WINDOW_WIDTH_PX and each.x + each.width > x]
+    top = min(each.y for each in seen) - BOX_MARGIN_PX
+    high = min(WINDOW_HEIGHT_PX, max(each.y + each.height for each in seen) + BOX_MARGIN_PX - top)
+    y = max(top, box.y + box.height / 2 - WINDOW_HEIGHT_PX / 2) if high == WINDOW_HEIGHT_PX else top
+    return f"{x:.0f} {y:.0f} {WINDOW_WIDTH_PX:.0f} {high:.0f}"

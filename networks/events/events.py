@@ -1,0 +1,80 @@
+"""Events that a coordinator publishes to its observers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from handcart.networks.graph.network import Action
+from handcart.networks.graph.planner import NoWay, Plan
+from handcart.primitives.contract.action_primitive import ActionPrimitive
+from handcart.primitives.outcomes.outcome import Outcome
+
+from .run_end import RunEnd
+
+
+@dataclass(frozen=True)
+class Planned:
+    """A plan was made, or no plan was found."""
+
+    time: float
+    """The robot's time, in [s], as in all events."""
+    situation: str
+    plan: Plan | NoWay
+
+
+@dataclass(frozen=True)
+class Started:
+    """An action starts."""
+
+    time: float
+    number: int
+    """Number of the action in the run, from 1."""
+    action: Action
+    primitive: ActionPrimitive
+    fails: int
+    """Number of earlier Fails of this action."""
+
+
+@dataclass(frozen=True)
+class Restoring:
+    """The running action begins to restore the state from before it."""
+
+    time: float
+    action: Action
+    reason: str
+
+
+@dataclass(frozen=True)
+class Ended:
+    """An action has ended, and its outcome is in the journal."""
+
+    time: float
+    number: int
+    action: Action
+    primitive: ActionPrimitive
+    """The primitive, with its evidence."""
+    outcome: Outcome
+    changes: Mapping[str, Any]
+    """Facts that were learned or forgotten."""
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """An action that was not started, or an element of a repeat that is left undone."""
+
+    time: float
+    action: Action
+    reason: str
+
+
+@dataclass(frozen=True)
+class RunEnded:
+    """The run has ended."""
+
+    time: float
+    end: RunEnd
+
+
+Event = Planned | Started | Restoring | Ended | LeftOut | RunEnded

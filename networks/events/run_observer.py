@@ -1,0 +1,38 @@
+"""Interface for observing a run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from handcart.backends.robot.robot import Robot
+
+from .events import Event
+from .run_end import RunEnd
+
+if TYPE_CHECKING:
+    from handcart.networks.task.preparing import Prepared
+
+
+class RunObserver:
+    """Observer of a run that changes nothing; a subclass overrides the events that it needs."""
+
+    def say(self, words: str) -> None:
+        """Handle a message that a person should read before anything moves."""
+
+    def begin(self, prepared: Prepared, run_dir: Path) -> None:
+        """Handle the begin, or the resume, of a run in a folder."""
+
+    def period(self, robot: Robot) -> None:
+        """Handle the end of a period."""
+
+    def event(self, event: Event) -> None:
+        """Handle an event; its contents are in the journal."""
+
+    def end(self) -> None:
+        """Handle the last call: the run has ended, or could not continue. Called once."""
+
+    def figures(self, end: RunEnd) -> Mapping[str, Any]:
+        """Return plain data for the `metrics` of a run that has ended."""
+        return {}

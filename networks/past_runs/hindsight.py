@@ -1,0 +1,161 @@
+"""Reasons for the choice of an action: the alternatives at that time, with their costs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from handcart.networks.graph.network import Action, ActionNetwork
+from handcart.networks.graph.plan_search import PlanSearch
+from handcart.networks.graph.planner import NoWay, Plan, Planner
+
+from .past_run import PastAction, PastRun
+
+
+@dataclass(frozen=True)
+class Way:
+    """A route to the goal that was open at that time."""
+
+    actions: tuple[Action, ...]
+    cost: float
+    """The sum of planning weights, in [s]."""
+
+
+@dataclass(frozen=True)
+class Option:
+    """An action that leads out of the situation."""
+
+    action: Action
+    weight: float
+    """Weight in planning at that time, in [s]: its cost, doubled by each Fail."""
+    fails: int
+    """Number of earlier Fails, including starts that were not possible."""
+    way: Way | None
+    """Cheapest route to the goal that begins with it; None if it was used up, or nothing leads on."""
+    out: str
+    """Reason why it was excluded; empty if it was open."""
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A choice, with its alternatives as computed afterwards."""
+
+    chosen: Action
+    way: Way
+    """Plan that begins with the chosen action."""
+    options: tuple[Option, ...]
+    """All actions out of the situation: the chosen one first, then by cost."""
+    next_best: Way | None
+    """The cheapest other way, which may part from the plan later on; None where there was none."""
+    after_fail: Way | None
+    """Cheapest route after a Fail, if the Fail leads to another situation; planning does not consider it."""
+
+
+def choice_of(run: PastRun, action: PastAction) -> Choice | None:
+    """Return the choice of an action; None if the journal does not keep the network.
+
+    The planner computes it again from the Fails that the journal counts up to that time.
+    """
+    if run.network is None:
+        return None
+    then = _Then(run, action)
+    chosen = run.network.network.actions[action.index]
+    plan = then.plan(action.source)
+    if isinstance(plan, NoWay):
+        return None
+    options = [then.option(each) for each in then.network.actions if each.source == action.source]
+    options.sort(key=lambda each: (each.action.index != chosen.index, each.way is None, _cost(each)))
+    others = [then.plan(action.source, without=(each,)) for each in plan.actions]
+    ways = [Way(other.actions, other.cost) for other in others if isinstance(other, Plan)]
+    return Choice(
+        chosen,
+        Way(plan.actions, plan.cost),
+        tuple(options),
+        min(ways, key=lambda way: way.cost, default=None),
+        then.after_fail(chosen),
+    )
+
+
+class _Then:
+    """The planner in its state before an action."""
+
+    def __init__(self, run: PastRun, action: PastAction) -> None:
+        assert run.network is not None
+        self.network: ActionNetwork = run.network.network
+        self._search = PlanSearch(self.network)
+        self._events = list(_counted(run, action))
+        self._planner = self._new_planner()
+        self._for_good = {index for index, word in self._events if word == FOR_GOOD}
+
+    def plan(self, situation: str, without: Sequence[Action] = ()) -> Plan | NoWay:
+        return self._planner.plan(situation, without=without)
+
+    def after_fail(self, action: Action) -> Way | None:
+        if action.on_fail is None:
+            return None
+        planner = self._new_planner()
+        planner.failed(action, "")
+        plan = planner.plan(action.on_fail)
+        return Way(plan.actions, plan.cost) if isinstance(plan, Plan) else None
+
+    def option(self, action: Action) -> Option:
+        fails = self._planner.fails(action)
+        weight = self._search.weight(action, {}) * 2.0**fails
+        if self._planner.is_out(action):
+            times = f"failed {fails} of {action.attempts} times"
+            why = "failed for good" if action.index in self._for_good else times
+            return Option(action, weight, fails, None, f"used up: {why}")
+        others = [each for each in self.network.actions if each.source == action.source]
+        rest = self.plan(action.target, without=others)
+        if isinstance(rest, Plan):
+            return Option(action, weight, fails, Way((action, *rest.actions), weight + rest.cost), "")
+        leads = isinstance(self.plan(action.target), Plan)
+        out = "leads only back here" if leads else f"nothing leads on from {action.target}"
+        return Option(action, weight, fails, None, out)
+
+    def _new_planner(self) -> Planner:
+        planner = Planner(self.network, self._search)
+        for index, word in self._events:
+            if word == SUCCEEDED:
+                planner.succeeded(self.network.actions[index])
+            else:
+                planner.failed(self.network.actions[index], "", permanent=word == FOR_GOOD)
+        return planner
+
+
+SUCCEEDED, FAILED, FOR_GOOD = "succeeded", "failed", "failed for good"
+
+
+def _counted(run: PastRun, action: PastAction) -> Iterator[tuple[int, str]]:
+    """Yield what counts before an action: the index of what ended, and how."""
+    indices = {each.number: each.index for each in run.actions}
+    started: dict[int, int] = {}
+    needed: int | None = None  # the action whose Fail is needed, by the last plan
+    for record in run.before(action):
+        kind = record["kind"]
+        if kind == "PLAN":
+            needed = _needs_fail(run, record.get("way", ()))
+        hoped = kind == "RESULT" and indices[record["n"]] == needed
+        if kind == "RESULT" and record["outcome"] == "Success":
+            yield indices[record["n"]], SUCCEEDED
+            if hoped:
+                yield indices[record["n"]], FAILED
+        elif kind == "RESULT" and record["outcome"] == "Fail":
+            yield indices[record["n"]], FOR_GOOD if record["permanent"] else FAILED
+        elif kind in ("START", "RESULT"):
+            started[record["q"]] = indices[record["n"]]
+        elif kind == "NOT_STARTED" or (kind == "RECON" and record["situation"]):
+            yield int(record["action"]), FAILED
+        elif kind == "ACK" and record["record"] in started:  # from there on it counts as a Fail
+            yield started[record["record"]], FAILED
+
+
+def _needs_fail(run: PastRun, way: Sequence[int]) -> int | None:
+    """Return the last action of a plan if it leads to the goal by a Fail alone."""
+    assert run.network is not None
+    network = run.network.network
+    return way[-1] if way and network.actions[way[-1]].target != network.goal else None
+
+
+def _cost(option: Option) -> float:
+    return option.way.cost if option.way is not None else option.weight

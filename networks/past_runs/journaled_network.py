@@ -1,0 +1,66 @@
+"""An action network as kept in a journal, sufficient for planning without the task's other files."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+from typing_extensions import override
+
+from handcart.networks.graph.network import Action, ActionNetwork, Binding, Situation
+from handcart.primitives.contract.action_primitive import ActionPrimitive
+
+
+@dataclass(frozen=True)
+class NamedBinding(Binding):
+    """A primitive of which nothing but name and parameters is known: enough to plan with, not to run."""
+
+    kind: type[ActionPrimitive] = ActionPrimitive  # type: ignore[type-abstract]
+    name: str = ""
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+
+    @cached_property
+    def label(self) -> str:
+        """The primitive's name in files."""
+        return self.name
+
+    @override
+    def given(self) -> dict[str, Any]:
+        return dict(self.parameters)
+
+
+@dataclass(frozen=True)
+class JournaledNetwork:
+    """A network that was kept in a journal."""
+
+    network: ActionNetwork
+    uses: tuple[tuple[str, ...], ...]
+    """Entries of the world model that each action's primitive may read."""
+
+
+def network_of(fields: Mapping[str, Any]) -> JournaledNetwork:
+    """Return the network described by a journal's header.
+
+    Raises:
+        LookupError, TypeError, ValueError: the fields do not describe a valid network.
+    """
+    rows = [dict(zip(fields["keys"], row, strict=True)) for row in fields["actions"]]
+    actions = [
+        Action(
+            row["from"],
+            row["to"],
+            None if row["do"] is None else NamedBinding(name=row["do"], parameters=row["with"]),
+            row["cost_s"],
+            row["attempts"],
+            row["on_fail"],
+            permit=row["permit"],
+            time_out_s=row["time_out_s"],
+        )
+        for row in rows
+    ]
+    elements = fields["elements"]
+    situations = [Situation(name, facts, elements.get(name)) for name, facts in fields["situations"].items()]
+    network = ActionNetwork.build(situations, actions, fields["start"], fields["goal"])
+    return JournaledNetwork(network, tuple(tuple(row["uses"]) for row in rows))

@@ -1,0 +1,66 @@
+"""Files in the run's folder with the evidence of primitives."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+
+from handcart.files.whole_file import write_whole
+from handcart.networks.events.events import Ended, Event
+from handcart.networks.events.run_observer import RunObserver
+from handcart.primitives.outcomes.calibrated import Calibrated
+from handcart.primitives.outcomes.evidence import Evidence
+from handcart.primitives.outcomes.outcome import Outcome, Success
+
+EVIDENCE_FOLDER = "evidence"
+
+
+def stem(number: int, do: str, outcome: Outcome) -> str:
+    """Return the stem of the names of an action's evidence files, such as `003_SEARCH_Fail`."""
+    ended = "" if isinstance(outcome, Success) else f"_{type(outcome).__name__}"
+    return f"{number:03d}_{do}{ended}"
+
+
+class EvidenceFiles(RunObserver):
+    """Observer that keeps the pictures and points which decided how each action ended.
+
+    `evidence/003_SEARCH_Fail_front.png` is the picture `front` of the third action. Calibration values that a
+    successful action found for the robot are kept as well.
+    """
+
+    def __init__(self, run_dir: Path, keep_calibrated: Callable[[Mapping[str, Calibrated]], None]) -> None:
+        """Create an observer for a run's folder; `keep_calibrated` receives values found for the robot."""
+        self._folder, self._keep_calibrated = run_dir / EVIDENCE_FOLDER, keep_calibrated
+        self.lost: str | None = None
+        """Reason why nothing more is kept after the disk refused a write; the run continues."""
+
+    def event(self, event: Event) -> None:
+        """Write what an action that has ended leaves."""
+        if isinstance(event, Ended):
+            evidence = event.primitive.evidence
+            try:
+                self._write(stem(event.number, event.action.do, event.outcome), evidence)
+            except OSError as error:
+                self.lost = error.strerror
+            if evidence.calibrated and isinstance(event.outcome, Success):
+                with suppress(OSError):  # a disk that takes no more doesn't keep the run from going on
+                    self._keep_calibrated(evidence.calibrated)
+
+    def _write(self, name: str, evidence: Evidence) -> None:
+        if self.lost is not None or not (evidence.pictures or evidence.points):
+            return
+        self._folder.mkdir(exist_ok=True)
+        for key, picture in evidence.pictures.items():
+            _, png = cv2.imencode(".png", picture)
+            write_whole(self._folder / f"{name}_{key}.png", png.tobytes(), sync=False)
+        if evidence.points:
+            points: dict[str, Any] = dict(evidence.points)
+            packed = BytesIO()
+            np.savez_compressed(packed, **points)
+            write_whole(self._folder / f"{name}.npz", packed.getvalue(), sync=False)

@@ -1,0 +1,98 @@
+"""Header of a run's journal."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import time
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from handcart.backends.description.robot_file import RobotFile
+from handcart.networks.graph.network import Action, ActionNetwork
+from handcart.networks.journal.journal import JOURNAL_SCHEMA
+from handcart.networks.task.preparing import Prepared
+
+_KEYS = ("do", "from", "to", "on_fail", "cost_s", "attempts", "uses", "permit", "time_out_s", "with")
+_BOOT = Path("/proc/sys/kernel/random/boot_id")
+
+
+def header(prepared: Prepared) -> dict[str, Any]:
+    """Return the fields of the record RUN: task, network, robot, backend, seed; equal in two runs of one
+    seed.
+    """
+    task = prepared.task
+    return {
+        "schema": JOURNAL_SCHEMA,
+        "handcart": version("handcart"),
+        "task": task.file.title,
+        "task_path": str(Path(task.document.file).resolve()),
+        "task_sha256": task.document.sha256,
+        "task_text": task.document.content.decode(),
+        "settings": dict(prepared.settings),
+        "network": task.network.fingerprint(),
+        "start": task.network.start,
+        "plan_on": network_fields(task.network),
+        "bound": task.network.bound(),
+        "robot": task.file.robot,
+        "robot_sha256": robot_fingerprint(prepared.robot.spec),
+        "backend": prepared.backend_name,
+        "bench": prepared.bench,
+        "simulated": prepared.backend.simulated,
+        "address": prepared.backend.address,
+        "seed": prepared.seed,
+        "errors": prepared.errors,
+    }
+
+
+def network_fields(network: ActionNetwork) -> dict[str, Any]:
+    """Return a network, ready for JSON.
+
+    `keys` names the columns of `actions`; among them `uses` are the entries of the world model that a
+    primitive may read. A skip has no `do`. `elements` names those of a `repeat`.
+    """
+    rows = [
+        (
+            a.binding and a.do,
+            *(a.source, a.target, a.on_fail, a.cost_s, a.attempts, _uses(a), a.permit, a.time_out_s),
+            a.binding.given() if a.binding else {},
+        )
+        for a in network.actions
+    ]
+    facts = {each.name: dict(each.facts) for each in network.situations.values()}
+    return {
+        "start": network.start,
+        "goal": network.goal,
+        "situations": facts,
+        "elements": {s.name: s.element for s in network.situations.values() if s.element is not None},
+        "keys": _KEYS,
+        "actions": rows,
+    }
+
+
+def _uses(action: Action) -> list[str]:
+    if action.binding is None:
+        return []
+    kind = action.binding.kind
+    return sorted({*kind.reads, *kind.writes, *(key.split(".")[0] for key in action.binding.late.values())})
+
+
+def robot_fingerprint(spec: RobotFile) -> str:
+    """A checksum of a robot's file, limits, tolerances and all, in hexadecimal."""
+    return hashlib.sha256(spec.model_dump_json().encode()).hexdigest()
+
+
+def process_facts() -> dict[str, Any]:
+    """Return the facts on the process that RUN and EPOCH keep outside the chain."""
+    return {
+        "monotonic_s": round(time.monotonic(), 6),
+        "pid": os.getpid(),
+        "boot_id": boot_id(),
+        "hash_seed": os.environ.get("PYTHONHASHSEED"),
+    }
+
+
+def boot_id() -> str | None:
+    """Return an identifier that changes with each start of the machine; None if the system has none."""
+    return _BOOT.read_text().strip() if _BOOT.exists() else None

@@ -1,0 +1,82 @@
+"""Checking before anything moves whether a primitive may start."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from handcart.backends.capabilities.gripper import Gripper
+from handcart.backends.robot.robot import Robot
+from handcart.primitives.contract.action_primitive import ActionPrimitive
+from handcart.primitives.knowledge.world_model import WorldModel
+from handcart.primitives.preconditions.hand_use import Hand
+from handcart.primitives.restoring.snapshot import is_holding
+
+
+def find_unmet(primitive: ActionPrimitive, robot: Robot, model: WorldModel) -> str:
+    """Return a message about an unmet precondition of a primitive; empty if all are met.
+
+    The declared preconditions are checked before the primitive's own. No command is sent.
+
+    Args:
+        primitive: with bound parameters.
+        robot: at rest.
+        model: world model.
+    """
+    own = primitive.unmet_precondition
+    return (
+        _unmet_by_pose(primitive, robot)
+        or _unmet_by_hand(primitive, robot, model)
+        or _unmet_by_arm(primitive, robot)
+        or own(robot, model.view(primitive))
+    )
+
+
+def note_hand(primitive: ActionPrimitive, model: WorldModel) -> None:
+    """Note in the world model what the hand holds after a primitive's Success."""
+    after = primitive.hand_use().after
+    if after is not Hand.SAME:
+        model.in_hand = primitive.thing(model.view(primitive)) if after is Hand.FULL else ""
+
+
+def _unmet_by_pose(primitive: ActionPrimitive, robot: Robot) -> str:
+    """Return a message if the pose of the base is not known, and the primitive needs it."""
+    if not primitive.needs_pose or robot.localization.is_located:
+        return ""
+    name = primitive.label()
+    return f"{name} needs the pose of the base on the map, which is not known; LOCATE finds it"
+
+
+def _unmet_by_hand(primitive: ActionPrimitive, robot: Robot, model: WorldModel) -> str:
+    needed = primitive.hand_use().before
+    if needed is Hand.ANY or robot.backend.get(Gripper) is None:  # type: ignore[type-abstract]
+        return ""
+    thing = primitive.thing(model.view(primitive))
+    holding = is_holding(robot)
+    if needed is Hand.EMPTY:
+        return f"the hand is not empty: it holds {model.in_hand or 'something'}" if holding else ""
+    if not holding:
+        return f"the hand is empty; it must hold {thing or 'something'}"
+    if thing and model.in_hand and thing != model.in_hand:
+        return f"the hand holds {model.in_hand}, not {thing}"
+    return ""
+
+
+def _unmet_by_arm(primitive: ActionPrimitive, robot: Robot) -> str:
+    """Return a message if the base would drive with the hand outside the footprint, where the arm is
+    unprotected.
+    """
+    if not primitive.needs_arm_inside() or robot.spec.arm is None:
+        return ""
+    hand, radius = robot.base_T("hand"), robot.spec.footprint_radius_m
+    out = math.hypot(*hand[:2, 3])
+    if is_holding(robot):  # what is held reaches to the finger tips at least
+        ahead = np.array([robot.spec.finger_shape.tip, 0.0, 0.0, 1.0])
+        out = max(out, math.hypot(*(hand @ ahead)[:2]))
+    if out <= radius:
+        return ""
+    return (
+        f"the hand stands out beyond the robot's footprint, {out:.2f} m from its middle where {radius:.2f} m "
+        "are allowed: the arm goes home before the base drives"
+    )

@@ -1,0 +1,58 @@
+"""Scores of base placements at the points of a path."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.manipulation.paths.untrackable import Untrackable
+
+
+class PlacementScores(NamedTuple):
+    """Scores of b base poses x p points of a path.
+
+    The arrays are views of (p, b) memory, in which neighbours of a column lie together.
+    """
+
+    values: NDArray[np.float32]
+    """(b, p), 0 where not usable."""
+    usable: NDArray[np.bool_]
+    """(b, p): reached, and within the limits of the measure."""
+    joined: NDArray[np.bool_] | None = None
+    """(b, p-1): whether the arm gets from a point to the next without a jump; None: it always does."""
+
+    def without(self, blocked: NDArray[np.bool_]) -> PlacementScores:
+        """Return the scores without some placements (b,), which an obstacle or a missing route excludes."""
+        return self.restricted(self.usable & ~blocked[:, None])
+
+    def restricted(self, usable: NDArray[np.bool_]) -> PlacementScores:
+        """Return the scores with only some cells `usable` (b, p)."""
+        usable = np.asfortranarray(usable)
+        return self._replace(values=np.where(usable, self.values, np.float32(0.0)), usable=usable)
+
+    def only(self, kept: NDArray[np.bool_] | NDArray[np.intp]) -> PlacementScores:
+        """Some placements alone, by mask or number."""
+        joined = None if self.joined is None else np.asfortranarray(self.joined[kept])
+        return PlacementScores(
+            np.asfortranarray(self.values[kept]), np.asfortranarray(self.usable[kept]), joined
+        )
+
+    def also(self, more: PlacementScores) -> PlacementScores:
+        """These placements and then those of `more`."""
+        joined = None
+        if self.joined is not None and more.joined is not None:
+            joined = np.asfortranarray(np.vstack((self.joined, more.joined)))
+        return PlacementScores(
+            np.asfortranarray(np.vstack((self.values, more.values))),
+            np.asfortranarray(np.vstack((self.usable, more.usable))),
+            joined,
+        )
+
+    def check(self) -> None:
+        """Raises Untrackable for the first point that no placement can use."""
+        served = self.usable.any(axis=0)
+        if not served.all():
+            index = int(np.argmin(served))
+            raise Untrackable(index, "can't be tracked from any of the placements")
