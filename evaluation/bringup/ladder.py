@@ -40,7 +40,7 @@ class UnknownRung(InputError):
     """The ladder has no rung of that name."""
 
     def __init__(self, name: str) -> None:
-        super().__init__(f"unknown rung {name!r}{suggest(name, [each.name for each in ALL_RUNGS])}")
+        super().__init__(f"unknown step {name!r}{suggest(name, [each.name for each in ALL_RUNGS])}")
 
 
 class BenchFirst(InputError):
@@ -48,7 +48,7 @@ class BenchFirst(InputError):
 
     def __init__(self, rung: str, robot: str) -> None:
         super().__init__(
-            f"the rung {rung!r} was not climbed on the bench with the robot's file as it is; "
+            f"the step {rung!r} was not passed on the bench with the robot's file as it is; "
             f"needed first: handcart bringup {robot} --bench kinematic --all"
         )
 

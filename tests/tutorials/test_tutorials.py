@@ -5,6 +5,7 @@ A block with a caption is a file. A command whose line ends in `# status N` exit
 
 from __future__ import annotations
 
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -17,11 +18,17 @@ from tests.tutorials.tutorial_steps import TUTORIALS, carry_out, steps, write_fi
 def test_tutorial_works_as_pasted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, page: str) -> None:
     monkeypatch.chdir(tmp_path)
     done = 0
-    for path, text in steps(page):
-        if path:
-            write_file(tmp_path, path, text)
-            continue
-        status, expected = carry_out(text, tmp_path, monkeypatch)
-        assert status == expected, text
-        done += 1
+    running: list[subprocess.Popen[bytes]] = []
+    try:
+        for path, text in steps(page):
+            if path:
+                write_file(tmp_path, path, text)
+                continue
+            status, expected = carry_out(text, tmp_path, monkeypatch, running)
+            assert status == expected, text
+            done += 1
+    finally:
+        for process in running:
+            process.kill()
+            process.wait()
     assert done >= 3

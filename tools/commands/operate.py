@@ -10,6 +10,8 @@ from typing import Annotated, Any
 import typer
 
 Run = Annotated[Path, typer.Argument(help="the run's folder")]
+LatestRun = Annotated[Path | None, typer.Argument(help="the run's folder (default: runs/latest)")]
+"""Only where the command moves nothing: what moves a robot names the run."""
 Json = Annotated[bool, typer.Option("--json", help="one JSON object on stdout")]
 Number = Annotated[
     int | None,
@@ -19,9 +21,9 @@ Off = Annotated[bool, typer.Option("--off", help="end it")]
 STOP_TIMEOUT_S = 10.0  # in which a run has to end after a stop
 
 
-def pause(run: Run, as_json: Json = False, number: Number = None) -> None:
+def pause(run: LatestRun = None, as_json: Json = False, number: Number = None) -> None:
     """Stop the robot where it is; it holds until `handcart continue`."""
-    _say("pause", run, as_json, **_meant(number))
+    _say("pause", _or_latest(run), as_json, **_meant(number))
 
 
 def go_on(run: Run, as_json: Json = False, number: Number = None) -> None:
@@ -29,10 +31,11 @@ def go_on(run: Run, as_json: Json = False, number: Number = None) -> None:
     _say("continue", run, as_json, **_meant(number))
 
 
-def stop(run: Run, as_json: Json = False) -> None:
+def stop(run: LatestRun = None, as_json: Json = False) -> None:
     """Stop the robot where it is; it holds, and the run ends. Waits until it is over."""
     from handcart.networks.operator.asking import tell_to_stop
 
+    run = _or_latest(run)
     tell_to_stop(run)
     _wait_for_end(run)
     _tell_end(run, as_json)
@@ -73,9 +76,15 @@ def break_at(
     _say("break", run, as_json, at=situation, on=not off)
 
 
-def status(run: Run, as_json: Json = False) -> None:
+def status(run: LatestRun = None, as_json: Json = False) -> None:
     """Report the state of a run."""
-    _say("status", run, as_json)
+    _say("status", _or_latest(run), as_json)
+
+
+def _or_latest(run: Path | None) -> Path:
+    from handcart.networks.run_files.run_names import latest_run
+
+    return run or latest_run(Path("runs"))
 
 
 def _chosen(action: int | None) -> dict[str, int]:

@@ -72,7 +72,7 @@ def bringup(
     else:
         for each in ALL_RUNGS[len(done) :]:
             print(f"  {each.name}: {each.summary}" + ("  <- next" if each is ladder.next else ""))
-        print(f"{len(done)} of {len(ALL_RUNGS)} rungs climbed; records in {site.folder}")
+        print(f"{len(done)} of {len(ALL_RUNGS)} steps passed; records in {site.folder}")
     sys.exit(4 if failed else 0)
 
 
@@ -81,8 +81,8 @@ def _climb(ladder: Ladder, everything: bool) -> list[RungRecord]:
     while ladder.next is not None and (everything or not climbed):
         record = ladder.climb(ladder.site.operator.tell)
         climbed.append(record)
-        result = record.facts.get("left_out") or "climbed"
-        ladder.site.operator.tell(f"   {result}" if record.passed else f"   not climbed: {record.reason}")
+        result = record.facts.get("left_out") or "passed"
+        ladder.site.operator.tell(f"   {result}" if record.passed else f"   not passed: {record.reason}")
         if not record.passed:
             break
     return climbed

@@ -179,3 +179,17 @@ def test_a_command_names_the_action_that_it_means(
     told = handcart(word, tmp_path, "--number", 3)
     assert said == [{"do": word, "number": 3}]
     assert (told.status, told.err.strip()) == (2, "action 3 is over; allowed: 4, which runs")
+
+
+def test_only_commands_that_move_nothing_take_the_latest_run(
+    handcart: Callable[..., Said], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "runs").mkdir()
+    (tmp_path / "runs" / "latest").symlink_to("other-0")
+    for word in ("status", "pause", "stop"):
+        said = handcart(word)
+        assert (said.status, "runs/other-0" in said.err) == (2, True), word
+    for word in ("permit", "continue", "cancel", "restore"):
+        said = handcart(word)
+        assert (said.status, "Missing argument 'run'" in said.err) == (2, True), word

@@ -97,7 +97,7 @@ def test_the_bench_comes_first(site: Site, tmp_path: Path) -> None:
     ladder = Ladder(real, rehearsed=site.folder)
     real.spec.model_copy(update={"interface": "udp_multicast"})
     (site.folder / "01_interface.yaml").unlink()
-    with pytest.raises(BenchFirst, match="was not climbed on the bench"):
+    with pytest.raises(BenchFirst, match="was not passed on the bench"):
         ladder.climb()
 
 
@@ -136,7 +136,7 @@ def test_the_command(handcart: Callable[..., Said], tmp_path: Path) -> None:
     assert (report["climbed"], report["next"]) == (["interface"], "identify")
     said = handcart(*words)
     assert said.status == 0
-    assert "2 of 11 rungs climbed" in said.out
+    assert "2 of 11 steps passed" in said.out
     assert "read_back: " in said.out
     assert handcart(*words, "--again", "interface", "--status").out.splitlines()[-1].startswith("0 of 11")
     assert len(list((tmp_path / "b" / "cart-bench").glob("before_*/01_interface.yaml"))) == 1
