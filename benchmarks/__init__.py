@@ -1,0 +1,1 @@
+"""Measurements of speed, accuracy and truth; `python -m benchmarks` lists them."""

@@ -205,19 +205,23 @@ def campaign(
         first: the first one's seed.
         jobs: parallel processes, from a script with more than one under `if __name__ == "__main__":`;
             None: 2, on the network alone 1.
-        backend, robot, set: as in `run`.
+        backend: as in `run`.
+        robot: as in `run`.
+        set: as in `run`.
         generate: `NAME` or `NAME.KEY=VALUE` each: a generated world for each seed.
         out: the campaign's folder: each trial is kept there, and the same call continues.
         shard: `K/N`: the K-th of N parts, for `handcart campaign merge`.
         cluster: address of a Dask scheduler, or its file: its workers run the trials.
         until: `p > 0.95`: end as soon as it is certain whether that holds.
-        vary, faults: files of numbers that vary by trial, and of injected faults
-            (docs/how_to/campaigns.md).
+        vary: file of numbers that vary by trial (docs/how_to/campaigns.md).
+        faults: file of injected faults (docs/how_to/campaigns.md).
         level: `network`: no robot moves, outcomes are drawn by each action's `p`; `fitted`: as they were
             observed in other campaigns.
         learned_from: folders of those.
-        rare, importance, population: each trial is a population of runs, from which `RareEstimate.of` in
-            `handcart.evaluation.campaigns.rare.rare_estimate` estimates a probability.
+        rare: outcome whose probability is estimated: each trial is a population of runs, for
+            `RareEstimate.of` in `handcart.evaluation.campaigns.rare.rare_estimate`.
+        importance: what its levels count.
+        population: number of runs of a population.
         report: True to write `report.html` into the folder.
         runs: folder in which the runs' folders are made; None: `runs`, in the campaign's folder if it has
             one.
@@ -232,23 +236,23 @@ def campaign(
     from handcart.tools.campaigns.asked_campaign import AskedCampaign
 
     asked = AskedCampaign(
-        task_path(task),
-        trials,
-        first,
-        backend,
-        _words(set, robot),
-        generate,
-        _path(out),
-        shard,
-        until,
-        _path(vary),
-        _path(faults),
-        level,
-        tuple(map(Path, learned_from)),
-        _path(runs),
-        rare,
-        importance,
-        population,
+        task=task_path(task),
+        trials=trials,
+        first=first,
+        backend=backend,
+        settings=_words(set, robot),
+        generate=generate,
+        out=_path(out),
+        shard=shard,
+        until=until,
+        vary=_path(vary),
+        faults=_path(faults),
+        level=level,
+        learned_from=tuple(map(Path, learned_from)),
+        runs=_path(runs),
+        rare=rare,
+        importance=importance,
+        population=population,
     )
     with asked.opened() as opened:
         for _ in opened.run(jobs, cluster):

@@ -1,0 +1,1 @@
+"""Loading of robot files, with the sensors of each kind."""

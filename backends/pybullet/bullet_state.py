@@ -219,7 +219,8 @@ def _layout(content: bytes) -> tuple[_Fields, ...]:
 
     def flat(kind: str, start: int) -> tuple[list[tuple[str, str, int]], int]:
         """Type, name and offset of each plain value in a struct, and where it ends: as compilers lay it out,
-        for Bullet's contacts are not padded by hand."""
+        for Bullet's contacts are not padded by hand.
+        """
         found, begun, widest = [], start, 1
         for type_number, name_number in members[kind]:
             name, inner = names[name_number], types[type_number]

@@ -7,6 +7,8 @@ from functools import partial
 from pathlib import Path
 from typing import ClassVar
 
+from typing_extensions import override
+
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.camera import Camera
 from handcart.backends.capabilities.gripper import Gripper
@@ -39,6 +41,7 @@ PICK_UP_NUMBER = 2
 class DropsObject(PickUp):
     """Opens the hand before it goes back."""
 
+    @override
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
         self._held = False
         yield from open_to(robot, None)

@@ -1,0 +1,1 @@
+"""Reports, pictures, playback, explanations and the view of runs."""

@@ -1,0 +1,1 @@
+"""Reading ended runs: their journal, their decisions in hindsight."""

@@ -7,6 +7,7 @@ from typing import Annotated, ClassVar
 
 import numpy as np
 from pydantic import Field
+from typing_extensions import override
 
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.camera import Camera
@@ -54,6 +55,7 @@ class Fixate(ActionPrimitive):
     reads: ClassVar = ("places", "building", "placed", "taken")
     writes: ClassVar = ("fixed",)
 
+    @override
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         blocks = model.of(Blocks)
         mark = landmark_of(model, self.landmark)

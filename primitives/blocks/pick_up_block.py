@@ -7,6 +7,7 @@ from typing import ClassVar, Literal
 
 import numpy as np
 from pydantic import PrivateAttr
+from typing_extensions import override
 
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.camera import Camera
@@ -69,6 +70,7 @@ class PickUpBlock(ActionPrimitive):
     _held: bool = PrivateAttr(default=False)
     _touched: bool = PrivateAttr(default=False)
 
+    @override
     def thing(self, model: ModelView) -> str:
         return name_of_block(self.number)
 
@@ -81,6 +83,7 @@ class PickUpBlock(ActionPrimitive):
             return f"block {self.number} was taken from the supply already"
         return ""
 
+    @override
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         plan = building(model)
         stands = self._stands(robot, model, plan)

@@ -8,6 +8,7 @@ from typing import ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import PrivateAttr
+from typing_extensions import override
 
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.camera import Camera
@@ -93,6 +94,7 @@ class Stack(ActionPrimitive):
     _leans: tuple[Transform, Transform] = PrivateAttr(default_factory=lambda: (np.eye(4), np.eye(4)))
     """Tilts of the base beyond the model at the fixation and now, as motions (4, 4)."""
 
+    @override
     def thing(self, model: ModelView) -> str:
         return name_of_block(self.number)
 
@@ -100,6 +102,7 @@ class Stack(ActionPrimitive):
         """Return that the hand holds no block of the plan."""
         return unlike_block(robot, model)
 
+    @override
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         plan = building(model)
         if self.method in IMU_METHODS and robot.spec.imu is None:

@@ -6,6 +6,7 @@ from collections.abc import Generator
 from typing import ClassVar
 
 from pydantic import PrivateAttr
+from typing_extensions import override
 
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.camera import Camera
@@ -67,6 +68,7 @@ class Approach(ActionPrimitive):
     _held: Box | None = PrivateAttr(default=None)
     _around: tuple[Box, ...] = PrivateAttr(default=())
 
+    @override
     def thing(self, model: ModelView) -> str:
         return book_in(model)
 
@@ -76,6 +78,7 @@ class Approach(ActionPrimitive):
         known = slot is not None and slot.shelf == self.shelf
         return unlike_book(robot, model) or ("" if known else f"no slot is known on {self.shelf}")
 
+    @override
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         books = model.of(Books)
         book, slot = books.book, books.slot

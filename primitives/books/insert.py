@@ -12,6 +12,7 @@ import numpy as np
 from py_trees.behaviour import Behaviour
 from py_trees.composites import Selector, Sequence
 from pydantic import PrivateAttr
+from typing_extensions import override
 
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.gripper import Gripper
@@ -96,9 +97,11 @@ class Insert(TreePrimitive):
     """Force that resisted the last push, in [N]."""
     _strongest: float = PrivateAttr(default=0.0)
 
+    @override
     def thing(self, model: ModelView) -> str:
         return book_in(model)
 
+    @override
     def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
         return unlike_book(robot, model)
 

@@ -9,6 +9,7 @@ from typing import ClassVar, Literal
 from py_trees.behaviour import Behaviour
 from py_trees.composites import Sequence
 from pydantic import PrivateAttr
+from typing_extensions import override
 
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.camera import Camera
@@ -76,6 +77,7 @@ class PickUp(TreePrimitive):
     _stands: bool = PrivateAttr(default=False)
     _held: bool = PrivateAttr(default=False)
 
+    @override
     def thing(self, model: ModelView) -> str:
         return book_in(model)
 

@@ -8,6 +8,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import PrivateAttr
+from typing_extensions import override
 
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.camera import Camera
@@ -63,6 +64,7 @@ class Recognize(ActionPrimitive):
     _seen: list[_Sighting] = PrivateAttr(default_factory=list)
     _looks: int = PrivateAttr(default=0)
 
+    @override
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         around = (tray_box(robot),)
         yield from move_to_posture(robot, TAG_POSTURE, around=around)

@@ -10,6 +10,7 @@ import numpy as np
 from py_trees.behaviour import Behaviour
 from py_trees.composites import Sequence
 from pydantic import PrivateAttr
+from typing_extensions import override
 
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.camera import Camera
@@ -76,9 +77,11 @@ class Release(TreePrimitive):
     _open_to: float | None = PrivateAttr(default=None)
     """Target opening of the fingers in [m], while they open."""
 
+    @override
     def thing(self, model: ModelView) -> str:
         return book_in(model)
 
+    @override
     def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
         return unlike_book(robot, model)
 

@@ -9,6 +9,7 @@ from typing import ClassVar, Literal
 
 import numpy as np
 from pydantic import PrivateAttr
+from typing_extensions import override
 
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.camera import Camera
@@ -93,6 +94,7 @@ class Search(ActionPrimitive):
         """Return that the hand holds anything but the recognized book, past which it looks."""
         return unlike_book(robot, model) if is_holding(robot) else ""
 
+    @override
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         books = model.of(Books)
         book, number = _wanted(model)

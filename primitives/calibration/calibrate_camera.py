@@ -7,6 +7,7 @@ from typing import Annotated, ClassVar, NamedTuple
 
 import numpy as np
 from pydantic import Field
+from typing_extensions import override
 
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.camera import Camera
@@ -64,6 +65,7 @@ class CalibrateCamera(ActionPrimitive):
     reads: ClassVar = ("building", "placed", "fixed", "taken")
     hand: ClassVar = NEEDS_EMPTY
 
+    @override
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         plan = _board_of(model, self.board)
         base_T_board = inverse(standing(robot, model).lift()) @ plan.pose

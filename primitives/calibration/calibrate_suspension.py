@@ -8,6 +8,7 @@ from typing import Annotated, ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
+from typing_extensions import override
 
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.camera import Camera
@@ -80,6 +81,7 @@ class CalibrateSuspension(ActionPrimitive):
         """Return that the hand holds no block of the plan: the base leans under its load."""
         return unlike_block(robot, model)
 
+    @override
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         scene = self._scene(robot, model)
         first = above(robot, scene.base_T_marks[0], VIEW_HEIGHTS_M[0])

@@ -20,15 +20,19 @@ def behaviour_primitive(
     reads: tuple[str, ...] = (),
     writes: tuple[str, ...] = (),
 ) -> type[TreePrimitive]:
-    """A primitive class around any behaviour or tree; restoring plays its motion backwards as always.
+    """Return a primitive class that wraps any behaviour or tree; restoring plays its motion backwards as
+    always.
 
     An entry point of the group `handcart.primitives` makes it known to task files.
 
     Args:
-        name: of the class, in CamelCase: `WaterPlants` is WATER_PLANTS in task files.
-        make: a new behaviour for each attempt. It commands the robot in `update`, once a period, and never
+        name: name of the class, in CamelCase: `WaterPlants` is WATER_PLANTS in task files.
+        make: makes a new behaviour for each attempt. It commands the robot in `update`, once a period, and
+            never
             steps it.
-        needs, reads, writes: as for every primitive.
+        needs: capabilities that it needs.
+        reads: sections of the world model that it reads.
+        writes: sections of the world model that it writes.
     """
 
     def tree(self: TreePrimitive, robot: Robot, model: ModelView) -> Behaviour:

@@ -9,6 +9,7 @@ from typing import Annotated, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, PrivateAttr
+from typing_extensions import override
 
 from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.range_sensor import RangeSensor
@@ -84,6 +85,7 @@ class Locate(ActionPrimitive):
             return "the map shows nothing that a scan could be compared with"
         return ""
 
+    @override
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         self._field = LikelihoodField(model.map)
         self._hypotheses = hypotheses = Hypotheses(self._field, range_noise(robot.spec))

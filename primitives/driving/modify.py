@@ -6,6 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.robot.robot import Robot
@@ -33,6 +34,7 @@ class Modify(ActionPrimitive):
     writes: ClassVar = ("detour",)
     only_knowledge: ClassVar = True
 
+    @override
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         goal = goal_pose(model, self.place)
         if robot.spec.drive.kind == "ackermann":

@@ -9,6 +9,7 @@ from typing import Annotated, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, PrivateAttr
+from typing_extensions import override
 
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base
@@ -100,9 +101,11 @@ class MoveTo(ActionPrimitive):
     _restores: bool = PrivateAttr(default=False)
     _lidar_watch: LidarWatch = PrivateAttr(default_factory=LidarWatch)
 
+    @override
     def hand_use(self) -> HandUse:
         return USE_UNDECLARED if self.together else USES_NO_FINGERS
 
+    @override
     def needs_arm_inside(self) -> bool:
         return not self.together
 
@@ -117,6 +120,7 @@ class MoveTo(ActionPrimitive):
         known = model.companion(robot, self.place) is not None
         return "" if known else f"nothing is known that the arm could do on the way to {self.place!r}"
 
+    @override
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         goal = goal_pose(model, self.place)
         self._monitor = make_monitor(robot, model)

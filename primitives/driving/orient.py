@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Annotated, ClassVar
 
 from pydantic import Field
+from typing_extensions import override
 
 from handcart.backends.capabilities.base import Base
 from handcart.backends.robot.robot import Robot
@@ -30,6 +31,7 @@ class Orient(ActionPrimitive):
     needs_pose: ClassVar = False
     arm_inside: ClassVar = True
 
+    @override
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         driven, speed, since = 0.0, 0.0, robot.time
         limits = robot.drive_limits

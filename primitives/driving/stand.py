@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Annotated, ClassVar
 
 from pydantic import Field
+from typing_extensions import override
 
 from handcart.backends.capabilities.base import Base
 from handcart.backends.robot.robot import Robot
@@ -21,5 +22,6 @@ class Stand(ActionPrimitive):
     needs: ClassVar = (Base,)
     needs_pose: ClassVar = False
 
+    @override
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         yield from robot.wait(self.seconds)

@@ -95,7 +95,8 @@ class Deploy(TreePrimitive):
 
     def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
         """Return why the sensor can't be laid: its target is unknown, served or out of reach, or the hand or
-        the arm is not ready to take it."""
+        the arm is not ready to take it.
+        """
         work = model.of(FieldWork)
         if work.field is None or self.target not in work.targets:
             return f"there is no target {self.target!r} in the field"

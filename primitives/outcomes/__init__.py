@@ -1,0 +1,1 @@
+"""How an action ends: outcomes, discrepancies, causes and their evidence."""

@@ -8,6 +8,7 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
+from typing_extensions import override
 
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.robot.robot import Robot
@@ -56,6 +57,7 @@ class Divide(ActionPrimitive):
     writes: ClassVar = ("places", "seam_work", "detour")
     only_knowledge: ClassVar = True
 
+    @override
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         known = model.of(Seam)
         seam, work = seam_of(model), known.seam_work

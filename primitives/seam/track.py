@@ -8,6 +8,7 @@ from typing import Annotated, ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, PrivateAttr
+from typing_extensions import override
 
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.positioning import Positioning
@@ -92,6 +93,7 @@ class Track(ActionPrimitive):
         """The part that the tool is on in this period; None before and after."""
         return self._part if self._at is not None else None
 
+    @override
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         known = model.of(Seam)
         seam, work = seam_of(model), known.seam_work

@@ -14,16 +14,17 @@ Array = NDArray[np.float64]
 
 @compiled
 def boxes_ahead(start: Array, ways: Array, middles: Array, turns: Array, halves: Array) -> Array:
-    """Shares (n,) of ways at which they meet the first of some boxes; infinite where they meet none.
+    """Return the shares (n,) of ways at which they meet the first of some boxes; infinite if they meet none.
 
     The slab method of Kay and Kajiya, "Ray tracing complex scenes" (1986). From inside, a box is met where
     the way leaves it.
 
     Args:
-        start: (3,) of all ways, in [m].
-        ways: (n, 3) to their ends, in [m].
-        middles, turns, halves: of the boxes: (k, 3) in [m], (k, 3, 3) in the frame of the ways, (k, 3) half
-            their sides in [m].
+        start: (3,) start of all ways, in [m].
+        ways: (n, 3) vectors to their ends, in [m].
+        middles: (k, 3) middles of the boxes, in [m].
+        turns: (k, 3, 3) rotations of the boxes in the frame of the ways.
+        halves: (k, 3) halves of their sides, in [m].
     """
     found = np.full(len(ways), np.inf)
     for box in range(len(middles)):

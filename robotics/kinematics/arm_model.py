@@ -33,6 +33,7 @@ class ArmModel:
         velocity: joint speed limits (n,), in [rad/s].
         slides: (n,) True for prismatic joints, whose numbers are in [m].
         allowed: pairs of links that may touch each other.
+
     Raises:
         ValueError: a joint or link is not in the URDF, a mesh can't be read, or the arm moves `base`
             itself.

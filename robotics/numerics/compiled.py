@@ -53,6 +53,7 @@ class Kernel:
         return self.dispatcher._numba_type_
 
     def __call__(self, *arguments: Any) -> Any:
+        """Call the compiled function."""
         return self.dispatcher(*arguments)
 
     def __reduce__(self) -> str | tuple[Any, ...]:

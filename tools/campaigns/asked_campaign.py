@@ -33,7 +33,7 @@ class NotPossible(InputError):
     """Invalid options of a campaign, alone or together; nothing has moved."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class AskedCampaign:
     """Arguments of a requested campaign; see `handcart campaign --help`."""
 

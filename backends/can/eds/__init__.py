@@ -1,0 +1,1 @@
+"""EDS files of CANopen devices, and objects that a device may lack."""

@@ -114,7 +114,8 @@ class WorldSpec:
 
     def solid(self, body: Any, name: str, friction: float, **shape: Any) -> None:
         """A geometry that rubs. MuJoCo has the larger one of two frictions for a pair: with others of their
-        like, all have what the product of two would be."""
+        like, all have what the product of two would be.
+        """
         body.add_geom(
             name=name,
             friction=(friction**2, 0.005, 0.0001),

@@ -43,7 +43,8 @@ class PhysicsArm(SimulatedArm):
         """Take over the arm's joints at their current positions.
 
         Args:
-            robot, model: robot file and arm model.
+            robot: robot file.
+            model: arm model.
             body: the robot in an engine.
             felt: returns the true force on the hand, (3,) in [N] in its frame.
             ahead: delay after which torques fit best, in [s].

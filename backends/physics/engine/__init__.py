@@ -1,0 +1,1 @@
+"""Interface of a physics engine, and the bodies and surfaces that it is given."""

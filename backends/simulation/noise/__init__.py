@@ -1,0 +1,1 @@
+"""Seeded noise, each source with a random sequence of its own."""

@@ -1,0 +1,1 @@
+"""World files: loading, findings, and the map of a world."""

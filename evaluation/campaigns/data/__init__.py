@@ -1,0 +1,1 @@
+"""A campaign's folder: its trials, and how their actions ended."""

@@ -6,6 +6,7 @@ from collections.abc import Generator
 from typing import Any
 
 import numpy as np
+from typing_extensions import override
 
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base
@@ -26,6 +27,7 @@ UNDO_ERROR_M = 0.005  # [m] that an undo leaves each time
 class NotRestored(Reach):
     """Leaves everything as it is."""
 
+    @override
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
         return
         yield
@@ -34,6 +36,7 @@ class NotRestored(Reach):
 class BaseAlone(Reach):
     """Brings back the base, not arm and fingers."""
 
+    @override
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
         yield from reach_pose(robot, start.pose)
 
@@ -41,6 +44,7 @@ class BaseAlone(Reach):
 class MovesLater(Reach):
     """Comes back, and drives off a second later."""
 
+    @override
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
         yield from retrace(robot, start, trace)
         backend, periods = robot.backend, [0]
@@ -58,6 +62,7 @@ class MovesLater(Reach):
 class RelativeUndo(Reach):
     """Goes back by what it knows to have driven, always a little less, and takes that for where it began."""
 
+    @override
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
         yield from retrace(robot, start, trace)
         for _ in range(5):
@@ -69,6 +74,7 @@ class RelativeUndo(Reach):
 class EditsSnapshot(Reach):
     """Doesn't come back: it moves the goal."""
 
+    @override
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
         yield from robot.wait(1.0)
         arm, gripper = part_of(robot.backend, Arm), part_of(robot.backend, Gripper)
@@ -82,6 +88,7 @@ class EditsSnapshot(Reach):
 class RaisesTolerance(Reach):
     """Doesn't come back: it takes tolerances that forgive everything."""
 
+    @override
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
         yield from robot.wait(1.0)
         loose = dict.fromkeys(type(robot.spec.tolerance).model_fields, 1000000.0)
@@ -92,12 +99,14 @@ class RaisesTolerance(Reach):
 class SwallowsFault(Reach):
     """Takes whatever goes wrong for the end."""
 
+    @override
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         try:
             yield from super().motion(robot, model)
         except Exception:
             return
 
+    @override
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
         return True
         yield
@@ -106,9 +115,11 @@ class SwallowsFault(Reach):
 class ClaimsSuccess(Reach):
     """Does nothing, and says that it is done."""
 
+    @override
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         yield
 
+    @override
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
         return True
         yield
@@ -120,6 +131,7 @@ class FailsAfterNoReturn(Reach):
     swing_rad: float = 0.0
     grip_m: float = 0.0
 
+    @override
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         self.point_of_no_return("what is done is done")
         try:
@@ -132,6 +144,7 @@ class FailsAfterNoReturn(Reach):
 class Hangs(Reach):
     """Never comes to an end of its restoring, and never hands back control."""
 
+    @override
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
         while True:
             pass
@@ -141,6 +154,7 @@ class Hangs(Reach):
 class RunsIntoThings(Reach):
     """Comes back by way of the wall, past the guard that would keep it off."""
 
+    @override
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
         unguarded = robot.get(Base)  # type: ignore[type-abstract]
         for _ in range(self._far(robot)):

@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 from pydantic import PrivateAttr
+from typing_extensions import override
 
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base
@@ -43,6 +44,7 @@ class Reach(ActionPrimitive):
 
     _pose: Any = PrivateAttr(default=None)
 
+    @override
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         self._pose = robot.pose
         yield from self._drive(robot)

@@ -1,0 +1,1 @@
+"""Recorded logs of wheels, inertial units and satellite fixes, from CSV and NMEA."""

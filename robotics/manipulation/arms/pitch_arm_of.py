@@ -16,13 +16,14 @@ Floats = NDArray[np.float64]
 
 
 def pitch_arm_of(arm: ArmModel, azimuth_tolerance: float) -> PitchArm | None:
-    """The closed form of an arm; None where it is of another kind.
+    """Return the closed form of an arm; None for another kind of arm.
 
-    It is one if it has a yaw joint, three pitch joints that turn upwards, and a roll about the tool, all in
-    one upright plane, and lies stretched out level and ahead with all joints at zero.
+    It has one if it has a yaw joint, three pitch joints that turn upwards, and a roll about the tool, all
+    in one upright plane, and is stretched out level and ahead with all joints at zero.
 
     Args:
-        azimuth_tolerance: how far the tool may be turned about the vertical, in [rad].
+        arm: arm model.
+        azimuth_tolerance: allowed turn of the tool about the vertical, in [rad].
     """
     if arm.dof != 5:
         return None

@@ -42,6 +42,7 @@ class ScrewArm:
         free: turn of the tool that the path leaves free.
         azimuth_tolerance: used with FreeTurn.VERTICAL, in [rad].
         postures: number of random postures that descents start from.
+
     Raises:
         ValueError: a joint slides.
     """

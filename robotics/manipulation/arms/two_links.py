@@ -11,11 +11,15 @@ from handcart.robotics.numerics.compiled import compiled
 def two_links(
     x: float, y: float, first: float, second: float, side: float
 ) -> tuple[bool, float, float, float, float, float]:
-    """Unit vectors along both links that reach (x, y), in [m].
+    """Return unit vectors along both links that reach (x, y).
 
     Args:
-        first, second: lengths, in [m].
-        side: 1 when the elbow is to the left of the line to (x, y), -1 to the right.
+        x: coordinate of the goal, in [m].
+        y: coordinate of the goal, in [m].
+        first: length of the first link, in [m].
+        second: length of the second link, in [m].
+        side: 1 for an elbow to the left of the line to (x, y), -1 to the right.
+
     Returns:
         whether it is reached, the first link's x and y, the second's, and the sine from first to second.
     """

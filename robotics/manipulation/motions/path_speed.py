@@ -26,6 +26,7 @@ def highest_speed(rounded: RoundedPath, velocity: Vector, acceleration: Vector) 
         rounded: the path, in [rad].
         velocity: limits (n,), in [rad/s].
         acceleration: limits (n,), in [rad/s²].
+
     Raises:
         RuntimeError: no speed profile keeps the limits.
     """

@@ -19,17 +19,21 @@ def time_path(
     period: float,
     deviation: float = 0.005,
 ) -> NDArray[np.float64]:
-    """Joint set-points (k, n), one each `period` [s], first at the path's start and last at its end, at rest.
+    """Return joint set-points (k, n), one each `period` [s], from the path's start to its end, at rest at
+    both.
 
     The path is followed as fast as the limits allow: its corners are rounded by arcs, then its speed is
     chosen by TOPP-RA (Pham and Pham 2018). At corners that turn back on themselves the arm stops.
 
     Args:
         path: waypoints (m, n) joined by straight lines, in [rad].
-        velocity, acceleration: limits (n,), in [rad/s] and [rad/s²]; first and second differences of the
-            set-points keep them, from and to rest.
-        deviation: how far the set-points may leave the lines at a corner, in [rad] over all joints; check
+        velocity: limits (n,), in [rad/s]; first differences of the set-points keep them, from and to rest.
+        acceleration: limits (n,), in [rad/s²]; second differences of the set-points keep them.
+        period: time between set-points, in [s].
+        deviation: allowed distance of the set-points from the lines at a corner, in [rad] over all joints;
+            check
             the path with a margin that covers it (0.005 rad move a fingertip by at most 5 mm).
+
     Raises:
         ValueError: a limit, the period or the deviation isn't above zero.
     """

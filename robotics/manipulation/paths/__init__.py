@@ -1,0 +1,1 @@
+"""Paths of a tool, and why one can't be tracked."""

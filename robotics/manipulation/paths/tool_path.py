@@ -82,6 +82,7 @@ def tool_path(
         poses: (p, 4, 4) world_T_tool.
         longest_step: maximum distance between two points, in [m]; more is a jump.
         longest_turn: maximum turn between two points, in [rad]; more is a jump.
+
     Raises:
         Untrackable: a point has a NaN, is not a pose, repeats the one before or jumps; the first one is
             named.

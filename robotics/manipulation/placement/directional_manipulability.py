@@ -34,16 +34,19 @@ def manipulability(jacobian: Floats) -> Floats:
 
 
 def top_speed(jacobian: Floats, direction: Floats, velocity: Floats) -> Floats:
-    """Highest speed (...) along a path that the joints allow, in [m/s]: the largest v with J qd = v k.
+    """Return the highest speed (...) along a path that the joints allow, in [m/s]: the largest v with J qd =
+    v k.
 
-    k^T J says nothing about directions across k: it can be large where no motion along k exists. This is the
-    exact condition. For a square J and equal limits of 1 rad/s it is 1 / max|J^-1 k|.
+    k^T J says nothing about directions across k: it can be large where no motion along k exists. This is
+    the exact condition. For a square J and equal limits of 1 rad/s it is 1 / max|J^-1 k|.
 
-    With joints to spare, v is where the ray along k leaves the image of the box of joint speeds (a zonotope).
-    Each of its faces is spanned by m-1 columns of J; the normals of all of them give v in closed form. Where
-    J has lost rank the linear program is solved instead.
+    With redundant joints, v is where the ray along k leaves the image of the box of joint speeds (a
+    zonotope). Each of its faces is spanned by m-1 columns of J; the normals of all of them give v in
+    closed form. Where J has lost rank the linear program is solved instead.
 
     Args:
+        jacobian: (..., m, n) Jacobians J of the tool's velocity.
+        direction: (..., m) unit vectors k along the path.
         velocity: joint speed limits (n,), in [rad/s].
     """
     m, n = jacobian.shape[-2:]

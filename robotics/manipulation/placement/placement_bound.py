@@ -47,6 +47,7 @@ def score_bound(
         size: (2,) sides of the rectangle, in [m].
         count: maximum number of placements.
         step: distance of the discs that cover it, in [m].
+
     Raises:
         ValueError: the measure is not DIRECTIONAL or SURE.
         Untrackable: some point can't be tracked from anywhere: proven too.

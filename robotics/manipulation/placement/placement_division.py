@@ -73,6 +73,7 @@ def best_division(scores: PlacementScores, lengths: Floats, count: int) -> Divis
         scores: scores of the placements.
         lengths: arc length of the points (p,), in [m].
         count: maximum number of placements.
+
     Raises:
         Untrackable: no set of placements tracks the path.
         TooFewPlacements: `count` placements are not enough.

@@ -55,6 +55,7 @@ def refine(
         division: the division to begin with.
         radius: distance from a placement at which the search begins, in [m]: the step of the grid.
         turn: turn from a placement at which the search begins, in [rad]: the step of the grid.
+        seed: seed of the search's random poses.
     """
     rng = np.random.default_rng(seed)
     count = len(division.segments)

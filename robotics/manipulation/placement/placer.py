@@ -321,10 +321,10 @@ class Placer:
         candidates: Floats,
         kept: NDArray[np.intp],
     ) -> Untrackable:
-        """With the number of the path's own point, why, and the nearest that can be tracked.
+        """Return the error with the path's own point, the reason, and the nearest position that can be
+        tracked.
 
-        Args:
-            bases: those of the `candidates` that the base gets to.
+        `bases` are those of the `candidates` that the base can reach.
         """
         if hasattr(error, "needed"):
             error.index = int(kept[error.index])

@@ -34,6 +34,7 @@ class ToolFollower:
         arm: the arm; all its joints turn.
         free: the turn of the tool that the path leaves free.
         azimuth_tolerance: used with FreeTurn.VERTICAL, in [rad].
+
     Raises:
         ValueError: a joint slides.
     """
@@ -49,14 +50,17 @@ class ToolFollower:
         self._middle, self._half = 0.5 * (arm.lower + arm.upper), 0.5 * (arm.upper - arm.lower)
 
     def joints(self, path: ToolPath, world_T_base: Transform, near: Floats) -> Floats:
-        """Joint angles (p, n) within the limits that put the tool at each point of the path.
+        """Return joint angles (p, n) within the limits that put the tool at each point of the path.
 
         Args:
-            world_T_base: (4, 4); it may be tilted.
-            near: angles (n,) that the first point is looked for from.
+            path: path of the tool.
+            world_T_base: (4, 4) pose of the arm's base; it may be tilted.
+            near: angles (n,) at which the search for the first point begins.
+
         Raises:
-            Untrackable: the first point that the arm doesn't come to, with the nearest position where it came
-                to rest; or to which it would have to jump.
+            Untrackable: the first point that the arm doesn't reach, with the nearest position at which the
+                search
+                ended; or one to which it would have to jump.
         """
         base_T_tools = inverse(world_T_base) @ path.poses
         angles = np.empty((len(base_T_tools), self.arm.dof))

@@ -51,17 +51,21 @@ class TrackingLimits(NamedTuple):
 def time_tracking(
     arm: ArmModel, path: ToolPath, angles: Floats, limits: TrackingLimits, period: float
 ) -> TimedTracking:
-    """Set-points along a path whose points the arm reaches with `angles` (p, n).
+    """Return timed set-points along a path.
 
-    The angles are joined by a cubic spline over the arc length; speed along it is chosen by TOPP-RA (Pham and
-    Pham 2018) and then checked at each set-point: where differences of set-points still break a limit, all is
-    stretched in time.
+    The angles are joined by a cubic spline over the arc length; speed along it is chosen by TOPP-RA (Pham
+    and Pham 2018) and then checked at each set-point: if differences of set-points still break a limit,
+    the whole is stretched in time.
 
     Args:
-        period: of the set-points, in [s].
+        arm: arm model.
+        path: path of the tool.
+        angles: (p, n) joint angles that reach the path's points, in [rad].
+        limits: limits of speed, acceleration and torque.
+        period: time between set-points, in [s].
+
     Raises:
-        Untrackable: the first point at which holding still, and pushing, already takes more torque than there
-            is.
+        Untrackable: the first point at which holding still, and pushing, already exceeds the torque.
         ValueError: a limit or the period isn't above zero.
     """
     if min(limits.speed, *limits.acceleration, *limits.torque, period) <= 0.0 or limits.force < 0.0:

@@ -43,10 +43,12 @@ class Attitude:
         self._felt = np.array([0.0, 0.0, 1.0])
 
     def update(self, rates: Vector, accelerations: Vector, period: float, at_rest: bool) -> None:
-        """Take in a period's readings.
+        """Update the attitude with a period's readings.
 
         Args:
-            rates: (3,) in [rad/s]; accelerations: (3,) in [m/s²]; period: in [s].
+            rates: (3,) turn rates, in [rad/s].
+            accelerations: (3,) felt accelerations, in [m/s²].
+            period: in [s].
             at_rest: neither wheels nor arm were commanded to move.
         """
         rate = float(rates[2])

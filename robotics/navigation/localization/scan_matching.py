@@ -272,7 +272,8 @@ def _wrapped(angle: float) -> float:
 @compiled
 def _solved(matrix: NDArray[np.float64], right: NDArray[np.float64]) -> tuple[float, float, float]:
     """The x of (matrix + LEAST) x = right, the matrix (3, 3) symmetric: Cholesky, by hand because numba takes
-    two seconds to compile a call of LAPACK."""
+    two seconds to compile a call of LAPACK.
+    """
     a = math.sqrt(matrix[0, 0] + MIN_INFORMATION_SHARE)
     b, c = matrix[1, 0] / a, matrix[2, 0] / a
     d = math.sqrt(matrix[1, 1] + MIN_INFORMATION_SHARE - b * b)

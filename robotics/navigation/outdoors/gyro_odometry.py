@@ -197,7 +197,8 @@ def _middle_rates(
     state: Array, free: Array, dt: float, euler: bool
 ) -> tuple[float, float, float, float, float]:
     """Rates of roll, pitch and yaw at the middle of a period, the pitch there, and the yaw's by the third
-    gyro."""
+    gyro.
+    """
     if not euler:
         return free[0], free[1], free[2], state[5], 1.0
     roll_rate, pitch_rate, _, _ = _angle_rates(state[4], state[5], free)
@@ -245,7 +246,8 @@ def _update(
     euler: bool,
 ) -> None:
     """One period. State: x, y, z, yaw, roll, pitch; bias (3); still readings, time at rest, row; sums (6);
-    readings."""
+    readings.
+    """
     turning = _refresh(seen, 0, rates)
     force = _refresh(seen, 3, accelerations)
     rolled = _refresh(seen, 6, wheels)

@@ -32,7 +32,8 @@ _BEAM = 12
 
 class Decoded(NamedTuple):
     """A text of a call number's form. `confidence`, 0..1: its share among all call numbers that the
-    probabilities allow, times the mean (geometric) probability of its symbols."""
+    probabilities allow, times the mean (geometric) probability of its symbols.
+    """
 
     text: str
     confidence: float

@@ -28,10 +28,12 @@ class GapFound(NamedTuple):
 
     @property
     def centre(self) -> float:
+        """Middle between the edges."""
         return (self.left + self.right) / 2
 
     @property
     def width(self) -> float:
+        """Distance between the edges."""
         return self.left - self.right
 
 

@@ -32,6 +32,7 @@ class ShelfBook(NamedTuple):
 
     @property
     def centre(self) -> float:
+        """Middle between the edges."""
         return (self.left + self.right) / 2
 
 

@@ -33,6 +33,7 @@ class Gap(NamedTuple):
 
     @property
     def width(self) -> float:
+        """Distance between the edges."""
         return self.left - self.right
 
 

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from handcart.robotics.perception.books.call_number import CallNumber
 from handcart.robotics.perception.books.label_reader import LabelReader, Reading, cut_to_print
@@ -33,6 +34,7 @@ class TemplateLabelReader(LabelReader):
         self._widths = np.array([cut.shape[1] for cut in cuts], dtype=np.float64)
         self._rows = np.stack([_normalised(cut) for cut in cuts]) if cuts else np.empty((0, _HEIGHT * _WIDTH))
 
+    @override
     def read_crops(self, crops: Sequence[GreyImage]) -> list[Reading]:
         return [self._match(crop) for crop in crops]
 

@@ -15,7 +15,8 @@ PAPER, INK = 244, 22
 
 class Landmark(NamedTuple):
     """A landmark as it was seen. Its frame: origin in the middle, x to the right, y up, z out of the paper;
-    the white field is at the upper left."""
+    the white field is at the upper left.
+    """
 
     corners: Floats
     """(4, 2) in [px] of the image as taken: upper left, upper right, lower right, lower left."""
