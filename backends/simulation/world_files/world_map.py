@@ -32,8 +32,7 @@ def map_of_world(world: WorldFile, height: float, resolution: float) -> GridMap:
     Raises:
         NoMap: nothing cuts the plane, or the map would have more than `MAX_CELLS` cells.
     """
-    surprises = {each.name for each in world.surprises if isinstance(each, Surprise)}
-    shown = [each for each in solids_of(world) if each.box.name not in surprises and each.reaches(height)]
+    shown = shown_solids(world, height)
     if not shown:
         raise NoMap(
             f"nothing in the world cuts the plane {height:g} m above the floor; allowed: a height at "
@@ -50,6 +49,12 @@ def map_of_world(world: WorldFile, height: float, resolution: float) -> GridMap:
         )
     corner = round(float(origin[0]), 6), round(float(origin[1]), 6)
     return from_boxes((each.outline for each in shown), resolution, corner, (float(size[0]), float(size[1])))
+
+
+def shown_solids(world: WorldFile, height: float) -> list[Solid]:
+    """Return the solids of a world that cut the level plane at a height in [m], without surprises."""
+    surprises = {each.name for each in world.surprises if isinstance(each, Surprise)}
+    return [each for each in solids_of(world) if each.box.name not in surprises and each.reaches(height)]
 
 
 def _bounds(solids: list[Solid]) -> tuple[np.ndarray, np.ndarray]:

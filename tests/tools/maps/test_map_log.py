@@ -12,6 +12,7 @@ import pytest
 from handcart.evaluation.mapping.csv_scans import scans_csv
 from handcart.files.maps.map_file import load_map
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.mapping.box_walls import surface_distances
 from handcart.robotics.navigation.mapping.scan_log import ScanLog
 from handcart.robotics.navigation.maps.box_ranges import box_ranges
 from handcart.tools.main import main
@@ -50,21 +51,10 @@ def test_map_walls_lie_at_the_true_walls(mapped: Path) -> None:
     assert warning is None
     start = Pose2(*small_drive().truth[0])
     walls = start.apply(grid.to_point(np.argwhere(grid.occupied)))
-    away = distances(walls)
+    away = surface_distances(walls, small_floor().boxes)
     assert len(walls) > 500
     assert np.median(away) < 0.03
     assert np.quantile(away, 0.95) < 0.05
-
-
-def distances(points: np.ndarray) -> np.ndarray:
-    """Distance in [m] of points (n, 2) to the nearest surface of a box."""
-    found = np.full(len(points), np.inf)
-    for box in small_floor().boxes:
-        local = Pose2(*box[:3]).inverse().apply(points)
-        beyond = np.abs(local) - 0.5 * np.array(box[3:])
-        outside = np.hypot(*np.maximum(beyond, 0.0).T)
-        found = np.minimum(found, np.where(outside > 0.0, outside, -beyond.max(axis=1)))
-    return found
 
 
 def test_trajectory_is_true_within_its_covariance(mapped: Path) -> None:

@@ -1,0 +1,62 @@
+"""Reading of numbers and maps that the map tools share."""
+
+from __future__ import annotations
+
+import math
+import sys
+from pathlib import Path
+
+import typer
+
+from handcart.evaluation.mapping.map_files import write_grid
+from handcart.files.csv_table import number_in
+from handcart.files.maps.map_file import load_map
+from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.tools.terminal.writing import NotWritable, check_folder
+
+MAP_SUFFIX = ".yaml"
+
+
+def read_map(path: Path) -> GridMap:
+    """Return a map; print a warning about it if there is one."""
+    grid, warning = load_map(path)
+    if warning:
+        print(warning, file=sys.stderr)
+    return grid
+
+
+def save_map(path: Path, grid: GridMap, source: Path) -> None:
+    """Write a map's YAML file and picture, and print its size.
+
+    Raises:
+        NotWritable: the folder is missing, or it is the file that was read.
+    """
+    if path.suffix != MAP_SUFFIX:
+        raise typer.BadParameter(f"{path} is not a map's file; allowed: a name that ends in {MAP_SUFFIX}")
+    check_folder(path.parent)
+    if path.resolve() == source.resolve():
+        raise NotWritable(path, "it is the map that is read", "another file")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_grid(path, grid)
+    except OSError as error:
+        raise NotWritable(path, error.strerror) from None
+    rows, columns = grid.occupied.shape
+    across, up = columns * grid.resolution, rows * grid.resolution
+    print(f"{path}: {across:.2f} x {up:.2f} m, corner at ({grid.origin_x:.3f}, {grid.origin_y:.3f})")
+
+
+def numbers(text: str, option: str, count: int | None = None) -> list[float]:
+    """Return numbers with commas between.
+
+    Args:
+        text: what the user wrote.
+        option: its name.
+        count: how many are needed; any even number from six on if None.
+    """
+    found = [number_in(word.strip()) for word in text.split(",")]
+    is_right = len(found) == count if count is not None else len(found) >= 6 and len(found) % 2 == 0
+    if not is_right or not all(math.isfinite(each) and abs(each) < 1e7 for each in found):
+        needed = f"{count} numbers" if count is not None else "x,y of at least three corners"
+        raise typer.BadParameter(f"{option} {text!r}; allowed: {needed}, with commas between, in m")
+    return found
