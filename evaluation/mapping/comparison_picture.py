@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from handcart.evaluation.drawing.figure_file import save_figure
-from handcart.evaluation.drawing.palette import BLUE, VERMILION
+from handcart.evaluation.viewing.drawing.figure_file import save_figure
+from handcart.evaluation.viewing.drawing.palette import BLUE, VERMILION
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.mapping.map_comparison import wall_points
 from handcart.robotics.navigation.maps.grid_map import GridMap

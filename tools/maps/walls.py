@@ -27,8 +27,8 @@ def walls(
     import numpy as np
     import orjson
 
-    from handcart.backends.simulation.world.load_world import load_world
-    from handcart.backends.simulation.world.world_map import map_of_world, shown_solids
+    from handcart.backends.simulation.world_files.load_world import load_world
+    from handcart.backends.simulation.world_files.world_map import map_of_world, shown_solids
     from handcart.robotics.geometry.pose2 import Pose2
     from handcart.robotics.navigation.mapping.box_walls import compare_with_boxes
     from handcart.robotics.navigation.mapping.map_comparison import compare_maps
