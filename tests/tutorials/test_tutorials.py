@@ -5,11 +5,18 @@ A block with a caption is a file. A command whose line ends in `# status N` exit
 
 from __future__ import annotations
 
+import re
+import shlex
 import subprocess
 from pathlib import Path
 
 import pytest
+import typer
 
+from handcart.files.models.loading import load_document
+from handcart.files.yaml.yaml_document import read_document
+from handcart.tools.checks.file_kinds import model_of
+from handcart.tools.command_line import LazyGroup, app
 from tests.tutorials.tutorial_steps import TUTORIALS, carry_out, steps, write_file
 
 
@@ -32,3 +39,22 @@ def test_tutorial_works_as_pasted(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
             process.kill()
             process.wait()
     assert done >= 3
+
+
+@pytest.mark.parametrize("page", TUTORIALS)
+def test_commands_of_a_tutorial_are_understood(page: str) -> None:
+    group = typer.main.get_command(app)
+    assert isinstance(group, LazyGroup)
+    for line in (text for path, text in steps(page) if not path and text.startswith("handcart ")):
+        with group.make_context("handcart", [], resilient_parsing=True) as context:
+            name, command, words = group.resolve_command(context, shlex.split(line, comments=True)[1:])
+            command.make_context(name, [word for word in words if word != "&"], parent=context)
+
+
+@pytest.mark.parametrize("page", TUTORIALS)
+def test_files_of_a_tutorial_have_known_keys(tmp_path: Path, page: str) -> None:
+    for path, text in steps(page):
+        declared = re.match(r"format: handcart-(\w+)/1", text)
+        if path and declared and declared[1] != "task":  # whose values may come from its parameters
+            write_file(tmp_path, path, text)
+            load_document(read_document(tmp_path / path), model_of(declared[1]))
