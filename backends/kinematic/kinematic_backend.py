@@ -87,6 +87,11 @@ class KinematicBackend(SimulatedBackend):
         for props in self.scene.props.values():
             props.step()
         motion = self._base.advance(self._periods)
+        if (there := self._kidnapped_to()) is not None:
+            self.scene.move_base(there)
+            if self._hand is not None:
+                self._hand.follow_base()
+            motion = Pose2(0.0, 0.0, 0.0)
         if self._ride is not None:
             self.scene.lean_to(self._ride.tilt)
         touching = self._move_base(motion)

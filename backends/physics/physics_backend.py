@@ -171,6 +171,8 @@ class PhysicsBackend(SimulatedBackend):
         self.scene.time = self._periods * self.period
         for props in self.scene.props.values():
             props.step()
+        if (there := self._kidnapped_to()) is not None:
+            self._body.put(there, float(self._body.standing_pose()[2, 3]) + LET_DOWN)
         self._world.keep_time()
         self._world.reach(self.scene.base.x, self.scene.base.y)
         self._world.keep_things()

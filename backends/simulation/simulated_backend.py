@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, ClassVar, Protocol, TypeVar
@@ -132,6 +133,13 @@ class SimulatedBackend(Backend):
             if known is not None:
                 self._by_kind[kind] = known
         return known  # type: ignore[return-value]
+
+    def _kidnapped_to(self) -> Pose2 | None:
+        """Return where a person sets the robot down in this period (world_T_base), or None."""
+        kidnap = self._world_file.kidnap
+        if kidnap is None or self._periods != max(1, round(kidnap.at_s / self.period)):
+            return None
+        return Pose2(kidnap.to.x_m, kidnap.to.y_m, math.radians(kidnap.to.heading_deg))
 
     @override
     def capabilities(self) -> tuple[Capability, ...]:

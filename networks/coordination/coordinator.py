@@ -16,7 +16,7 @@ from handcart.networks.journal.measured import in_words, measure
 from handcart.networks.journal.retracing import RunPosition
 from handcart.networks.journal.run_log import Keep, RunLog
 from handcart.primitives.contract.action_primitive import ActionPrimitive
-from handcart.primitives.contract.attempt import attempt
+from handcart.primitives.contract.attempt import attempt, pushed_reason
 from handcart.primitives.contract.unmet import find_unmet
 from handcart.primitives.knowledge.world_model import WorldModel
 from handcart.primitives.outcomes.outcome import GiveUp, Outcome, Success
@@ -205,6 +205,8 @@ class Coordinator:
         at = measure(self._robot) if moves else None
         if at is not None and (stood := self._watch.changed(at)):
             return self._world_changed(action, stood, at)
+        if at is not None and self._robot.localization.lifted is not None and primitive.needs_pose:
+            return self._lifted(action, at)
         if unmet := self._unmet_precondition(primitive):
             return log.not_started(action, unmet)
         self._watch.begins(self.situation, at)
@@ -242,6 +244,17 @@ class Coordinator:
         self._log.world_changed(action, stood, now, situation, reason)
         if situation is None:
             self._robot.stop()
+            return GiveUp(reason)
+        self._watch.stands(now)
+        return Elsewhere(reason, situation)
+
+    def _lifted(self, action: Action, now: Snapshot) -> GiveUp | Elsewhere:
+        """Continue where LOCATE can find a robot that was lifted between two actions, or give up."""
+        self._robot.stop()
+        reason = pushed_reason(self._robot)
+        situation = self._watch.unlocated_situation(self.situation)
+        self._log.world_changed(action, now, now, situation, reason)
+        if situation is None:
             return GiveUp(reason)
         self._watch.stands(now)
         return Elsewhere(reason, situation)

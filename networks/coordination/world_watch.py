@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from handcart.backends.robot.robot import Robot
-from handcart.networks.graph.network import ActionNetwork
+from handcart.networks.graph.network import LOCATE_NAME, ActionNetwork
 from handcart.primitives.restoring.snapshot import Snapshot, limits, moved, residuals
 
 _BASE = frozenset({"base_mm", "base_deg"})
@@ -64,6 +64,15 @@ class WorldWatch:
         facts = self._facts(here)
         alike = (name for name in reversed(self._seen) if self._facts(name) == facts)
         return next((name for name in alike if not moved(self._robot, self._seen[name], now)), None)
+
+    def unlocated_situation(self, here: str) -> str | None:
+        """Return a situation from which LOCATE starts, with the facts of `here` except the base; or None."""
+        facts = self._facts(here)
+        for action in self._network.actions:
+            is_finder = action.binding is not None and action.binding.label == LOCATE_NAME
+            if is_finder and self._facts(action.source) == facts:
+                return action.source
+        return None
 
     def _sure(self, now: Snapshot) -> bool:
         found = residuals(now, now)

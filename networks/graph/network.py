@@ -23,6 +23,8 @@ from .attempts import Attempts
 
 Fact = str | bool | int | float
 
+LOCATE_NAME = "LOCATE"
+"""Name of the primitive that finds the pose of the base."""
 MAX_COST_S = 86_400.0
 """Maximum cost of an action, in [s]: a day."""
 MAX_ACTIONS = 200_000

@@ -25,7 +25,15 @@ from handcart.files.suggest import suggest
 from handcart.files.yaml.yaml_document import Document, read_document
 from handcart.files.yaml.yaml_node import KeyPath
 from handcart.networks.graph.ahead import ways_of
-from handcart.networks.graph.network import Action, ActionNetwork, Binding, Fact, Situation, faults_of
+from handcart.networks.graph.network import (
+    LOCATE_NAME,
+    Action,
+    ActionNetwork,
+    Binding,
+    Fact,
+    Situation,
+    faults_of,
+)
 from handcart.primitives.clock.wall_clock import ALLOWED_CLOCK, wall_clock_reads
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.registry import primitive_class
@@ -44,7 +52,7 @@ from .task_knowledge import (
     read_knowledge,
 )
 from .task_model import MAX_TASK_BYTES, MAX_TASK_NODES, ActionEntry, GivenFact, Repeat, TaskFile
-from .unknown_start import LOCATE_NAME, Parts, with_locate
+from .unknown_start import Parts, with_locate
 from .unwritten import unwritten
 
 SPEED_MASK_KEYS = ("knowledge", "speed_limits", "mask")

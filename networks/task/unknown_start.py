@@ -11,12 +11,11 @@ import numpy as np
 from handcart.backends.description.robot_file import RobotFile
 from handcart.files.errors import Finding
 from handcart.files.yaml.yaml_document import Document
-from handcart.networks.graph.network import Action, Binding, Situation
+from handcart.networks.graph.network import LOCATE_NAME, Action, Binding, Situation
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.grid_map import GridMap
 
-LOCATE_NAME = "LOCATE"
 LOCATE_COST_S = 30.0
 UNLOCATED_NAME = "pose unknown"
 """Situation that is put before the start of a network without LOCATE."""

@@ -11,7 +11,7 @@ from handcart.backends.robot.robot import Robot
 from handcart.primitives.knowledge.bumps import keep_off_bumps, note_bump
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
 from handcart.primitives.outcomes.cause import FRAMEWORK_MODULES, Cause
-from handcart.primitives.outcomes.discrepancy import Discrepancy, NeedsPerson
+from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured, NeedsPerson
 from handcart.primitives.outcomes.outcome import Fail, GiveUp, Outcome, Success, fail_if_restored
 from handcart.primitives.restoring.back_off import back_off
 from handcart.primitives.restoring.retrace import reach_again, retrace
@@ -88,8 +88,8 @@ def attempt(
         return GiveUp("the robot doesn't come to rest before the start")
     if robot.localization.displacements > displaced:
         robot.stop()
-        primitive.evidence.causes.append(Cause(PUSHED_REASON, "push"))
-        return GiveUp(PUSHED_REASON)
+        primitive.evidence.causes.append(Cause(pushed_reason(robot), "push"))
+        return GiveUp(pushed_reason(robot))
     trace = Trace(robot)
     try:
         start = replace(start, seen=(yield from _recorded(primitive.observe(robot, view), trace)))
@@ -101,7 +101,7 @@ def attempt(
         note_hand(primitive, model)
         robot.localization.look_again()
         if robot.localization.displacements > displaced:
-            raise NeedsPerson(PUSHED_REASON, check="push")
+            raise _pushed(robot)
         return Success(dict(primitive.facts))
     except NeedsPerson as need:
         primitive.evidence.blame(need)
@@ -183,7 +183,7 @@ def _watched(
             trace.record()
         tracking.check()
         if robot.localization.displacements > displaced:
-            raise NeedsPerson(PUSHED_REASON, check="push")
+            raise _pushed(robot)
         note_bump(robot, model, primitive.evidence)
         primitive.watch(robot, view)
 
@@ -267,15 +267,30 @@ def _within_time(way_back: Periods, robot: Robot, primitive: ActionPrimitive, mo
     for _ in way_back:
         _alone(robot, primitive)
         yield
+        if robot.localization.lifted is not None:
+            raise _pushed(robot)
         tracking.check()
         standstill.check()
         if robot.localization.displacements > displaced:
-            raise NeedsPerson(PUSHED_REASON, check="push")
+            raise _pushed(robot)
         note_bump(robot, model, primitive.evidence)
         primitive.watch(robot, view)
         if robot.time > end:
             why = "" if robot.held is None else f": {robot.held.words}"
             raise Discrepancy(f"restoring takes too long{why}", check="time")
+
+
+def pushed_reason(robot: Robot) -> str:
+    """Return why a base that was moved by others calls for a person."""
+    lifted = robot.localization.lifted
+    return PUSHED_REASON if lifted is None else f"the robot doesn't know where it is: {lifted.why}"
+
+
+def _pushed(robot: Robot) -> NeedsPerson:
+    """Return the exception for a base that was moved by others."""
+    lifted = robot.localization.lifted
+    measured = None if lifted is None else Measured(*lifted[1:])
+    return NeedsPerson(pushed_reason(robot), measured, check="push")
 
 
 def _alone(robot: Robot, primitive: ActionPrimitive) -> None:

@@ -42,10 +42,13 @@ def note_hand(primitive: ActionPrimitive, model: WorldModel) -> None:
 
 def _unmet_by_pose(primitive: ActionPrimitive, robot: Robot) -> str:
     """Return a message if the pose of the base is not known, and the primitive needs it."""
-    if not primitive.needs_pose or robot.localization.is_located:
+    where = robot.localization
+    if not primitive.needs_pose or (where.is_located and where.lifted is None):
         return ""
-    name = primitive.label()
-    return f"{name} needs the pose of the base on the map, which is not known; LOCATE finds it"
+    why = "" if where.lifted is None else f": {where.lifted.why}"
+    return (
+        f"{primitive.label()} needs the pose of the base on the map, which is not known{why}; LOCATE finds it"
+    )
 
 
 def _unmet_by_hand(primitive: ActionPrimitive, robot: Robot, model: WorldModel) -> str:

@@ -39,6 +39,9 @@ from .lidar_watch import LidarWatch
 SPEED_M_S = 0.4  # at most, where nothing is known of the ground but what the lidar shows
 ARRIVAL_TOLERANCE = PoseTolerance(position=0.10, heading=0.2)
 HELD_TIMEOUT_S = 4.0  # that something may stand in the way, until another place is chosen
+DRIVE_TIMEOUT_S = 60.0  # for one drive
+MIN_MOTION_M, MIN_MOTION_RAD = 0.02, 0.05  # of a base that gets on
+MAX_LOOKS = 40
 MAX_TURN_LOOKS = 3  # turns on the spot at the start, of a lidar that does not see all around
 ALL_AROUND_RAD = math.radians(300.0)  # of view, from where turning on the spot shows nothing new
 MAX_POSITION_SIGMA_M, MAX_HEADING_SIGMA_RAD = 0.10, math.radians(2.0)  # of a pose that is found
@@ -179,12 +182,19 @@ class Locate(ActionPrimitive):
         limits = robot.drive_limits
         limits = limits._replace(speed=min(limits.speed, SPEED_M_S))
         tracker = PathTracker(route, None, limits, tolerance=ARRIVAL_TOLERANCE)
-        since, progress = robot.time, 0.0
-        while not tracker.finished(robot.pose) and robot.time < since + HELD_TIMEOUT_S:
-            if tracker.progress > progress + 0.01 or robot.driven[0] == 0.0 != robot.driven[1]:
-                progress, since = max(progress, tracker.progress), robot.time
+        since, stood, held, begun = robot.time, robot.pose, False, robot.time
+        end = begun + DRIVE_TIMEOUT_S
+        while not tracker.finished(robot.pose) and robot.time < min(end, since + HELD_TIMEOUT_S):
+            held = held or robot.held is not None
+            if _has_moved(stood, robot.pose):
+                since, stood, held = robot.time, robot.pose, False
             robot.base.drive(*tracker.command(robot.pose, robot.period))
             yield
+        if not tracker.finished(robot.pose) and not held:
+            driven = Measured(
+                "Base", "time driven without getting on", robot.time - since, HELD_TIMEOUT_S, "s"
+            )
+            raise Discrepancy("the base doesn't get on", measured=driven)
         return tracker.progress
 
     def _surroundings(self, robot: Robot, tried: Array) -> Surroundings:
@@ -195,7 +205,7 @@ class Locate(ActionPrimitive):
     def _next_view(self, around: Surroundings, poses: Array, left: float, reach: float) -> View | None:
         """Return the next place to look from; None if no place within `left`, in [m], would tell more."""
         assert self._field is not None
-        if left <= 0.0:
+        if left <= 0.0 or (self._hypotheses is not None and len(self._hypotheses.looks) >= MAX_LOOKS):
             return None
         view = next_view(around, self._field, poses, reach)
         is_useless = view is not None and view.difference < MIN_DIFFERENCE and len(poses) > 1
@@ -244,6 +254,10 @@ class Locate(ActionPrimitive):
         places = _named(hypotheses, len(alive))
         words = f"ambiguous: after {driven:.1f} m {len(alive)} places explain the scans alike: {places}"
         return Discrepancy(words, permanent=True, measured=margin)
+
+
+def _has_moved(before: Pose2, now: Pose2) -> bool:
+    return before.distance(now) > MIN_MOTION_M or before.turn(now) > MIN_MOTION_RAD
 
 
 def _named(hypotheses: Hypotheses, count: int) -> str:

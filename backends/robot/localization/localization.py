@@ -28,6 +28,7 @@ from handcart.robotics.navigation.localization.localizer import (
 from handcart.robotics.navigation.localization.start_search import SURE_FIT, Beams
 from handcart.robotics.navigation.localization.watched_moment import Belief
 from handcart.robotics.navigation.locating.local_map import LocalMap
+from handcart.robotics.navigation.locating.scan_jump import MAX_CHANGED_SHARE, ScanJump
 
 from .lidar import MIN_ECHOES, Lidar
 
@@ -40,7 +41,9 @@ STALE_SCAN_MOTION = 1e-3  # [m], [rad] of motion in which a scan can't stay the 
 REST_PERIODS = 4  # periods at rest after which a scan tells whether the base is where its wheels say
 # [m] that wheels may be driven, by which alone it is reckoned, while they read the same
 MAX_COMMANDED_TRAVEL_M = 0.03
+LIFTED_REASON = "it was lifted and set down elsewhere: its scans changed at once, and its wheels did not turn"
 DRAWN_SURFACE_M = 0.03  # error of surfaces that are drawn from several scans
+LIFTED_KEY = "lifted"  # of a state, where the base was lifted
 LOCAL_MAP_KEY = "local map"  # of a state, where the pose on the map is unknown
 
 
@@ -103,6 +106,11 @@ class Localization(ABC):
         self._ranges, self._seen_at = np.empty(0), self.travel
         self._map_field: LikelihoodField | None = None
         """Field of the given map; None if no scan is compared with a map."""
+        self.lifted: Lost | None = None
+        """Evidence that the base was lifted and set down elsewhere; None if it was not, or is located
+        since.
+        """
+        self._scan_jump = ScanJump()
         self.local_map: LocalMap | None = None
         """Map drawn since the pose on the given map is unknown; None while that pose is known."""
 
@@ -232,6 +240,7 @@ class Localization(ABC):
         left, right = travel.left - self.travel.left, travel.right - self.travel.right
         self.travel = travel
         self._predict(left, right)
+        self._watch_lifting(left, right)
         self._extend_local_map()
         if travel.away(self._stood) <= MAX_REST_WHEEL_DIFFERENCE_M:
             self.still += 1
@@ -262,7 +271,7 @@ class Localization(ABC):
         """
         assert self._map_field is not None
         assert isinstance(self._range_sensor, Lidar)
-        self.local_map = LocalMap()
+        self.local_map, self.lifted = LocalMap(), None
         self.local_map.add(self.pose, beams_of(self._range_sensor))
         self._wheels.change_map(self.local_map.field, self.pose, SCAN_REPEATABILITY)
         self._wheels.surface_error = DRAWN_SURFACE_M
@@ -272,11 +281,24 @@ class Localization(ABC):
     def locate(self, pose: Pose2, covariance: NDArray[np.float64]) -> None:
         """Take over map_T_base with its covariance (3, 3), in [m, m, rad]: the pose on the map is known."""
         assert self._map_field is not None
-        self.local_map = None
+        self.local_map = self.lifted = None
         self._wheels.change_map(self._map_field, pose, covariance)
         self._wheels.surface_error = 0.0
         self.still = 0
         self.set_origin()
+
+    def _watch_lifting(self, left: float, right: float) -> None:
+        """Compare this period's scan with the one before; the wheels travelled this far, in [m]."""
+        lidar = self._range_sensor
+        if self._map_field is None or not isinstance(lidar, Lidar) or self.lifted is not None:
+            return
+        self._scan_jump.roll(left, right, self._wheels.odometry.tread)
+        rests = self.still > STILL_SCANS
+        if (rests and self.still % LOOK_AGAIN != 0) or lidar.silence:
+            return
+        if self._scan_jump.take(beams_of(lidar), rests):
+            self.lifted = _lifted(self._scan_jump.share)
+            self._displaced()
 
     def _extend_local_map(self) -> None:
         """Draw this period's scan on the local map where the base has not been yet."""
@@ -330,6 +352,8 @@ class Localization(ABC):
         }
         if self.local_map is not None:
             state[LOCAL_MAP_KEY] = self.local_map.echoes.ravel().tolist()
+        if self.lifted is not None:
+            state[LIFTED_KEY] = self.lifted.value
         return state
 
     def set_state(self, state: object) -> None:
@@ -339,11 +363,14 @@ class Localization(ABC):
             NotAState: the data belong to another kind of localization.
         """
         parts = self._parts()
-        if not isinstance(state, dict) or state.keys() - {LOCAL_MAP_KEY} != parts.keys():
+        if not isinstance(state, dict) or state.keys() - {LOCAL_MAP_KEY, LIFTED_KEY} != parts.keys():
             raise NotAState(f"no state of this localization; needed: {', '.join(parts)}")
         for name, (part, kinds) in parts.items():
             set_attributes(part, kinds, state[name])
         self._set_local_map(state.get(LOCAL_MAP_KEY))
+        share = from_plain(state.get(LIFTED_KEY, 0.0), float, LIFTED_KEY)
+        self.lifted = _lifted(share) if share else None
+        self._scan_jump.reset()
 
     def _set_local_map(self, echoes: object) -> None:
         """Restore whether the pose on the map is known; `echoes` are those of the local map, if it is not."""
@@ -418,6 +445,8 @@ class ScanLocalization(Localization):
     @property
     @override
     def lost(self) -> Lost | None:
+        if self.lifted is not None:
+            return self.lifted
         if not self._matching.lost:
             return None
         share = "share of the scan that the map explains"
@@ -483,6 +512,8 @@ class WheelLocalization(Localization):
     @property
     @override
     def lost(self) -> Lost | None:
+        if self.lifted is not None:
+            return self.lifted
         if self._reckoning.astray:
             share = "share of the scan that the map explains"
             why = "after the drive its scan fits the map nowhere near where its wheels say"
@@ -537,6 +568,12 @@ def worst_sigmas(covariance: NDArray[np.float64]) -> tuple[float, float]:
 def repeatability_of(covariance: NDArray[np.float64], map_error: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return `Localization.repeatability` (3, 3) of a pose by scans, `map_error` (3, 3) in its covariance."""
     return np.asarray(_without(covariance, map_error) + SCAN_REPEATABILITY)
+
+
+def _lifted(share: float) -> Lost:
+    """Return that the base was lifted, by the share of beams that changed at once."""
+    what = "share of beams that changed at once"
+    return Lost(LIFTED_REASON, "RangeSensor", what, share, MAX_CHANGED_SHARE)
 
 
 def beams_of(lidar: Lidar) -> Beams:

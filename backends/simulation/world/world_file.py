@@ -134,6 +134,15 @@ class BeaconsThere(FileModel):
     """
 
 
+class KidnapSpec(FileModel):
+    """A person lifts the robot and sets it down elsewhere; its wheels do not turn."""
+
+    at_s: Annotated[float, Field(gt=0.0)]
+    """Simulated time at which it happens, pauses counted."""
+    to: FloorPose
+    """Pose at which the robot is set down."""
+
+
 class WorldFile(FileModel):
     """The surroundings of the robot: the keys that every world may have.
 
@@ -145,6 +154,8 @@ class WorldFile(FileModel):
     """Initial pose of the robot, reached by a person within `errors.start_mm` and `start_deg` of its file."""
     misplaced: bool = False
     """True to put the robot far from the start that the task states, so that it has to localize itself."""
+    kidnap: KidnapSpec | None = None
+    """The robot is lifted and set down elsewhere (default: nobody does)."""
     map: MapPlace | None = None
     """A map in ROS format; its occupied cells become solids 2 m high."""
     walls: tuple[Wall, ...] = ()

@@ -15,7 +15,7 @@ from handcart.backends.robot.robot import UnknownStart
 from handcart.evaluation.trials.rig import Rig, RigFiles, build_rig
 from handcart.primitives.driving.locate import Locate
 from handcart.primitives.driving.move_to import MoveTo
-from handcart.primitives.outcomes.outcome import Fail, Success
+from handcart.primitives.outcomes.outcome import Fail, GiveUp, Success
 from handcart.robotics.geometry.pose2 import Pose2
 
 DRIVE_MAP = Path(__file__).parents[3] / "tasks" / "drive_map"
@@ -132,3 +132,45 @@ def test_state_of_an_unlocated_robot_is_restored(twins: Rig) -> None:
 def test_a_robot_that_sees_no_map_cannot_start_anywhere() -> None:
     with pytest.raises(UnknownStart, match="needed: a map, a lidar, and the localizer scan or odometry"):
         build_rig(TWINS, robot="atrv", is_start_known=False)
+
+
+def kidnapping_twins(folder: Path, at_s: float) -> RigFiles:
+    """Write the world of the twin rooms, in which a person carries the robot into the other room."""
+    world = yaml.safe_load(TWINS.world.read_text(encoding="utf-8"))
+    to = {"x_m": 6.0, "y_m": 5.0, "heading_deg": -70.0}
+    world |= {"map": str(DRIVE_MAP / "twin_rooms.yaml"), "kidnap": {"at_s": at_s, "to": to}}
+    world["start"] = {"x_m": 15.0, "y_m": 4.0, "heading_deg": 180.0}
+    (folder / "world.yaml").write_text(yaml.safe_dump(world), encoding="utf-8")
+    return RigFiles(folder / "world.yaml", TWINS.map, TWINS.places, {}, "right_room")
+
+
+def test_a_robot_lifted_while_it_drives_gives_up_at_once(tmp_path: Path) -> None:
+    with build_rig(kidnapping_twins(tmp_path, 4.0), robot="cart") as rig:
+        outcome = rig.do(MoveTo(place="left_room"))
+        assert isinstance(outcome, GiveUp)
+        assert "it was lifted and set down elsewhere" in outcome.reason
+        assert rig.robot.time < 5.5
+        assert rig.robot.localization.lifted is not None
+
+
+def test_a_robot_lifted_at_rest_refuses_until_it_is_located(tmp_path: Path) -> None:
+    with build_rig(kidnapping_twins(tmp_path, 3.0), robot="cart") as rig:
+        while rig.robot.time < 6.0:
+            rig.robot.step()
+        refused = rig.do(MoveTo(place="left_room"))
+        assert isinstance(refused, Fail)
+        assert refused.reason.startswith(
+            "MOVE_TO needs the pose of the base on the map, which is not known: "
+        )
+        assert isinstance(rig.do(Locate()), Success)
+        assert rig.robot.pose.distance(truth_of(rig)) < 0.03
+        assert isinstance(rig.do(MoveTo(place="left_room")), Success)
+        assert truth_of(rig).distance(rig.model.places["left_room"].pose) < 0.04
+
+
+def test_stuck_wheels_end_the_search(twins: Rig) -> None:
+    """The base is driven and stays where it is."""
+    drive = twins.robot.base._base.drive
+    twins.robot.base._base.drive = lambda speed, turn_rate: drive(0.0, 0.0)  # type: ignore[method-assign]
+    assert not isinstance(twins.do(Locate()), Success)
+    assert twins.robot.time < 120.0

@@ -1,0 +1,117 @@
+"""Maps on which robots are set down anywhere: shipped ones, generated ones, and real ones where they are."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import cv2
+import numpy as np
+import yaml
+from numpy.typing import NDArray
+from PIL import Image
+
+from benchmarks.driving.office_map import office_boxes
+from handcart.evaluation.trials.rig import RigFiles
+from handcart.primitives.knowledge.place import load_map
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
+
+ROOT = Path(__file__).resolve().parents[2]
+REAL_MAPS = ROOT / "../shared/maps"
+SHIPPED = ("drive_map/map.yaml", "drive_map/twin_rooms.yaml", "return_book/map.yaml")
+REAL = ("depot/depot.yaml", "turtlebot3/map.yaml")
+OFFICE_SIZE_M = (22.0, 14.0)
+CORRIDOR_M = (30.0, 2.4)
+ROOM_M = 0.12  # beside the footprint, where a robot is set down
+HEADER = (
+    "image: {name}.png\nresolution: {cell}\norigin: [0, 0, 0]\nnegate: 0\n"
+    "occupied_thresh: 0.65\nfree_thresh: 0.196\n"
+)
+
+
+class Chart(NamedTuple):
+    """A map with the places where a robot can be set down."""
+
+    name: str
+    path: Path
+    grid: GridMap
+    cells: NDArray[np.int64]
+    """(n, 2) free cells with room for the robot, all connected."""
+
+    def pose(self, rng: np.random.Generator) -> Pose2:
+        """Return a random pose."""
+        x, y = self.grid.to_point(self.cells[rng.integers(len(self.cells))][None])[0]
+        x, y = x + rng.uniform(-0.02, 0.02), y + rng.uniform(-0.02, 0.02)
+        return Pose2(float(x), float(y), float(rng.uniform(-math.pi, math.pi)))
+
+
+def charts(folder: Path, radius: float) -> Iterator[Chart]:
+    """Yield all maps; generated ones are written into a folder.
+
+    Args:
+        folder: for generated maps.
+        radius: of the robot's footprint, in [m].
+    """
+    for name in SHIPPED:
+        yield _chart(name.removesuffix(".yaml"), ROOT / "tasks" / name, radius)
+    for seed in (1, 2):
+        grid = from_boxes(office_boxes(seed, OFFICE_SIZE_M), 0.05, (0.0, 0.0), OFFICE_SIZE_M)
+        yield _chart(f"office {seed}", _written(folder, f"office_{seed}", grid), radius)
+    length, width = CORRIDOR_M
+    sides = [(0.5 * length, y, 0.0, length, 0.1) for y in (0.05, width - 0.05)]
+    ends = [(x, 0.5 * width, 0.0, 0.1, width) for x in (0.05, length - 0.05)]
+    niches = [(7.0, width - 0.25, 0.0, 0.5, 0.4), (19.0, 0.25, 0.0, 1.2, 0.3)]
+    corridor = from_boxes([*sides, *ends, *niches], 0.05, (0.0, 0.0), CORRIDOR_M)
+    yield _chart("corridor", _written(folder, "corridor", corridor), radius)
+    for name in REAL:
+        if (REAL_MAPS / name).is_file():
+            yield _chart(name.split("/")[0], (REAL_MAPS / name).resolve(), radius)
+
+
+def _chart(name: str, path: Path, radius: float) -> Chart:
+    grid = load_map(path)[0]
+    free = np.pad(~grid.blocked, 1).astype(np.uint8)
+    clear = cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)[1:-1, 1:-1]
+    labels = cv2.connectedComponents((clear * grid.resolution > radius + ROOM_M).astype(np.uint8))[1]
+    largest = 1 + int(np.argmax(np.bincount(labels.ravel())[1:]))
+    return Chart(name, path, grid, np.argwhere(labels == largest))
+
+
+def _written(folder: Path, name: str, grid: GridMap) -> Path:
+    cells = np.where(grid.occupied, 0, 254).astype(np.uint8)[::-1]
+    Image.fromarray(cells).save(folder / f"{name}.png")
+    path = folder / f"{name}.yaml"
+    path.write_text(HEADER.format(name=name, cell=grid.resolution), encoding="utf-8")
+    return path
+
+
+def written_world(
+    folder: Path, chart: Chart, start: Pose2, places: dict[str, Pose2] | None = None, **more: Any
+) -> RigFiles:
+    """Write a world made from a map, and places on it, and return the files of a rig.
+
+    Args:
+        folder: where they are written.
+        chart: the map.
+        start: world_T_base at first.
+        places: places by name; the first one is where the robot is told to start.
+        more: further keys of the world's file.
+    """
+    world = {"format": "handcart-world/1", "map": str(chart.path), "start": floor_pose(start), **more}
+    (folder / "world.yaml").write_text(yaml.safe_dump(world), encoding="utf-8")
+    if not places:
+        return RigFiles(folder / "world.yaml", chart.path, None, {}, "")
+    listed = {name: floor_pose(pose) for name, pose in places.items()}
+    text = json.dumps({"format": "handcart-places/1", "places": listed})
+    (folder / "places.yaml").write_text(text, encoding="utf-8")
+    return RigFiles(folder / "world.yaml", chart.path, folder / "places.yaml", {}, next(iter(places)))
+
+
+def floor_pose(pose: Pose2) -> dict[str, float]:
+    """Return a pose as files have it."""
+    x, y, turn = round(pose.x, 4), round(pose.y, 4), round(math.degrees(pose.theta), 3)
+    return {"x_m": x, "y_m": y, "heading_deg": turn}

@@ -1,0 +1,104 @@
+"""Detection of a base that was lifted and set down elsewhere: its scans change at once, its wheels do not."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.localization.start_search import Beams
+from handcart.robotics.numerics.compiled import compiled
+
+MAX_CHANGED_SHARE = 0.3
+"""Share of beams that may differ from those of the scan before; people and doors change fewer."""
+CHANGED_M, CHANGED_RATIO = 0.15, 0.05  # of a range, from the scan before it: more is a change
+SIDE_BEAMS = 2  # to each side, among which a beam of the scan before is looked for
+CONFIRMED_CHANGES = 6  # scans in a row that differ from the last one before the change
+CONFIRMED_CHANGES_AT_REST = 2
+MIN_COMPARED = 20  # beams
+MAX_REFERENCE_M, MAX_REFERENCE_RAD = 1.0, 0.6  # of motion, after which the last scan before is too old
+
+Array = NDArray[np.float64]
+
+
+class ScanJump:
+    """Compares each scan with the last one that fitted, moved as the wheels say."""
+
+    def __init__(self) -> None:
+        """No scan yet."""
+        self._reference: Beams | None = None
+        self._moved = Pose2(0.0, 0.0, 0.0)  # since the reference, in its frame
+        self._changes = 0
+        self.share = 0.0
+        """Share of the last scan's beams that differ from those of the reference."""
+
+    def roll(self, left: float, right: float, tread: float) -> None:
+        """Take the travel of both wheels into account, in [m], `tread` in [m]."""
+        forward, turn = 0.5 * (left + right), (right - left) / tread
+        step = Pose2(forward * math.cos(0.5 * turn), forward * math.sin(0.5 * turn), turn)
+        self._moved = self._moved.compose(step)
+
+    def take(self, beams: Beams, at_rest: bool) -> bool:
+        """Return whether the base must have been lifted, by this scan and those before.
+
+        Args:
+            beams: of the scan.
+            at_rest: whether the base stands: scans are then taken more rarely.
+        """
+        before = self._reference
+        if before is not None and np.array_equal(before.ranges, beams.ranges, equal_nan=True):
+            return False  # an old scan given again says nothing of where the base is now
+        changed = self._reference is not None and self._is_changed(self._reference, beams)
+        self._changes = self._changes + 1 if changed else 0
+        if self._changes >= (CONFIRMED_CHANGES_AT_REST if at_rest else CONFIRMED_CHANGES):
+            self.reset()
+            return True
+        if not changed:
+            self._reference, self._moved = beams, Pose2(0.0, 0.0, 0.0)
+        return False
+
+    def reset(self) -> None:
+        """Begin again with the next scan."""
+        self._reference, self._moved, self._changes = None, Pose2(0.0, 0.0, 0.0), 0
+
+    def _is_changed(self, before: Beams, beams: Beams) -> bool:
+        far = math.hypot(self._moved.x, self._moved.y) > MAX_REFERENCE_M
+        if far or abs(self._moved.theta) > MAX_REFERENCE_RAD or len(before.angles) != len(beams.angles):
+            return False
+        points = self._moved.inverse().apply(before.points) - beams.origin
+        changed, compared = _changed_beams(
+            np.ascontiguousarray(points), np.ascontiguousarray(beams.angles), beams.ranges
+        )
+        self.share = changed / compared if compared >= MIN_COMPARED else 0.0
+        return self.share > MAX_CHANGED_SHARE
+
+
+@compiled
+def _changed_beams(points: Array, angles: Array, ranges: Array) -> tuple[int, int]:
+    """Return how many of the points (n, 2), in [m] from the sensor, the beams do not show any more, and how
+    many were compared.
+    """
+    count = len(angles)
+    step = (angles[count - 1] - angles[0]) / max(1, count - 1)
+    changed, compared = 0, 0
+    for i in range(len(points)):
+        x, y = points[i, 0], points[i, 1]
+        angle, away = math.atan2(y, x), math.sqrt(x * x + y * y)
+        at = (angle - angles[0]) % (2.0 * math.pi)
+        middle = int(at / step + 0.5)
+        if middle >= count:
+            continue
+        seen, known = False, False
+        for j in range(middle - SIDE_BEAMS, middle + SIDE_BEAMS + 1):
+            if not 0 <= j < count or math.isnan(ranges[j]):
+                continue
+            known = True
+            if abs(ranges[j] - away) <= CHANGED_M + CHANGED_RATIO * away:
+                seen = True
+                break
+        if known:
+            compared += 1
+            changed += 0 if seen else 1
+    return changed, compared

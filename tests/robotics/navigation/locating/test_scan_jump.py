@@ -1,0 +1,60 @@
+"""Scans that change at once while the wheels say otherwise: the base was lifted."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.localization.start_search import Beams
+from handcart.robotics.navigation.locating.scan_jump import CONFIRMED_CHANGES, ScanJump
+from handcart.robotics.navigation.maps.box_ranges import box_ranges
+
+from ..conftest import ANGLES, Boxes
+
+TREAD_M = 0.4
+STEP_M = 0.05
+
+
+def seen(boxes: Boxes, pose: Pose2, seed: int) -> Beams:
+    noise = np.random.default_rng(seed).normal(0.0, 0.01, len(ANGLES))
+    return Beams(np.zeros(2), ANGLES, box_ranges(boxes, pose, ANGLES) + noise, 30.0)
+
+
+def test_a_lifted_base_is_noticed_after_few_scans(library_boxes: Boxes) -> None:
+    jump, pose = ScanJump(), Pose2(3.0, 3.5, 0.0)
+    for number in range(10):
+        assert not jump.take(seen(library_boxes, pose, number), at_rest=False)
+        jump.roll(STEP_M, STEP_M, TREAD_M)
+        pose = pose.compose(Pose2(STEP_M, 0.0, 0.0))
+    elsewhere = Pose2(10.5, 7.0, 2.0)
+    found = [jump.take(seen(library_boxes, elsewhere, 20 + k), at_rest=False) for k in range(8)]
+    assert found.index(True) == CONFIRMED_CHANGES - 1
+
+
+def test_a_drive_past_things_that_appear_is_no_lifting(library_boxes: Boxes) -> None:
+    jump, pose = ScanJump(), Pose2(3.0, 3.5, 0.0)
+    for number in range(40):
+        person = [(pose.x + 0.9, pose.y + 0.3, 0.0, 0.5, 0.4)] if number > 15 else []
+        assert not jump.take(seen([*library_boxes, *person], pose, number), at_rest=False)
+        jump.roll(0.5 * STEP_M, STEP_M, TREAD_M)
+        turn = 0.5 * STEP_M / TREAD_M
+        pose = pose.compose(Pose2(0.75 * STEP_M, 0.0, turn))
+
+
+def test_one_wrong_scan_is_no_lifting(library_boxes: Boxes) -> None:
+    jump, pose = ScanJump(), Pose2(3.0, 3.5, 0.0)
+    for number in range(12):
+        where = Pose2(10.5, 7.0, 2.0) if number == 5 else pose
+        assert not jump.take(seen(library_boxes, where, number), at_rest=False)
+
+
+def test_an_old_scan_given_again_is_no_lifting(library_boxes: Boxes) -> None:
+    """The wheels go on; the next new scan fits where they say."""
+    jump, pose = ScanJump(), Pose2(3.0, 3.5, 0.0)
+    old = seen(library_boxes, pose, 0)
+    for _ in range(15):
+        assert not jump.take(old, at_rest=False)
+        jump.roll(STEP_M, STEP_M, TREAD_M)
+        pose = pose.compose(Pose2(STEP_M, 0.0, 0.0))
+    assert not jump.take(seen(library_boxes, pose, 1), at_rest=False)
+    assert jump.share < 0.3
