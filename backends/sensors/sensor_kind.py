@@ -7,9 +7,11 @@ from dataclasses import dataclass, field
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
-from handcart.files.plugins import BrokenPlugin, entry_points_of, import_plugin, package_of
+from handcart.files.plugins import BrokenPlugin, entry_points_of, error_words, import_plugin, package_of
 
 if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
+
     from handcart.backends.capabilities.capability import Capability
     from handcart.backends.description.sensor_spec import SensorSpec
 
@@ -50,28 +52,41 @@ def sensor_kinds() -> Mapping[str, SensorKind]:
     Raises:
         BrokenPlugin: a kind of another package cannot be imported, is not a `SensorKind`, or shares a name.
     """
-    return _kinds()
+    return {
+        name: sensor_kind(name) for name in (*SHIPPED_KINDS, *(each.name for each in entry_points_of(GROUP)))
+    }
 
 
 @cache
-def _kinds() -> dict[str, SensorKind]:
-    found = {name: imported(f"handcart.backends.sensors.kinds.{name}:KIND") for name in SHIPPED_KINDS}
-    for point in entry_points_of(GROUP):
-        what = f"the kind of sensor {point.name!r}{package_of(point)}"
-        try:
-            kind = import_plugin(point.value, what)
-        except ModuleNotFoundError as missing:
-            raise BrokenPlugin(what, str(missing)) from None
-        except AttributeError as missing:
-            raise BrokenPlugin(what, f"AttributeError: {missing}") from None
-        if not isinstance(kind, SensorKind):
-            raise BrokenPlugin(what, f"{point.value} is not a SensorKind")
-        if kind.name != point.name:
-            raise BrokenPlugin(what, f"{point.value} is of the kind {kind.name!r}")
-        if point.name in found:
-            raise BrokenPlugin(what, f"there is another kind with the name {point.name!r}")
-        found[point.name] = kind
-    return found
+def sensor_kind(name: str) -> SensorKind:
+    """Return the kind with a name; other kinds of other packages may be broken.
+
+    Raises:
+        KeyError: there is no such kind.
+        BrokenPlugin: as `sensor_kinds`.
+    """
+    points = [each for each in entry_points_of(GROUP) if each.name == name]
+    if name in SHIPPED_KINDS and not points:
+        found: SensorKind = imported(f"handcart.backends.sensors.kinds.{name}:KIND")
+        return found
+    if not points:
+        raise KeyError(name)
+    what = f"the kind of sensor {name!r}{package_of(points[0])}"
+    if name in SHIPPED_KINDS or len(points) > 1:
+        raise BrokenPlugin(what, f"there is another kind with the name {name!r}")
+    return _loaded(points[0], what)
+
+
+def _loaded(point: EntryPoint, what: str) -> SensorKind:
+    try:
+        kind = import_plugin(point.value, what)
+    except (ModuleNotFoundError, AttributeError) as missing:
+        raise BrokenPlugin(what, error_words(missing)) from None
+    if not isinstance(kind, SensorKind):
+        raise BrokenPlugin(what, f"{point.value} is not a SensorKind")
+    if kind.name != point.name:
+        raise BrokenPlugin(what, f"{point.value} is of the kind {kind.name!r}")
+    return kind
 
 
 def imported(path: str) -> Any:
@@ -101,7 +116,7 @@ def sensor_specs() -> Mapping[str, type[SensorSpec]]:
 @cache
 def capability_of(kind: str) -> type[Capability]:
     """Return the class of the readings of a kind of sensor."""
-    found: type[Capability] = imported(sensor_kinds()[kind].capability)
+    found: type[Capability] = imported(sensor_kind(kind).capability)
     return found
 
 

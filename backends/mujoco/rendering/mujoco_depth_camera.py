@@ -17,7 +17,9 @@ from handcart.backends.simulation.sensors.simulated_sensor import SensorSite
 from handcart.robotics.geometry.transform import Transform
 
 from .studio import Studio
-from .style import DEPTH_CAMERA_STYLE
+from .style import Style
+
+DEPTH_STYLE = Style(coloured=True, even=1.0, lamp=0.0, shadow_px=0, lit_m=1.0, samples=0)
 
 
 class MujocoDepthCamera(SimulatedDepthCamera):
@@ -39,7 +41,7 @@ class MujocoDepthCamera(SimulatedDepthCamera):
         assert isinstance(engine, MujocoEngine)
         assert isinstance(body, MujocoBody)
         size = self._spec.width_px, self._spec.height_px
-        return Studio(engine, body.looks(), DEPTH_CAMERA_STYLE, size)
+        return Studio(engine, body.looks(), DEPTH_STYLE, size)
 
     @override
     def _draw(self, world_T_camera: Transform) -> TrueDepth:

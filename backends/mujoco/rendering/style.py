@@ -26,5 +26,5 @@ class Style(NamedTuple):
 
 FILM_STYLE = Style(coloured=True, even=0.46, lamp=0.42, shadow_px=1024, lit_m=3.0, samples=0)
 STILL_PICTURE = Style(coloured=True, even=0.46, lamp=0.42, shadow_px=4096, lit_m=8.0, samples=8)
-DEPTH_CAMERA_STYLE = Style(coloured=True, even=1.0, lamp=0.0, shadow_px=0, lit_m=1.0, samples=0)
+
 CAMERA_STYLE = Style(coloured=False, even=1.0, lamp=0.0, shadow_px=0, lit_m=1.0, samples=4)

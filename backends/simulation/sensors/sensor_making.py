@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from handcart.backends.capabilities.capability import Capability
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.sensors.sensor_kind import SensorKind, imported, sensor_kinds
+from handcart.backends.sensors.sensor_kind import SensorKind, imported, sensor_kind
 from handcart.files.errors import InputError
 from handcart.files.suggest import listed
 
@@ -56,7 +56,7 @@ def make_sensors(robot: RobotFile, simulations: Sequence[str], backend: str) -> 
     """
     makers = {}
     for name, spec in robot.sensors.items():
-        kind = sensor_kinds()[spec.kind]
+        kind = sensor_kind(spec.kind)
         found = next((kind.simulated[each] for each in simulations if each in kind.simulated), None)
         if found is None:
             raise NotSimulated(name, kind, backend)
