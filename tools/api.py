@@ -76,7 +76,7 @@ class Result:
 
 
 @dataclass(frozen=True)
-class Check:
+class FileCheck:
     """Results of checking a file before anything moves."""
 
     findings: tuple[Finding, ...]
@@ -142,7 +142,7 @@ def run(
     return Result(summary, status, tuple(log.actions))
 
 
-def check(file: Path | str, *, set: Settings | None = None) -> Check:
+def check(file: Path | str, *, set: Settings | None = None) -> FileCheck:
     """Read a file with all that it names, and say what is wrong with it; nothing moves.
 
     Args:
@@ -154,12 +154,12 @@ def check(file: Path | str, *, set: Settings | None = None) -> Check:
     try:
         facts = file_facts(Path(file), _words(set, None))
     except FileError as error:
-        return Check(tuple(error.findings), (), {})
+        return FileCheck(tuple(error.findings), (), {})
     except InputError as error:  # a name that no file's line is known for
-        return Check((Finding(str(file), 1, 1, str(error)),), (), {})
+        return FileCheck((Finding(str(file), 1, 1, str(error)),), (), {})
     shown = ("errors", "warnings", "lines", "grouped")
     rest = {key: value for key, value in facts.items() if key not in shown}
-    return Check(tuple(facts.get("errors", ())), tuple(map(str, facts.get("warnings", ()))), rest)
+    return FileCheck(tuple(facts.get("errors", ())), tuple(map(str, facts.get("warnings", ()))), rest)
 
 
 def load_task(file: Path | str, *, set: Settings | None = None) -> Task:

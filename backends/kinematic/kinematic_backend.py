@@ -9,9 +9,9 @@ from typing_extensions import override
 from handcart.backends.description.ground_spec import GroundSpec
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.simulation.body.base_contact import move_base
-from handcart.backends.simulation.body.hand import Hand
+from handcart.backends.simulation.body.hand import SimulatedHand
 from handcart.backends.simulation.body.rough_ride import RoughRide
-from handcart.backends.simulation.simulated_backend import Part, SimulatedBackend
+from handcart.backends.simulation.simulated_backend import ChangingPart, SimulatedBackend
 from handcart.backends.simulation.world.suspension import lean_of
 from handcart.backends.simulation.world.world_file import WorldFile
 from handcart.robotics.geometry.pose2 import Pose2
@@ -61,10 +61,10 @@ class KinematicBackend(SimulatedBackend):
         super().__init__(robot, world, seed)
         self.remarks = list(_not_simulated(world))
         self._base, self._ride = self._wheels(robot, world, seed)
-        self._hand: Hand | None = None
+        self._hand: SimulatedHand | None = None
         model = self.scene.arm
         if model is not None:
-            self._hand = Hand(self.scene, model)
+            self._hand = SimulatedHand(self.scene, model)
             self._arm = KinematicArm(robot, self._hand, seed)
             if robot.gripper is not None:
                 self._gripper = KinematicGripper(robot.gripper, self._hand, self.period, seed)
@@ -127,7 +127,7 @@ class KinematicBackend(SimulatedBackend):
         if self._hand is not None:
             self._hand.forget_derived()
 
-    def _own_parts(self) -> Mapping[str, Part | None]:
+    def _own_parts(self) -> Mapping[str, ChangingPart | None]:
         rules = self._hand.rules if self._hand is not None else {}
         return {"ride": self._ride, **{f"rule {name}": rule for name, rule in rules.items()}}
 

@@ -16,7 +16,7 @@ from handcart.backends.capabilities.range_sensor import Scan
 from handcart.backends.description.robot_file import GripperSpec, RobotFile
 from handcart.backends.description.sensor_specs import RangeSpec
 from handcart.backends.simulation.body.fingers import Fingers
-from handcart.backends.simulation.body.hand import Hand
+from handcart.backends.simulation.body.hand import SimulatedHand
 from handcart.backends.simulation.body.simulated_parts import (
     CommandedBase,
     SimulatedArm,
@@ -91,7 +91,7 @@ class KinematicArm(SimulatedArm):
 
     STATE: ClassVar = {**SimulatedArm.STATE, "_settled": bool, "_touching": frozenset[tuple[str, str]]}
 
-    def __init__(self, robot: RobotFile, hand: Hand, seed: int) -> None:
+    def __init__(self, robot: RobotFile, hand: SimulatedHand, seed: int) -> None:
         super().__init__(robot, hand.arm, hand.scene.joints, seed)
         self._hand, self._settled = hand, False
         hand.scene.joints = self._command + self._offset
@@ -118,7 +118,7 @@ class KinematicArm(SimulatedArm):
 class KinematicGripper(SimulatedGripper):
     """Fingers that close at constant speed, and hold what is between them as if it were glued."""
 
-    def __init__(self, spec: GripperSpec, hand: Hand, period: float, seed: int) -> None:
+    def __init__(self, spec: GripperSpec, hand: SimulatedHand, period: float, seed: int) -> None:
         super().__init__(spec, hand.scene.robot.errors, hand.scene.width, seed)
         self._step = spec.speed_mm_s / 1e3 * period
         self._scene, self._hand = hand.scene, hand

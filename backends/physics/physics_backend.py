@@ -18,7 +18,7 @@ from handcart.backends.physics.engine.engine import Engine
 from handcart.backends.physics.engine.surface import CASTER_SURFACE
 from handcart.backends.plain_values import Kinds
 from handcart.backends.saved_state import NotAState
-from handcart.backends.simulation.simulated_backend import Part, SimulatedBackend
+from handcart.backends.simulation.simulated_backend import ChangingPart, SimulatedBackend
 from handcart.backends.simulation.world.thing import Thing
 from handcart.backends.simulation.world.world_file import WorldFile
 from handcart.backends.urdf.robot_shape import finger_shape
@@ -31,7 +31,7 @@ from .body.physics_car import PhysicsCar
 from .body.physics_gripper import PhysicsGripper
 from .body.robot_body import RobotBody
 from .body.suspension_springs import SuspensionSprings
-from .body.touch import Touch
+from .body.touch import ContactReader
 from .onlooker import Onlooker
 from .props_body import Pieces, PropsBody
 from .scene_sync import SceneSync
@@ -138,7 +138,7 @@ class PhysicsBackend(SimulatedBackend):
             self._body.put(self.scene.base, float(under.max()) + LET_DOWN)
             self._world.reach(self.scene.base.x, self.scene.base.y)
         last = robot.arm.joints[-1] if robot.arm else None
-        self._touch = Touch(engine, self._body, self._world, last)
+        self._touch = ContactReader(engine, self._body, self._world, last)
         self._sync = SceneSync(self.scene, self._body, self._world)
         return terrain
 
@@ -293,7 +293,7 @@ class PhysicsBackend(SimulatedBackend):
     def held_name(self, name: str | None) -> None:
         self._held = self.scene.thing_named(name)
 
-    def _own_parts(self) -> Mapping[str, Part | None]:
+    def _own_parts(self) -> Mapping[str, ChangingPart | None]:
         bodies = {f"body {name}": each for name, each in self._bodies.items()}
         return {"drives": self._base.drives, **bodies, "made": self._world}
 

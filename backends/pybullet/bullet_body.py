@@ -12,7 +12,7 @@ from typing_extensions import override
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.physics.body.robot_body import RobotBody
-from handcart.backends.physics.engine.surface import Surface
+from handcart.backends.physics.engine.surface import ContactSurface
 from handcart.backends.physics.refusal import refusal
 from handcart.backends.physics.urdf.rigid_groups import passing_pairs
 from handcart.backends.physics.urdf.sound_urdf import held_still, sound_urdf
@@ -137,7 +137,7 @@ class BulletBody(RobotBody):
         )
 
     @override
-    def cover(self, links: Iterable[str], surface: Surface) -> None:
+    def cover(self, links: Iterable[str], surface: ContactSurface) -> None:
         asked: dict[str, Any] = {
             "lateralFriction": surface.friction,
             "anisotropicFriction": None if surface.along_axle is None else (1.0, surface.along_axle, 1.0),

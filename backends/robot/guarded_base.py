@@ -14,7 +14,7 @@ from handcart.backends.capabilities.base import Base, WheelTravel
 from handcart.backends.capabilities.range_sensor import Scan
 from handcart.backends.description.robot_file import RobotFile
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.following.way_guard import NO_STANDS, Held, WayGuard
+from handcart.robotics.navigation.following.way_guard import NO_STANDS, HoldingObstacle, WayGuard
 from handcart.robotics.navigation.maps.grid_map import GridMap
 
 from .unseen_ground import UnseenGround
@@ -71,7 +71,7 @@ class GuardedBase(Base):
         self._is_car = robot.drive.kind == "ackermann"
         self._starts = True
         self._command = (0.0, 0.0)
-        self._held: Held | None = None
+        self._held: HoldingObstacle | None = None
         self._slowed_to = math.inf
         self._felt = NO_STANDS
         self._is_located, self._on_map = is_located, True
@@ -125,7 +125,7 @@ class GuardedBase(Base):
         """(n, 2) points on the map in [m] that it keeps off."""
         return self._felt
 
-    def taken(self) -> tuple[tuple[float, float], Held | None]:
+    def taken(self) -> tuple[tuple[float, float], HoldingObstacle | None]:
         """Return the base's command since the last call, and the obstacle that held it back.
 
         Speed in [m/s] and turn rate in [rad/s], zero without a command: a command ends with its period.
@@ -177,7 +177,7 @@ class GuardedBase(Base):
         self._slowed_to = 0.0
         return 0.0, 0.0 if self._is_car else turn_rate
 
-    def _felt_or_seen(self, held: Held) -> Held:
+    def _felt_or_seen(self, held: HoldingObstacle) -> HoldingObstacle:
         there = self._felt - (held.x, held.y)
         felt = held.shown_by == "scan" and bool(np.any(np.hypot(*there.T) < SAME_POINT_M))
         return held._replace(shown_by="contact") if felt else held

@@ -32,7 +32,7 @@ from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.kinematics.urdf_frames import base_T_frame
 from handcart.robotics.navigation.following.blocked_motion import Blocked, BlockedMotion
 from handcart.robotics.navigation.following.drive_limits import DriveLimits
-from handcart.robotics.navigation.following.way_guard import NO_STANDS, Held
+from handcart.robotics.navigation.following.way_guard import NO_STANDS, HoldingObstacle
 from handcart.robotics.navigation.localization.attitude import Attitude
 from handcart.robotics.navigation.maps.grid_map import GridMap
 
@@ -150,7 +150,7 @@ class Robot:
         )
         self.driven = (0.0, 0.0)
         """Speed in [m/s] and turn rate in [rad/s] that the base was commanded in the last period."""
-        self.held: Held | None = None
+        self.held: HoldingObstacle | None = None
         """Obstacle that the base was held back from in the last period, because it would have touched it."""
         self.blocked: Blocked | None = None
         """That the base was driven and did not get on, found in the last period."""

@@ -12,7 +12,7 @@ from handcart.backends.plain_values import Kinds
 from handcart.backends.robot.localization.lidar import Lidar
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.following.unseen_ground import is_driven, unseen_edge
-from handcart.robotics.navigation.following.way_guard import Held
+from handcart.robotics.navigation.following.way_guard import HoldingObstacle
 
 DRIVEN_STEP_M = 0.02
 DRIVEN_S = 60.0
@@ -58,7 +58,7 @@ class UnseenGround:
         """Forget where the base has driven: poses are in another frame from now on."""
         self._driven = []
 
-    def held(self, pose: Pose2, curvature: float, length: float) -> Held | None:
+    def held(self, pose: Pose2, curvature: float, length: float) -> HoldingObstacle | None:
         """Return the unseen ground that an arc of `length` [m] leads to; None if free or driven."""
         scan = self._lidar.scan()
         found = unseen_edge(scan.angles, scan.blind(), scan.base_T_sensor, self._radius, curvature, length)
@@ -72,7 +72,7 @@ class UnseenGround:
         if is_driven(driven, here, curvature, length):
             return None
         x, y = pose.apply(found[None])[0].tolist()
-        return Held("unseen", x, y, math.hypot(*found), self._radius)
+        return HoldingObstacle("unseen", x, y, math.hypot(*found), self._radius)
 
     def _remember(self, here: Pose2) -> None:
         last = self._driven[-1] if self._driven else None

@@ -36,7 +36,7 @@ OLD_PARTS = {
 """Sensors in older checkpoints, by what they were called there."""
 
 
-class Part(Protocol):
+class ChangingPart(Protocol):
     """Something that changes in a run."""
 
     @property
@@ -153,13 +153,13 @@ class SimulatedBackend(Backend):
             if part is not None:
                 part.halt()
 
-    def _own_parts(self) -> Mapping[str, Part | None]:
+    def _own_parts(self) -> Mapping[str, ChangingPart | None]:
         """Return further parts that change in a run, by name; None for those that this robot does not
         have.
         """
         return {}
 
-    def _parts(self) -> dict[str, Part]:
+    def _parts(self) -> dict[str, ChangingPart]:
         """Return the parts that change in a run, by name, in the order in which they are restored."""
         named = {
             **{f"props {name}": props for name, props in self.scene.props.items()},

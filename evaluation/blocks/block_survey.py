@@ -31,7 +31,7 @@ FALLEN_MM = 30.0  # further away from its goal a block counts as not placed
 Vector = NDArray[np.float64]
 
 
-class Attitude(NamedTuple):
+class BaseAttitude(NamedTuple):
     """True turn and tilt of the base."""
 
     heading: float
@@ -68,7 +68,7 @@ class BlockSurvey(Survey):
         """Building plan; None if no blocks are stacked."""
         self._frames, self._uncorrected = 0, True
         self._fixed: Fixed | None = None
-        self._reference: Attitude | None = None
+        self._reference: BaseAttitude | None = None
         self._held: Any = None
         self._rested: dict[str, str] = {}
         self._gripped: dict[str, Vector] = {}
@@ -112,7 +112,7 @@ class BlockSurvey(Survey):
     @override
     def go_on(self, noted: BlockNotes) -> None:
         if noted.reference is not None:
-            self._reference, self._fixed = Attitude(*noted.reference), self.model.of(Blocks).fixed
+            self._reference, self._fixed = BaseAttitude(*noted.reference), self.model.of(Blocks).fixed
         self._gripped = {name: np.array(shift) for name, shift in noted.gripped.items()}
         self._released = {name: np.array(shift) for name, shift in noted.released.items()}
         self._moved = dict(noted.moved)
@@ -165,8 +165,8 @@ class BlockSurvey(Survey):
 
             draw_stacking_errors(errors, folder / "stacked.svg", STACKED_MM, self._uncorrected)
 
-    def _attitude(self) -> Attitude:
-        return Attitude(self.scene.base.theta, (self.scene.lean[0], self.scene.lean[1]))
+    def _attitude(self) -> BaseAttitude:
+        return BaseAttitude(self.scene.base.theta, (self.scene.lean[0], self.scene.lean[1]))
 
     def _moved_since(self) -> tuple[float, float]:
         if self._reference is None:

@@ -19,7 +19,7 @@ from handcart.primitives.knowledge.level_pose import LevelPose
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.kinematics.shapes import Box
 from handcart.robotics.manipulation.paths.untrackable import Untrackable
-from handcart.robotics.manipulation.placement.stops import Stop
+from handcart.robotics.manipulation.placement.stops import BaseStop
 from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
 from handcart.robotics.navigation.maps.keepout import with_keepout
 from handcart.robotics.navigation.routes.ways import Ways
@@ -169,7 +169,7 @@ class _Planning(NamedTuple):
         tables = [table.box for table in self.drawing.tables.values()]
         return [[*tables, *(bodies[:n] if held else bodies[n + 1 :])] for n in range(len(places))]
 
-    def _named(self, name: str, stop: Stop, places: Sequence[LevelPose]) -> NamedStop:
+    def _named(self, name: str, stop: BaseStop, places: Sequence[LevelPose]) -> NamedStop:
         marks = list(self.drawing.landmarks)
         middle = np.mean([places[n].floor[:2] for n in range(stop.first, stop.last + 1)], axis=0)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from handcart.backends.simulation.books.book import Book
+from handcart.backends.simulation.books.book import SimulatedBook
 from handcart.backends.simulation.books.book_props import BookProps
 from handcart.evaluation.judging.at_most import at_most
 from handcart.evaluation.judging.survey import Claim, Effect, Survey
@@ -38,7 +38,7 @@ def _recognized(survey: Survey, _: Claim) -> list[str]:
 def _picked_up(survey: Survey, _: Claim) -> list[str]:
     scene, model = survey.run.world, survey.run.model
     books = model.of(Books)
-    held = scene.held.accession if isinstance(scene.held, Book) else None
+    held = scene.held.accession if isinstance(scene.held, SimulatedBook) else None
     wanted = books.book.accession if books.book else None
     return [] if held is not None and held == wanted else [f"the hand holds {held}, not {wanted}"]
 
@@ -63,7 +63,7 @@ def _searched(survey: Survey, _: Claim) -> list[str]:
 def _approached(survey: Survey, claim: Claim) -> list[str]:
     scene, shelf = survey.run.world, claim.primitive.shelf
     held, books = scene.held, scene.of(BookProps)
-    if not isinstance(held, Book):
+    if not isinstance(held, SimulatedBook):
         return ["the hand holds no book"]
     pose = inverse(books.shelves[shelf].pose) @ held.pose
     edge = float(pose[1, 3] + pose[1, 0] * held.depth)
@@ -76,7 +76,7 @@ def _approached(survey: Survey, claim: Claim) -> list[str]:
 def _inserted(survey: Survey, claim: Claim) -> list[str]:
     scene, shelf = survey.run.world, claim.primitive.shelf
     held, books = scene.held, scene.of(BookProps)
-    if not isinstance(held, Book):
+    if not isinstance(held, SimulatedBook):
         return ["the hand holds no book"]
     pose = inverse(books.shelves[shelf].pose) @ held.pose
     left, right = _gap_at(books, held, shelf, float(pose[1, 3]))

@@ -23,7 +23,7 @@ from handcart.evaluation.conformance.planted.mutant import (
     Mutant,
     first_violations,
 )
-from handcart.evaluation.conformance.rig.bench import Bench
+from handcart.evaluation.conformance.rig.bench import KitBench
 from handcart.primitives.books.pick_up import PickUp
 from handcart.primitives.contract.action_primitive import Periods
 from handcart.primitives.knowledge.world_model import ModelView
@@ -54,7 +54,7 @@ class DeniesHold(PickUp):
     hand: ClassVar = NEEDS_EMPTY
 
 
-def _violations(kind: type[PickUp], bench: Bench) -> list[str]:
+def _violations(kind: type[PickUp], bench: KitBench) -> list[str]:
     """Return the violations of a faulty PICK_UP in the task return_book."""
     rehearsal = Rehearsal(RETURN_BOOK_TASK, bench.backend, instead={"PICK_UP": kind})
     batch = Batch(rehearsal, PICK_UP_NUMBER, FAULT_INSTANTS, kinds=(FaultKind.CANCEL,), seconds=TRIAL_LIMIT_S)

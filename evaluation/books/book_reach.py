@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.evaluation.robot_report.domain_facts import DomainFacts, FactTable
-from handcart.evaluation.robot_report.reach import Reach
+from handcart.evaluation.robot_report.reach import HandReach
 from handcart.primitives.books.book_grip import GRIP_HEIGHT
 
 BEFORE_SHELF = 0.46  # [m] ahead of the base that the tips are for `aside`: shelves of return_book are at 0.47
@@ -36,7 +36,7 @@ class GraspRow:
     """Range of y of the finger tips, `BEFORE_SHELF` ahead."""
 
 
-def book_facts(robot: RobotFile, reach: Reach | None) -> DomainFacts:
+def book_facts(robot: RobotFile, reach: HandReach | None) -> DomainFacts:
     """Return where the hand of a robot with a tray can hold books, and what the robot lacks to return
     them.
     """
@@ -69,7 +69,7 @@ def _words(span: Span) -> str:
     return "nowhere" if span is None else f"{span[0]:.2f} to {span[1]:.2f} m"
 
 
-def _grasps(robot: RobotFile, reach: Reach) -> list[GraspRow]:
+def _grasps(robot: RobotFile, reach: HandReach) -> list[GraspRow]:
     tip = robot.finger_shape.tip if robot.gripper is not None else 0.0
     rows = [_row(reach, board, tip, 0.0) for board in BOARD_HEIGHTS_M]
     tray = robot.tray_shape
@@ -77,7 +77,7 @@ def _grasps(robot: RobotFile, reach: Reach) -> list[GraspRow]:
     return sorted(rows, key=lambda row: (row.board_m, row.line_m))
 
 
-def _row(reach: Reach, board: float, tip: float, line: float) -> GraspRow:
+def _row(reach: HandReach, board: float, tip: float, line: float) -> GraspRow:
     z = board + GRIP_HEIGHT
     ahead = [(x - tip, line, z) for x in AHEAD_M]
     aside = [(BEFORE_SHELF - tip, y, z) for y in ASIDE_M]

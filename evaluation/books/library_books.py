@@ -35,7 +35,7 @@ class GeneratedBook:
 
 
 @dataclass(frozen=True)
-class Row:
+class ShelfRow:
     """Content of one shelf, from left to right: books, and gaps as their width in [mm]."""
 
     shelf: str
@@ -60,7 +60,7 @@ def call_numbers(rng: np.random.Generator, count: int, first: int) -> list[str]:
 
 def make_row(
     rng: np.random.Generator, shelf: str, first_accession: int, first_call: int, misplaced: bool
-) -> Row:
+) -> ShelfRow:
     """A full row with two gaps of lent books and, if wanted, one misplaced book beside or near a gap."""
     thickness = rng.integers(15, 46, 60).astype(float)
     count = int(np.searchsorted(np.cumsum(thickness), 1e3 * CLEAR_WIDTH_M - 20.0))
@@ -85,7 +85,7 @@ def make_row(
         standing[i] = books[i].thickness_mm + float(rng.integers(4, 9))
     if misplaced:
         standing = _misplace(rng, standing, places)
-    return Row(shelf, tuple(standing), lent)
+    return ShelfRow(shelf, tuple(standing), lent)
 
 
 def _gap_places(rng: np.random.Generator, count: int) -> list[int]:

@@ -14,7 +14,7 @@ from handcart.files.models.model import FileModel
 from handcart.files.whole_file import write_whole
 from handcart.robotics.geometry.pose2 import Pose2
 
-from .library_books import GeneratedBook, Row
+from .library_books import GeneratedBook, ShelfRow
 from .library_generator import MAP_RESOLUTION_M, Blocked, Library, Tag, make_library, place_before
 from .library_room import (
     BOARD_HEIGHT_M,
@@ -116,9 +116,9 @@ def _pose(pose: Pose2) -> str:
     return f"{{x_m: {round(pose.x, 4)}, y_m: {round(pose.y, 4)}, heading_deg: {heading}}}"
 
 
-def _unusual(row: Row) -> list[str]:
+def _unusual(row: ShelfRow) -> list[str]:
     """Return the lines of unusual properties of a shelf."""
-    lines = [f"    light: {row.light:g}"] if row.light != Row.light else []
+    lines = [f"    light: {row.light:g}"] if row.light != ShelfRow.light else []
     if row.objects:
         pairs = [", ".join(f"{key}: {value:g}" for key, value in each.items()) for each in row.objects]
         lines += ["    objects:", *(f"      - {{{each}}}" for each in pairs)]

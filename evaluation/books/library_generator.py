@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from handcart.files.errors import InputError
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.maps.grid_map import Box, GridMap, from_boxes
+from handcart.robotics.navigation.maps.grid_map import FloorBox, GridMap, from_boxes
 from handcart.robotics.navigation.routes.route import plan_route
 from handcart.robotics.navigation.routes.voronoi_graph import voronoi_graph
 
-from .library_books import GeneratedBook, Row, make_row
+from .library_books import GeneratedBook, ShelfRow, make_row
 from .library_room import (
     DEPTH,
     HOME_POSE,
@@ -43,7 +43,7 @@ class NoSuchLibrary(InputError):
 
 
 @dataclass(frozen=True)
-class Surprise:
+class UnmappedBox:
     """A box that the map doesn't show."""
 
     pose: Pose2
@@ -57,11 +57,11 @@ class Library:
     seed: int
     walls: tuple[tuple[float, float, float, float], ...]
     """Each from x, y to x, y, in [m]."""
-    rows: tuple[Row, ...]
+    rows: tuple[ShelfRow, ...]
     wanted: tuple[GeneratedBook, ...]
     """The books to return: the first is on the robot's tray, the others a person hands over."""
     tag: Tag
-    surprises: tuple[Surprise, ...]
+    surprises: tuple[UnmappedBox, ...]
     map: GridMap
     no_slot: Mapping[int, str]
     """Reason why a lent book has no slot, by its accession number."""
@@ -122,12 +122,12 @@ def _factors(named: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def _unfriendly(
-    rows: tuple[Row, ...],
+    rows: tuple[ShelfRow, ...],
     wanted: tuple[GeneratedBook, ...],
     factors: tuple[str, ...],
     level: float,
     seed: int,
-) -> tuple[tuple[Row, ...], tuple[GeneratedBook, ...], dict[int, str]]:
+) -> tuple[tuple[ShelfRow, ...], tuple[GeneratedBook, ...], dict[int, str]]:
     """Return harder rows, the wanted books in them, and reasons for missing slots by the lent book."""
     if not factors or level <= 0.0:
         return rows, wanted, {}
@@ -148,7 +148,7 @@ def place_before(shelf: Pose2) -> Pose2:
     return shelf.compose(Pose2(-STAND_OFF, 0.0, 0.0))
 
 
-def _closed(row: Row, wanted: GeneratedBook) -> Row:
+def _closed(row: ShelfRow, wanted: GeneratedBook) -> ShelfRow:
     """The row without the gap of this book: a lent book's own number isn't there, its neighbours touch."""
     gaps = [i for i, each in enumerate(row.standing) if isinstance(each, float)]
     at = gaps[row.lent.index(wanted)]
@@ -171,7 +171,7 @@ def _walls(corner: bool) -> tuple[tuple[float, float, float, float], ...]:
 def _map(walls: tuple[tuple[float, float, float, float], ...]) -> GridMap:
     """Return the floor plan: walls, furniture, the plinths of the shelves."""
     boxes = [
-        Box(
+        FloorBox(
             (x0 + x1) / 2,
             (y0 + y1) / 2,
             math.atan2(y1 - y0, x1 - x0),
@@ -180,33 +180,33 @@ def _map(walls: tuple[tuple[float, float, float, float], ...]) -> GridMap:
         )
         for x0, y0, x1, y1 in walls
     ]
-    boxes += [Box(each.x, each.y, 0.0, each.length, each.width) for each in ROOM_FURNITURE]
+    boxes += [FloorBox(each.x, each.y, 0.0, each.length, each.width) for each in ROOM_FURNITURE]
     for shelf in SHELF_POSES:
         middle = shelf.compose(Pose2(SHELF_DEPTH / 2, 0.0, 0.0))
-        boxes.append(Box(middle.x, middle.y, shelf.theta, SHELF_DEPTH, OUTER_WIDTH_M))
+        boxes.append(FloorBox(middle.x, middle.y, shelf.theta, SHELF_DEPTH, OUTER_WIDTH_M))
     return from_boxes(boxes, MAP_RESOLUTION_M, (-0.2, -0.2), (WIDTH + 0.4, DEPTH + 0.4))
 
 
 def _surprises(
     rng: np.random.Generator, blocked: Blocked, grid: GridMap, goal: Pose2
-) -> tuple[Surprise, ...]:
+) -> tuple[UnmappedBox, ...]:
     if blocked == "none":
         return ()
     if blocked == "closed":
         left, right, y = DOORWAY_M
-        return (Surprise(Pose2((left + right) / 2, y, 0.0), BOX_SIZE_M),)
+        return (UnmappedBox(Pose2((left + right) / 2, y, 0.0), BOX_SIZE_M),)
     route = _route(grid, goal)
     if route is None:
         raise NoSuchLibrary("no way leads from home to the shelf")
     for share in rng.permutation(np.linspace(0.2, 0.85, 40)):
         x, y = route[int(share * len(route))]
-        box = Surprise(Pose2(float(x), float(y), float(rng.uniform(0.0, math.pi))), BOX_SIZE_M)
+        box = UnmappedBox(Pose2(float(x), float(y), float(rng.uniform(0.0, math.pi))), BOX_SIZE_M)
         if _route(grid.with_points(_outline(box), 0.12), goal) is not None and _apart(box, goal):
             return (box,)
     raise NoSuchLibrary("no box on the way leaves another way")
 
 
-def _apart(box: Surprise, goal: Pose2) -> bool:
+def _apart(box: UnmappedBox, goal: Pose2) -> bool:
     return box.pose.distance(goal) > 0.9 and box.pose.distance(HOME_POSE) > 0.9
 
 
@@ -215,7 +215,7 @@ def _route(grid: GridMap, goal: Pose2) -> NDArray[np.float64] | None:
     return None if route is None else route.points
 
 
-def _outline(box: Surprise) -> NDArray[np.float64]:
+def _outline(box: UnmappedBox) -> NDArray[np.float64]:
     along = np.linspace(-0.5, 0.5, 40)
     length, width, _ = box.size
     sides = [np.column_stack([along * length, np.full(40, side * width / 2)]) for side in (-1, 1)]

@@ -14,7 +14,7 @@ OUTER_WIDTH_M = 1.04  # [m] with them
 SHELF_DEPTH = 0.25  # [m]
 
 
-class Furniture(NamedTuple):
+class RoomFurniture(NamedTuple):
     """A box on the floor."""
 
     name: str
@@ -35,8 +35,8 @@ SHELF_POSES = (
 )
 """map_T_shelf of each: the middle of its front, x into the shelf."""
 ROOM_FURNITURE = (
-    Furniture("desk", 3.0, 3.6, 1.6, 0.8, 0.75),
-    Furniture("counter", 5.6, 3.6, 0.9, 1.8, 1.1),
-    Furniture("pillar", 3.6, 1.4, 0.4, 0.4, 2.0),
-    Furniture("cupboard", 5.6, 0.4, 1.2, 0.6, 1.8),
+    RoomFurniture("desk", 3.0, 3.6, 1.6, 0.8, 0.75),
+    RoomFurniture("counter", 5.6, 3.6, 0.9, 1.8, 1.1),
+    RoomFurniture("pillar", 3.6, 1.4, 0.4, 0.4, 2.0),
+    RoomFurniture("cupboard", 5.6, 0.4, 1.2, 0.6, 1.8),
 )

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from handcart.backends.simulation.books.book import Book
+from handcart.backends.simulation.books.book import SimulatedBook
 from handcart.backends.simulation.books.book_props import BookProps
 from handcart.backends.simulation.world.scene import Scene
 from handcart.evaluation.judging.arrival_survey import DRIVE_PRIMITIVE
@@ -41,7 +41,7 @@ def _dock(scene: Scene, place: str) -> dict[str, float]:
 def _slot(scene: Scene, shelf: str) -> dict[str, float]:
     """Return the distance of the held book's leading edge from the middle of the slot in front of it."""
     book, books = scene.held, scene.of(BookProps)
-    if shelf not in books.shelves or not isinstance(book, Book):
+    if shelf not in books.shelves or not isinstance(book, SimulatedBook):
         return {}
     edge = inverse(books.shelves[shelf].pose) @ book.pose @ np.array([book.depth, 0.0, 0.0, 1.0])
     row = books.shelf_books(shelf)

@@ -9,7 +9,7 @@ from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.camera import Camera
 from handcart.backends.simulation.books.book_props import BookProps
 from handcart.evaluation.conformance.checks.check import Check, CheckResult
-from handcart.evaluation.conformance.rig.bench import Bench
+from handcart.evaluation.conformance.rig.bench import KitBench
 from handcart.evaluation.conformance.rig.parts import needed
 from handcart.evaluation.conformance.rig.periods import move_joints
 from handcart.evaluation.conformance.rig.skipped import Skipped
@@ -24,7 +24,7 @@ TAG_FROM_HEAD, HALF_TAG = 0.014, 0.005  # [m] on a spine
 TRIED_TILTS_RAD = tuple((a, b) for a in (-0.03, -0.01, 0.01, 0.03) for b in (-0.03, 0.0, 0.03))  # [rad]
 
 
-def tag(bench: Bench, finding: CheckResult) -> None:
+def tag(bench: KitBench, finding: CheckResult) -> None:
     """The tag on a book's spine is seen where it projects, by the true joints and the camera's model."""
     errors = np.vstack([_tag_errors(bench, seed) for seed in TRIED_SEEDS])
     if not len(errors):
@@ -35,7 +35,7 @@ def tag(bench: Bench, finding: CheckResult) -> None:
     finding.measured.append(f"{len(errors)} pictures")
 
 
-def _tag_errors(bench: Bench, seed: int) -> NDArray[np.float64]:
+def _tag_errors(bench: KitBench, seed: int) -> NDArray[np.float64]:
     """(n, 2) seen minus projected middle of the tag, in [px], in pictures from slightly different tilts."""
     with bench.rig(seed) as rig:
         backend, spec = rig.backend, rig.robot.spec

@@ -9,7 +9,7 @@ from typing import Any, TypeGuard
 
 import numpy as np
 
-from .library_books import LABEL_FONTS, GeneratedBook, Row
+from .library_books import LABEL_FONTS, GeneratedBook, ShelfRow
 from .library_room import CLEAR_WIDTH_M
 
 OTHER_FONTS = ("STIXGeneral", "STIXGeneralBol", "cmr10", "cmss10", "cmtt10", "cmb10")
@@ -23,7 +23,7 @@ _LEAST_SLOT_MM = 10.0  # what is narrower in a row is the play between books
 class _Making:
     """A row while it is made harder."""
 
-    row: Row
+    row: ShelfRow
     wanted: frozenset[int]
     """Accessions of the books whose slots mostly stay free."""
     level: float
@@ -40,8 +40,8 @@ class _Making:
 
 
 def make_unfriendly(
-    row: Row, wanted: Collection[int], factors: Collection[str], level: float, rng: np.random.Generator
-) -> tuple[Row, dict[int, str]]:
+    row: ShelfRow, wanted: Collection[int], factors: Collection[str], level: float, rng: np.random.Generator
+) -> tuple[ShelfRow, dict[int, str]]:
     """A row made harder, and why the slot of a lent book is none any more, by its accession.
 
     Args:
@@ -163,7 +163,7 @@ UNFRIENDLY_FACTORS: Mapping[str, Callable[[_Making], _Making]] = {
 """By name, in the order in which they are applied; what each is at level 1 its docstring tells."""
 
 
-def no_slot(row: Row, book: GeneratedBook, spoilt: Mapping[int, str]) -> str:
+def no_slot(row: ShelfRow, book: GeneratedBook, spoilt: Mapping[int, str]) -> str:
     """Return why this lent book has no slot; empty if it has one."""
     if book.accession in spoilt:
         return spoilt[book.accession]
@@ -175,7 +175,7 @@ def no_slot(row: Row, book: GeneratedBook, spoilt: Mapping[int, str]) -> str:
     return "" if play >= LEAST_PLAY_MM else f"it is {play:.1f} mm wider than the book"
 
 
-def _books(row: Row) -> list[GeneratedBook]:
+def _books(row: ShelfRow) -> list[GeneratedBook]:
     return [each for each in row.standing if isinstance(each, GeneratedBook)]
 
 
@@ -183,7 +183,7 @@ def _is_slot(each: GeneratedBook | float) -> TypeGuard[float]:
     return isinstance(each, float) and each >= _LEAST_SLOT_MM
 
 
-def _gaps(row: Row) -> list[float]:
+def _gaps(row: ShelfRow) -> list[float]:
     return [each for each in row.standing if _is_slot(each)]
 
 
@@ -207,7 +207,7 @@ def _width(standing: Collection[GeneratedBook | float]) -> float:
     return sum(each if isinstance(each, float) else each.thickness_mm for each in standing)
 
 
-def _gap_ends(row: Row, number: int) -> tuple[float, float]:
+def _gap_ends(row: ShelfRow, number: int) -> tuple[float, float]:
     """Return the start of a lent book's slot, from the left panel, and its width, in [mm]."""
     before, seen = 0.0, 0
     for each in row.standing:

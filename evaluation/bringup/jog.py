@@ -34,7 +34,7 @@ _STILL = 1e-4  # [m], [rad] in a period
 _CREEP = 0.005  # [m/s], [rad/s] with which it arrives
 
 
-class Lease:
+class KeyLease:
     """Held key, seen by its repeats; after 300 ms without a repeat it counts as released permanently."""
 
     def __init__(self, pressed: Callable[[], bool], clock: Callable[[], float] = time.monotonic) -> None:

@@ -15,7 +15,7 @@ Held = Callable[[], bool]
 """Function that returns whether the key is still held; once False, it stays False."""
 
 
-class NoAnswer(InputError):
+class UnansweredQuestion(InputError):
     """Error: a question was not answered."""
 
 
@@ -84,17 +84,17 @@ class ScriptedOperator(BenchOperator):
         self._answers = answers
 
     def confirm(self, key: str, question: str) -> bool:
-        """See `Operator`; raises `NoAnswer`."""
+        """See `Operator`; raises `UnansweredQuestion`."""
         return bool(self._answer(key, question, bool))
 
     def number(self, key: str, question: str, truth: Callable[[], float]) -> float:
-        """See `Operator`; raises `NoAnswer`."""
+        """See `Operator`; raises `UnansweredQuestion`."""
         return float(self._answer(key, question, (int, float)))
 
     def _answer(self, key: str, question: str, kind: Any) -> Any:
         given = self._answers.get(key)
         if given is None or not isinstance(given, kind):
             allowed = "true or false" if kind is bool else "a number"
-            raise NoAnswer(f"no answer to {key!r} ({question}); needed: {allowed}")
+            raise UnansweredQuestion(f"no answer to {key!r} ({question}); needed: {allowed}")
         self._say(f"{question} {given}")
         return given

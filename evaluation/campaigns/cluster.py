@@ -114,7 +114,7 @@ def _quiet() -> Iterator[None]:
 
 
 @dataclass
-class Asked:
+class SubmittedTrial:
     """A trial that is on its way."""
 
     since: float
@@ -135,7 +135,7 @@ class Cluster:
         self._left: Iterator[int] = iter(())
         self._over = False
         """True once each seed has been given to a worker."""
-        self._asked: dict[int, Asked] = {}
+        self._asked: dict[int, SubmittedTrial] = {}
         self._seeds: dict[Any, int] = {}
         """Seeds by the key of their future."""
         self._took, self._ended = 0.0, 0
@@ -198,7 +198,7 @@ class Cluster:
             if seed is None:
                 self._over = True
             else:
-                self._asked[seed] = Asked(time.monotonic())
+                self._asked[seed] = SubmittedTrial(time.monotonic())
                 self._submit(client, waiting, seed, None)
         return bool(self._asked) or not self._over
 

@@ -17,7 +17,7 @@ from handcart.evaluation.conformance.faults.forked import Died, Hung, forked
 from handcart.evaluation.conformance.faults.rehearsal import Rehearsal, Solo
 from handcart.evaluation.conformance.faults.repertoire import declared, repertoire
 from handcart.evaluation.conformance.planted.mutants import Caught, mutants, try_mutant
-from handcart.evaluation.conformance.rig.bench import Bench
+from handcart.evaluation.conformance.rig.bench import KitBench
 from handcart.evaluation.conformance.rig.reach import Reach
 from handcart.evaluation.trials.rig import RigFiles
 from handcart.evaluation.trials.with_parent import end_with_parent
@@ -59,9 +59,9 @@ class KitSetting:
     """Task files to test in, in place of those that domains declare; empty: those."""
 
     @property
-    def bench(self) -> Bench:
+    def bench(self) -> KitBench:
         """Return the bench on which checks run."""
-        return Bench(self.backend, self.robot, self._files, quick=self.quick)
+        return KitBench(self.backend, self.robot, self._files, quick=self.quick)
 
     @cached_property
     def _files(self) -> RigFiles:
@@ -141,7 +141,7 @@ class OneCheck:
     """A check by its name."""
 
     name: str
-    bench: Bench
+    bench: KitBench
 
     def __str__(self) -> str:
         return f"check {self.name}"
@@ -162,7 +162,7 @@ class OneMutant:
     """A liar by its name."""
 
     name: str
-    bench: Bench
+    bench: KitBench
 
     def __str__(self) -> str:
         return f"liar {self.name}"

@@ -17,14 +17,16 @@ from handcart.robotics.navigation.outdoors.field_noise import FieldNoise
 AUTO_AXES = "auto"
 
 
-class Prepared(NamedTuple):
+class PreparedLog(NamedTuple):
     """A log that is ready for replay, and the assumed noise of its vehicle."""
 
     log: DriveLog
     noise: FieldNoise
 
 
-def prepare(path: Path, log: DriveLog, noise: FieldNoise, is_known: bool, imu_axes: str | None) -> Prepared:
+def prepare(
+    path: Path, log: DriveLog, noise: FieldNoise, is_known: bool, imu_axes: str | None
+) -> PreparedLog:
     """Check axes and accuracies of a log, and add the findings to its notes.
 
     Args:
@@ -47,7 +49,7 @@ def prepare(path: Path, log: DriveLog, noise: FieldNoise, is_known: bool, imu_ax
         notes += more
     mirrored = check_mirror(log, noise.gps_period)
     notes += [mirrored] if mirrored else []
-    return Prepared(log._replace(notes=tuple(notes)), noise)
+    return PreparedLog(log._replace(notes=tuple(notes)), noise)
 
 
 def _with_axes(path: Path, log: DriveLog, imu_axes: str | None) -> DriveLog:

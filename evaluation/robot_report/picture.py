@@ -16,7 +16,7 @@ from handcart.robotics.kinematics.shapes import Shape
 from handcart.robotics.kinematics.urdf_contents import bodies_of
 
 from .masses import corners_of
-from .reach import Reach
+from .reach import HandReach
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -27,7 +27,7 @@ REACH_CELL_M = 0.06
 VIEW_AXES = {"from the side": (0, 2), "from above": (0, 1)}
 
 
-def draw_robot(path: Path, robot: RobotFile, reach: Reach | None) -> None:
+def draw_robot(path: Path, robot: RobotFile, reach: HandReach | None) -> None:
     """Draw a robot into a file; the suffix (svg, png, pdf) selects the format.
 
     Args:
@@ -81,7 +81,7 @@ def _draw(
     bodies: Sequence[Shape],
     still: set[str],
     view: tuple[int, int],
-    reach: Reach | None,
+    reach: HandReach | None,
     radius: float,
 ) -> None:
     from matplotlib.patches import Circle, Polygon

@@ -22,7 +22,7 @@ START_COUNT = 16  # of the search for a posture
 OUT_OF_REACH_M = 0.15  # distance from all random positions of the hand
 
 
-class Reach:
+class HandReach:
     """Reach of the frame `hand`, with the arm free of collisions with itself and the robot.
 
     Attributes:
@@ -76,7 +76,7 @@ class Reach:
         return next((q for q in tried if q is not None and not self._free.in_collision(q)), None)
 
 
-def reach_of(robot: RobotFile, arm: ArmModel, seed: int = 0) -> Reach | None:
+def reach_of(robot: RobotFile, arm: ArmModel, seed: int = 0) -> HandReach | None:
     """Try random postures.
 
     Args:
@@ -92,4 +92,4 @@ def reach_of(robot: RobotFile, arm: ArmModel, seed: int = 0) -> Reach | None:
     drawn = rng.uniform(arm.lower, arm.upper, (SAMPLES if robot.has_tray else FEWER, arm.dof))
     points = [arm.forward(q)[:3, 3] for q in drawn if not free.in_collision(q)]
     above = [point for point in points if point[2] > 0.0]
-    return Reach(arm, free, np.array(above)) if above else None
+    return HandReach(arm, free, np.array(above)) if above else None

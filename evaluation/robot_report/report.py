@@ -20,7 +20,7 @@ from .domain_facts import DomainFacts
 from .masses import mass_faults
 from .meshes import MeshRow, mesh_row
 from .mount_remarks import mount_remarks
-from .reach import Reach, reach_of
+from .reach import HandReach, reach_of
 from .remark import Remark
 from .self_contact import SelfContact, self_contact, touching_words
 from .sizes import size_remarks
@@ -75,7 +75,7 @@ class RobotReport:
     """Names of the arm's joints."""
     camera: CameraFacts | None
     contact: SelfContact | None
-    reach: Reach | None
+    reach: HandReach | None
     domains: Mapping[str, DomainFacts]
     """Facts that the domains report, by name of the domain."""
     remarks: Sequence[Remark]
@@ -155,13 +155,13 @@ def report_of(robot: RobotFile, tried: bool = True) -> RobotReport:
     )
 
 
-def _reach(robot: RobotFile, arm: ArmModel, contact: SelfContact) -> Reach | None:
+def _reach(robot: RobotFile, arm: ArmModel, contact: SelfContact) -> HandReach | None:
     """Return the reach of the arm, with contacts of pairs that always touch allowed."""
     allowed = ArmModel(robot.urdf_text(), arm.joint_names, allowed=arm.allowed | set(contact.always))
     return reach_of(robot, allowed)
 
 
-def _domain_facts(robot: RobotFile, reach: Reach | None) -> dict[str, DomainFacts]:
+def _domain_facts(robot: RobotFile, reach: HandReach | None) -> dict[str, DomainFacts]:
     return {
         domain.name: imported(domain.robot_facts)(robot, reach) for domain in domains() if domain.robot_facts
     }
@@ -206,7 +206,7 @@ def _of_drives(robot: RobotFile) -> list[Remark]:
     return [Remark(name, words) for name, axis in robot.can.axes() for words in not_watched(axis)]
 
 
-def _of_contact(contact: SelfContact | None, reach: Reach | None) -> list[Remark]:
+def _of_contact(contact: SelfContact | None, reach: HandReach | None) -> list[Remark]:
     if contact is None:
         return []
     remarks = []

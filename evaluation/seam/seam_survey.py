@@ -28,7 +28,7 @@ ROUNDING_M = 1e-9
 SENSOR_ERROR_M = 0.0015  # [m]: five sigma of positioning and arm, beyond what TRACK allows
 
 
-class Stretch:
+class SeamStretch:
     """Commanded and true poses of the tool, period by period, along a part of the seam."""
 
     def __init__(self, part: ToolPath) -> None:
@@ -42,7 +42,7 @@ class Stretch:
 
 @dataclass(frozen=True)
 class StretchNotes:
-    """A `Stretch`, as it can be noted."""
+    """A `SeamStretch`, as it can be noted."""
 
     part: dict[str, Any]
     score: float
@@ -64,9 +64,9 @@ class SeamSurvey(Survey):
         super().__init__(run)
         self.tracks: Track | None = None
         """The running one."""
-        self.stretches: list[Stretch] = []
+        self.stretches: list[SeamStretch] = []
         """Stretches of successful TRACKs."""
-        self._now: Stretch | None = None
+        self._now: SeamStretch | None = None
 
     @classmethod
     def applies(cls, run: SurveyedRun) -> bool:
@@ -84,7 +84,7 @@ class SeamSurvey(Survey):
         if part is None:
             return
         if self._now is None:
-            self._now = Stretch(part)
+            self._now = SeamStretch(part)
         self._now.times.append(robot.time)
         self._now.joints.append(robot.arm.command())
         self._now.tips.append(self.run.world.world_T("hand")[:3, 3].copy())
@@ -163,7 +163,7 @@ class SeamSurvey(Survey):
         beyond = np.abs(np.array([arm.clipped(row) for row in joints]) - joints) > ROUNDING_M
         return sum(use.violations for use in self.uses()) + int(beyond.sum())
 
-    def _use(self, stretch: Stretch) -> LimitUse:
+    def _use(self, stretch: SeamStretch) -> LimitUse:
         arm, tool = working_arm(self.run.robot.spec), self.run.robot.spec.tool
         load, joints = ArmLoad(arm), np.array(stretch.joints)
         ways = np.gradient(np.array([arm.forward(q)[:3, 3] for q in joints]), axis=0)
@@ -173,13 +173,13 @@ class SeamSurvey(Survey):
         return load.use(joints, self.run.robot.period, load.torque, push)
 
 
-def _noted(stretch: Stretch) -> StretchNotes:
+def _noted(stretch: SeamStretch) -> StretchNotes:
     part = {name: np.asarray(value).tolist() for name, value in stretch.part._asdict().items()}
     joints, tips = ([each.tolist() for each in points] for points in (stretch.joints, stretch.tips))
     return StretchNotes(part, stretch.score, stretch.times, joints, [(x, y, z) for x, y, z in tips])
 
 
-def _again(noted: StretchNotes, dof: int) -> Stretch:
+def _again(noted: StretchNotes, dof: int) -> SeamStretch:
     """Restore a stretch from its notes.
 
     Raises:
@@ -193,7 +193,7 @@ def _again(noted: StretchNotes, dof: int) -> Stretch:
     shapes |= {"joints": (count, dof), "tips": (count, 3)}
     if found != shapes or not count or points < 2:
         raise ValueError(f"arrays {found}, needed: {shapes}")
-    stretch = Stretch(ToolPath(**part))
+    stretch = SeamStretch(ToolPath(**part))
     stretch.score, stretch.times = noted.score, noted.times
     stretch.joints, stretch.tips = list(joints), list(tips)
     return stretch

@@ -25,7 +25,7 @@ from handcart.evaluation.viewing.drawing.palette import (
 )
 from handcart.evaluation.viewing.drawing.place_arrows import draw_places
 from handcart.networks.journal.journal_record import read_journal
-from handcart.networks.run_files.telemetry import Track, load_track
+from handcart.networks.run_files.telemetry import RunTrack, load_track
 from handcart.networks.runs.evidence_files import EVIDENCE_FOLDER
 from handcart.networks.runs.flight_recorder import READINGS_SUFFIX
 from handcart.primitives.knowledge.place import Place
@@ -53,7 +53,7 @@ MAPS_SHARE = 0.57  # of the width, next to a picture
 
 
 @dataclass(frozen=True)
-class Stretch:
+class ActionStretch:
     """One action on the time line."""
 
     number: int
@@ -122,7 +122,7 @@ def draw_overview(
     return path
 
 
-def _course(run_dir: Path) -> tuple[str, list[Stretch]]:
+def _course(run_dir: Path) -> tuple[str, list[ActionStretch]]:
     """Return the title, with the end of the run, and the actions; both read from the journal."""
     title = f"{run_dir.name}: no end is known"
     started: dict[int, tuple[str, float]] = {}
@@ -137,7 +137,7 @@ def _course(run_dir: Path) -> tuple[str, list[Stretch]]:
         elif record["kind"] == "END":
             title = f"{run_dir.name}: {record['outcome']} after {last:.1f} s"
     return title, [
-        Stretch(number, do, start, ended.get(number, ("", last))[1], ended.get(number, ("", last))[0])
+        ActionStretch(number, do, start, ended.get(number, ("", last))[1], ended.get(number, ("", last))[0])
         for number, (do, start) in started.items()
     ]
 
@@ -161,7 +161,7 @@ def _draw_map(axis: Any, grid: GridMap, radius: float) -> None:
     axis.set_ylabel("y [m]")
 
 
-def _window(grid: GridMap, track: Track, radius: float) -> NDArray[np.float64]:
+def _window(grid: GridMap, track: RunTrack, radius: float) -> NDArray[np.float64]:
     """Return the limits of the drawn area, [[x_min, x_max], [y_min, y_max]] in [m].
 
     The area is the known part of the map; on a map without a known part, the driven path.
@@ -197,7 +197,7 @@ def _draw_places(axis: Any, places: Mapping[str, Place]) -> None:
     draw_places(axis, poses)
 
 
-def _draw_robot(axis: Any, track: Track, radius: float) -> None:
+def _draw_robot(axis: Any, track: RunTrack, radius: float) -> None:
     """Draw the robot's footprint and heading at the start and at the end of the run."""
     if len(track.pose):
         _draw_footprint(axis, track.pose[0], radius, ":", "robot at the start")
@@ -217,7 +217,7 @@ def _draw_footprint(
     axis.plot([x, nose[0]], [y, nose[1]], color=DRIVEN_COLOUR, ls=style, lw=1.2)
 
 
-def _pose_at_the_end(track: Track, stretch: Stretch) -> NDArray[np.float64] | None:
+def _pose_at_the_end(track: RunTrack, stretch: ActionStretch) -> NDArray[np.float64] | None:
     """Return the robot's pose at the end of an action's own motion, before restoring; None if not
     recorded.
     """
@@ -227,7 +227,7 @@ def _pose_at_the_end(track: Track, stretch: Stretch) -> NDArray[np.float64] | No
     return track.pose[own[-1]] if len(own) else None
 
 
-def _draw_drive(axis: Any, run_dir: Path, track: Track) -> None:
+def _draw_drive(axis: Any, run_dir: Path, track: RunTrack) -> None:
     for number, line in enumerate(_named(run_dir, "planned")):
         label = None if number else "planned"
         axis.plot(line[:, 0], line[:, 1], color=PLANNED_COLOUR, lw=1.0, ls="--", label=label, zorder=3)
@@ -249,7 +249,7 @@ def _draw_drive(axis: Any, run_dir: Path, track: Track) -> None:
         )
 
 
-def _draw_time(axis: Any, stretches: list[Stretch]) -> None:
+def _draw_time(axis: Any, stretches: list[ActionStretch]) -> None:
     span = max((each.end for each in stretches), default=0.0)
     for each in stretches:
         lasted = each.end - each.start
@@ -265,13 +265,13 @@ def _draw_time(axis: Any, stretches: list[Stretch]) -> None:
         axis.spines[side].set_visible(False)
 
 
-def _fitting(each: Stretch, letters: float) -> str:
+def _fitting(each: ActionStretch, letters: float) -> str:
     """Return the longest label with at most `letters` characters: number and name, number, or empty."""
     labels = (f"{each.number} {each.do}", str(each.number))
     return next((label for label in labels if len(label) + 1 <= letters), "")
 
 
-def _draw_fail(run_dir: Path, stretch: Stretch, grid: GridMap, track: Track, radius: float) -> None:
+def _draw_fail(run_dir: Path, stretch: ActionStretch, grid: GridMap, track: RunTrack, radius: float) -> None:
     """Draw the scan that decided a Fail of driving, around the obstacle, with the robot at that instant."""
     name = f"{stretch.number:03d}_{stretch.do}_{stretch.outcome}"
     points = _points(run_dir).get(name, {})

@@ -32,7 +32,7 @@ class NoFolder(HandcartError):
     """Error: the run's folder cannot be created; nothing has moved."""
 
 
-class NotSimulated(InputError):
+class FaultsNotSimulated(InputError):
     """Error: faults are requested for a robot that is not simulated; nothing has moved."""
 
     def __init__(self, backend: str) -> None:
@@ -106,7 +106,7 @@ def _prepared(task: Path, options: RunOptions) -> Prepared:
         return prepared
     if not prepared.backend.simulated:
         prepared.backend.close()
-        raise NotSimulated(prepared.backend_name)
+        raise FaultsNotSimulated(prepared.backend_name)
     backend = options.around(prepared.backend)
     robot = make_robot(prepared.task, backend, prepared.robot.spec, prepared.model)
     return replace(prepared, backend=backend, robot=robot)

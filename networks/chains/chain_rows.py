@@ -10,7 +10,7 @@ from .policy import Chances, Policy, success_shares
 from .step_maker import State, Step
 
 
-class End(IntEnum):
+class ChainEnd(IntEnum):
     """How a run ends in a row."""
 
     GOAL = 0
@@ -20,7 +20,7 @@ class End(IntEnum):
     """It comes to a state that was not looked at."""
 
 
-class Link(NamedTuple):
+class ChainLink(NamedTuple):
     """A step from a row to another one."""
 
     row: int
@@ -37,10 +37,10 @@ class ChainRows:
         """The action that starts in each row; -1 for none and for skips."""
         self.cost: list[float] = []
         """Its cost in [s]; 0 for none and for skips."""
-        self.succeeds: list[Link] = []
-        self.fails: list[Link] = []
-        self.skips: list[Link] = []
-        self.ends: list[tuple[int, End, float, bool]] = []
+        self.succeeds: list[ChainLink] = []
+        self.fails: list[ChainLink] = []
+        self.skips: list[ChainLink] = []
+        self.ends: list[tuple[int, ChainEnd, float, bool]] = []
         """Row, end, probability, and whether a Fail leads there."""
         self.skipped_to_goal: list[int] = []
         """Rows whose skip leads to the goal."""
@@ -54,7 +54,7 @@ class ChainRows:
         action = step.action
         if action is None:
             self._row(-1, 0.0)
-            self.ends.append((row, End.NO_WAY, 1.0, False))
+            self.ends.append((row, ChainEnd.NO_WAY, 1.0, False))
             return
         if action.binding is None:
             self._row(-1, 0.0)
@@ -66,21 +66,21 @@ class ChainRows:
             self._lead(row, state, chance.success * share, self.succeeds, False)
         self._lead(row, step.failed, chance.fail, self.fails, True)
         if chance.give_up:
-            self.ends.append((row, End.GIVE_UP, chance.give_up, False))
+            self.ends.append((row, ChainEnd.GIVE_UP, chance.give_up, False))
 
     def _row(self, action: int, cost: float) -> None:
         self.action.append(action)
         self.cost.append(cost)
 
-    def _lead(self, row: int, state: State | None, p: float, links: list[Link], failed: bool) -> None:
+    def _lead(self, row: int, state: State | None, p: float, links: list[ChainLink], failed: bool) -> None:
         if state is None:
             return
         if self._policy.goal(state):
-            self.ends.append((row, End.GOAL, p, failed))
+            self.ends.append((row, ChainEnd.GOAL, p, failed))
         elif state in self._number:
-            links.append(Link(row, self._number[state], p))
+            links.append(ChainLink(row, self._number[state], p))
         else:
-            self.ends.append((row, End.UNKNOWN, p, failed))
+            self.ends.append((row, ChainEnd.UNKNOWN, p, failed))
 
     def _skip(self, row: int, step: Step) -> None:
         state = step.succeeded[0]
@@ -88,6 +88,6 @@ class ChainRows:
         if self._policy.goal(state):
             self.skipped_to_goal.append(row)
         elif state in self._number:
-            self.skips.append(Link(row, self._number[state], 1.0))
+            self.skips.append(ChainLink(row, self._number[state], 1.0))
         else:
-            self.ends.append((row, End.UNKNOWN, 1.0, False))
+            self.ends.append((row, ChainEnd.UNKNOWN, 1.0, False))

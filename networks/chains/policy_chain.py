@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .chain_rows import ChainRows, End, Link
+from .chain_rows import ChainEnd, ChainLink, ChainRows
 from .ends import AT_GOAL, Ends
 from .linear_solver import Floats, LinearSolver
 from .moments import Moments
@@ -75,13 +75,13 @@ class _Solution:
 
     def _into(self, skips: bool) -> Floats:
         """Return the probabilities (rows, ends) of ending in each row, with skips that lead to the goal."""
-        into = np.zeros((self._size, len(End)))
+        into = np.zeros((self._size, len(ChainEnd)))
         for row, end, p, _ in self._rows.ends:
             into[row, end] += p
         into[self._lost] = 0.0
-        into[self._lost, End.NO_WAY] = 1.0
+        into[self._lost, ChainEnd.NO_WAY] = 1.0
         if skips:
-            into[self._rows.skipped_to_goal, End.GOAL] += 1.0
+            into[self._rows.skipped_to_goal, ChainEnd.GOAL] += 1.0
         return into
 
     def _moments(self, solver: LinearSolver, into: Floats) -> Floats:
@@ -101,18 +101,18 @@ class _Solution:
             gain[row] += p * goal[to]
             success[row] += p
         for row, end, p, failed in self._rows.ends:
-            if end in (End.GOAL, End.UNKNOWN) and not failed:
-                gain[row] += p * (end == End.GOAL)
+            if end in (ChainEnd.GOAL, ChainEnd.UNKNOWN) and not failed:
+                gain[row] += p * (end == ChainEnd.GOAL)
                 success[row] += p
         gain /= np.maximum(success, 1e-300)
         for row, to, _ in self._rows.fails:
             gain[row] -= goal[to]
         for row, end, _, failed in self._rows.ends:
-            gain[row] -= 1.0 if end == End.GOAL and failed else 0.0
+            gain[row] -= 1.0 if end == ChainEnd.GOAL and failed else 0.0
         return gain
 
 
-def _endless(rows: ChainRows, links: Sequence[Link]) -> set[int]:
+def _endless(rows: ChainRows, links: Sequence[ChainLink]) -> set[int]:
     """Return the rows from which no end is ever reached: the run then ends at its bound."""
     before: dict[int, list[int]] = {}
     for row, to, p in links:

@@ -66,7 +66,7 @@ class Interrupted(Exception):
         self.reason = reason
 
 
-class Asked(NamedTuple):
+class PendingRequest(NamedTuple):
     """A request that waits."""
 
     what: Request
@@ -88,7 +88,7 @@ class Supervision:
         self, robot: Robot, life: RunLife, on_stop: Callable[[str, float], None] = lambda cause, asked: None
     ) -> None:
         """Nothing is asked for yet; `on_stop` hears of each stop: why, and when it was asked for, in [s]."""
-        self._requests: deque[Asked] = deque()
+        self._requests: deque[PendingRequest] = deque()
         self._stop: tuple[Request, float] | None = None  # waits in no queue
         self._robot = robot
         self._life = life
@@ -120,7 +120,7 @@ class Supervision:
         if len(self._requests) >= MAX_REQUESTS:
             return "too much is asked for at once; allowed: to wait until it is done, and to stop"
         meant = self.running if request is Request.RESTORE else number
-        self._requests.append(Asked(request, self._robot.time, meant))
+        self._requests.append(PendingRequest(request, self._robot.time, meant))
         return ""
 
     def _misaddressed(self, request: Request, number: int | None) -> str:
@@ -196,9 +196,9 @@ class Supervision:
                 self._on_stop(_ENDING[request], asked)
                 raise Interrupted(_ENDING[request])
 
-    def _next(self) -> Asked | None:
+    def _next(self) -> PendingRequest | None:
         if self._stop is not None:
-            return Asked(*self._stop, None)
+            return PendingRequest(*self._stop, None)
         self._drop_late()
         return self._requests.popleft() if self._requests else None
 

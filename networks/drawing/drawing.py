@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 
 from handcart.networks.graph.network import ActionNetwork
 
-from .folded_network import FoldedNetwork, Part, Spot, fold
+from .folded_network import FoldedNetwork, RepeatedPart, Spot, fold
 from .network_picture import draw_network
 
 
@@ -90,12 +90,16 @@ WRITER_BY_SUFFIX: dict[str, Callable[[ActionNetwork, str], str | bytes]] = {
 """Writers of a network by file suffix; each takes the network and the task's title."""
 
 
-def _numbers(folded: FoldedNetwork) -> dict[Spot | Part | None, str]:
-    spots: dict[Spot | Part | None, str] = {spot: f"n{number}" for number, spot in enumerate(folded.spots)}
+def _numbers(folded: FoldedNetwork) -> dict[Spot | RepeatedPart | None, str]:
+    spots: dict[Spot | RepeatedPart | None, str] = {
+        spot: f"n{number}" for number, spot in enumerate(folded.spots)
+    }
     return spots | {part: f"p{number}" for number, part in enumerate(folded.parts)}
 
 
-def _nested(folded: FoldedNetwork, part: Part | None) -> Iterator[tuple[Part | None, Spot | None]]:
+def _nested(
+    folded: FoldedNetwork, part: RepeatedPart | None
+) -> Iterator[tuple[RepeatedPart | None, Spot | None]]:
     """The situations of a part, then those of the parts within it; None, None closes a part."""
     for spot in folded.spots:
         if folded.part_of[spot] is part:

@@ -6,7 +6,7 @@ from io import BytesIO
 from typing import Any
 
 from .layers import Point
-from .network_picture import Box, Frame, Link, NetworkPicture, Text
+from .network_picture import DrawnBox, DrawnFrame, DrawnLink, NetworkPicture, Text
 from .styles import style_of_box, style_of_link
 from .text_width import FONT_FAMILY
 
@@ -54,14 +54,14 @@ def _saved(picture: NetworkPicture, **options: Any) -> bytes:
     return drawn.getvalue()
 
 
-def _rounded(box: Box | Frame, radius: float, **style: Any) -> Any:
+def _rounded(box: DrawnBox | DrawnFrame, radius: float, **style: Any) -> Any:
     from matplotlib.patches import FancyBboxPatch
 
     shape = f"round,pad=0,rounding_size={radius}"
     return FancyBboxPatch((box.x, box.y), box.width, box.height, boxstyle=shape, **style)
 
 
-def _draw_link(axes: Any, link: Link) -> None:
+def _draw_link(axes: Any, link: DrawnLink) -> None:
     from matplotlib.patches import PathPatch, Polygon
     from matplotlib.path import Path
 

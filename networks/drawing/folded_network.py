@@ -29,7 +29,7 @@ class Spot:
 
 
 @dataclass(frozen=True)
-class Way:
+class FoldedAction:
     """An action, or its copies in all elements."""
 
     source: Spot
@@ -45,12 +45,12 @@ class Way:
 
 
 @dataclass(frozen=True, eq=False)
-class Part:
+class RepeatedPart:
     """A repeated part of the network."""
 
     title: str
     """Title that names the repeated elements."""
-    around: Part | None
+    around: RepeatedPart | None
     """Part that contains this one."""
 
 
@@ -59,10 +59,10 @@ class FoldedNetwork:
     """A network prepared for drawing, with the copies of repeated parts folded into one."""
 
     spots: tuple[Spot, ...]
-    ways: tuple[Way, ...]
-    parts: tuple[Part, ...]
+    ways: tuple[FoldedAction, ...]
+    parts: tuple[RepeatedPart, ...]
     """Repeated parts, each after the one that contains it."""
-    part_of: Mapping[Spot, Part | None]
+    part_of: Mapping[Spot, RepeatedPart | None]
     start: Spot
     goal: Spot
 
@@ -108,14 +108,14 @@ def _alike(network: ActionNetwork, of: Mapping[str, Spot]) -> Iterable[list[Acti
     return alike.values()
 
 
-def _way(copies: Sequence[Action], of: Mapping[str, Spot]) -> Way:
+def _way(copies: Sequence[Action], of: Mapping[str, Spot]) -> FoldedAction:
     last = copies[-1]  # it leads out of the part, the others to the next element
     words = [f"{last.cost_s:g} s"] if last.binding else []
     if last.permit:
         words.append("operator permits")
     if last.time_out_s is not None:
         words.append(f"at most {last.time_out_s:g} s")
-    return Way(
+    return FoldedAction(
         of[last.source],
         of[last.target],
         of[last.on_fail] if last.on_fail else None,
@@ -152,7 +152,7 @@ def shortened(words: str) -> str:
     return words if len(words) <= MAX_LINE_CHARS else f"{words[: MAX_LINE_CHARS - 1]}…"
 
 
-def _parts(network: ActionNetwork, of: Mapping[str, Spot]) -> dict[str, Part]:
+def _parts(network: ActionNetwork, of: Mapping[str, Spot]) -> dict[str, RepeatedPart]:
     """Return the part of each element, by the element's words."""
     joined: nx.Graph[Any] = nx.Graph()
     for each in network.situations.values():
@@ -160,11 +160,11 @@ def _parts(network: ActionNetwork, of: Mapping[str, Spot]) -> dict[str, Part]:
             joined.add_edge(of[each.name], each.element)
     groups = [[each for each in group if isinstance(each, str)] for group in nx.connected_components(joined)]
     order = {each.element: number for number, each in enumerate(network.situations.values())}
-    parts: dict[str, Part] = {}
+    parts: dict[str, RepeatedPart] = {}
     for group in sorted(groups, key=lambda words: min(len(each) for each in words)):
         elements = sorted(group, key=order.__getitem__)
         outer = max((one for one in parts if elements[0].startswith(f"{one}, ")), key=len, default="")
-        part = Part(_title(elements, len(outer)), parts.get(outer))
+        part = RepeatedPart(_title(elements, len(outer)), parts.get(outer))
         parts |= dict.fromkeys(elements, part)
     return parts
 
@@ -186,5 +186,5 @@ def _title(elements: Sequence[str], outer: int) -> str:
     return f"for each {found[0]['name']}, {times}" + (f": {listed}" if values else "")
 
 
-def _depth(part: Part) -> int:
+def _depth(part: RepeatedPart) -> int:
     return 0 if part.around is None else 1 + _depth(part.around)

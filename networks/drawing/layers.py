@@ -26,7 +26,7 @@ class Size(NamedTuple):
     """Distance below the box's upper edge at which links arrive at its left edge, in [px]."""
 
 
-class Edge(NamedTuple):
+class LayerEdge(NamedTuple):
     """A link from the right edge of one box to the left edge of another."""
 
     source: Key
@@ -61,7 +61,7 @@ class _Lane(NamedTuple):
     column: int
 
 
-def lay_out(boxes: Mapping[Key, Size], edges: Sequence[Edge], first: Key) -> Layers:
+def lay_out(boxes: Mapping[Key, Size], edges: Sequence[LayerEdge], first: Key) -> Layers:
     """Return positions of all boxes and edges."""
     rank = _ranks(boxes, edges, first)
     columns: list[list[Key]] = [[] for _ in range(max(rank.values()) + 1)]
@@ -103,7 +103,7 @@ def lay_out(boxes: Mapping[Key, Size], edges: Sequence[Edge], first: Key) -> Lay
     return Layers(x - GAP / 2, height, corners, routes)
 
 
-def _ranks(boxes: Mapping[Key, Size], edges: Sequence[Edge], first: Key) -> dict[Key, int]:
+def _ranks(boxes: Mapping[Key, Size], edges: Sequence[LayerEdge], first: Key) -> dict[Key, int]:
     """The column of each box: longest ways from the first, without those that close a circle."""
     ways: nx.DiGraph[Key] = nx.DiGraph()
     ways.add_nodes_from([first, *boxes])
@@ -124,7 +124,7 @@ def _ranks(boxes: Mapping[Key, Size], edges: Sequence[Edge], first: Key) -> dict
     return rank
 
 
-def _chain(number: int, edge: Edge, rank: Mapping[Key, int]) -> list[Key]:
+def _chain(number: int, edge: LayerEdge, rank: Mapping[Key, int]) -> list[Key]:
     """The edge's ends, and between them the columns that it passes: back those of its ends as well."""
     a, b = rank[edge.source], rank[edge.target]
     passed = range(a + 1, b) if b > a else range(a, b - 1, -1)
@@ -138,7 +138,7 @@ class _Placing:
         self,
         columns: list[list[Key]],
         sizes: Mapping[Key, Size],
-        edges: Sequence[Edge],
+        edges: Sequence[LayerEdge],
         chains: Sequence[Sequence[Key]],
     ) -> None:
         self._columns, self._sizes = columns, sizes

@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 from handcart.networks.graph.network import ActionNetwork
 
-from .folded_network import FoldedNetwork, Part, Spot, Way, fold, shortened
-from .layers import GAP, Edge, Key, Point, Size, lay_out
+from .folded_network import FoldedAction, FoldedNetwork, RepeatedPart, Spot, fold, shortened
+from .layers import GAP, Key, LayerEdge, Point, Size, lay_out
 from .text_width import text_width
 
 NAME, SMALL = 12.0, 11.0  # sizes of letters, all in [px]
@@ -45,7 +45,7 @@ class Text(NamedTuple):
         return self.x - 0.5 * self.width if self.centred else self.x
 
 
-class Box(NamedTuple):
+class DrawnBox(NamedTuple):
     """A situation or an action; x and y are its upper left corner, in [px]."""
 
     x: float
@@ -55,10 +55,10 @@ class Box(NamedTuple):
     kind: str
     """`start`, `goal`, `situation`, or of an action `travelled`, `failed`, `mixed`, `untried`."""
     texts: tuple[Text, ...]
-    is_of: Spot | Way
+    is_of: Spot | FoldedAction
 
 
-class Frame(NamedTuple):
+class DrawnFrame(NamedTuple):
     """Frame around a repeated part."""
 
     x: float
@@ -68,7 +68,7 @@ class Frame(NamedTuple):
     title: Text
 
 
-class Link(NamedTuple):
+class DrawnLink(NamedTuple):
     """A line: straight from each even point to the next, curved from each odd one."""
 
     points: tuple[Point, ...]
@@ -94,9 +94,9 @@ class NetworkPicture:
 
     width: float
     height: float
-    frames: Sequence[Frame]
-    boxes: Sequence[Box]
-    links: Sequence[Link]
+    frames: Sequence[DrawnFrame]
+    boxes: Sequence[DrawnBox]
+    links: Sequence[DrawnLink]
     words: Sequence[Text] = ()
     """Title and legend."""
 
@@ -106,7 +106,7 @@ class NetworkPicture:
         inside = [text for box in self.boxes for text in box.texts]
         return [*self.words, *(frame.title for frame in self.frames), *inside]
 
-    def box(self, situation: str | None = None, action: int | None = None) -> Box:
+    def box(self, situation: str | None = None, action: int | None = None) -> DrawnBox:
         """Return the box of a situation by its name in the network, or of an action by its number."""
         member: str | int | None = situation if action is None else action
         return next(each for each in self.boxes if member in each.is_of.members)
@@ -160,9 +160,9 @@ class _Drawn:
     enter: float
     exits: Mapping[_Exit, tuple[float, bool]]
     """Distance below the upper edge of each exit, in [px], and whether a run took it."""
-    frames: Sequence[Frame]
-    boxes: Sequence[Box]
-    links: Sequence[Link]
+    frames: Sequence[DrawnFrame]
+    boxes: Sequence[DrawnBox]
+    links: Sequence[DrawnLink]
 
     def moved(self, x: float, y: float) -> _Drawn:
         return _Drawn(
@@ -192,7 +192,7 @@ class _Drawing:
     def __init__(self, folded: FoldedNetwork, ended: Counter[tuple[int, str]] | None) -> None:
         self._folded, self._ended = folded, ended
 
-    def part(self, part: Part | None) -> _Drawn:
+    def part(self, part: RepeatedPart | None) -> _Drawn:
         """A repeated part, or with None what is in none of them."""
         folded = self._folded
         inner = {each: self.part(each) for each in folded.parts if each.around is part}
@@ -208,7 +208,7 @@ class _Drawing:
         first = self._inside(self._entry(part), part)
         laid = lay_out(sizes, edges, first)
         links = [
-            Link(tuple(route), *kind, not isinstance(edge.target, _Exit | Part))
+            DrawnLink(tuple(route), *kind, not isinstance(edge.target, _Exit | RepeatedPart))
             for edge, kind, route in zip(edges, kinds, laid.routes, strict=True)
         ]
         gone: dict[_Exit, tuple[float, bool]] = {}
@@ -220,12 +220,12 @@ class _Drawing:
             )
             gone[leaving] = corner.y + 6.0, travelled
             ends = (Point(corner.x, corner.y + 6.0), Point(laid.width, corner.y + 6.0))
-            links.append(Link(ends, travelled, leaving.failed, False))
+            links.append(DrawnLink(ends, travelled, leaving.failed, False))
         enter = laid.corners[first].y + sizes[first].enter
         if part is not None:
             tried = any(link.travelled for link in links)
             ends = (Point(0.0, enter), Point(laid.corners[first].x, enter))
-            links.append(Link(ends, tried, False, not isinstance(first, Part)))
+            links.append(DrawnLink(ends, tried, False, not isinstance(first, RepeatedPart)))
         drawn = _Drawn(
             laid.width,
             laid.height,
@@ -240,35 +240,35 @@ class _Drawing:
 
     def _edges(
         self,
-        part: Part | None,
-        ways: Sequence[Way],
-        inner: Mapping[Part, _Drawn],
+        part: RepeatedPart | None,
+        ways: Sequence[FoldedAction],
+        inner: Mapping[RepeatedPart, _Drawn],
         sizes: Mapping[Key, Size],
-    ) -> tuple[list[Edge], list[tuple[bool, bool]]]:
+    ) -> tuple[list[LayerEdge], list[tuple[bool, bool]]]:
         """Links of this part, and of each whether it was travelled and whether a Fail leads along it."""
-        edges: list[Edge] = []
+        edges: list[LayerEdge] = []
         kinds: list[tuple[bool, bool]] = []
         for way in ways:
             middle, came, failed = sizes[way].height / 2, self._count(way, "Success"), self._tried(way)
-            edges.append(Edge(self._inside(way.source, part), way, sizes[way.source].height / 2))
+            edges.append(LayerEdge(self._inside(way.source, part), way, sizes[way.source].height / 2))
             kinds.append((failed > 0, False))
-            edges.append(Edge(way, self._target(way.target, part, failed=False), middle))
+            edges.append(LayerEdge(way, self._target(way.target, part, failed=False), middle))
             kinds.append((came > 0, False))
             if way.on_fail is not None:
                 below = middle + 0.3 * sizes[way].height
-                edges.append(Edge(way, self._target(way.on_fail, part, failed=True), below))
+                edges.append(LayerEdge(way, self._target(way.on_fail, part, failed=True), below))
                 kinds.append((self._count(way, "Fail") > 0, True))
         for each, drawn in inner.items():
             for leaving, (down, travelled) in drawn.exits.items():
-                edges.append(Edge(each, self._target(leaving.target, part, failed=leaving.failed), down))
+                edges.append(LayerEdge(each, self._target(leaving.target, part, failed=leaving.failed), down))
                 kinds.append((travelled, leaving.failed))
         return edges, kinds
 
-    def _target(self, spot: Spot, part: Part | None, *, failed: bool) -> Key:
+    def _target(self, spot: Spot, part: RepeatedPart | None, *, failed: bool) -> Key:
         inside = self._inside(spot, part)
         return _Exit(spot, failed) if inside is None else inside
 
-    def _inside(self, spot: Spot, part: Part | None) -> Key:
+    def _inside(self, spot: Spot, part: RepeatedPart | None) -> Key:
         """Return the box that represents a situation in the drawing of a part; None: it is outside."""
         around = self._folded.part_of[spot]
         if around is part:
@@ -277,7 +277,7 @@ class _Drawing:
             around = around.around
         return around
 
-    def _entry(self, part: Part | None) -> Spot:
+    def _entry(self, part: RepeatedPart | None) -> Spot:
         """The situation in which a part begins."""
         folded = self._folded
         if part is None:
@@ -286,17 +286,17 @@ class _Drawing:
         came = [w.target for w in folded.ways if w.target in inside and w.source not in inside]
         return folded.start if folded.start in inside else [*came, *inside][0]
 
-    def _within(self, spot: Spot, part: Part) -> bool:
+    def _within(self, spot: Spot, part: RepeatedPart) -> bool:
         around = self._folded.part_of[spot]
         while around is not None and around is not part:
             around = around.around
         return around is part
 
-    def _spot(self, spot: Spot) -> Box:
+    def _spot(self, spot: Spot) -> DrawnBox:
         kind = {self._folded.start: "start", self._folded.goal: "goal"}.get(spot, "situation")
         return _box(kind, spot.name, spot.facts, spot)
 
-    def _way(self, way: Way) -> Box:
+    def _way(self, way: FoldedAction) -> DrawnBox:
         below = [way.costs] if way.costs else []
         below += way.parameters
         if self._ended is not None:
@@ -308,28 +308,28 @@ class _Drawing:
             below.append(", ".join(counts) or "not tried")
         return _box(self._kind(way), way.do, below, way)
 
-    def _kind(self, way: Way) -> str:
+    def _kind(self, way: FoldedAction) -> str:
         went, tried = self._count(way, "Success"), self._tried(way)
         if not tried:
             return "untried" if self._ended is not None else "action"
         return "travelled" if went == tried else "mixed" if went else "failed"
 
-    def _tried(self, way: Way) -> int:
+    def _tried(self, way: FoldedAction) -> int:
         return sum(self._count(way, end) for end in OUTCOME_WORDS)
 
-    def _count(self, way: Way, outcome: str) -> int:
+    def _count(self, way: FoldedAction, outcome: str) -> int:
         return sum(self._ended[number, outcome] for number in way.members) if self._ended else 0
 
 
-def _box(kind: str, name: str, below: Sequence[str], is_of: Spot | Way) -> Box:
+def _box(kind: str, name: str, below: Sequence[str], is_of: Spot | FoldedAction) -> DrawnBox:
     lines = [Text(0.0, 0.0, shortened(name), NAME, True)]
     lines += [Text(0.0, 0.0, shortened(words), SMALL) for words in below]
     width = max(LEAST, max(line.width for line in lines) + 2 * PAD)
     texts = tuple(line._replace(x=width / 2, y=PAD + 10.0 + LINE * row) for row, line in enumerate(lines))
-    return Box(0.0, 0.0, width, LINE * len(lines) + 2 * PAD - 2.0, kind, texts, is_of)
+    return DrawnBox(0.0, 0.0, width, LINE * len(lines) + 2 * PAD - 2.0, kind, texts, is_of)
 
 
-def _set(box: Box, corner: Point) -> Box:
+def _set(box: DrawnBox, corner: Point) -> DrawnBox:
     texts = tuple(_moved(text, *corner) for text in box.texts)
     return box._replace(x=corner.x, y=corner.y, texts=texts)
 
@@ -347,7 +347,7 @@ def _together(drawn: _Drawn, within: Iterable[_Drawn]) -> _Drawn:
     )
 
 
-def _framed(drawn: _Drawn, part: Part | None) -> _Drawn:
+def _framed(drawn: _Drawn, part: RepeatedPart | None) -> _Drawn:
     """With its frame around it, the title above what is inside."""
     if part is None:
         return drawn
@@ -362,5 +362,5 @@ def _framed(drawn: _Drawn, part: Part | None) -> _Drawn:
         else link
         for link in lower.links
     ]
-    frame = Frame(0.0, 0.0, width, height, title)
+    frame = DrawnFrame(0.0, 0.0, width, height, title)
     return _Drawn(width, height, drawn.enter + above, exits, [frame, *lower.frames], lower.boxes, longer)

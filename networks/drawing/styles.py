@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from .network_picture import Box, Link
+from .network_picture import DrawnBox, DrawnLink
 
 HIGHLIGHT_COLOUR = "#ffd84d"
 
@@ -42,12 +42,12 @@ _BOXES = {
 }
 
 
-def style_of_box(box: Box) -> BoxStyle:
+def style_of_box(box: DrawnBox) -> BoxStyle:
     """Return the style of a box, by its kind."""
     return _BOXES[box.kind]
 
 
-def style_of_link(link: Link) -> LinkStyle:
+def style_of_link(link: DrawnLink) -> LinkStyle:
     """Return the style of a link, strong if a run took it."""
     if link.failed:
         return LinkStyle("#d55e00", 2.5 if link.travelled else 1.3)

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Collection
 from html import escape
 
-from .network_picture import Box, Frame, Link, NetworkPicture, Text
+from .network_picture import DrawnBox, DrawnFrame, DrawnLink, NetworkPicture, Text
 from .styles import HIGHLIGHT_COLOUR, style_of_box, style_of_link
 
 SVG_FONT_FAMILY = "'DejaVu Sans', Helvetica, Arial, sans-serif"
 
 
-def to_svg(picture: NetworkPicture, lit: Collection[Box] = (), window: str | None = None) -> str:
+def to_svg(picture: NetworkPicture, lit: Collection[DrawnBox] = (), window: str | None = None) -> str:
     """Return the picture as a self-contained SVG document.
 
     Args:
@@ -35,12 +35,12 @@ def to_svg(picture: NetworkPicture, lit: Collection[Box] = (), window: str | Non
     return "\n".join([head, *parts, "</svg>"]) + "\n"
 
 
-def _frame(frame: Frame) -> str:
+def _frame(frame: DrawnFrame) -> str:
     corners = f'x="{frame.x:.1f}" y="{frame.y:.1f}" width="{frame.width:.1f}" height="{frame.height:.1f}"'
     return f'<rect class="frame" {corners} rx="6" fill="none" stroke="#5b6b7d"/>\n{_text(frame.title)}'
 
 
-def _link(link: Link) -> str:
+def _link(link: DrawnLink) -> str:
     style = style_of_link(link)
     path = [f"M{link.points[0].x:.1f} {link.points[0].y:.1f}"]
     for number, (p, q, end) in enumerate(link.curves()):
@@ -58,7 +58,7 @@ def _link(link: Link) -> str:
     return f'{line}\n<path d="{tip}" fill="{style.colour}"/>'
 
 
-def _box(box: Box, *, lit: bool) -> str:
+def _box(box: DrawnBox, *, lit: bool) -> str:
     style = style_of_box(box)
     fill, stroke, width = (
         (HIGHLIGHT_COLOUR, "#1d2733", 2.5) if lit else (style.fill, style.colour, style.width)

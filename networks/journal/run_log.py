@@ -64,7 +64,7 @@ class RunLog(Intents):
     def planned(self, situation: str, plan: Plan | NoWay) -> None:
         """Log that a plan was made, or that no plan was found."""
         self.plans += 1
-        record = records.Planned(situation=situation)
+        record = records.PlannedRecord(situation=situation)
         if isinstance(plan, Plan):
             record["way"], record["cost"] = [action.index for action in plan.actions], plan.cost
             record["excluded"] = [each.index for each in plan.excluded]
@@ -77,7 +77,7 @@ class RunLog(Intents):
     def not_planned(self, situation: str, error: Exception) -> None:
         """Log that a plan could not be made, because of a fault."""
         trace = "".join(traceback.format_exception(error))
-        self._write("PLAN", records.Planned(situation=situation, error=trace))
+        self._write("PLAN", records.PlannedRecord(situation=situation, error=trace))
 
     def start(
         self, action: Action, primitive: ActionPrimitive, fails: int, at: Snapshot | None = None
@@ -86,7 +86,7 @@ class RunLog(Intents):
         self.started += 1
         self.open = True
         if self._journal is not None:
-            record = records.Start(n=self.started, action=self._words(action, primitive))
+            record = records.StartRecord(n=self.started, action=self._words(action, primitive))
             if at is not None:
                 record["at"] = measured_fields(at)
             self._write("START", record)
@@ -133,7 +133,7 @@ class RunLog(Intents):
     def stopped(self, cause: str, asked: float) -> None:
         """Log that the robot was commanded to stop just now, as was requested at the time `asked`, in [s]."""
         sent = round(self._robot.time, 6)
-        self._write("STOP", records.Stop(cause=cause, asked_s=round(asked, 6), sent_s=sent))
+        self._write("STOP", records.StopRecord(cause=cause, asked_s=round(asked, 6), sent_s=sent))
 
     def world_changed(
         self, action: Action, stood: Snapshot, now: Snapshot, situation: str | None, reason: str
@@ -152,7 +152,7 @@ class RunLog(Intents):
     def not_started(self, action: Action, reason: str) -> NotStarted:
         """Log that an action could not be started."""
         self.open = False
-        self._write("NOT_STARTED", records.NotStarted(action=action.index, reason=reason))
+        self._write("NOT_STARTED", records.NotStartedRecord(action=action.index, reason=reason))
         self._tell(lambda: LeftOut(self._robot.time, action, reason))
         return NotStarted(reason)
 
@@ -164,7 +164,7 @@ class RunLog(Intents):
 
     def ended(self, end: RunEnd, at: Snapshot | None = None) -> None:
         """Log the end of the run; `at` is a snapshot of the robot."""
-        record = records.End(outcome=end.outcome, situation=end.situation, reason=end.reason)
+        record = records.EndRecord(outcome=end.outcome, situation=end.situation, reason=end.reason)
         if at is not None:
             record["at"] = measured_fields(at)
         self._write("END", record)

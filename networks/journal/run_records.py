@@ -53,7 +53,7 @@ class Run(TypedDict):
 
 
 @with_config(_OPEN)
-class Planned(TypedDict):
+class PlannedRecord(TypedDict):
     """A plan, or the reason why no plan was found."""
 
     situation: str
@@ -70,7 +70,7 @@ ActionWords = TypedDict(
 
 
 @with_config(_OPEN)
-class Start(TypedDict):
+class StartRecord(TypedDict):
     """An action is about to start."""
 
     n: Number
@@ -139,7 +139,7 @@ class Recon(TypedDict):
 
 
 @with_config(_OPEN)
-class End(TypedDict):
+class EndRecord(TypedDict):
     """The run has ended."""
 
     outcome: Literal["Success", "Fail", "GiveUp", "Cancelled", "Error"]
@@ -165,7 +165,7 @@ class PointOfNoReturn(TypedDict):
 
 
 @with_config(_OPEN)
-class Stop(TypedDict):
+class StopRecord(TypedDict):
     """The robot was commanded to stop, as was requested; times in [s]."""
 
     cause: str
@@ -182,7 +182,7 @@ class Restore(TypedDict):
 
 
 @with_config(_OPEN)
-class NotStarted(TypedDict):
+class NotStartedRecord(TypedDict):
     """An action could not be started."""
 
     action: Index
@@ -230,17 +230,17 @@ class _Common(TypedDict):
 
 RECORD_VALIDATORS: dict[str, TypeAdapter[Any]] = {
     "RUN": TypeAdapter(Run),
-    "PLAN": TypeAdapter(Planned),
-    "START": TypeAdapter(Start),
+    "PLAN": TypeAdapter(PlannedRecord),
+    "START": TypeAdapter(StartRecord),
     "INTENT": TypeAdapter(Intent),
     "PNR": TypeAdapter(PointOfNoReturn),
-    "STOP": TypeAdapter(Stop),
+    "STOP": TypeAdapter(StopRecord),
     "RESTORE": TypeAdapter(Restore),
     "RESULT": TypeAdapter(Annotated[Result, Field(discriminator="outcome")]),
     "RECON": TypeAdapter(Recon),
-    "NOT_STARTED": TypeAdapter(NotStarted),
+    "NOT_STARTED": TypeAdapter(NotStartedRecord),
     "SKIP": TypeAdapter(Skip),
-    "END": TypeAdapter(End),
+    "END": TypeAdapter(EndRecord),
     "ACK": TypeAdapter(Acknowledgement),
     "EPOCH": TypeAdapter(Epoch),
 }

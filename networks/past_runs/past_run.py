@@ -13,7 +13,7 @@ from zipfile import BadZipFile
 from handcart.networks.journal.journal import JOURNAL_SCHEMA
 from handcart.networks.journal.journal_record import JournalError
 from handcart.networks.run_files.run_folder import JOURNAL_FILE, NoRun, read_file, read_run_journal
-from handcart.networks.run_files.telemetry import Track, load_track
+from handcart.networks.run_files.telemetry import RunTrack, load_track
 
 from .journaled_network import JournaledNetwork, network_of
 
@@ -76,7 +76,7 @@ class PastRun:
         return last if last["kind"] == "END" else None
 
     @cached_property
-    def track(self) -> Track | None:
+    def track(self) -> RunTrack | None:
         """Return the robot's poses, period by period; None if they were not kept.
 
         Raises:

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from handcart.backends.robot.robot import Robot
 
 
-class Track(NamedTuple):
+class RunTrack(NamedTuple):
     """A run, period by period."""
 
     time: NDArray[np.float64]
@@ -39,10 +39,10 @@ class Telemetry:
         pose = robot.pose
         self._rows.append((robot.time, pose.x, pose.y, pose.theta, action, restoring))
 
-    def track(self) -> Track:
+    def track(self) -> RunTrack:
         """Return the poses recorded so far."""
         table = np.array(self._rows, dtype=np.float64).reshape(-1, 6)
-        return Track(table[:, 0], table[:, 1:4], table[:, 4].astype(np.int32), table[:, 5] > 0.5)
+        return RunTrack(table[:, 0], table[:, 1:4], table[:, 4].astype(np.int32), table[:, 5] > 0.5)
 
     def save(self, path: Path) -> None:
         """Write the track into an .npz file."""
@@ -51,7 +51,7 @@ class Telemetry:
         write_whole(path, packed.getvalue())
 
 
-def load_track(file: Path | BytesIO) -> Track:
+def load_track(file: Path | BytesIO) -> RunTrack:
     """Load a saved track."""
     with np.load(file, allow_pickle=False) as arrays:
-        return Track(**{name: arrays[name] for name in Track._fields})
+        return RunTrack(**{name: arrays[name] for name in RunTrack._fields})

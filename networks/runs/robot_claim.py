@@ -23,7 +23,7 @@ class RobotBusy(InputError):
     """Another process has the robot."""
 
 
-class NoClaim(InputError):
+class NoClaimFolder(InputError):
     """The folder with the robots' claims cannot be used."""
 
 
@@ -57,7 +57,7 @@ class RobotClaim:
             folder.mkdir(parents=True, exist_ok=True, mode=0o700)
             self._file = os.open(self.path, _FLAGS, 0o600)
         except OSError as error:
-            raise NoClaim(
+            raise NoClaimFolder(
                 f"{self.path} can't be opened: {error.strerror}; allowed: a folder of yours"
             ) from None
         try:

@@ -23,7 +23,7 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.kinematics.urdf_frames import base_T_frame
 from handcart.robotics.navigation.localization.localizer import ScanLocalizer
 from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
-from handcart.robotics.navigation.localization.start_search import Beams, map_ranges
+from handcart.robotics.navigation.localization.start_search import ScanBeams, map_ranges
 
 from .place_room import PLACES_KEY, PlaceRoom
 from .task_file import Task
@@ -142,11 +142,11 @@ def _poses(route: Array, start: Pose2, step: float) -> Iterator[Pose2]:
                 yield last
 
 
-def _expected(field: LikelihoodField, robot: RobotFile, lidar: RangeSpec, pose: Pose2) -> Beams:
+def _expected(field: LikelihoodField, robot: RobotFile, lidar: RangeSpec, pose: Pose2) -> ScanBeams:
     """The scan that the map lets expect at a pose."""
     mount = base_T_frame(robot.urdf_text(), robot.lidar_link)
     sensor = Pose2(float(mount[0, 3]), float(mount[1, 3]), math.atan2(mount[1, 0], mount[0, 0]))
     angles = lidar.angles()
     ranges = map_ranges(field, pose.compose(sensor), angles, lidar.reach_m)
     ranges[lidar.masked(angles) | (ranges < lidar.range_min_m)] = np.nan
-    return Beams(np.array([sensor.x, sensor.y]), angles + sensor.theta, ranges, lidar.reach_m)
+    return ScanBeams(np.array([sensor.x, sensor.y]), angles + sensor.theta, ranges, lidar.reach_m)

@@ -14,7 +14,7 @@ from handcart.robotics.geometry.pose2 import Pose2
 from .building import BlockPlace, Positive, Table
 
 
-class Start(FileModel):
+class DrawnStart(FileModel):
     """A pose of the base, on the map."""
 
     x_m: float
@@ -64,7 +64,7 @@ class Drawing(FileModel):
     """A drawing of a wall."""
 
     format: Literal["handcart-drawing/1"]
-    start: Start
+    start: DrawnStart
     """Start pose of the robot."""
     block_mm: tuple[Positive, Positive, Positive]
     """Length (along which the fingers close), width, height of all blocks."""

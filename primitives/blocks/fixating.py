@@ -28,7 +28,7 @@ from handcart.robotics.manipulation.suspension.fixation import (
     placing_posture,
 )
 from handcart.robotics.manipulation.suspension.suspension_model import SuspensionModel
-from handcart.robotics.perception.landmarks.constellation import Belief, Kind, Mark
+from handcart.robotics.perception.landmarks.constellation import BasePrior, Kind, PlannedMark
 
 from .building import LandmarkPlan
 from .building_site import VIEW_DISTANCE_M
@@ -100,11 +100,11 @@ def sought(
         covariance: (3, 3) of `stands`, of x, y in [m] and heading in [rad], on the map.
     """
     among = {
-        each: Mark(Kind(mark.height_m, mark.side_mm / 1e3), mark.floor.relative_to(planned))
+        each: PlannedMark(Kind(mark.height_m, mark.side_mm / 1e3), mark.floor.relative_to(planned))
         for each, mark in marks.items()
     }
     turn = planned.inverse().lift()[:3, :3]
-    belief = Belief(stands.relative_to(planned), turn @ covariance @ turn.T + BASE_TILT_COVARIANCE)
+    belief = BasePrior(stands.relative_to(planned), turn @ covariance @ turn.T + BASE_TILT_COVARIANCE)
     return Sought(among[name], tuple(among.values()), belief)
 
 

@@ -20,10 +20,10 @@ from handcart.robotics.perception.landmarks.constellation import (
     MIN_LOG_RATIO,
     STRAY_LOG_COST,
     UNSEEN_LOG_COST,
-    Belief,
-    Explanation,
+    BasePrior,
     Kind,
-    Mark,
+    MarkAssignment,
+    PlannedMark,
     Sighting,
     explain,
     rivals,
@@ -43,10 +43,10 @@ SAME_PX = 8.0  # between two finds of one mark in a picture
 class Sought(NamedTuple):
     """A landmark to be looked at, among those around it."""
 
-    mark: Mark
-    among: tuple[Mark, ...]
+    mark: PlannedMark
+    among: tuple[PlannedMark, ...]
     """All of the plan, `mark` as well."""
-    belief: Belief
+    belief: BasePrior
     """Believed pose of the base."""
 
 
@@ -75,7 +75,7 @@ class LandmarkViews:
         self._seen: list[_Seen] = []
         self._last: list[_Seen] = []
         self._cameras: list[Transform] = []
-        self._explained: list[Explanation] = []
+        self._explained: list[MarkAssignment] = []
         self._displaced = robot.localization.displacements
         self.frames = 0
 
@@ -100,12 +100,12 @@ class LandmarkViews:
         self._explained = explain(self._sought.among, sightings, self._sought.belief, self._shown)
 
     @property
-    def explanation(self) -> Explanation | None:
+    def explanation(self) -> MarkAssignment | None:
         """The likeliest one; None as long as no landmark was seen."""
         return self._explained[0] if self._explained else None
 
     @property
-    def explanations(self) -> list[Explanation]:
+    def explanations(self) -> list[MarkAssignment]:
         """The likeliest one, and all with the base elsewhere that are hardly less likely."""
         return rivals(self._explained) if self._explained else []
 
@@ -156,7 +156,9 @@ class LandmarkViews:
                 ranked.append((-gain, float(np.hypot(*(hand[:2, 3] - here))), hand))
         return [hand for _, _, hand in sorted(ranked, key=lambda each: each[:2])]
 
-    def _differences(self, best: Explanation, others: Sequence[Explanation]) -> dict[Kind, list[_Difference]]:
+    def _differences(
+        self, best: MarkAssignment, others: Sequence[MarkAssignment]
+    ) -> dict[Kind, list[_Difference]]:
         """Landmarks that only one of two explanations has, where no picture was taken yet."""
         found: dict[Kind, list[_Difference]] = {}
         expected = self._expected(best)
@@ -173,7 +175,7 @@ class LandmarkViews:
                             found.setdefault(kind, []).append(_Difference(rival, place, weight))
         return found
 
-    def _expected(self, explanation: Explanation) -> dict[Kind, list[Pose2]]:
+    def _expected(self, explanation: MarkAssignment) -> dict[Kind, list[Pose2]]:
         """base_T_mark of all landmarks of the plan, by kind."""
         to_base = explanation.planned_T_base.inverse()
         places: dict[Kind, list[Pose2]] = {}

@@ -41,7 +41,7 @@ MIN_CORNER_SHARE = 0.5  # of the board's: fewer in a picture don't count
 USUAL_WIDTH = 0.18  # [m] of the board that `board_views` looks at
 
 
-class Found(NamedTuple):
+class CalibrationResult(NamedTuple):
     """Result of one calibration."""
 
     camera: CameraCalibration
@@ -112,7 +112,7 @@ class CalibrateCamera(ActionPrimitive):
         self.evidence.pictures["board"] = draw_overlay(image, points=seen.pixels)
         return HandEyeView(robot.base_T("hand"), seen)
 
-    def _tell(self, robot: Robot, found: Found) -> None:
+    def _tell(self, robot: Robot, found: CalibrationResult) -> None:
         spec = robot.spec.hand_camera
         assert spec is not None
         camera, sigmas = found.camera.camera, found.camera.sigmas
@@ -163,7 +163,7 @@ def _board_of(model: ModelView, name: str) -> BoardPlan:
     return boards[name]
 
 
-def _calibrated(robot: Robot, views: Sequence[HandEyeView]) -> Found:
+def _calibrated(robot: Robot, views: Sequence[HandEyeView]) -> CalibrationResult:
     """Return the calibration by the views; raise ValueError if they do not determine it."""
     known = robot.camera.model
     boards = [view.board for view in views]
@@ -172,4 +172,4 @@ def _calibrated(robot: Robot, views: Sequence[HandEyeView]) -> Found:
     leaning = [
         view._replace(base_T_hand=suspension.displaced(view.base_T_hand, reference, 0.0)) for view in views
     ]
-    return Found(camera, calibrate_hand_eye(leaning, camera.camera))
+    return CalibrationResult(camera, calibrate_hand_eye(leaning, camera.camera))

@@ -46,7 +46,7 @@ RAISE_HEIGHT_M = 0.03
 Names = Annotated[tuple[LandmarkName, ...], Field(min_length=3)]
 
 
-class Surroundings(NamedTuple):
+class HandSurroundings(NamedTuple):
     """Landmarks, held object and obstacles around the hand, in the base frame."""
 
     marks: list[LandmarkPlan]
@@ -101,15 +101,15 @@ class CalibrateSuspension(ActionPrimitive):
             width = Measured("Gripper", "opening", 1e3 * robot.gripper.width(), unit="mm")
             raise Discrepancy("the block slipped out of the hand", measured=width)
 
-    def _scene(self, robot: Robot, model: ModelView) -> Surroundings:
+    def _scene(self, robot: Robot, model: ModelView) -> HandSurroundings:
         marks = [landmark_of(model, name) for name in self.landmarks]
         base_T_map = inverse(standing(robot, model).lift())
         held = gripped(robot, building(model).block)
-        return Surroundings(
+        return HandSurroundings(
             marks, [base_T_map @ mark.pose for mark in marks], held, surroundings(robot, model)
         )
 
-    def _look_around(self, robot: Robot, scene: Surroundings) -> Generator[None, None, list[Sighting]]:
+    def _look_around(self, robot: Robot, scene: HandSurroundings) -> Generator[None, None, list[Sighting]]:
         """Each landmark from each height, again and again."""
         reference = robot.base_T("hand")
         sheet_T_map = inverse(scene.marks[0].pose)
@@ -125,7 +125,7 @@ class CalibrateSuspension(ActionPrimitive):
         return sightings
 
     def _swing(
-        self, robot: Robot, scene: Surroundings
+        self, robot: Robot, scene: HandSurroundings
     ) -> Generator[None, None, tuple[NDArray[np.float64], int]]:
         """Headings (n, m) of the base over the first landmark, and the swings between rows."""
         mark, base_T_mark = scene.marks[0], scene.base_T_marks[0]
@@ -163,7 +163,7 @@ class CalibrateSuspension(ActionPrimitive):
         self.found(heading_noise_mrad=round(1e3 * yaw.noise, 3), frames=frames)
 
 
-def _farthest(robot: Robot, scene: Surroundings, here: Transform) -> Transform:
+def _farthest(robot: Robot, scene: HandSurroundings, here: Transform) -> Transform:
     """base_T_hand (4, 4) over the landmark that is farthest from `here`; it must be a swing away."""
     views = [above(robot, each, VIEW_HEIGHTS_M[0]) for each in scene.base_T_marks]
     far = [float(np.linalg.norm(view[:2, 3] - here[:2, 3])) for view in views]
@@ -174,7 +174,9 @@ def _farthest(robot: Robot, scene: Surroundings, here: Transform) -> Transform:
     return views[int(np.argmax(far))]
 
 
-def _fitted(robot: Robot, scene: Surroundings, sightings: Sequence[Sighting], yaw: float) -> SuspensionFit:
+def _fitted(
+    robot: Robot, scene: HandSurroundings, sightings: Sequence[Sighting], yaw: float
+) -> SuspensionFit:
     """Return the fitted tilt of the base; raise ValueError if the sightings do not determine it."""
     known = {"yaw_per_swing": yaw}
     assert robot.spec.arm is not None

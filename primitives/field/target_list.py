@@ -30,7 +30,7 @@ LONGEST_NAME = 60  # characters
 MAX_QUOTED_CHARACTERS = 60  # characters of what is wrong
 
 
-class Row(NamedTuple):
+class TargetRow(NamedTuple):
     """One target in a file, unparsed."""
 
     line: int
@@ -112,7 +112,7 @@ class _Near:
         return [name for name, x_, y_ in others if math.hypot(x_ - x, y_ - y) < LEAST_APART]
 
 
-def _csv(path: Path, wrong: Findings) -> Iterator[Row]:
+def _csv(path: Path, wrong: Findings) -> Iterator[TargetRow]:
     rows = read_csv(path, MAX_TARGETS)
     first = next(rows, None)
     header = first.cells if first else ()
@@ -138,10 +138,10 @@ def _csv(path: Path, wrong: Findings) -> Iterator[Row]:
             wrong.add(Finding(str(path), row.line, 1, message))
             continue
         words = dict(zip(header, row.cells, strict=True))
-        yield Row(row.line, dict(zip(header, row.columns, strict=True)), words)
+        yield TargetRow(row.line, dict(zip(header, row.columns, strict=True)), words)
 
 
-def _geojson(path: Path, wrong: Findings) -> Iterator[Row]:
+def _geojson(path: Path, wrong: Findings) -> Iterator[TargetRow]:
     document = read_document(path)
     features, there = document.root.deepest(("features",))
     if not there or not isinstance(features.content, list):
@@ -160,7 +160,7 @@ def _geojson(path: Path, wrong: Findings) -> Iterator[Row]:
         name = str(named.content) if there else str(number + 1)
         words = {"name": name, "longitude_deg": _word(longitude), "latitude_deg": _word(latitude)}
         columns = {"name": place.column, "longitude_deg": longitude.column, "latitude_deg": latitude.column}
-        yield Row(place.line, columns, words)
+        yield TargetRow(place.line, columns, words)
 
 
 def _word(node: Node) -> str:
@@ -168,7 +168,12 @@ def _word(node: Node) -> str:
 
 
 def _target(
-    row: Row, field: Field, earth: EarthFrame | None, before: Pose2, found: dict[str, Target], near: _Near
+    row: TargetRow,
+    field: Field,
+    earth: EarthFrame | None,
+    before: Pose2,
+    found: dict[str, Target],
+    near: _Near,
 ) -> Target:
     name = row.words.get("name") or str(len(found) + 1)
     if len(name) > LONGEST_NAME:
@@ -197,14 +202,14 @@ def _target(
     return Target(name, x, y, stand, row.line, row.columns.get("name", 1))
 
 
-def _number(row: Row, key: str) -> float:
+def _number(row: TargetRow, key: str) -> float:
     value = number_in(row.words[key])
     if not math.isfinite(value):
         raise _Wrong(key, f"{key} is {row.words[key][:MAX_QUOTED_CHARACTERS]!r}; allowed: a finite number")
     return value
 
 
-def _projected(row: Row, field: Field, earth: EarthFrame | None) -> tuple[float, float]:
+def _projected(row: TargetRow, field: Field, earth: EarthFrame | None) -> tuple[float, float]:
     latitude, longitude = (_number(row, key) for key in DEGREE_COLUMNS)
     for key, value, most in ((DEGREE_COLUMNS[0], latitude, 90.0), (DEGREE_COLUMNS[1], longitude, 180.0)):
         if abs(value) > most:

@@ -29,7 +29,7 @@ from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.primitives.outcomes.outcome import Outcome, Success
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import inverse, transform
-from handcart.robotics.navigation.maps.grid_map import Box, from_boxes
+from handcart.robotics.navigation.maps.grid_map import FloorBox, from_boxes
 
 WORLD = """\
 format: handcart-world/1
@@ -50,12 +50,12 @@ shelves:
       - {accession: 3, call: "512.2 ABE", thickness_mm: 25, height_mm: 210, depth_mm: 150}
 """
 MAPPED = (
-    Box(4.0, 0.0, 0.0, 8.1, 0.1),
-    Box(4.0, 6.0, 0.0, 8.1, 0.1),
-    Box(0.0, 3.0, 0.0, 0.1, 6.1),
-    Box(8.0, 3.0, 0.0, 0.1, 6.1),
-    Box(3.0, 3.0, 0.0, 1.2, 1.6),
-    Box(6.5, 5.525, 0.0, 1.04, 0.25),
+    FloorBox(4.0, 0.0, 0.0, 8.1, 0.1),
+    FloorBox(4.0, 6.0, 0.0, 8.1, 0.1),
+    FloorBox(0.0, 3.0, 0.0, 0.1, 6.1),
+    FloorBox(8.0, 3.0, 0.0, 0.1, 6.1),
+    FloorBox(3.0, 3.0, 0.0, 1.2, 1.6),
+    FloorBox(6.5, 5.525, 0.0, 1.04, 0.25),
 )
 HOME = Place(x_m=1.0, y_m=1.0, heading_deg=90.0)
 SHELF = Place(
@@ -134,7 +134,7 @@ def make_rig(tmp_path: Path) -> Callable[..., Rig]:
     def make(
         more: str = "",
         seed: int = 0,
-        walls: tuple[Box, ...] = (),
+        walls: tuple[FloorBox, ...] = (),
         furniture: str = "",
         start_y: float = 1.0,
         localizer: str = "scan",

@@ -16,7 +16,7 @@ from handcart.evaluation.campaigns.data.trial_log import TrialLog
 from handcart.evaluation.campaigns.data.walked_trials import WalkedSequence
 from handcart.evaluation.campaigns.rare.rare_event import RareEvent
 from handcart.evaluation.campaigns.statistics.campaign_report import CampaignReport
-from handcart.evaluation.campaigns.statistics.claim import Claim, Settling
+from handcart.evaluation.campaigns.statistics.claim import RateClaim, Settling
 from handcart.evaluation.campaigns.trial_run import walked_trials
 from handcart.evaluation.campaigns.variation import Variation, load_variation
 from handcart.files.errors import InputError
@@ -65,7 +65,7 @@ class AskedCampaign:
         """
         self._check()
         worlds = _worlds(self.generate) if self.generate else None
-        claim = None if self.until is None else Claim.of(self.until)
+        claim = None if self.until is None else RateClaim.of(self.until)
         needed = self.out is not None or self.vary is not None or self.learned_from
         read = load_task(self.task, self.settings) if needed else None
         learned = self._learned(read)
@@ -175,7 +175,7 @@ class AskedCampaign:
             None if self.rare is None else RareEvent.of(self.rare, self.importance, self.population),
         )
 
-    def _arguments(self, setting: CampaignSetting, claim: Claim | None) -> dict[str, Any]:
+    def _arguments(self, setting: CampaignSetting, claim: RateClaim | None) -> dict[str, Any]:
         """Return the arguments as kept in the campaign's folder."""
         return {
             "task": str(self.task),

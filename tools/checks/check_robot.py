@@ -18,7 +18,7 @@ from handcart.tools.terminal.writing import NotWritable
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from handcart.evaluation.robot_report.reach import Reach
+    from handcart.evaluation.robot_report.reach import HandReach
     from handcart.evaluation.robot_report.report import Contents, RobotReport
     from handcart.robotics.kinematics.urdf_contents import JointFacts
 
@@ -184,7 +184,7 @@ def _joint(joint: JointFacts) -> tuple[str, ...]:
     )
 
 
-def _reach_words(reach: Reach) -> str:
+def _reach_words(reach: HandReach) -> str:
     (near, far), (low, high) = reach.radii, reach.heights
     away = f"{near:.2f} to {far:.2f} m from the base's axis"
     return f"reach: the hand gets {away}, {low:.2f} to {high:.2f} m up"

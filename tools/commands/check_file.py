@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 MAX_FINDING_LINES = 12  # more are grouped by kind
 
 
-class Asked(NamedTuple):
+class CheckOptions(NamedTuple):
     """Options of a check."""
 
     picture: Path | None = None
@@ -68,7 +68,7 @@ def check(
     try:
         given = dict(split_setting(each) for each in settings or [])
         with announced(f"checking {file}"):
-            facts = file_facts(file, given, Asked(picture, every, allow, draft, backend=backend))
+            facts = file_facts(file, given, CheckOptions(picture, every, allow, draft, backend=backend))
     except InputError as error:
         if not as_json:
             if isinstance(error, FileError) and not every:
@@ -103,7 +103,7 @@ def check(
 
 def check_quietly(file: Path) -> dict[str, Any]:
     """Return the facts that `check` would print; raises the errors that it would report."""
-    return file_facts(file, {}, Asked(quick=True))
+    return file_facts(file, {}, CheckOptions(quick=True))
 
 
 def _tell_grouped(error: FileError) -> None:
@@ -138,7 +138,7 @@ def _places(findings: Iterable[Finding]) -> list[dict[str, Any]]:
     ]
 
 
-def file_facts(file: Path, settings: dict[str, str], asked: Asked = Asked()) -> dict[str, Any]:
+def file_facts(file: Path, settings: dict[str, str], asked: CheckOptions = CheckOptions()) -> dict[str, Any]:
     """Return the facts of a file.
 
     They are fields of `handcart check --json`, and in addition `lines` and `warnings` as text, and the

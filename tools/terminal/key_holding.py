@@ -11,8 +11,8 @@ import tty
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from handcart.evaluation.bringup.jog import Lease
-from handcart.evaluation.bringup.operator import NoAnswer
+from handcart.evaluation.bringup.jog import KeyLease
+from handcart.evaluation.bringup.operator import UnansweredQuestion
 from handcart.files.errors import InputError
 
 _FIRST = 30.0  # [s] in which the key is to be pressed
@@ -26,7 +26,7 @@ class NoTerminal(InputError):
 
 
 @contextmanager
-def held_key() -> Iterator[Lease]:
+def held_key() -> Iterator[KeyLease]:
     """Wait for the space bar; within the context the lease reports whether it is still held.
 
     A terminal signals a held key by repeating it; a key that is not repeated within 300 ms counts as
@@ -46,8 +46,8 @@ def held_key() -> Iterator[Lease]:
         end = time.monotonic() + _FIRST
         while not _pressed(terminal, 0.1):
             if time.monotonic() > end:
-                raise NoAnswer(f"the space bar was not pressed within {_FIRST:.0f} s")
-        yield Lease(lambda: _pressed(terminal))
+                raise UnansweredQuestion(f"the space bar was not pressed within {_FIRST:.0f} s")
+        yield KeyLease(lambda: _pressed(terminal))
     finally:
         termios.tcflush(terminal, termios.TCIFLUSH)
         termios.tcsetattr(terminal, termios.TCSADRAIN, before)

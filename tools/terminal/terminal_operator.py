@@ -8,7 +8,7 @@ from contextlib import AbstractContextManager
 
 from typing_extensions import override
 
-from handcart.evaluation.bringup.operator import Held, NoAnswer, Operator
+from handcart.evaluation.bringup.operator import Held, Operator, UnansweredQuestion
 
 from .key_holding import held_key
 
@@ -49,5 +49,5 @@ class TerminalOperator(Operator):
         print(prompt, end="", file=sys.stderr, flush=True)
         line = sys.stdin.readline()
         if not line:
-            raise NoAnswer(f"no answer to {key!r}: standard input has ended")
+            raise UnansweredQuestion(f"no answer to {key!r}: standard input has ended")
         return line.strip()

@@ -24,7 +24,7 @@ from handcart.backends.mujoco.engine.world_spec import (
     quaternion,
 )
 from handcart.backends.physics.body.robot_body import RobotBody
-from handcart.backends.physics.engine.surface import Surface
+from handcart.backends.physics.engine.surface import ContactSurface
 from handcart.backends.physics.refusal import refusal
 from handcart.backends.physics.urdf.rigid_groups import passing_pairs
 from handcart.backends.physics.urdf.sound_urdf import held_still, sound_urdf
@@ -184,7 +184,7 @@ class MujocoBody(RobotBody):
         data.qpos[found.qposadr[0]], data.qvel[found.dofadr[0]] = position, 0.0
         self._engine.displaced()
 
-    def cover(self, links: Iterable[str], surface: Surface) -> None:
+    def cover(self, links: Iterable[str], surface: ContactSurface) -> None:
         """See `RobotBody`; MuJoCo's contacts give as `CONTACT_COMPLIANCE` says, and stick by themselves."""
         spec = self._engine.world.spec
         for link, geometry in [
@@ -201,7 +201,7 @@ class MujocoBody(RobotBody):
         if surface.sinks > 0.0:
             self._soften(links, surface)
 
-    def _soften(self, links: Iterable[str], surface: Surface) -> None:
+    def _soften(self, links: Iterable[str], surface: ContactSurface) -> None:
         """Make the ground under links compliant, as `SOFT_GROUND_IMPEDANCE` defines."""
         world, model = self._engine.world, self._engine.model
         world.spec.option.impratio = HOLDS_ON_SOFT

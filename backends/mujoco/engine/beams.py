@@ -40,7 +40,7 @@ class _Field(NamedTuple):
         )
 
 
-class Beams:
+class LidarBeams:
     """Beams of a lidar, which no part of the robot obstructs.
 
     `mj_multiRay` tests each body for each beam, which with a library takes as long as eight steps of the

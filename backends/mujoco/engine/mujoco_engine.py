@@ -20,7 +20,7 @@ from handcart.backends.simulation.world.thing import GreyImage
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.shapes import Box
 
-from .beams import Beams
+from .beams import LidarBeams
 from .growing_model import GrowingModel
 from .leaning import Leaning
 from .looks import BoxLook, Looks, TileLook
@@ -101,7 +101,7 @@ class MujocoEngine(Engine):
         """Whose is what in a model."""
         things = [number for number, form in enumerate(self._forms) if form is not None]
         self._numbering, self._seen = Numbering(model, self._links, things), None
-        self._pressing, self._beams = Pressing(self._numbering.owners), Beams(model)
+        self._pressing, self._beams = Pressing(self._numbering.owners), LidarBeams(model)
         self._leaning.compiled(model, next(iter(self._links), None))
 
     def links(self) -> Any:

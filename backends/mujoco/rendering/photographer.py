@@ -11,7 +11,7 @@ from handcart.backends.mujoco.engine.mujoco_module import mujoco
 from handcart.robotics.geometry.transform import Transform
 
 from .gl_context import make_context
-from .stage import Stage
+from .stage import PictureStage
 
 NEAREST, FURTHEST = 0.02, 60.0  # of what is shown [m]
 _MOST = 20_000  # shapes
@@ -20,7 +20,7 @@ _MOST = 20_000  # shapes
 class Photographer:
     """A camera of any place and lens in front of one stage."""
 
-    def __init__(self, stage: Stage, size: tuple[int, int]) -> None:
+    def __init__(self, stage: PictureStage, size: tuple[int, int]) -> None:
         """Prepare pictures of a width and height `size` in [px].
 
         Raises:

@@ -19,7 +19,7 @@ from .style import Style
 LAMP_HEIGHT = 6.0  # [m] above what it shines on, along its beam
 
 
-class Stage:
+class PictureStage:
     """Model for pictures, which follows the engine's model; bodies have the same names in both.
 
     Rendering cannot change a run, because the engine's own model has neither pictures nor lamps.

@@ -12,7 +12,7 @@ from handcart.backends.mujoco.engine.mujoco_engine import MujocoEngine
 from handcart.robotics.geometry.transform import Transform
 
 from .photographer import Photographer
-from .stage import Stage
+from .stage import PictureStage
 from .style import Style
 
 
@@ -24,7 +24,7 @@ class Studio:
     ) -> None:
         """Prepare pictures of width and height `size` in [px]; the stage is built at the first picture."""
         self._engine, self._robot, self._style, self._size = engine, robot, style, size
-        self._stage: Stage | None = None
+        self._stage: PictureStage | None = None
         self._photographer: Photographer | None = None
         self._last: tuple[Transform, NDArray[np.float64], NDArray[np.uint8]] | None = None
 
@@ -63,10 +63,10 @@ class Studio:
         stage.follow(self._engine.links(), world_T_camera[:3, 3])
         return photographer.take_with_depth(world_T_camera, K)
 
-    def _set_up(self) -> tuple[Stage, Photographer]:
+    def _set_up(self) -> tuple[PictureStage, Photographer]:
         if self._stage is None or self._photographer is None or self._stage.count != self._engine.looks.count:
             self.close()
-            self._stage = Stage(self._engine.looks, self._robot, self._style, self._engine.model)
+            self._stage = PictureStage(self._engine.looks, self._robot, self._style, self._engine.model)
             self._photographer = Photographer(self._stage, self._size)
         return self._stage, self._photographer
 

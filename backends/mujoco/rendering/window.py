@@ -14,7 +14,7 @@ from handcart.backends.mujoco.body.mujoco_body import MujocoBody
 from handcart.backends.mujoco.engine.mujoco_engine import MujocoEngine
 from handcart.robotics.geometry.transform import Transform
 
-from .stage import Stage
+from .stage import PictureStage
 from .style import STILL_PICTURE
 
 _FROM = {"distance": 4.0, "azimuth": 135.0, "elevation": -25.0}  # where one looks from at first
@@ -32,7 +32,7 @@ class Window:
         self._open(world_T_base)
 
     def _open(self, world_T_base: Transform) -> None:
-        self._stage = Stage(self._engine.looks, self._robot, STILL_PICTURE, self._engine.model)
+        self._stage = PictureStage(self._engine.looks, self._robot, STILL_PICTURE, self._engine.model)
         self._stage.follow(self._engine.links(), world_T_base[:3, 3])
         viewer, before = import_module("mujoco.viewer"), threading.enumerate()
         self._handle: Any = viewer.launch_passive(

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from handcart.backends.description.robot_file import GripperSpec
 from handcart.backends.physics.engine.engine import Engine, Pinned, Point
-from handcart.backends.physics.engine.surface import PAD_FRICTION, PAD_SURFACE, Surface
+from handcart.backends.physics.engine.surface import PAD_FRICTION, PAD_SURFACE, ContactSurface
 from handcart.backends.physics.world.thing_body import THING_FRICTION
 from handcart.backends.urdf.robot_shape import FingerShape
 from handcart.robotics.geometry.transform import inverse
@@ -70,7 +70,7 @@ class Grip:
         return np.asarray((np.c_[self._points, np.ones(len(self._points))] @ other_T_hand.T)[:, :3])
 
 
-def pads_in(engine: Engine) -> Surface:
+def pads_in(engine: Engine) -> ContactSurface:
     """Return the surface of the fingers; `Grip` carries the rest of its friction."""
     return PAD_SURFACE._replace(friction=engine.CONTACTS_CARRY * PAD_FRICTION)
 

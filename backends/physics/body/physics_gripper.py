@@ -9,7 +9,7 @@ from typing_extensions import override
 
 from handcart.backends.description.robot_file import GripperSpec
 from handcart.backends.description.simulated_errors import Errors
-from handcart.backends.physics.engine.surface import Surface
+from handcart.backends.physics.engine.surface import ContactSurface
 from handcart.backends.simulation.body.simulated_parts import SimulatedGripper
 
 from .robot_body import RobotBody
@@ -28,7 +28,13 @@ class PhysicsGripper(SimulatedGripper):
     STATE: ClassVar = {**SimulatedGripper.STATE, "_target": float, "_stood": float}
 
     def __init__(
-        self, spec: GripperSpec, errors: Errors, body: RobotBody, pads: Surface, period: float, seed: int
+        self,
+        spec: GripperSpec,
+        errors: Errors,
+        body: RobotBody,
+        pads: ContactSurface,
+        period: float,
+        seed: int,
     ) -> None:
         """Take the joints `left_finger` and `right_finger` over, cover them with `pads`, and open them."""
         opening = spec.opening_mm / 1e3

@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
 from typing import ClassVar
 
-from handcart.backends.physics.engine.surface import Surface
+from handcart.backends.physics.engine.surface import ContactSurface
 from handcart.backends.physics.urdf.sound_urdf import casters
 from handcart.backends.physics.urdf.sprung import CHASSIS_LINK
 from handcart.backends.physics.urdf.urdf_repairs import Repair
@@ -70,7 +70,7 @@ class RobotBody(ABC):
         """Put a joint elsewhere, at rest."""
 
     @abstractmethod
-    def cover(self, links: Iterable[str], surface: Surface) -> None:
+    def cover(self, links: Iterable[str], surface: ContactSurface) -> None:
         """Give links a surface."""
 
     @abstractmethod

@@ -19,7 +19,7 @@ FINGER_LINKS = ("left_finger", "right_finger")
 _ACROSS = 0.7  # of a contact's normal; less is a push with the tips
 
 
-class Touch:
+class ContactReader:
     """Reads the engine's contact points. To the hand belongs all that the arm's last joint moves."""
 
     def __init__(self, engine: Engine, body: RobotBody, world: WorldBodies, last_joint: str | None) -> None:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from handcart.backends.simulation.books.book import Book
+from handcart.backends.simulation.books.book import SimulatedBook
 
 from .book_body import BookBody
 
-PROP_BODIES = {Book: BookBody}
+PROP_BODIES = {SimulatedBook: BookBody}

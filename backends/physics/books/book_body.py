@@ -8,7 +8,7 @@ from typing_extensions import override
 
 from handcart.backends.physics.engine.thing_form import Cuboid, Portrait, Uvs, Wedge
 from handcart.backends.physics.world.thing_body import ThingBody
-from handcart.backends.simulation.books.book import Book
+from handcart.backends.simulation.books.book import SimulatedBook
 from handcart.backends.simulation.books.painted_books import spine_levels
 
 CHAMFER_M = 0.003  # of the leading edges of a book that is returned: covers are rounded [m]
@@ -28,7 +28,7 @@ class BookBody(ThingBody):
     something touches it.
     """
 
-    thing: Book
+    thing: SimulatedBook
     _printed = False
 
     def pieces(self) -> tuple[Cuboid | Wedge, ...]:
@@ -92,7 +92,7 @@ def _uvs(face: int, width: int) -> list[tuple[float, float]]:
     return [(u, 0.25), (u, 0.25), (u, 0.75), (u, 0.75)]
 
 
-def _picture(book: Book) -> NDArray[np.uint8]:
+def _picture(book: SimulatedBook) -> NDArray[np.uint8]:
     """The spine, then strips for cover and pages."""
     spine = spine_levels(book.spec)[1][0]
     cover = np.full((spine.shape[0], _STRIP), round(_COVER * book.spec.grey), np.uint8)

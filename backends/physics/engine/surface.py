@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 
-class Surface(NamedTuple):
+class ContactSurface(NamedTuple):
     """Contact properties of a link; None leaves a property unchanged."""
 
     friction: float | None = None
@@ -33,21 +33,21 @@ class Surface(NamedTuple):
         return 1.0 / (1.0 / self.stiffness + self.sinks)
 
 
-TYRE_SURFACE = Surface(friction=1.0)
+TYRE_SURFACE = ContactSurface(friction=1.0)
 """Rubber."""
-CASTER_SURFACE = Surface(friction=0.0, stiffness=1e6, damping=2e4)
+CASTER_SURFACE = ContactSurface(friction=0.0, stiffness=1e6, damping=2e4)
 """Frictionless surface on springs, as a model of a wheel that turns in any direction.
 
 It gives by 0.2 mm under 200 N. A caster as hard as the wheels might take all the weight off them, and the
 base would slide on.
 """
-SCRUBBING_SURFACE = Surface(
+SCRUBBING_SURFACE = ContactSurface(
     stiffness=CASTER_SURFACE.stiffness, damping=CASTER_SURFACE.damping, sticks=True, along_axle=0.1
 )
 """A wheel that must slide sideways for its base to turn: one of several a side. They share the base's weight
 as they give a little, and at rest they stick."""
-SOFT_TYRES = Surface(stiffness=3e5, damping=6e3, sticks=True)
+SOFT_TYRES = ContactSurface(stiffness=3e5, damping=6e3, sticks=True)
 """Tyres of a car on rough ground; they stick at rest."""
 PAD_FRICTION = 1.5
-PAD_SURFACE = Surface(friction=PAD_FRICTION, stiffness=1e5, damping=1000.0, sticks=True, against=0.65)
+PAD_SURFACE = ContactSurface(friction=PAD_FRICTION, stiffness=1e5, damping=1000.0, sticks=True, against=0.65)
 """Rubber, at each corner: rigid pads would press with one corner each."""

@@ -25,7 +25,7 @@ from handcart.robotics.navigation.localization.localizer import (
     OdometryLocalizer,
     ScanLocalizer,
 )
-from handcart.robotics.navigation.localization.start_search import SURE_FIT, Beams
+from handcart.robotics.navigation.localization.start_search import SURE_FIT, ScanBeams
 from handcart.robotics.navigation.localization.watched_moment import Belief
 from handcart.robotics.navigation.locating.local_map import LocalMap
 from handcart.robotics.navigation.locating.scan_jump import MAX_CHANGED_SHARE, ScanJump
@@ -576,12 +576,12 @@ def _lifted(share: float) -> Lost:
     return Lost(LIFTED_REASON, "RangeSensor", what, share, MAX_CHANGED_SHARE)
 
 
-def beams_of(lidar: Lidar) -> Beams:
+def beams_of(lidar: Lidar) -> ScanBeams:
     """Return this period's scan by its beams, without blind ones."""
     scan = lidar.scan()
     sensor = scan.base_T_sensor
     ranges = np.where(scan.blind(), np.nan, scan.ranges) if len(scan.validity) else scan.ranges
-    return Beams(np.array([sensor.x, sensor.y]), scan.angles + sensor.theta, ranges, lidar.spec.reach_m)
+    return ScanBeams(np.array([sensor.x, sensor.y]), scan.angles + sensor.theta, ranges, lidar.spec.reach_m)
 
 
 def _without(covariance: NDArray[np.float64], part: NDArray[np.float64]) -> NDArray[np.float64]:

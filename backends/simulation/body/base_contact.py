@@ -6,12 +6,12 @@ from handcart.backends.simulation.world.scene import Scene
 from handcart.robotics.geometry.pose2 import Pose2
 
 from .arm_contact import NO_TOUCH
-from .hand import Hand
+from .hand import SimulatedHand
 
 _HALVINGS = 8
 
 
-def move_base(scene: Scene, motion: Pose2, hand: Hand | None) -> frozenset[tuple[str, str]]:
+def move_base(scene: Scene, motion: Pose2, hand: SimulatedHand | None) -> frozenset[tuple[str, str]]:
     """Move the base by `motion` (pose of its end in its start), or up to a contact; return the touching
     pairs.
 

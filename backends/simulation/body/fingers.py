@@ -8,7 +8,7 @@ from handcart.backends.simulation.world.grasp import Pads, aside_at_pads
 from handcart.backends.simulation.world.thing import Rest, Thing
 from handcart.robotics.geometry.transform import inverse
 
-from .hand import Hand
+from .hand import SimulatedHand
 
 _LETS_GO = 0.001  # opening beyond a thing's thickness at which it is free
 
@@ -21,7 +21,7 @@ class Fingers:
     room to open.
     """
 
-    def __init__(self, hand: Hand) -> None:
+    def __init__(self, hand: SimulatedHand) -> None:
         self._hand, self._scene = hand, hand.scene
         self._shape = hand.scene.robot.finger_shape
 

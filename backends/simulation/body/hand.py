@@ -23,7 +23,7 @@ _CLEAR = 1e-5  # [m]
 Vector = NDArray[np.float64]
 
 
-class Hand:
+class SimulatedHand:
     """Motion of a scene's arm, as far as solids allow it.
 
     Quasi-static: the arm stops at the posture where a contact begins, and `scene.hand_force` grows with

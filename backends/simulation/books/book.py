@@ -27,7 +27,7 @@ CLOTH_MATERIALS = (
 
 
 @dataclass(eq=False, repr=False)
-class Book(Thing):
+class SimulatedBook(Thing):
     """A book and its true pose.
 
     Its frame: origin at the foot of the spine, in its middle; x from the spine to the fore-edge, y to the

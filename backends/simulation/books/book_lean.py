@@ -7,14 +7,16 @@ from collections.abc import Sequence
 
 from handcart.robotics.geometry.transform import Transform
 
-from .book import Book
+from .book import SimulatedBook
 from .row import Member
 from .standing_book import leaned
 
 MAX_LEAN_RAD = math.radians(45.0)  # a book that leans further slides down and lies
 
 
-def lean_in_row(book: Book, S_T_foot: Transform, row: Sequence[Member], wish: float) -> Transform | None:
+def lean_in_row(
+    book: SimulatedBook, S_T_foot: Transform, row: Sequence[Member], wish: float
+) -> Transform | None:
     """Return the pose (4, 4) in S of a book released upright at `S_T_foot`; None if it falls flat.
 
     Its foot is bowed, so it keeps the angle `wish` at which the fingers leave it; beyond the angle at
@@ -37,7 +39,7 @@ def lean_in_row(book: Book, S_T_foot: Transform, row: Sequence[Member], wish: fl
     return leaned(S_T_foot, book.thickness, side * angle)
 
 
-def _until_met(book: Book, middle: float, row: Sequence[Member], side: float) -> float:
+def _until_met(book: SimulatedBook, middle: float, row: Sequence[Member], side: float) -> float:
     """The angle at which a book that tips over to a side (1: left) meets something, at most a right angle."""
     beside = [(_gap(each, middle, side) - book.thickness / 2, each.top) for each in row]
     gap, top = min((each for each in beside if each[0] > -book.thickness / 2), default=(math.inf, 0.0))

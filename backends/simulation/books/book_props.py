@@ -17,7 +17,7 @@ from handcart.backends.simulation.world.thing import Rest, Thing
 from handcart.robotics.geometry.transform import Transform, inverse, transform
 from handcart.robotics.kinematics.arm_model import ArmModel
 
-from .book import Book
+from .book import SimulatedBook
 from .book_rest import book_rest
 from .books_there import BooksThere
 from .person import Person
@@ -69,7 +69,7 @@ class BookProps(BooksThere):
 
     @override
     def taken(self, thing: Thing) -> None:
-        assert isinstance(thing, Book)
+        assert isinstance(thing, SimulatedBook)
         thing.rest, thing.shelf = Rest.HAND, None
 
     @override
@@ -104,11 +104,11 @@ class BookProps(BooksThere):
 
     @override
     def let_go(self, thing: Thing) -> None:
-        assert isinstance(thing, Book)
+        assert isinstance(thing, SimulatedBook)
         slot = None if self._rule is None else self._rule.left()
         put_down(self, thing, slot, self._left_aside(thing))
 
-    def _left_aside(self, book: Book) -> float:
+    def _left_aside(self, book: SimulatedBook) -> float:
         """Return the left tilt of a book as the second finger leaves it, in [rad]."""
         spread = math.radians(self.scene.robot.errors.book_lean_deg)
         instant = round(self.scene.time / self.scene.robot.period_s)
@@ -116,7 +116,7 @@ class BookProps(BooksThere):
 
     # In physics
 
-    def awake(self, hand: NDArray[np.float64]) -> Iterable[Book]:
+    def awake(self, hand: NDArray[np.float64]) -> Iterable[SimulatedBook]:
         """See `Props`: the rows within reach, and what is in none."""
         away = np.linalg.norm(self._places - hand, axis=1)
         near = {name for name, far in zip(self.shelves, away.tolist(), strict=True) if far < AWAKE_DISTANCE_M}
@@ -124,7 +124,7 @@ class BookProps(BooksThere):
 
     @override
     def rested(self, thing: Thing) -> None:
-        assert isinstance(thing, Book)
+        assert isinstance(thing, SimulatedBook)
         thing.rest, thing.shelf = book_rest(self, thing)
         if thing.rest is Rest.TRAY:
             thing.base_T_thing = inverse(self.scene.world_T_base) @ thing.pose

@@ -7,7 +7,7 @@ import numpy as np
 from handcart.backends.simulation.world.thing import Rest
 from handcart.robotics.geometry.transform import inverse
 
-from .book import Book
+from .book import SimulatedBook
 from .books_there import BooksThere
 from .shelf import SHELF_DEPTH_M
 
@@ -17,7 +17,7 @@ MAX_UPRIGHT_TILT_RAD = np.radians(45.0)
 MAX_FALLEN_HEIGHT_M = 0.5  # [m] above the floor
 
 
-def book_rest(books: BooksThere, book: Book) -> tuple[Rest, str | None]:
+def book_rest(books: BooksThere, book: SimulatedBook) -> tuple[Rest, str | None]:
     """Return the support of a book that is not held, and the name of the shelf if it is one."""
     for name, shelf in books.shelves.items():
         x, y, z = (shelf.inverse_pose @ book.pose)[:3, 3]
@@ -33,7 +33,7 @@ def book_rest(books: BooksThere, book: Book) -> tuple[Rest, str | None]:
     return book.rest, None
 
 
-def _on_tray(books: BooksThere, book: Book) -> bool:
+def _on_tray(books: BooksThere, book: SimulatedBook) -> bool:
     robot = books.scene.robot
     if not robot.has_tray:
         return False

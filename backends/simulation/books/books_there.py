@@ -18,8 +18,8 @@ from handcart.backends.simulation.world.thing import Rest
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, transform
 
-from .book import Book
-from .shelf import Shelf
+from .book import SimulatedBook
+from .shelf import SimulatedShelf
 from .spec import BookSpec, BooksSection
 from .standing_book import StandingBook, leaned
 
@@ -42,12 +42,12 @@ class BooksThere(Props[BooksSection]):
     """Books by their accession numbers, shelves by their names; what happens to them is `BookProps`."""
 
     section = BooksSection
-    STATE: ClassVar[Kinds] = {"books": dict[int, Book], "to_come": list[BookSpec], "waits": Waiting}
+    STATE: ClassVar[Kinds] = {"books": dict[int, SimulatedBook], "to_come": list[BookSpec], "waits": Waiting}
 
     def __init__(self, scene: Scene, spec: BooksSection, seed: int) -> None:
         super().__init__(scene, spec, seed)
-        self.shelves = {each.name: Shelf(each) for each in spec.shelves}
-        self.books: dict[int, Book] = {}
+        self.shelves = {each.name: SimulatedShelf(each) for each in spec.shelves}
+        self.books: dict[int, SimulatedBook] = {}
         self.to_come = list(spec.handed_over)
         """Books that a person still has for the robot."""
         self.waits = Waiting()
@@ -55,7 +55,7 @@ class BooksThere(Props[BooksSection]):
     @classmethod
     @override
     def solids(cls, spec: BooksSection) -> Sequence[Solid]:
-        return [solid for each in spec.shelves for solid in Shelf(each).solids()]
+        return [solid for each in spec.shelves for solid in SimulatedShelf(each).solids()]
 
     def set_up(self) -> None:
         """See `Props`: spines not quite in line, and a book on the tray."""
@@ -64,7 +64,7 @@ class BooksThere(Props[BooksSection]):
             for spec, y in shelf.standing():
                 stands = transform((rng.uniform(-MAX_SPINE_OFFSET_M, MAX_SPINE_OFFSET_M), y, 0.0))
                 pose = shelf.pose @ leaned(stands, spec.thickness_mm / 1e3, math.radians(spec.lean_deg))
-                self.books[spec.accession] = Book(pose, Rest.TABLE, spec, shelf.name)
+                self.books[spec.accession] = SimulatedBook(pose, Rest.TABLE, spec, shelf.name)
         if self.spec.tray is not None and self.scene.robot.has_tray:
             self.set_on_tray(self.spec.tray)
 
@@ -77,15 +77,17 @@ class BooksThere(Props[BooksSection]):
         tray = scene.robot.tray_shape
         spine = (tray.rear + SPINE_ON_TRAY + place * dx, tray.middle[1] + place * dy, tray.top)
         stands = transform(spine, (0.0, 0.0, yaw))
-        self.books[spec.accession] = Book(scene.world_T_base @ stands, Rest.TRAY, spec, base_T_thing=stands)
+        self.books[spec.accession] = SimulatedBook(
+            scene.world_T_base @ stands, Rest.TRAY, spec, base_T_thing=stands
+        )
         scene.changes += 1
 
     @override
-    def things(self) -> Iterable[Book]:
+    def things(self) -> Iterable[SimulatedBook]:
         return self.books.values()
 
     def book_pose(self, accession: int) -> Transform:
-        """world_T_book (4, 4); its frame is that of `Book`."""
+        """world_T_book (4, 4); its frame is that of `SimulatedBook`."""
         return self.books[accession].pose
 
     def shelf_books(self, shelf: str) -> list[StandingBook]:
@@ -101,6 +103,6 @@ class BooksThere(Props[BooksSection]):
                 standing.append(StandingBook(book, y, x, book.tilt(), yaw, lean))
         return sorted(standing, key=lambda each: -each.lateral)
 
-    def tray_book(self) -> Book | None:
+    def tray_book(self) -> SimulatedBook | None:
         """Return the book on the tray, or None."""
         return next((book for book in self.books.values() if book.rest is Rest.TRAY), None)

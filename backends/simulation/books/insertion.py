@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from handcart.backends.simulation.noise.keyed_noise import keyed
 
 from .row import FreeInterval, Member, slots
-from .shelf import Shelf
+from .shelf import SimulatedShelf
 
 CHAMFER_M = 0.003
 MARGIN_M = 0.001
@@ -23,7 +23,7 @@ LEAST_CLEARANCE = 0.0003
 class Entry:
     """A held book's leading edge that has passed the front of the row."""
 
-    shelf: Shelf
+    shelf: SimulatedShelf
     slot: FreeInterval
     admitted: bool
     """True if the book enters; otherwise it jams."""
@@ -54,7 +54,7 @@ class Entrance:
     def follow(
         self,
         entry: Entry | None,
-        shelf: Shelf,
+        shelf: SimulatedShelf,
         row: Sequence[Member],
         edge: tuple[float, float, float],
         thickness: float,

@@ -17,9 +17,9 @@ from handcart.backends.simulation.world.thing import GreyImage, Rest
 from handcart.robotics.geometry.transform import transform
 from handcart.robotics.kinematics.shapes import Box
 
-from .book import Book
+from .book import SimulatedBook
 from .books_there import BooksThere
-from .shelf import PANEL_HEIGHT_M, SHELF_DEPTH_M, WOOD_GREY, Shelf
+from .shelf import PANEL_HEIGHT_M, SHELF_DEPTH_M, WOOD_GREY, SimulatedShelf
 from .spec import BookSpec
 from .textures import PX_PER_MM, draw_spine
 
@@ -56,13 +56,13 @@ def painted(books: BooksThere, rests: frozenset[Rest]) -> Iterator[Painted]:
             yield Painted(book.box().pose[:3, 3], partial(_book, book=book, shelf=None))
 
 
-def _light(shelf: Shelf, depth: float) -> float:
+def _light(shelf: SimulatedShelf, depth: float) -> float:
     """Share of the room's light that falls `depth` [m] behind the board's front edge."""
     light = shelf.spec.light
     return light + (1.0 - light) * math.exp(-max(0.0, depth) / _DIMS)
 
 
-def _shelf(canvas: Canvas, books: BooksThere, shelf: Shelf) -> None:
+def _shelf(canvas: Canvas, books: BooksThere, shelf: SimulatedShelf) -> None:
     parts = shelf.parts()
     eye = shelf.inverse_pose[:3, :3] @ canvas.eye + shelf.inverse_pose[:3, 3]
     if eye[0] >= 0.0 or np.linalg.norm(eye) > _SEES:
@@ -70,7 +70,7 @@ def _shelf(canvas: Canvas, books: BooksThere, shelf: Shelf) -> None:
             paint_box(canvas, parts[part], WOOD_GREY)
         return
     _inside(canvas, shelf)
-    bodies: list[tuple[float, Book | tuple[Box, int]]] = [
+    bodies: list[tuple[float, SimulatedBook | tuple[Box, int]]] = [
         (_to_row(each.lateral, each.book.thickness, eye[1]), each.book)
         for each in books.shelf_books(shelf.name)
     ]
@@ -86,7 +86,7 @@ def _shelf(canvas: Canvas, books: BooksThere, shelf: Shelf) -> None:
         bodies.append((_to_row(lateral, held.thickness, eye[1]), held))
     # Between parallel bodies side by side the one further to the side never hides the nearer one.
     for _, body in sorted(bodies, key=lambda each: -each[0]):
-        if isinstance(body, Book):
+        if isinstance(body, SimulatedBook):
             _book(canvas, body, shelf)
         else:
             paint_box(canvas, *body)
@@ -100,18 +100,18 @@ def _to_row(lateral: float, thickness: float, eye: float) -> float:
     return max(0.0, abs(lateral - eye) - thickness / 2)
 
 
-def _held_inside(books: BooksThere, shelf: Shelf) -> Book | None:
+def _held_inside(books: BooksThere, shelf: SimulatedShelf) -> SimulatedBook | None:
     """The held book, if it reaches into the shelf: its neighbours may hide it."""
     held = books.scene.held
-    return held if isinstance(held, Book) and _reaches_in(held, shelf) else None
+    return held if isinstance(held, SimulatedBook) and _reaches_in(held, shelf) else None
 
 
-def _reaches_in(book: Book, shelf: Shelf) -> bool:
+def _reaches_in(book: SimulatedBook, shelf: SimulatedShelf) -> bool:
     fore = shelf.inverse_pose @ book.pose @ np.array([book.depth, 0.0, 0.0, 1.0])
     return bool(0.0 < fore[0] < SHELF_DEPTH_M and abs(fore[1]) < shelf.half_width and -0.1 < fore[2] < 0.3)
 
 
-def _inside(canvas: Canvas, shelf: Shelf) -> None:
+def _inside(canvas: Canvas, shelf: SimulatedShelf) -> None:
     half = shelf.half_width
     back = (
         (SHELF_DEPTH_M, -half, 0),
@@ -134,17 +134,17 @@ def _inside(canvas: Canvas, shelf: Shelf) -> None:
         canvas.polygon(_in_world(shelf, board), round(_BOARD * light))
 
 
-def _board_edge(canvas: Canvas, shelf: Shelf) -> None:
+def _board_edge(canvas: Canvas, shelf: SimulatedShelf) -> None:
     half = shelf.half_width
     corners = ((0, -half, -0.02), (0, half, -0.02), (0, half, 0), (0, -half, 0))
     canvas.polygon(_in_world(shelf, corners), WOOD_GREY + 20)
 
 
-def _in_world(shelf: Shelf, corners: tuple[tuple[float, float, float], ...]) -> NDArray[np.float64]:
+def _in_world(shelf: SimulatedShelf, corners: tuple[tuple[float, float, float], ...]) -> NDArray[np.float64]:
     return np.asarray(np.array(corners, dtype=float) @ shelf.pose[:3, :3].T + shelf.pose[:3, 3])
 
 
-def _book(canvas: Canvas, book: Book, shelf: Shelf | None) -> None:
+def _book(canvas: Canvas, book: SimulatedBook, shelf: SimulatedShelf | None) -> None:
     """Paint covers and head, darker with their depth inside a shelf, then the spine."""
     box = book.box()
     if canvas.shows_none((SIDE_CORNERS.reshape(-1, 3) * box.size) @ box.pose[:3, :3].T + box.pose[:3, 3]):
@@ -166,7 +166,7 @@ def _book(canvas: Canvas, book: Book, shelf: Shelf | None) -> None:
         canvas.texture(spine_levels(book.spec), face, shade)
 
 
-def _mirrored(book: Book, shelf: Shelf | None, eye: NDArray[np.float64]) -> float | None:
+def _mirrored(book: SimulatedBook, shelf: SimulatedShelf | None, eye: NDArray[np.float64]) -> float | None:
     """Return where a glossy spine mirrors a window to the eye, 0 to 1 from its left; None: nowhere."""
     if shelf is None or book.spec.gloss == 0.0:
         return None
@@ -191,7 +191,7 @@ _SPINE_FACE = np.array(
 )
 
 
-def _part(canvas: Canvas, book: Book, span: tuple[float, float], light: float) -> None:
+def _part(canvas: Canvas, book: SimulatedBook, span: tuple[float, float], light: float) -> None:
     """The book from one depth to another, in one shade."""
     middle = book.pose @ transform(((span[0] + span[1]) / 2, 0.0, book.height / 2))
     size = np.array([span[1] - span[0], book.thickness, book.height])

@@ -9,17 +9,17 @@ import numpy as np
 from handcart.backends.simulation.world.thing import Rest
 from handcart.robotics.geometry.transform import inverse, transform
 
-from .book import Book
+from .book import SimulatedBook
 from .book_lean import lean_in_row
 from .books_there import BooksThere
 from .row import FreeInterval, members, slots
-from .shelf import SHELF_DEPTH_M, Shelf
+from .shelf import SHELF_DEPTH_M, SimulatedShelf
 
 HIGHEST_DROP = 0.020  # onto a support; from higher up a book falls over and off [m]
 _BELOW = 0.003
 
 
-def put_down(books: BooksThere, book: Book, slot: FreeInterval | None, aside: float = 0.0) -> None:
+def put_down(books: BooksThere, book: SimulatedBook, slot: FreeInterval | None, aside: float = 0.0) -> None:
     """Drop a book from its current pose.
 
     If a shelf's board or the tray carries its middle and is at most 20 mm below its foot, the book rests
@@ -48,7 +48,9 @@ def put_down(books: BooksThere, book: Book, slot: FreeInterval | None, aside: fl
         _fall(book)
 
 
-def _carries(books: BooksThere, shelf: Shelf, book: Book, slot: FreeInterval | None) -> bool:
+def _carries(
+    books: BooksThere, shelf: SimulatedShelf, book: SimulatedBook, slot: FreeInterval | None
+) -> bool:
     pose = shelf.inverse_pose @ book.pose
     x, y, z = pose[:3, 3]
     middle = x + pose[0, 0] * book.depth / 2
@@ -59,7 +61,7 @@ def _carries(books: BooksThere, shelf: Shelf, book: Book, slot: FreeInterval | N
     return any(each.right <= y - half and y + half <= each.left for each in free)
 
 
-def _on_tray(books: BooksThere, book: Book) -> bool:
+def _on_tray(books: BooksThere, book: SimulatedBook) -> bool:
     scene = books.scene
     if books.tray_book() is not None or not scene.robot.has_tray:
         return False
@@ -70,7 +72,7 @@ def _on_tray(books: BooksThere, book: Book) -> bool:
     return near and -_BELOW < middle[2] - tray.top < HIGHEST_DROP and foot[2, 2] > 0.98
 
 
-def _fall(book: Book, height: float = 0.0) -> None:
+def _fall(book: SimulatedBook, height: float = 0.0) -> None:
     """It lies on its cover below where it was let go, on what is `height` [m] above the floor."""
     x, y = book.pose[:2, 3]
     yaw = float(np.arctan2(book.pose[1, 0], book.pose[0, 0]))

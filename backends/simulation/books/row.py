@@ -10,9 +10,9 @@ from typing import NamedTuple
 from handcart.backends.simulation.world.hand_rule import ARM_STIFFNESS_N_M, FORCE_CAP
 from handcart.backends.simulation.world.thing import Thing
 
-from .book import Book
+from .book import SimulatedBook
 from .books_there import BooksThere
-from .shelf import SHELF_DEPTH_M, Shelf
+from .shelf import SHELF_DEPTH_M, SimulatedShelf
 
 PUSH_FRICTION = 3.0  # of a standing book pushed on its spine [N]
 JAM_FRICTION = 10.0  # of a book pushed back by an edge that jams against it [N]
@@ -27,7 +27,7 @@ class Member(NamedTuple):
     left: float
     front: float
     top: float
-    book: Book | None
+    book: SimulatedBook | None
     """None: a panel or the book end, which nothing moves."""
 
 
@@ -70,7 +70,7 @@ class Push(NamedTuple):
     met: tuple[str, ...]
 
 
-def members(books: BooksThere, shelf: Shelf, without: Thing | None) -> list[Member]:
+def members(books: BooksThere, shelf: SimulatedShelf, without: Thing | None) -> list[Member]:
     """The row from right to left, the fixed parts included, `without` the book that the hand holds."""
     row = [Member(right, left, front, 0.35, None) for right, left, front in shelf.fixed_intervals()]
     row += [
@@ -91,7 +91,9 @@ def slots(row: Sequence[Member]) -> list[FreeInterval]:
     ]
 
 
-def push(books: BooksThere, shelf: Shelf, row: Sequence[Member], pusher: Pusher, start: float) -> Push:
+def push(
+    books: BooksThere, shelf: SimulatedShelf, row: Sequence[Member], pusher: Pusher, start: float
+) -> Push:
     """Let the pusher, commanded to `pusher.lead` from `start` (x in S), meet the row; books give way.
 
     Quasi-static: the arm is a spring of `STIFFNESS` behind its command, each book met resists with its
@@ -121,7 +123,7 @@ def _meets(member: Member, pusher: Pusher, start: float) -> bool:
     return beside and level and member.front > start - 0.005
 
 
-def _move(books: BooksThere, shelf: Shelf, moved: Sequence[Member], lead: float) -> None:
+def _move(books: BooksThere, shelf: SimulatedShelf, moved: Sequence[Member], lead: float) -> None:
     for member in moved:
         if member.book is not None and lead > member.front + 1e-9:
             member.book.pose = member.book.pose.copy()

@@ -15,11 +15,11 @@ from handcart.backends.simulation.world.thing import Rest, Thing
 from handcart.robotics.geometry.transform import Transform, transform
 from handcart.robotics.kinematics.arm_model import ArmModel
 
-from .book import Book
+from .book import SimulatedBook
 from .books_there import BooksThere
 from .insertion import Entrance, Entry
 from .row import JAM_FRICTION, PUSH_FRICTION, FreeInterval, Member, Pusher, members, push
-from .shelf import Shelf
+from .shelf import SimulatedShelf
 
 SLOT_FRICTION = 2.0  # of a book that slides in its slot [N]
 _WRENCH = np.radians(10.0)  # turned further than this against its slot, a book stops the arm
@@ -29,7 +29,7 @@ _FACING = np.cos(np.radians(30.0))
 class Front(NamedTuple):
     """The shelf that the hand reaches into: its row, and the hand in S."""
 
-    shelf: Shelf
+    shelf: SimulatedShelf
     row: list[Member]
     S_T_hand: Transform
 
@@ -98,7 +98,7 @@ class RowRule(HandRule):
     def carry(self, thing: Thing, world_T_hand: Transform, start: Vector) -> Vector:
         """See `HandRule`: a book in its slot aligns; gives the slot's force on the hand."""
         self.strain = 0.0
-        if self.entry is None or not self.entry.admitted or not isinstance(thing, Book):
+        if self.entry is None or not self.entry.admitted or not isinstance(thing, SimulatedBook):
             return np.zeros(3)
         shelf, slot = self.entry.shelf, self.entry.slot
         rigid = shelf.inverse_pose @ thing.pose
@@ -130,7 +130,7 @@ class RowRule(HandRule):
 
     def gripped(self, thing: Thing) -> None:
         """See `HandRule`: a book gripped in its slot is in it still."""
-        if isinstance(thing, Book) and thing.rest is Rest.TABLE and thing.shelf is not None:
+        if isinstance(thing, SimulatedBook) and thing.rest is Rest.TABLE and thing.shelf is not None:
             self.entry = self._slot_of(thing, self._books.shelves[thing.shelf])
 
     def left(self) -> FreeInterval | None:
@@ -150,7 +150,7 @@ class RowRule(HandRule):
                 return Front(shelf, self._members(shelf), S_T_hand)
         return None
 
-    def _members(self, shelf: Shelf) -> list[Member]:
+    def _members(self, shelf: SimulatedShelf) -> list[Member]:
         """Return the row on a shelf, built again after something was moved."""
         key = self._scene.changes, self._scene.held, shelf
         if self._row is None or self._row[0] != key:
@@ -159,13 +159,13 @@ class RowRule(HandRule):
 
     def _follow_entry(self, front: Front | None) -> None:
         book = self._scene.held
-        if not isinstance(book, Book) or front is None:
+        if not isinstance(book, SimulatedBook) or front is None:
             self.entry = None
             return
         edge = _leading_edge(front, book, self._scene.hand_T_held)
         self.entry = self._entrance.follow(self.entry, front.shelf, front.row, edge, book.thickness)
 
-    def _slot_of(self, book: Book, shelf: Shelf) -> Entry | None:
+    def _slot_of(self, book: SimulatedBook, shelf: SimulatedShelf) -> Entry | None:
         row = members(self._books, shelf, book)
         y = float((shelf.inverse_pose @ book.pose)[1, 3])
         half = book.thickness / 2
@@ -207,11 +207,11 @@ class RowRule(HandRule):
             lead = float(max(ends[0][0], ends[1][0]))
             span = (float(ends[0][1]), float(ends[1][1]))
             found.append(("fingers", Pusher(lead, *span, low, high, PUSH_FRICTION)))
-        if isinstance(scene.held, Book) and self.entry is not None and not self.entry.admitted:
+        if isinstance(scene.held, SimulatedBook) and self.entry is not None and not self.entry.admitted:
             found.append((LOAD_NAME, self._jammed(S_T_hand, scene.held)))
         return found
 
-    def _jammed(self, S_T_hand: Transform, book: Book) -> Pusher:
+    def _jammed(self, S_T_hand: Transform, book: SimulatedBook) -> Pusher:
         pose = S_T_hand @ self._scene.hand_T_held
         edge = pose @ np.array([book.depth, 0.0, 0.0, 1.0])
         half, entry = book.thickness / 2, self.entry
@@ -225,7 +225,7 @@ class RowRule(HandRule):
         return Pusher(float(edge[0]), right, left, float(edge[2]), float(edge[2]) + book.height, JAM_FRICTION)
 
 
-def _leading_edge(front: Front, book: Book, hand_T_book: Transform) -> tuple[float, float, float]:
+def _leading_edge(front: Front, book: SimulatedBook, hand_T_book: Transform) -> tuple[float, float, float]:
     pose = front.S_T_hand @ hand_T_book
     edge = pose @ np.array([book.depth, 0.0, 0.0, 1.0])
     return float(edge[0]), float(edge[1]), float(np.arctan2(pose[1, 0], pose[0, 0]))

@@ -25,7 +25,7 @@ _BOOK_END_HEIGHT = 0.16
 _BOOK_END_FRONT = 0.03  # behind the board's front edge
 
 
-class Shelf:
+class SimulatedShelf:
     """A shelf of the world file.
 
     Frame S: origin in the middle of the board's front edge, on its top; x points into the shelf, y left,

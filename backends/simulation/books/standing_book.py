@@ -9,13 +9,13 @@ import numpy as np
 
 from handcart.robotics.geometry.transform import Transform, transform
 
-from .book import Book
+from .book import SimulatedBook
 
 
 class StandingBook(NamedTuple):
     """Pose of a book on a shelf, in S."""
 
-    book: Book
+    book: SimulatedBook
     lateral: float
     """y of the middle of its spine, in [m]."""
     front: float

@@ -16,7 +16,7 @@ from handcart.backends.simulation.world.thing import Rest, Thing
 from handcart.robotics.geometry.transform import Transform, inverse, transform
 
 from .sensor import Sensor
-from .spec import FieldSection, SensorSpec
+from .spec import FieldSection, SeismicSensorSpec
 
 # [rad], [m] of each joint from the posture `home`, at which the magazine meets the hand
 HOME_TOLERANCE = 0.01
@@ -42,7 +42,7 @@ class FieldProps(Props[FieldSection]):
         """Name of the held object a period ago."""
         self.total_station = spec.total_station
         """Instrument that measures the hand's position, used by evaluation."""
-        self._magazine: SensorSpec | None = None
+        self._magazine: SeismicSensorSpec | None = None
         if spec.sensors is not None and scene.robot.gripper is not None:
             self._magazine = spec.sensors
             self._home = np.array(scene.robot.posture("home"))
@@ -57,7 +57,7 @@ class FieldProps(Props[FieldSection]):
         if self._magazine is not None:
             self._give(self._magazine)
 
-    def _give(self, magazine: SensorSpec) -> None:
+    def _give(self, magazine: SeismicSensorSpec) -> None:
         scene = self.scene
         before, self.in_hand = self.in_hand, scene.held.name if scene.held is not None else ""
         last = self.sensors.get(str(self.loaded))

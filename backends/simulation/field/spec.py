@@ -10,7 +10,7 @@ from handcart.backends.simulation.world.world_file import Coordinate, Millimetre
 from handcart.files.models.model import FileModel
 
 
-class SensorSpec(FileModel):
+class SeismicSensorSpec(FileModel):
     """Seismic sensors that a robot carries in its magazine, to be laid out one after the other."""
 
     count: Annotated[int, Field(ge=0, le=2000)]
@@ -32,6 +32,6 @@ class StationSpec(FileModel):
 class FieldSection(FileModel):
     """Keys of a world's file about a field of sensors."""
 
-    sensors: SensorSpec | None = None
+    sensors: SeismicSensorSpec | None = None
     """Sensors in the robot's magazine."""
     total_station: StationSpec | None = None

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 
-class Branch(NamedTuple):
+class SeedBranch(NamedTuple):
     """One continuation of a split run."""
 
     number: int
@@ -23,11 +23,11 @@ class SplitSeed(int):
     `keyed` are equal in all branches.
     """
 
-    _branches: tuple[Branch, ...]
+    _branches: tuple[SeedBranch, ...]
     _drawn: dict[str, int]
     _prefix: str
 
-    def __new__(cls, seed: int, branches: tuple[Branch, ...] = ()) -> SplitSeed:
+    def __new__(cls, seed: int, branches: tuple[SeedBranch, ...] = ()) -> SplitSeed:
         """Make a seed from a plain one; `branches` are the splits so far, the latest one last."""
         made = super().__new__(cls, seed)
         made._branches, made._drawn, made._prefix = branches, {}, ""
@@ -43,7 +43,7 @@ class SplitSeed(int):
         """Return the seed of a branch that begins here; `number` must differ from those of all other
         branches.
         """
-        return SplitSeed(int(self), (*self._branches, Branch(number, dict(self._drawn))))
+        return SplitSeed(int(self), (*self._branches, SeedBranch(number, dict(self._drawn))))
 
     def branch(self, purpose: str, period: int) -> int:
         """Return the number of the branch that a draw belongs to, 0 for the plain seed, and record the

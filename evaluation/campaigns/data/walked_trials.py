@@ -10,7 +10,7 @@ from typing import Any, overload
 import numpy as np
 
 from handcart.evaluation.campaigns.walks.file_odds import FileOdds
-from handcart.evaluation.campaigns.walks.odds import End, Odds
+from handcart.evaluation.campaigns.walks.odds import EndCode, Odds
 from handcart.evaluation.campaigns.walks.walk_table import WalkTable
 from handcart.evaluation.campaigns.walks.walker import NO_ACTION, Walked, Walker
 from handcart.networks.graph.planner import NoWay
@@ -71,19 +71,19 @@ class WalkedTrials:
             replans += not route.planned
             if not route.planned and isinstance(route.plan(), NoWay):
                 break
-            action, end, time = route.next, End(code), time + seconds
+            action, end, time = route.next, EndCode(code), time + seconds
             if index == NO_ACTION:
                 route.took(Success())
                 continue
             assert action.index == index, "the coordinator plans otherwise than its table"
-            why = {End.SUCCESS: "", End.UNKNOWN: UNKNOWN}.get(end, DRAWN)
+            why = {EndCode.SUCCESS: "", EndCode.UNKNOWN: UNKNOWN}.get(end, DRAWN)
             row = self.names[index], action.source, action.target, end.outcome, time, why
-            ends.append(ActionEnd(*row, for_good=end is End.FOR_GOOD))
-            if end is End.SUCCESS:
+            ends.append(ActionEnd(*row, for_good=end is EndCode.FOR_GOOD))
+            if end is EndCode.SUCCESS:
                 route.took(Success())
             elif end.outcome == "Fail":
                 fails += 1
-                route.failed(why, end is End.FOR_GOOD)
+                route.failed(why, end is EndCode.FOR_GOOD)
             else:
                 fails += 1
                 outcome, status, reason = "GiveUp", 4, f"{action}: {why}"

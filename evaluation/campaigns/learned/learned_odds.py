@@ -7,12 +7,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.evaluation.campaigns.walks.odds import CONTEXT_COUNT, Codes, End, Floats, Numbers
+from handcart.evaluation.campaigns.walks.odds import CONTEXT_COUNT, Codes, EndCode, Floats, Numbers
 from handcart.networks.task.task_file import Task
 
 from .seen_actions import SeenActions
 
-KNOWN_ENDS = len(End) - 1  # ends that can be observed
+KNOWN_ENDS = len(EndCode) - 1  # ends that can be observed
 POOLING_WEIGHTS = (1.0, 3.0, 10.0, 30.0, 100.0, 1e9)
 _FOLDS = 5
 _ENOUGH = 20  # durations seen in a context, from which other contexts are not used
@@ -51,12 +51,12 @@ class LearnedOdds:
         """Draw how each action ends, with the probabilities learned from a campaign."""
         entry = self._entry[action]
         ends = (drawn[:, None] >= self._limits[entry, context, : KNOWN_ENDS - 1]).sum(axis=1)
-        return np.where(self._known[entry], ends, End.UNKNOWN).astype(np.int8)
+        return np.where(self._known[entry], ends, EndCode.UNKNOWN).astype(np.int8)
 
     def seconds(self, action: Numbers, context: Numbers, ends: Codes, drawn: Floats) -> Floats:
         """Return drawn durations (n,) in [s]; 0 for actions without data."""
         seconds = np.zeros(len(action))
-        known = ends != End.UNKNOWN
+        known = ends != EndCode.UNKNOWN
         entry = self._entry[action[known]]
         seconds[known] = self._drawers.draw(entry, context[known], ends[known], drawn[known])
         return seconds

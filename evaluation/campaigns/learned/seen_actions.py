@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 
 from handcart.evaluation.campaigns.data.action_ends import action_names
 from handcart.evaluation.campaigns.data.trial import ActionEnd, Trial
-from handcart.evaluation.campaigns.walks.odds import MOST_FAILS, End, Floats
+from handcart.evaluation.campaigns.walks.odds import MOST_FAILS, EndCode, Floats
 from handcart.networks.task.task_file import Task
 
 Numbers = NDArray[np.int64]
 _FAULT = 5  # exit status of a trial that ended by a fault of the program
-_ENDS = {"Success": End.SUCCESS, "Fail": End.FAIL, "GiveUp": End.GIVE_UP}
+_ENDS = {"Success": EndCode.SUCCESS, "Fail": EndCode.FAIL, "GiveUp": EndCode.GIVE_UP}
 
 
 class SeenActions(NamedTuple):
@@ -29,7 +29,7 @@ class SeenActions(NamedTuple):
     context: Numbers
     """(m,) number of the history, see `context_of`."""
     end: Numbers
-    """(m,) end of the action, as `End`."""
+    """(m,) end of the action, as `EndCode`."""
     seconds: Floats
     """(m,) time since the end of the preceding action or the start of the trial, in [s]."""
     success: Floats
@@ -61,7 +61,7 @@ class SeenActions(NamedTuple):
                     context = 2 * min(fails[this], MOST_FAILS) + after_fail
                     row = len(whole), entries[end.action], context, kind, max(0.0, end.time_s - before)
                     rows.append(row)
-                before, after_fail = end.time_s, kind is not End.SUCCESS
+                before, after_fail = end.time_s, kind is not EndCode.SUCCESS
                 fails[this] += after_fail
             time = float(trial.summary["sim_time_s"])
             whole.append((float(trial.success), time, max(0.0, time - before)))
@@ -88,5 +88,5 @@ class SeenActions(NamedTuple):
         )
 
 
-def _end_of(end: ActionEnd) -> End:
-    return End.FOR_GOOD if end.for_good else _ENDS[end.outcome]
+def _end_of(end: ActionEnd) -> EndCode:
+    return EndCode.FOR_GOOD if end.for_good else _ENDS[end.outcome]

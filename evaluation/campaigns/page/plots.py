@@ -18,7 +18,7 @@ _SLACK = 1e-9  # of a step
 
 
 @dataclass(frozen=True)
-class Axis:
+class PlotAxis:
     """Values along a width."""
 
     least: float
@@ -62,7 +62,7 @@ class Bar:
 class Histogram:
     """How a metric is distributed."""
 
-    axis: Axis
+    axis: PlotAxis
     bars: Sequence[Bar]
     highest: int
     """Trials that the full height stands for."""
@@ -90,7 +90,7 @@ def histogram(
     least, most = float(edges[0]), float(edges[-1])
     if limit is not None:
         least, most = min(least, limit), max(most, limit)
-    axis = Axis(least, most, WIDTH, _are_whole(values[there]))
+    axis = PlotAxis(least, most, WIDTH, _are_whole(values[there]))
     scale = HEIGHT / highest
     bars = [
         Bar(
@@ -120,8 +120,8 @@ def _are_whole(values: NDArray[np.float64]) -> bool:
     return bool((values == np.round(values)).all())
 
 
-def share_axis(shares: Sequence[float], width: float) -> Axis:
+def share_axis(shares: Sequence[float], width: float) -> PlotAxis:
     """An axis of shares, in [%], that holds them all with something beside them."""
     least, most = 100.0 * min(shares), 100.0 * max(shares)
     room = max(1.0, 0.15 * (most - least))
-    return Axis(max(0.0, least - room), min(100.0, most + room), width)
+    return PlotAxis(max(0.0, least - room), min(100.0, most + room), width)

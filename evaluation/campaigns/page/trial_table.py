@@ -18,7 +18,7 @@ MOST_WORDS = 1_000_000  # letters of all reasons together
 MAX_REASON_LETTERS = 160  # letters of a reason
 
 
-class Row(NamedTuple):
+class TrialRow(NamedTuple):
     """One trial in the list of all."""
 
     seed: int
@@ -62,7 +62,7 @@ class TrialTable:
         names = [*OF_ALL, *sorted(self.columns.keys() - set(OF_ALL))]
         return [name for name in names if not constant(self.columns[name])]
 
-    def listed(self) -> tuple[list[str], list[Row], int]:
+    def listed(self) -> tuple[list[str], list[TrialRow], int]:
         """The list's columns and rows, and how many trials are left out of it.
 
         Of very many trials those are left out, and those columns, that say least: a page has to stay small.
@@ -83,11 +83,11 @@ class TrialTable:
         ordered = sorted(range(len(self.seeds)), key=dull.__getitem__)
         return sorted(ordered[:MOST_ROWS])
 
-    def _row(self, at: int, names: Iterable[str], longest: int) -> Row:
+    def _row(self, at: int, names: Iterable[str], longest: int) -> TrialRow:
         outcome, untrue, run, why = self._ends[at]
         cells = tuple(short(float(self.columns[name][at])) for name in names)
         shown = why if len(why) <= longest else f"{why[:longest]}…"
-        return Row(self.seeds[at], outcome, untrue, run, cells, shown)
+        return TrialRow(self.seeds[at], outcome, untrue, run, cells, shown)
 
 
 def constant(values: NDArray[np.float64]) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.evaluation.campaigns.walks.odds import End
+from handcart.evaluation.campaigns.walks.odds import EndCode
 from handcart.evaluation.campaigns.walks.odds import Numbers as Counts
 from handcart.evaluation.campaigns.walks.walk_table import GOAL, NO_WAY
 from handcart.evaluation.campaigns.walks.walker import GAVE_UP, Stride, Walker
@@ -67,7 +67,7 @@ class WalkedRuns:
 
     def _nearer(self, importance: Counts, made: Stride) -> Counts:
         """Return the importance of each walk after this action."""
-        failed, for_good = made.ends == End.FAIL, made.ends == End.FOR_GOOD
+        failed, for_good = made.ends == EndCode.FAIL, made.ends == EndCode.FOR_GOOD
         if self._event.importance == "fails":
             return np.asarray(importance + (failed | for_good), dtype=np.int32)
         used = np.select([failed, for_good], [made.fails + 1, self._attempts[made.action]], 0)

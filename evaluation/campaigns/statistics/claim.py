@@ -25,14 +25,14 @@ class NoClaim(InputError):
 
 
 @dataclass(frozen=True)
-class Claim:
+class RateClaim:
     """That the success rate is above, or below, a limit."""
 
     above: bool
     limit: float
 
     @classmethod
-    def of(cls, words: str) -> Claim:
+    def of(cls, words: str) -> RateClaim:
         """Such as `p > 0.95`; raises `NoClaim`."""
         found = _FORM.fullmatch(words)
         if found is None or not 0.0 < float(found[2]) < 1.0:
@@ -62,7 +62,7 @@ class Settling:
     count must not depend on how long they take.
     """
 
-    def __init__(self, claim: Claim, seeds: Sequence[int]) -> None:
+    def __init__(self, claim: RateClaim, seeds: Sequence[int]) -> None:
         """Nothing is heard of yet."""
         self.claim, self._seeds = claim, seeds
         self.count = self.successes = 0
@@ -87,7 +87,7 @@ class Settling:
         """Return the state of a claim after these trials; None without a claim."""
         if words is None:
             return None
-        settling = cls(Claim.of(words), seeds)
+        settling = cls(RateClaim.of(words), seeds)
         any(settling.hear(trial) for trial in trials)
         return settling
 

@@ -9,7 +9,7 @@ from collections.abc import Generator
 import numpy as np
 
 from handcart.evaluation.campaigns.data.walked_trials import DRAWN, UNKNOWN, WalkedTrials
-from handcart.evaluation.campaigns.walks.odds import End, Numbers
+from handcart.evaluation.campaigns.walks.odds import EndCode, Numbers
 from handcart.evaluation.campaigns.walks.walker import NO_ACTION, Walked
 
 from .tally import WORST_TRIAL_COUNT, Blame, Tally, in_general, outcome_in_general
@@ -22,7 +22,7 @@ class WalkTally(Tally):
         """Nothing is counted yet; the seeds are consecutive."""
         super().__init__(())
         self.trials, self._seeds = trials, seeds
-        self._counts = np.zeros((len(trials.task.network.actions), len(End)), dtype=np.int64)
+        self._counts = np.zeros((len(trials.task.network.actions), len(EndCode)), dtype=np.int64)
         self._first_seen: dict[int, tuple[int, int]] = {}  # of each action: which walk, and where in it
         self._words: dict[tuple[int, ...], str] = {}
         for name in ("sim_time_s", "actions", "fails"):
@@ -44,7 +44,7 @@ class WalkTally(Tally):
         whole = slice(begin, begin + count)
         times = self.trials.times(walked)[whole]
         done, success = (walked.action != NO_ACTION)[:, whole], walked.success[whole]
-        failed = done & (walked.ends[:, whole] != End.SUCCESS)
+        failed = done & (walked.ends[:, whole] != EndCode.SUCCESS)
         fails = failed.sum(axis=0)
         at = self.count
         self.count += count
@@ -54,7 +54,7 @@ class WalkTally(Tally):
         self.times.frombytes(times[success].tobytes())
         self.timed.frombytes((at + np.flatnonzero(success)).astype(np.int64).tobytes())
         self._see(walked.action[:, whole], at)
-        pairs = walked.action[:, whole][done] * len(End) + walked.ends[:, whole][done]
+        pairs = walked.action[:, whole][done] * len(EndCode) + walked.ends[:, whole][done]
         self._counts += np.bincount(pairs, minlength=self._counts.size).reshape(self._counts.shape)
         self._add_outcomes(walked, whole)
         bad = np.flatnonzero(~success | (fails > 0))
@@ -82,11 +82,11 @@ class WalkTally(Tally):
     def _name_actions(self) -> None:
         for index in sorted(self._first_seen, key=lambda each: self._first_seen[each]):
             name = self.trials.names[index]
-            for end, times in zip(End, self._counts[index].tolist(), strict=True):
+            for end, times in zip(EndCode, self._counts[index].tolist(), strict=True):
                 if not times:
                     continue
                 self.actions.setdefault(name, Counter())[end.outcome] += times
-                if end is not End.SUCCESS:
-                    why = UNKNOWN if end is End.UNKNOWN else DRAWN
+                if end is not EndCode.SUCCESS:
+                    why = UNKNOWN if end is EndCode.UNKNOWN else DRAWN
                     blame = Blame(name.partition(" ")[0], end.outcome, "", in_general(why))
                     self.blames[blame] += times

@@ -8,7 +8,7 @@ from handcart.files.errors import FileError
 from handcart.networks.analysis.figures import missing_chances
 from handcart.networks.task.task_file import Task
 
-from .odds import Codes, End, Floats, Numbers
+from .odds import Codes, EndCode, Floats, Numbers
 
 
 class FileOdds:
@@ -30,9 +30,9 @@ class FileOdds:
 
     def ends(self, action: Numbers, context: Numbers, drawn: Floats) -> Codes:
         """Draw how each action ends, with the probabilities of the task file."""
-        ends = np.full(len(action), End.FAIL, dtype=np.int8)
-        ends[drawn >= 1.0 - self._give_up[action]] = End.GIVE_UP
-        ends[drawn < self._success[action]] = End.SUCCESS
+        ends = np.full(len(action), EndCode.FAIL, dtype=np.int8)
+        ends[drawn >= 1.0 - self._give_up[action]] = EndCode.GIVE_UP
+        ends[drawn < self._success[action]] = EndCode.SUCCESS
         return ends
 
     def seconds(self, action: Numbers, context: Numbers, ends: Codes, drawn: Floats) -> Floats:

@@ -13,7 +13,7 @@ Numbers = NDArray[np.int32]
 Codes = NDArray[np.int8]
 
 
-class End(IntEnum):
+class EndCode(IntEnum):
     """End of an action, as a number."""
 
     SUCCESS = 0

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .odds import Codes, End, Floats, Numbers, Odds, context_of
+from .odds import Codes, EndCode, Floats, Numbers, Odds, context_of
 from .walk_table import GOAL, NO_WAY, WalkTable
 
 GAVE_UP = -3
@@ -22,7 +22,7 @@ class Walked(NamedTuple):
     action: Numbers
     """(steps, n) indices of the actions in the network, or `NO_ACTION`."""
     ends: Codes
-    """(steps, n) ends of the actions, as `End`."""
+    """(steps, n) ends of the actions, as `EndCode`."""
     seconds: Floats
     """(steps, n) durations of the actions, in [s]."""
     skipped: NDArray[np.bool_]
@@ -109,18 +109,18 @@ class Walker:
         columns = self._table.columns()
         action, skip, fails = columns.action[moment], columns.skip[moment], columns.fails[moment]
         context = context_of(fails, after_fail)
-        ends = np.where(skip, End.SUCCESS, self._odds.ends(action, context, drawn[0])).astype(np.int8)
+        ends = np.where(skip, EndCode.SUCCESS, self._odds.ends(action, context, drawn[0])).astype(np.int8)
         seconds = np.where(skip, 0.0, self._odds.seconds(action, context, ends, drawn[1]))
-        after = np.where(skip, after_fail, ends != End.SUCCESS)
+        after = np.where(skip, after_fail, ends != EndCode.SUCCESS)
         return Stride(action, fails, skip, ends, seconds, after, self._next(moment, ends))
 
     def _next(self, moment: Numbers, ends: Codes) -> Numbers:
         columns = self._table.columns()
         following = np.full(len(moment), GAVE_UP, dtype=np.int32)
         for end, states in (
-            (End.SUCCESS, columns.next),
-            (End.FAIL, columns.after_fail),
-            (End.FOR_GOOD, columns.for_good),
+            (EndCode.SUCCESS, columns.next),
+            (EndCode.FAIL, columns.after_fail),
+            (EndCode.FOR_GOOD, columns.for_good),
         ):
             failed = ends == end
             following[failed] = self._table.first(states[moment[failed]])
@@ -128,8 +128,8 @@ class Walker:
 
     def _where(self, moment: Numbers, ends: Codes, following: Numbers) -> Numbers:
         columns = self._table.columns()
-        state = np.where(ends == End.FOR_GOOD, columns.for_good[moment], columns.after_fail[moment])
-        person = moment * len(End) + ends
+        state = np.where(ends == EndCode.FOR_GOOD, columns.for_good[moment], columns.after_fail[moment])
+        person = moment * len(EndCode) + ends
         return np.select([following == NO_WAY, following == GAVE_UP], [state, person], 0).astype(np.int32)
 
 

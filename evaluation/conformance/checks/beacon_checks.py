@@ -8,7 +8,7 @@ import numpy as np
 
 from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.beacons import Beacons
-from handcart.evaluation.conformance.rig.bench import Bench
+from handcart.evaluation.conformance.rig.bench import KitBench
 from handcart.evaluation.conformance.rig.parts import needed
 from handcart.evaluation.conformance.rig.skipped import Skipped
 from handcart.evaluation.judging.survey import simulated_world
@@ -20,7 +20,7 @@ DRIVE_SPEED_M_S = 0.2  # [m/s]
 MAX_SIGMAS = 5.0
 
 
-def beacons(bench: Bench, finding: CheckResult) -> None:
+def beacons(bench: KitBench, finding: CheckResult) -> None:
     """Check that ranges come at their rate and match the true distances of the beacons."""
     with bench.rig() as rig:
         backend, radio, spec = rig.backend, needed(rig.backend, Beacons), bench.spec().beacons

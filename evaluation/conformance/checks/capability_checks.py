@@ -17,7 +17,7 @@ from handcart.backends.description.simulated_errors import Errors
 from handcart.backends.robot.localization.lidar import Lidar
 from handcart.backends.robot.mounted_camera import known_camera, mount_of
 from handcart.backends.sensors.all_kinds import all_capabilities, is_declared
-from handcart.evaluation.conformance.rig.bench import Bench
+from handcart.evaluation.conformance.rig.bench import KitBench
 from handcart.evaluation.conformance.rig.parts import needed, part_of
 from handcart.evaluation.conformance.rig.periods import (
     STEERING_PERIODS,
@@ -44,7 +44,7 @@ BEAM_DEG = 0.1  # by which a beam may be off where the robot's file has it
 SIGN_TEST_MOVE_RAD = 0.02  # [rad] that a joint is moved for its sign
 
 
-def declared(bench: Bench, finding: CheckResult) -> None:
+def declared(bench: KitBench, finding: CheckResult) -> None:
     """The capabilities that the robot's file promises are there, and no others of these kinds."""
     spec = bench.spec()
     with bench.rig() as rig:
@@ -56,7 +56,7 @@ def declared(bench: Bench, finding: CheckResult) -> None:
         finding.measured.append(f"{len(rig.backend.capabilities())} capabilities")
 
 
-def readings(bench: Bench, finding: CheckResult) -> None:
+def readings(bench: KitBench, finding: CheckResult) -> None:
     """Shapes, units and ranges of readings at rest."""
     spec = bench.spec()
     with bench.rig() as rig:
@@ -96,7 +96,7 @@ def _scan_readings(scan: Scan, lidar: Lidar, spec: RangeSpec, finding: CheckResu
     finding.expect(not lidar.blockage, lidar.blockage)
 
 
-def signs_of_the_base(bench: Bench, finding: CheckResult) -> None:
+def signs_of_the_base(bench: KitBench, finding: CheckResult) -> None:
     """Forward is forward, left is left, in wheels, scans and truth, with speeds in [m/s] and [rad/s]."""
     spec, tread = bench.spec(), bench.spec().drive.tread_m
     speed, turn_rate, car = 0.2, 0.5, spec.drive.kind == "ackermann"
@@ -121,7 +121,7 @@ def signs_of_the_base(bench: Bench, finding: CheckResult) -> None:
                 _near(finding, f"truly turned by {words}", went.theta, turn * seconds, room, "rad")
 
 
-def signs_of_the_scan(bench: Bench, finding: CheckResult) -> None:
+def signs_of_the_scan(bench: KitBench, finding: CheckResult) -> None:
     """Turning left moves what is seen to the right, by as much."""
     if bench.spec().drive.kind == "ackermann":
         raise Skipped("a car can't turn on the spot")
@@ -136,7 +136,7 @@ def signs_of_the_scan(bench: Bench, finding: CheckResult) -> None:
         _near(finding, "the scan turned", seen, -turn, 0.06, "rad")
 
 
-def signs_of_the_joints(bench: Bench, finding: CheckResult) -> None:
+def signs_of_the_joints(bench: KitBench, finding: CheckResult) -> None:
     """Check that each joint moves to its commanded angle, in [rad], while the others stay."""
     with bench.rig() as rig:
         arm = needed(rig.backend, Arm)
@@ -161,7 +161,7 @@ def _gives(errors: Errors) -> float:
     return off / 1e3 / MIN_LEVER_M
 
 
-def fingers(bench: Bench, finding: CheckResult) -> None:
+def fingers(bench: KitBench, finding: CheckResult) -> None:
     """Check that the fingers open to the commanded width, in [m], and press on each other when closed."""
     spec = bench.spec().gripper
     with bench.rig() as rig:
@@ -176,7 +176,7 @@ def fingers(bench: Bench, finding: CheckResult) -> None:
         finding.expect(gripper.closed_on_something(), "closed fingers don't press on each other")
 
 
-def mounts(bench: Bench, finding: CheckResult) -> None:
+def mounts(bench: KitBench, finding: CheckResult) -> None:
     """Camera and range sensor are mounted where the URDF has them, or a calibration found them."""
     with bench.rig() as rig:
         robot = rig.robot
@@ -195,7 +195,7 @@ def mounts(bench: Bench, finding: CheckResult) -> None:
             finding.at_most("range sensor off", float(beside), 1e-6, "m")
 
 
-def rates(bench: Bench, finding: CheckResult) -> None:
+def rates(bench: KitBench, finding: CheckResult) -> None:
     """Check that a reading is taken once a period: asked again it is the same, later it is a new one.
 
     Noise makes a reading new in every period. A simulation without noise is accepted: its readings have to

@@ -6,7 +6,7 @@ import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from handcart.evaluation.conformance.rig.bench import Bench
+from handcart.evaluation.conformance.rig.bench import KitBench
 from handcart.evaluation.conformance.rig.skipped import Skipped
 
 
@@ -48,9 +48,9 @@ class Check:
     name: str
     holds: str
     """Property that must hold, as text for the table."""
-    look: Callable[[Bench, CheckResult], None]
+    look: Callable[[KitBench, CheckResult], None]
 
-    def __call__(self, bench: Bench) -> CheckResult:
+    def __call__(self, bench: KitBench) -> CheckResult:
         """Look; an exception of the backend is a finding too."""
         finding = CheckResult(self.name, self.holds)
         try:

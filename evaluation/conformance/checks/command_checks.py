@@ -12,7 +12,7 @@ from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.description.robot_file import RobotFile
-from handcart.evaluation.conformance.rig.bench import Bench
+from handcart.evaluation.conformance.rig.bench import KitBench
 from handcart.evaluation.conformance.rig.parts import needed, part_of
 from handcart.evaluation.conformance.rig.periods import (
     SETTLING_PERIODS,
@@ -29,7 +29,7 @@ REFUSED_NUMBERS = (math.nan, math.inf, -math.inf, 1e308, -1e308)
 MAX_COASTING_M = 0.02  # [m] that a base may roll on after its last command
 
 
-def limits(bench: Bench, finding: CheckResult) -> None:
+def limits(bench: KitBench, finding: CheckResult) -> None:
     """NaN, infinity, 1e308 and what is just beyond a limit is refused, and nothing moves."""
     with bench.rig() as rig:
         commands = _bad_commands(bench, rig.backend)
@@ -49,7 +49,7 @@ def limits(bench: Bench, finding: CheckResult) -> None:
             finding.wrong += [f"{words}: {each}" for each in before.moved(TrueState.of(rig.backend))]
 
 
-def _bad_commands(bench: Bench, backend: Backend) -> list[tuple[str, Callable[[], None]]]:
+def _bad_commands(bench: KitBench, backend: Backend) -> list[tuple[str, Callable[[], None]]]:
     spec, result = bench.spec(), list[tuple[str, Callable[[], None]]]()
     base = needed(backend, Base)
     top, turn = spec.drive.top_speed_m_s, math.radians(spec.drive.top_turn_deg_s)
@@ -73,7 +73,7 @@ def _bad_commands(bench: Bench, backend: Backend) -> list[tuple[str, Callable[[]
     return result
 
 
-def after_a_step(bench: Bench, finding: CheckResult) -> None:
+def after_a_step(bench: KitBench, finding: CheckResult) -> None:
     """A command changes nothing before the next step, and something with it."""
     with bench.rig() as rig:
         backend = rig.backend
@@ -98,7 +98,7 @@ def after_a_step(bench: Bench, finding: CheckResult) -> None:
                 )
 
 
-def one_period(bench: Bench, finding: CheckResult) -> None:
+def one_period(bench: KitBench, finding: CheckResult) -> None:
     """Not renewed, the base stops; arm and gripper hold."""
     with bench.rig() as rig:
         backend = rig.backend
@@ -117,7 +117,7 @@ def one_period(bench: Bench, finding: CheckResult) -> None:
         finding.wrong += [f"without a command {each}" for each in before.moved(TrueState.of(backend))]
 
 
-def stop(bench: Bench, finding: CheckResult) -> None:
+def stop(bench: KitBench, finding: CheckResult) -> None:
     """After `stop` nothing that was commanded before moves the robot, soon or later."""
     seconds = 2.0
     for when in ("before its step", "in motion"):
@@ -138,7 +138,7 @@ def stop(bench: Bench, finding: CheckResult) -> None:
             finding.wrong += [f"{when} stopped, yet within {seconds:g} s {each}" for each in wrong]
 
 
-def close_twice(bench: Bench, finding: CheckResult) -> None:
+def close_twice(bench: KitBench, finding: CheckResult) -> None:
     """Closed twice, nothing happens."""
     rig = bench.rig()
     rig.backend.close()

@@ -6,7 +6,7 @@ import numpy as np
 
 from handcart.backends.capabilities.depth_camera import DepthCamera
 from handcart.backends.sensors.depth_spec import DepthCameraSpec
-from handcart.evaluation.conformance.rig.bench import Bench
+from handcart.evaluation.conformance.rig.bench import KitBench
 from handcart.evaluation.conformance.rig.parts import needed
 from handcart.evaluation.conformance.rig.periods import steps
 
@@ -16,7 +16,7 @@ POSE_TOLERANCE = 0.02
 """Difference between the pose in a picture and that of the measured joints: elements of a matrix."""
 
 
-def depth(bench: Bench, finding: CheckResult) -> None:
+def depth(bench: KitBench, finding: CheckResult) -> None:
     """Shapes and limits are those of the file; pose and time belong to the picture."""
     with bench.rig() as rig:
         camera, spec = needed(rig.backend, DepthCamera), rig.robot.spec.first(DepthCameraSpec)

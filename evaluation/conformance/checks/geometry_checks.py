@@ -10,7 +10,7 @@ from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.robot.localization.lidar import Lidar
 from handcart.backends.simulation.sensors.ranges import cast_rays
 from handcart.backends.simulation.world.solids import FloorPlan
-from handcart.evaluation.conformance.rig.bench import Bench
+from handcart.evaluation.conformance.rig.bench import KitBench
 from handcart.evaluation.conformance.rig.parts import needed
 from handcart.evaluation.conformance.rig.periods import move_joints, steps
 from handcart.evaluation.conformance.rig.skipped import Skipped
@@ -26,7 +26,7 @@ MIN_RETURN_RATIO = 0.5  # of the scans in which a beam returns, at least, to be 
 POSE_TOLERANCE = 1e-6  # [m] and of matrix elements
 
 
-def ranges(bench: Bench, finding: CheckResult) -> None:
+def ranges(bench: KitBench, finding: CheckResult) -> None:
     """Ranges agree with the outlines of the world about the true place of the sensor."""
     with bench.rig() as rig:
         backend, spec = rig.backend, rig.robot.spec.range_sensor
@@ -59,7 +59,7 @@ def _true_ranges(rig: Rig, reach: float) -> NDArray[np.float64]:
     return cast_rays(plan, scene.base.compose(scan.base_T_sensor), scan.angles, scene.time, reach)
 
 
-def frames(bench: Bench, finding: CheckResult) -> None:
+def frames(bench: KitBench, finding: CheckResult) -> None:
     """The hand is where the URDF's kinematics put it."""
     with bench.rig() as rig:
         backend, spec = rig.backend, rig.robot.spec

@@ -8,7 +8,7 @@ import numpy as np
 
 from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.gps import Gps
-from handcart.evaluation.conformance.rig.bench import Bench
+from handcart.evaluation.conformance.rig.bench import KitBench
 from handcart.evaluation.conformance.rig.parts import needed
 from handcart.evaluation.conformance.rig.skipped import Skipped
 from handcart.evaluation.judging.survey import simulated_world
@@ -21,7 +21,7 @@ DRIVE_SPEED_M_S = 0.2  # [m/s]
 MAX_MEDIAN_SIGMAS = 3.0
 
 
-def gps(bench: Bench, finding: CheckResult) -> None:
+def gps(bench: KitBench, finding: CheckResult) -> None:
     """Check that fixes come at their rate and match the true position of the antenna, in [m]."""
     robot = bench.spec()
     with bench.rig() as rig:

@@ -8,7 +8,7 @@ import numpy as np
 
 from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.imu import Imu
-from handcart.evaluation.conformance.rig.bench import Bench
+from handcart.evaluation.conformance.rig.bench import KitBench
 from handcart.evaluation.conformance.rig.parts import needed
 from handcart.evaluation.conformance.rig.periods import SETTLING_PERIODS, STEERING_PERIODS, drivable, steps
 
@@ -22,7 +22,7 @@ MAX_LEANING_GRAVITY_M_S2 = 0.02 * GRAVITY_M_S2
 TURN_RATE, PERIODS = 0.4, 30  # [rad/s]
 
 
-def imu(bench: Bench, finding: CheckResult) -> None:
+def imu(bench: KitBench, finding: CheckResult) -> None:
     """At rest gravity alone is felt, upwards; turning left is positive about z, in [rad/s]."""
     spec = bench.spec().imu
     with bench.rig() as rig:
@@ -47,7 +47,7 @@ def imu(bench: Bench, finding: CheckResult) -> None:
         _turns(bench, finding, float(rest[2]))
 
 
-def _turns(bench: Bench, finding: CheckResult, bias: float) -> None:
+def _turns(bench: KitBench, finding: CheckResult, bias: float) -> None:
     """Both ways, by the gyro about z less what it reads at rest; a car drives circles."""
     with bench.rig() as rig:
         unit, base, backend = needed(rig.backend, Imu), needed(rig.backend, Base), rig.backend

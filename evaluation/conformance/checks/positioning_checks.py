@@ -6,7 +6,7 @@ import math
 
 from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.positioning import PoseReading, Positioning
-from handcart.evaluation.conformance.rig.bench import Bench
+from handcart.evaluation.conformance.rig.bench import KitBench
 from handcart.evaluation.conformance.rig.parts import needed
 from handcart.evaluation.conformance.rig.skipped import Skipped
 from handcart.evaluation.judging.survey import simulated_world
@@ -18,7 +18,7 @@ SPEED, TURN_RATE = 0.2, 0.3  # [m/s], [rad/s]
 MAX_SIGMAS = 5.0
 
 
-def positioning(bench: Bench, finding: CheckResult) -> None:
+def positioning(bench: KitBench, finding: CheckResult) -> None:
     """Check that readings come at their rate and match the true pose of the base at their time stamp."""
     spec = bench.spec().positioning
     with bench.rig() as rig:

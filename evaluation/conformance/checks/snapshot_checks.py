@@ -8,7 +8,7 @@ import numpy as np
 
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.gripper import Gripper
-from handcart.evaluation.conformance.rig.bench import Bench
+from handcart.evaluation.conformance.rig.bench import KitBench
 from handcart.evaluation.conformance.rig.parts import part_of
 from handcart.evaluation.conformance.rig.periods import beside, move_joints, steps
 from handcart.evaluation.conformance.rig.reach import Reach
@@ -23,7 +23,7 @@ REST_READINGS = 20  # readings of what stands
 FAILS, FAILS_QUICK = 100, 20
 
 
-def covers(bench: Bench, finding: CheckResult) -> None:
+def covers(bench: KitBench, finding: CheckResult) -> None:
     """Whatever is moved beyond its tolerance is seen: base, each joint, fingers."""
     with bench.rig() as rig:
         backend = rig.backend
@@ -68,7 +68,7 @@ def drive_seen(rig: Rig, speed: float, seconds: float) -> None:
     _wait(rig, REST_READINGS)
 
 
-def tolerances(bench: Bench, finding: CheckResult) -> None:
+def tolerances(bench: KitBench, finding: CheckResult) -> None:
     """Three sigma of what repeated readings of a standing robot spread is within the tolerance."""
     with bench.rig() as rig:
         drive_seen(rig, 0.1, 0.5)
@@ -86,7 +86,7 @@ def tolerances(bench: Bench, finding: CheckResult) -> None:
                 finding.at_most(f"3 sigma of {name}", sigma, allowed[name], unit)
 
 
-def drift(bench: Bench, finding: CheckResult, kind: type[Reach] = Reach) -> None:
+def drift(bench: KitBench, finding: CheckResult, kind: type[Reach] = Reach) -> None:
     """Many Fails in a row don't add up: the last ends where the first began."""
     times = FAILS_QUICK if bench.quick else FAILS
     with bench.rig() as rig:

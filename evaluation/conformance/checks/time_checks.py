@@ -14,7 +14,7 @@ from handcart.backends.backend import Backend
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.gripper import Gripper
-from handcart.evaluation.conformance.rig.bench import Bench
+from handcart.evaluation.conformance.rig.bench import KitBench
 from handcart.evaluation.conformance.rig.parts import needed, part_of
 from handcart.evaluation.conformance.rig.periods import (
     SETTLING_PERIODS,
@@ -33,7 +33,7 @@ SCRIPT_PERIODS = 40  # periods of the script
 CLOCK_JUMP_S = 1e6  # [s] by which a clock is put forward at each look
 
 
-def period(bench: Bench, finding: CheckResult) -> None:
+def period(bench: KitBench, finding: CheckResult) -> None:
     """Check that a step lasts one period of the robot's file, by the distance driven in N steps."""
     spec = bench.spec()
     with bench.rig() as rig:
@@ -55,7 +55,7 @@ def period(bench: Bench, finding: CheckResult) -> None:
         )
 
 
-def monotonic(bench: Bench, finding: CheckResult) -> None:
+def monotonic(bench: KitBench, finding: CheckResult) -> None:
     """Check that the simulated clock advances by one period with each step, and only then."""
     with bench.rig() as rig:
         scene = simulated_world(rig.backend)
@@ -71,7 +71,7 @@ def monotonic(bench: Bench, finding: CheckResult) -> None:
             finding.expect(abs(ahead - rig.backend.period) < 1e-9, f"a step takes {ahead:g} s")
 
 
-def same_seed(bench: Bench, finding: CheckResult) -> None:
+def same_seed(bench: KitBench, finding: CheckResult) -> None:
     """Check that the same seed gives the same readings, bit for bit, and another seed others.
 
     A simulation without noise is accepted: seeds make no difference there, and nothing changes at rest.
@@ -87,7 +87,7 @@ def same_seed(bench: Bench, finding: CheckResult) -> None:
     finding.measured.append("without noise: seeds make no difference")
 
 
-def looking_on(bench: Bench, finding: CheckResult) -> None:
+def looking_on(bench: KitBench, finding: CheckResult) -> None:
     """Check that additional readings do not change the run."""
     quiet = _script(bench, 3, look=lambda backend, number: number % 10 == 9)
     busy = _script(bench, 3)
@@ -95,7 +95,7 @@ def looking_on(bench: Bench, finding: CheckResult) -> None:
     finding.wrong += [f"a reading that nobody needed changed {each}" for each in _different(quiet, kept)]
 
 
-def wall_clock(bench: Bench, finding: CheckResult) -> None:
+def wall_clock(bench: KitBench, finding: CheckResult) -> None:
     """Whatever the wall clock does, the readings are the same."""
     if scene_of_bench(bench) is None:
         finding.skipped = "nothing is simulated"
@@ -114,7 +114,7 @@ def _dawdle(backend: Backend, number: int) -> bool:
     return True
 
 
-def scene_of_bench(bench: Bench) -> object:
+def scene_of_bench(bench: KitBench) -> object:
     """The scene of a backend on the bench, None where nothing is simulated."""
     with bench.rig() as rig:
         scene: object = simulated_world(rig.backend)
@@ -122,7 +122,7 @@ def scene_of_bench(bench: Bench) -> object:
 
 
 def _script(
-    bench: Bench, seed: int, look: Callable[[Backend, int], bool] = lambda backend, number: True
+    bench: KitBench, seed: int, look: Callable[[Backend, int], bool] = lambda backend, number: True
 ) -> Record:
     """Base, arm and fingers move together; gives the readings of the periods that were looked at."""
     record: Record = []

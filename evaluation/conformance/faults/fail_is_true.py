@@ -11,7 +11,7 @@ import numpy as np
 from .fault import NO_FAULT, PRIMITIVE_FAULTS, Fault, FaultKind, all_sensors, faults_of, variant
 from .forked import Died, Hung, forkable, forked
 from .rehearsal import Rehearsal, Solo
-from .underway import Ending, Underway
+from .underway import AttemptEnding, Underway
 
 
 class FaultTrial(NamedTuple):
@@ -24,7 +24,7 @@ class FaultTrial(NamedTuple):
     """Number of periods of the attempt before the fault."""
     fault: str
     kind: str
-    ending: Ending
+    ending: AttemptEnding
 
     def __str__(self) -> str:
         head = f"{self.title}, period {self.period}, {self.fault}: {self.ending.outcome}"
@@ -91,13 +91,13 @@ class Batch:
         general = [variant(kind, number + at + self.action, sensors) for at, kind in enumerate(self.kinds)]
         return [*general, *own]
 
-    def _tried(self, underway: Underway, fault: Fault | None) -> Ending:
+    def _tried(self, underway: Underway, fault: Fault | None) -> AttemptEnding:
         try:
-            return forked(lambda: underway.finish(fault), Ending, self.seconds)
+            return forked(lambda: underway.finish(fault), AttemptEnding, self.seconds)
         except Hung:
-            return Ending("none", "", 0, wrong=("it hangs",))
+            return AttemptEnding("none", "", 0, wrong=("it hangs",))
         except Died as died:
-            return Ending("none", str(died), 0, wrong=("the process died",))
+            return AttemptEnding("none", str(died), 0, wrong=("the process died",))
 
 
 def spread(count: int, periods: int) -> Sequence[int]:

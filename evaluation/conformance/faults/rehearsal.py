@@ -8,7 +8,7 @@ from pathlib import Path
 
 from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.robot.robot import Robot
-from handcart.evaluation.conformance.rig.bench import Bench, liar_around
+from handcart.evaluation.conformance.rig.bench import KitBench, liar_around
 from handcart.networks.graph.network import Action
 from handcart.networks.graph.planner import NoWay, Planner
 from handcart.networks.task.preparing import make_robot, prepare
@@ -81,7 +81,7 @@ class Rehearsal:
 class Solo:
     """One primitive alone, from the robot's start."""
 
-    bench: Bench
+    bench: KitBench
     primitive: ActionPrimitive
     seed: int = 0
 

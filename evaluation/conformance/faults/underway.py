@@ -29,7 +29,7 @@ class Endless(Exception):
 
 
 @dataclass(frozen=True)
-class Ending:
+class AttemptEnding:
     """Outcome of an attempt, with its false claims."""
 
     outcome: str
@@ -91,7 +91,7 @@ class Underway:
         self._step()
         return None
 
-    def finish(self, fault: Fault | None = None) -> Ending:
+    def finish(self, fault: Fault | None = None) -> AttemptEnding:
         """Go on to the end, with a fault from now on, and hold the outcome against the truth."""
         count = [0]
         try:
@@ -111,9 +111,9 @@ class Underway:
         reason = "" if isinstance(outcome, Success) else outcome.reason
         return self._ended(type(outcome).__name__, reason, count[0], tuple(wrong))
 
-    def _ended(self, outcome: str, reason: str, periods: int, wrong: tuple[str, ...]) -> Ending:
+    def _ended(self, outcome: str, reason: str, periods: int, wrong: tuple[str, ...]) -> AttemptEnding:
         bitten = bool(self.backend.bitten)
-        return Ending(outcome, reason, periods, bitten, wrong, self.backend.sensors_read)
+        return AttemptEnding(outcome, reason, periods, bitten, wrong, self.backend.sensors_read)
 
     def _to_the_end(self, fault: Fault | None, count: list[int]) -> Outcome:
         if fault is not None:

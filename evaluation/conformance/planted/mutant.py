@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from handcart.backends.capabilities.capability import Capability
 from handcart.evaluation.conformance.faults.fail_is_true import Batch
-from handcart.evaluation.conformance.rig.bench import Bench
+from handcart.evaluation.conformance.rig.bench import KitBench
 
 FAULT_INSTANTS = 10
 """Number of fault instants in a mutant's run; the first violation ends it."""
@@ -22,7 +22,7 @@ class Mutant:
     name: str
     lie: str
     """What it does wrong, for people."""
-    look: Callable[[Bench], list[str]]
+    look: Callable[[KitBench], list[str]]
     """Function that returns the violations found on a bench."""
     needs: tuple[type[Capability], ...] = ()
     """Capabilities that the robot must have."""

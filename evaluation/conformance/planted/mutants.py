@@ -14,7 +14,7 @@ from handcart.evaluation.conformance.checks.check import CheckResult
 from handcart.evaluation.conformance.faults.fail_is_true import Batch
 from handcart.evaluation.conformance.faults.fault import FaultKind
 from handcart.evaluation.conformance.faults.rehearsal import Solo
-from handcart.evaluation.conformance.rig.bench import Bench
+from handcart.evaluation.conformance.rig.bench import KitBench
 from handcart.evaluation.conformance.rig.parts import needed
 from handcart.evaluation.conformance.rig.reach import Reach
 from handcart.evaluation.conformance.rig.skipped import Skipped
@@ -40,7 +40,7 @@ class Caught:
     """Why it couldn't be planted on this robot."""
 
 
-def try_mutant(name: str, bench: Bench) -> Caught:
+def try_mutant(name: str, bench: KitBench) -> Caught:
     """Plant a liar and look."""
     mutant = mutants()[name]
     try:
@@ -51,7 +51,7 @@ def try_mutant(name: str, bench: Bench) -> Caught:
     return Caught(name, mutant.lie, wrong[0] if wrong else "")
 
 
-def _plantable(mutant: Mutant, bench: Bench) -> None:
+def _plantable(mutant: Mutant, bench: KitBench) -> None:
     """Raise `Skipped` if the robot lacks a part that the mutant needs, or the ground truth is missing."""
     with bench.rig() as rig:
         for kind in mutant.needs:
@@ -60,19 +60,19 @@ def _plantable(mutant: Mutant, bench: Bench) -> None:
             raise Skipped("no ground truth is known")
 
 
-def _backend(name: str, check: str, bench: Bench) -> list[str]:
+def _backend(name: str, check: str, bench: KitBench) -> list[str]:
     finding = checks()[check](replace(bench, liar=name))
     if finding.skipped:
         raise Skipped(finding.skipped)
     return [f"{check}: {each}" for each in finding.wrong]
 
 
-def _primitive(kind: type[ActionPrimitive], fault: FaultKind, bench: Bench) -> list[str]:
+def _primitive(kind: type[ActionPrimitive], fault: FaultKind, bench: KitBench) -> list[str]:
     seconds = HANG_LIMIT_S if kind is primitive_liars.Hangs else TRIAL_LIMIT_S
     return first_violations(Batch(Solo(bench, kind()), 0, FAULT_INSTANTS, kinds=(fault,), seconds=seconds))
 
 
-def _drift(kind: type[Reach], bench: Bench) -> list[str]:
+def _drift(kind: type[Reach], bench: KitBench) -> list[str]:
     finding = CheckResult("drift", "")
     snapshot_checks.drift(replace(bench, quick=True), finding, kind)
     return [f"drift: {each}" for each in finding.wrong]

@@ -16,7 +16,7 @@ CapabilityT = TypeVar("CapabilityT", bound=Capability)
 
 
 @dataclass(frozen=True)
-class Bench:
+class KitBench:
     """A backend by its name, with the robot and the world that it is tried with."""
 
     backend: str

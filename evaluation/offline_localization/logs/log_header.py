@@ -60,7 +60,7 @@ class Column(FileModel):
     """True if the recorder repeats the last value until there is a new one; repetitions are ignored."""
 
 
-class Start(FileModel):
+class LogStart(FileModel):
     """Pose of the base before the first row; omitted values are unknown."""
 
     x_m: float | None = None
@@ -73,7 +73,7 @@ class LogHeader(FileModel):
 
     format: Literal["handcart-log/1"]
     columns: Annotated[dict[str, Column], Field(min_length=2)]
-    start: Start = Start()
+    start: LogStart = LogStart()
     antenna_m: tuple[float, float, float] | None = None
     """Position of the receiver's antenna in the base frame (default: as in the robot's file)."""
     tread_m: Positive | None = None

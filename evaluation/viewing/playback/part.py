@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 SHAPES_ADAPTER = TypeAdapter(list[ThingShape])
 
 
-class Part(NamedTuple):
+class RecordingPart(NamedTuple):
     """Arrays of one part of a recording; times are the robot's, in [s], and increase."""
 
     time: Array
@@ -105,7 +105,7 @@ class Part(NamedTuple):
         raw, ends = self.picture.tobytes(), self.picture_end.tolist()
         return [raw[a:b] for a, b in zip([0, *ends], ends, strict=False)]
 
-    def before(self, time: float) -> Part:
+    def before(self, time: float) -> RecordingPart:
         """Return the part's data from before a time in [s]."""
         rows, scans, clouds, pictures, moves = (
             int(np.searchsorted(each, time))
@@ -118,7 +118,7 @@ class Part(NamedTuple):
 
 
 _GROUPS: Sequence[Sequence[str]] = (
-    Part._fields[:9],
+    RecordingPart._fields[:9],
     ("scan_time", "scan_mm"),
     ("cloud_time", "cloud"),
     ("picture_time", "picture_end"),

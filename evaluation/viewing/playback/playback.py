@@ -18,7 +18,7 @@ from handcart.networks.run_files.run_folder import NoRun, read_file
 from handcart.networks.runs.evidence_files import EVIDENCE_FOLDER as EVIDENCE
 from handcart.networks.runs.flight_recorder import READINGS_SUFFIX, load_arrays
 
-from .part import PLAYBACK_FOLDER, SCENERY_FILE, Part, metres
+from .part import PLAYBACK_FOLDER, SCENERY_FILE, RecordingPart, metres
 from .scenery import Scenery, ThingShape
 from .seven import between, on_floor
 
@@ -29,7 +29,7 @@ PLANNED_KEY = "planned"  # evidence of primitives: the path that they plan to dr
 Array = NDArray[np.float64]
 
 
-class Moment(NamedTuple):
+class PlaybackMoment(NamedTuple):
     """State of a run at one time."""
 
     time: float
@@ -82,7 +82,7 @@ class Playback:
 
     run: PastRun
     scenery: Scenery
-    rows: Part
+    rows: RecordingPart
     """All parts joined; their `names` and `shapes` are empty, see `things`."""
     pictures: tuple[bytes, ...]
     """Camera pictures as JPEG, taken at the times `rows.picture_time`."""
@@ -128,7 +128,7 @@ class Playback:
         """End of the recording, in [s] of the robot's time."""
         return float(self.rows.time[-1])
 
-    def at(self, time: float) -> Moment:
+    def at(self, time: float) -> PlaybackMoment:
         """Return the state at a time in [s], interpolated between two rows and limited to the recording."""
         rows = self.rows
         a = int(np.clip(np.searchsorted(rows.time, time, "right") - 1, 0, len(rows.time) - 1))
@@ -138,7 +138,7 @@ class Playback:
         turn = (rows.pose[b, 2] - rows.pose[a, 2] + np.pi) % (2.0 * np.pi) - np.pi
         step = np.array([*(rows.pose[b, :2] - rows.pose[a, :2]), turn])
         known = bool(np.isfinite(rows.truth[[a, b]]).all())
-        return Moment(
+        return PlaybackMoment(
             float(np.clip(time, self.start, self.end)),
             float(rows.world_time[a] + share * (rows.world_time[b] - rows.world_time[a])),
             rows.pose[a] + share * step,
@@ -227,14 +227,14 @@ class Playback:
         return found
 
 
-def _part(folder: Path, path: Path) -> Part:
+def _part(folder: Path, path: Path) -> RecordingPart:
     try:
-        return Part.of(load_arrays(path))
+        return RecordingPart.of(load_arrays(path))
     except (OSError, ValueError, BadZipFile) as error:
         raise NoRun(folder, f"{PLAYBACK_FOLDER}/{path.name} in it is damaged ({error})") from None
 
 
-def _cut(parts: list[Part]) -> list[Part]:
+def _cut(parts: list[RecordingPart]) -> list[RecordingPart]:
     """Return the parts without periods that a continued run repeated: each is cut where a later part
     begins.
     """
@@ -246,17 +246,17 @@ def _cut(parts: list[Part]) -> list[Part]:
     return kept[::-1]
 
 
-def _joined(parts: list[Part]) -> Part:
+def _joined(parts: list[RecordingPart]) -> RecordingPart:
     first = parts[0]
     whole = {
         name: np.concatenate([each for part in parts if len(each := getattr(part, name))] or [of_first[:0]])
         for name, of_first in first._asdict().items()
     }
     whole |= {name: getattr(first, name)[:0] for name in ("picture", "picture_end", "names", "shapes")}
-    return Part(**whole)
+    return RecordingPart(**whole)
 
 
-def _things(parts: list[Part]) -> dict[str, ThingTrack]:
+def _things(parts: list[RecordingPart]) -> dict[str, ThingTrack]:
     shapes = {each.name: each for part in parts for each in part.new_shapes()}
     rows: dict[str, list[tuple[Array, Array]]] = {}
     for part in parts:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.evaluation.viewing.playback.playback import Moment
+from handcart.evaluation.viewing.playback.playback import PlaybackMoment
 from handcart.evaluation.viewing.playback.scenery import ThingShape
 
 Array = NDArray[np.float64]
@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 class Frame:
     """State of a run at one time, with the latest sensor data; a None value leaves its drawing unchanged."""
 
-    moment: Moment
+    moment: PlaybackMoment
     situation: str
     things: Mapping[str, Array | None]
     """(7,) world_T_thing by name; None: the thing is not there yet. Missing things keep their pose."""

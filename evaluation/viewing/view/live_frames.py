@@ -11,7 +11,7 @@ from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.robot.robot import Robot
 from handcart.backends.simulation.world.scene import Scene
-from handcart.evaluation.viewing.playback.playback import Moment
+from handcart.evaluation.viewing.playback.playback import PlaybackMoment
 from handcart.evaluation.viewing.playback.recorder import jpeg_of
 from handcart.evaluation.viewing.playback.scenery import Scenery, ThingShape, thing_shapes
 from handcart.evaluation.viewing.playback.seven import sevens
@@ -59,7 +59,7 @@ class LiveFrames:
         world_time = robot.time if scene is None else scene.time
         pose = np.array(robot.pose)
         covariance = np.array(robot.localization.covariance)
-        moment = Moment(
+        moment = PlaybackMoment(
             robot.time, world_time, pose, truth, self._joints, self._width, covariance, action, restoring
         )
         rays = None

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from html import escape
 
-from handcart.networks.drawing.network_picture import Box, NetworkPicture, draw_network
+from handcart.networks.drawing.network_picture import DrawnBox, NetworkPicture, draw_network
 from handcart.networks.drawing.svg import to_svg
 from handcart.networks.graph.network import ActionNetwork
 from handcart.networks.past_runs.past_run import PastAction
@@ -30,7 +30,7 @@ class NetworkWindow:
         return drawn.replace("<svg ", f"<svg {named} ", 1)
 
 
-def _window(picture: NetworkPicture, box: Box) -> str:
+def _window(picture: NetworkPicture, box: DrawnBox) -> str:
     """Return the section around a box as a `viewBox`, no higher than its content."""
     x = min(max(box.x + box.width / 2 - WINDOW_WIDTH_PX / 2, 0.0), max(0.0, picture.width - WINDOW_WIDTH_PX))
     seen = [each for each in picture.boxes if each.x < x + WINDOW_WIDTH_PX and each.x + each.width > x]

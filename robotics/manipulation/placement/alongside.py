@@ -12,7 +12,7 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.manipulation.paths.tool_path import ToolPath
 from handcart.robotics.manipulation.paths.untrackable import Untrackable
 
-from .placement_division import Segment
+from .placement_division import PathSegment
 from .placer import Blocked, Free, Placements, Placer
 
 Floats = NDArray[np.float64]
@@ -79,7 +79,7 @@ def place_alongside(
     failed: Untrackable | None = None
     for number in range(1, count + 1):
         cuts = np.linspace(0, len(path.points) - 1, number + 1).round().astype(int).tolist()
-        segments = tuple(Segment(n, cuts[n], cuts[n + 1]) for n in range(number))
+        segments = tuple(PathSegment(n, cuts[n], cuts[n + 1]) for n in range(number))
         try:
             legs = [_leg(placer, path.part(part.first, part.last), blocked, free) for part in segments]
         except Untrackable as error:

@@ -19,7 +19,7 @@ Singles = NDArray[np.float32]
 Masks = NDArray[np.bool_]
 
 
-class Segment(NamedTuple):
+class PathSegment(NamedTuple):
     """Part of the path that is tracked from one placement. The next segment begins at this one's last
     point.
     """
@@ -34,7 +34,7 @@ class Segment(NamedTuple):
 class Division(NamedTuple):
     """Segments in the order of the path."""
 
-    segments: tuple[Segment, ...]
+    segments: tuple[PathSegment, ...]
     score: float
     """Integral of the score along the path, in [m]; at most the path's length for scores up to 1."""
 
@@ -111,7 +111,7 @@ def greedy_division(scores: PlacementScores, lengths: Floats) -> Division:
         placement, last = heaviest_run(values, usable, joined, steps, first)
         if last <= first:
             raise _stuck(scores, first)
-        segments.append(Segment(int(placement), first, int(last)))
+        segments.append(PathSegment(int(placement), first, int(last)))
         first = int(last)
     return _total(segments, values, steps)
 
@@ -131,7 +131,8 @@ def division_by_hand(
         needed = len(placements) - 1
         raise ValueError(f"{len(placements)} placements need {needed} growing cuts inside the path")
     segments = [
-        Segment(placement, *between) for placement, between in zip(placements, pairwise(ends), strict=True)
+        PathSegment(placement, *between)
+        for placement, between in zip(placements, pairwise(ends), strict=True)
     ]
     for number, (placement, first, last) in enumerate(segments):
         bad = np.flatnonzero(~usable[first : last + 1, placement])
@@ -155,7 +156,7 @@ def _arrays(scores: PlacementScores, lengths: Floats) -> tuple[Singles, Masks, M
     )
 
 
-def _longest_first(scores: PlacementScores) -> list[Segment]:
+def _longest_first(scores: PlacementScores) -> list[PathSegment]:
     """Divide by longest segments: no division has fewer, because a part of a usable run is usable."""
     _, usable, joined, steps = _arrays(scores, np.arange(scores.usable.shape[1], dtype=np.float64))
     scores.check()
@@ -164,7 +165,7 @@ def _longest_first(scores: PlacementScores) -> list[Segment]:
         placement, last = farthest_run(usable, joined, first)
         if last <= first:
             raise _stuck(scores, first)
-        segments.append(Segment(int(placement), first, int(last)))
+        segments.append(PathSegment(int(placement), first, int(last)))
         first = int(last)
     return segments
 
@@ -178,11 +179,11 @@ def _division(placements: NDArray[np.int64], scores: PlacementScores, lengths: F
     """Build the division from the placement of each step (p-1,)."""
     starts = np.flatnonzero(np.concatenate(([True], placements[1:] != placements[:-1])))
     ends = np.append(starts[1:], len(placements))
-    segments = [Segment(int(placements[a]), int(a), int(b)) for a, b in zip(starts, ends, strict=True)]
+    segments = [PathSegment(int(placements[a]), int(a), int(b)) for a, b in zip(starts, ends, strict=True)]
     values, _, _, steps = _arrays(scores, lengths)
     return _total(segments, values, steps)
 
 
-def _total(segments: Sequence[Segment], values: Singles, steps: Floats) -> Division:
+def _total(segments: Sequence[PathSegment], values: Singles, steps: Floats) -> Division:
     score = sum(segment_score(values, steps, *segment) for segment in segments)
     return Division(tuple(segments), float(score))

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from handcart.robotics.manipulation.arms.placement_scores import PlacementScores
 from handcart.robotics.manipulation.paths.tool_path import ToolPath
 
-from .placement_division import Division, Segment, best_division
+from .placement_division import Division, PathSegment, best_division
 
 Floats = NDArray[np.float64]
 Scorer = Callable[[Floats, ToolPath], PlacementScores]
@@ -85,7 +85,7 @@ def _climb(
     scorer: Scorer,
     path: ToolPath,
     base: Floats,
-    segment: Segment,
+    segment: PathSegment,
     reach: tuple[float, float],
     rng: np.random.Generator,
 ) -> Floats:

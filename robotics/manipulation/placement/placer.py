@@ -22,7 +22,7 @@ from handcart.robotics.manipulation.tracking.tool_follower import ToolFollower
 from handcart.robotics.manipulation.tracking.tracking_limits import ArmLoad
 
 from .nearest_reachable import with_nearest
-from .placement_division import Division, Segment, best_division, fewest_placements
+from .placement_division import Division, PathSegment, best_division, fewest_placements
 from .placement_refinement import Scorer, refine
 
 Floats = NDArray[np.float64]
@@ -58,7 +58,7 @@ class Placements(NamedTuple):
 
     bases: Floats
     """(k, 3): x and y in [m], heading in [rad]; one for each segment."""
-    segments: tuple[Segment, ...]
+    segments: tuple[PathSegment, ...]
     """Their numbers are those of the path's points, placements those of `bases`."""
     scores: tuple[float, ...]
     """Integral along each segment, in [m]: up to its length."""
@@ -276,7 +276,7 @@ class Placer:
         renumbered = (segment._replace(placement=row) for row, segment in enumerate(best.segments))
         return chosen, best._replace(segments=tuple(renumbered))
 
-    def _placements(self, bases: Floats, segments: tuple[Segment, ...], path: ToolPath) -> Placements:
+    def _placements(self, bases: Floats, segments: tuple[PathSegment, ...], path: ToolPath) -> Placements:
         """With the scores of the segments on the path's own points."""
         found = []
         for segment in segments:
@@ -382,8 +382,8 @@ def _some(path: ToolPath, kept: NDArray[np.intp]) -> ToolPath:
     return ToolPath(*(field[kept] for field in path))
 
 
-def _on(division: Division, kept: NDArray[np.intp]) -> tuple[Segment, ...]:
+def _on(division: Division, kept: NDArray[np.intp]) -> tuple[PathSegment, ...]:
     """Segments by the numbers of the path's own points."""
     return tuple(
-        Segment(part.placement, int(kept[part.first]), int(kept[part.last])) for part in division.segments
+        PathSegment(part.placement, int(kept[part.first]), int(kept[part.last])) for part in division.segments
     )

@@ -48,7 +48,7 @@ class Goal(NamedTuple):
     """Other poses that the hand must reach."""
 
 
-class Stop(NamedTuple):
+class BaseStop(NamedTuple):
     """A place of the base, and what is done from there."""
 
     base: Floats
@@ -62,7 +62,7 @@ class Stop(NamedTuple):
     """(last - first + 1,) of the goals: the least along each motion, 0 to 1."""
 
 
-class Table(NamedTuple):
+class StopTable(NamedTuple):
     """Base poses b, goals n, landmarks m."""
 
     values: Floats
@@ -91,7 +91,7 @@ class StopPlacer:
     def __init__(self, placer: Placer, sights: Sequence[Sight]) -> None:
         self._placer, self._sights = placer, sights
 
-    def table(self, bases: Floats, goals: Sequence[Goal]) -> Table:
+    def table(self, bases: Floats, goals: Sequence[Goal]) -> StopTable:
         """Return the table of base poses (b, 3) against goals."""
         values = np.zeros((len(bases), len(goals)))
         served = np.zeros((len(bases), len(goals)), dtype=np.bool_)
@@ -100,7 +100,7 @@ class StopPlacer:
         if len(some):
             for number, goal in enumerate(goals):
                 values[some, number], served[some, number] = self._worth(bases[some], goal)
-        return Table(values, served, sights)
+        return StopTable(values, served, sights)
 
     def _worth(self, bases: Floats, goal: Goal) -> tuple[Floats, Masks]:
         """(b,) the least score along a goal's motion, 0 where it isn't served; and whether it is."""
@@ -112,7 +112,7 @@ class StopPlacer:
 
     def place(
         self, goals: Sequence[Goal], blocked: Blocked, touches: Touches | None = None, cost: float = 0.3
-    ) -> tuple[Stop, ...]:
+    ) -> tuple[BaseStop, ...]:
         """Return the best stops.
 
         Args:
@@ -168,11 +168,11 @@ class StopPlacer:
 
     def _refined(
         self,
-        stops: tuple[Stop, ...],
+        stops: tuple[BaseStop, ...],
         goals: Sequence[Goal],
         blocked: Blocked,
         refused: Sequence[tuple[Floats, int, str]],
-    ) -> tuple[Stop, ...]:
+    ) -> tuple[BaseStop, ...]:
         """Return as many stops, each moved to a better score."""
         step, turn = self._placer.spacing
         for _ in range(_HALVINGS):
@@ -211,7 +211,7 @@ class StopPlacer:
         return Untrackable(goal, _NO_SIGHT)
 
 
-def _stops(bases: Floats, table: Table, usable: Masks, cost: float) -> tuple[Stop, ...]:
+def _stops(bases: Floats, table: StopTable, usable: Masks, cost: float) -> tuple[BaseStop, ...]:
     """The best division of goals: each is a step of a path, between goals there are steps without length."""
     values, joined = np.where(usable, table.values, 0.0), np.ones((len(bases), 2 * usable.shape[1] - 1), bool)
     joined[:, ::2] = usable
@@ -227,9 +227,9 @@ def _stops(bases: Floats, table: Table, usable: Masks, cost: float) -> tuple[Sto
     return tuple(found)
 
 
-def _stop(bases: Floats, table: Table, row: int, first: int, last: int, offset: int) -> Stop:
+def _stop(bases: Floats, table: StopTable, row: int, first: int, last: int, offset: int) -> BaseStop:
     sights = tuple(np.flatnonzero(table.sights[row]).tolist())
-    return Stop(bases[row], first, last, sights, table.values[row, first - offset : last + 1 - offset])
+    return BaseStop(bases[row], first, last, sights, table.values[row, first - offset : last + 1 - offset])
 
 
 def _without(usable: Masks, bases: Floats, refused: Sequence[tuple[Floats, int, str]]) -> Masks:

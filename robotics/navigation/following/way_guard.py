@@ -21,7 +21,7 @@ MIN_STEP_M = 0.003  # [m] at least between two looks along the way
 NO_STANDS = np.empty((0, 2))
 
 
-class Held(NamedTuple):
+class HoldingObstacle(NamedTuple):
     """An obstacle that a robot would touch."""
 
     shown_by: Literal["map", "scan", "contact", "unseen"]
@@ -91,7 +91,7 @@ class WayGuard:
 
     def free_way(
         self, pose: Pose2, scan: NDArray[np.float64], curvature: float, length: float
-    ) -> tuple[float, Held | None]:
+    ) -> tuple[float, HoldingObstacle | None]:
         """Return how much of an arc is free, in [m], and the obstacle that ends it.
 
         Args:
@@ -123,14 +123,16 @@ class WayGuard:
 
     def _held(
         self, pose: Pose2, scan: NDArray[np.float64], by_map: bool, curvature: float, along: float
-    ) -> Held:
+    ) -> HoldingObstacle:
         there = pose.compose(Pose2(*_on_arc(curvature, along), 0.0))
         if by_map:
             x, y = self._map.nearest(there[:2]).point.tolist()
         else:
             points = pose.apply(scan)
             x, y = points[np.argmin(np.hypot(*(points - there[:2]).T))].tolist()
-        return Held("map" if by_map else "scan", x, y, math.hypot(x - pose.x, y - pose.y), self._needed)
+        return HoldingObstacle(
+            "map" if by_map else "scan", x, y, math.hypot(x - pose.x, y - pose.y), self._needed
+        )
 
 
 @compiled

@@ -17,7 +17,7 @@ from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.numerics.compiled import compiled
 
 
-class Reading(NamedTuple):
+class FieldValues(NamedTuple):
     """Values of a likelihood field at points."""
 
     distances: NDArray[np.float64]
@@ -48,10 +48,10 @@ class LikelihoodField:
         ]
         return distances
 
-    def reading(self, points: NDArray[np.float64]) -> Reading:
+    def reading(self, points: NDArray[np.float64]) -> FieldValues:
         """Distances as `read` gives them, and their slopes."""
         readings = read_field(self.distance, self.map.occupied, self._scaled(points))
-        return Reading(readings[:, 0], readings[:, 1:3] / self.map.resolution)
+        return FieldValues(readings[:, 0], readings[:, 1:3] / self.map.resolution)
 
     def _scaled(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Column and row (n, 2), cell centres at whole numbers."""

@@ -20,7 +20,7 @@ from handcart.robotics.navigation.localization.scan_matching import (
     match_scan,
 )
 from handcart.robotics.navigation.localization.slip_monitor import SlipMonitor, turn_variance
-from handcart.robotics.navigation.localization.start_search import Beams, StartFit, check_start
+from handcart.robotics.navigation.localization.start_search import ScanBeams, StartFit, check_start
 from handcart.robotics.navigation.localization.unmapped_surroundings import UnmappedSurroundings
 from handcart.robotics.navigation.localization.way_monitor import WayMonitor
 
@@ -409,7 +409,7 @@ class ScanLocalizer(Localizer):
         self.unmapped.take(points, found.pose, self.pose, self.covariance)
         return True
 
-    def check_start(self, beams: Beams) -> StartFit:
+    def check_start(self, beams: ScanBeams) -> StartFit:
         """Compare the stated start with all other places of the map, by the first scan.
 
         If exactly one other place explains the scan, the pose is set to it; if several do, or none

@@ -18,7 +18,7 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.numerics.compiled import compiled_fast
 
-from .likelihood_field import Reading
+from .likelihood_field import FieldValues
 
 SHIFT_CELLS = np.array([2.6, 3.3, 4.3, 5.2])  # cells, each way: more than one, and no multiples of each other
 MIN_SHARE = 0.12  # of the rise that the slopes claim; less is grain: up to 0.10 along a diagonal wall
@@ -37,7 +37,7 @@ MIN_SAME_DIRECTION_COSINE = 0.7  # cosine of two directions that are about the s
 Array = NDArray[np.float64]
 
 
-class Evidence(NamedTuple):
+class ScanEvidence(NamedTuple):
     """What a scan says about the direction that it determines worst."""
 
     direction: Array
@@ -52,12 +52,12 @@ def weakest_evidence(
     grid: GridMap,
     distance: NDArray[np.float32],
     points: Array,
-    reading: Reading,
+    reading: FieldValues,
     pose: Pose2,
     information: Array,
     scale: float,
     noise: float,
-) -> Evidence:
+) -> ScanEvidence:
     """Shift a scan along the direction that it determines worst, and see whether its cost rises.
 
     Args:
@@ -75,7 +75,7 @@ def weakest_evidence(
     direction = _weakest_axis(inner)
     used = np.flatnonzero(reading.distances < 4.0 * scale)
     if not len(used):
-        return Evidence(direction, 0.0)
+        return ScanEvidence(direction, 0.0)
     near = reading.distances[used], reading.slopes[used]
     shifted = _Shifted(grid, distance, points[used], *near, np.array(pose[:2]), lever, scale)
     across, claimed = shifted.rise(direction)
@@ -83,10 +83,10 @@ def weakest_evidence(
         direction = shifted.flattest(direction)
         across, claimed = shifted.rise(direction)
     if across < max(MIN_POINTS, MIN_SHARE * claimed):
-        return Evidence(direction, 0.0)
+        return ScanEvidence(direction, 0.0)
     by_slopes = float(direction @ inner @ direction) * noise**2
     share = min(1.0, across / max(by_slopes, 1e-9))
-    return Evidence(direction, share, max(0.0, across - by_slopes) / noise**2)
+    return ScanEvidence(direction, share, max(0.0, across - by_slopes) / noise**2)
 
 
 def _weakest_axis(information: Array) -> Array:
@@ -236,7 +236,7 @@ def _cost(square: float, scale: float) -> float:
     return square * scale**2 / (scale**2 + square)
 
 
-def confirmed(seen: Evidence, before: Evidence | None) -> Evidence:
+def confirmed(seen: ScanEvidence, before: ScanEvidence | None) -> ScanEvidence:
     """The evidence if the scan before said so too: grain is taken for more than that only now and then."""
     if before is None or before.share > 0.0:
         return seen
@@ -247,7 +247,7 @@ def confirmed(seen: Evidence, before: Evidence | None) -> Evidence:
     )
 
 
-def unrelated(covariance: Array, seen: Evidence) -> Array:
+def unrelated(covariance: Array, seen: ScanEvidence) -> Array:
     """(3, 3) of a prior whose error along the direction says nothing about the rest, if the scan doesn't.
 
     The direction is only about right: through such a relation, the scan would seem to determine it.

@@ -14,7 +14,7 @@ from handcart.robotics.numerics.compiled import compiled
 
 from .likelihood_field import LikelihoodField as LikelihoodField
 from .likelihood_field import read_field
-from .scan_evidence import Evidence, confirmed, unrelated, weakest_evidence
+from .scan_evidence import ScanEvidence, confirmed, unrelated, weakest_evidence
 
 INLIER_SCALES = 3.0  # scales within which a point counts as explained by the map
 OF_SIGMA = 0.6745  # of a normal error's sigma: half of the errors are smaller
@@ -44,7 +44,7 @@ class ScanMatch(NamedTuple):
     spread: NDArray[np.float64]
     """(3, 3), the same without the map's cells, and with the noise that the scan shows where that is more:
     how far matches from one place lie apart."""
-    evidence: Evidence
+    evidence: ScanEvidence
     """What the scan says about the direction that it determines worst; the scan before isn't asked."""
     inliers: float
     """Share of the points that the map explains, 0 to 1."""
@@ -102,7 +102,7 @@ def match_scan(
     sigma: float = 0.01,
     anneal: bool = False,
     map_error: NDArray[np.float64] | None = None,
-    before: Evidence | None = None,
+    before: ScanEvidence | None = None,
 ) -> ScanMatch:
     """The pose from which the scan looks like the map.
 
@@ -121,7 +121,7 @@ def match_scan(
     final = 2.5 * noise
     information = _inverse(prior_covariance)
     grid, near, points = field.map, np.array(prior), np.ascontiguousarray(points)
-    found, evidence = near, Evidence(np.array([1.0, 0.0]), 1.0)
+    found, evidence = near, ScanEvidence(np.array([1.0, 0.0]), 1.0)
     seen = evidence
 
     def descend(trust: NDArray[np.float64], scale: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -34,7 +34,7 @@ CANDIDATE_COVARIANCE = np.diag([0.3, 0.3, 0.17]) ** 2  # [m², rad²] of a candi
 Array = NDArray[np.float64]
 
 
-class Beams(NamedTuple):
+class ScanBeams(NamedTuple):
     """A scan by its beams."""
 
     origin: Array
@@ -71,7 +71,7 @@ class StartFit(NamedTuple):
         return self.other is not None
 
 
-def explained_share(field: LikelihoodField, beams: Beams, pose: Pose2, noise: float) -> float:
+def explained_share(field: LikelihoodField, beams: ScanBeams, pose: Pose2, noise: float) -> float:
     """Share of the beams that the map explains from a pose, those that return nothing too.
 
     A beam that returns nothing contradicts a wall that the map shows within its reach.
@@ -87,7 +87,7 @@ def explained_share(field: LikelihoodField, beams: Beams, pose: Pose2, noise: fl
     return (hits + free) / int(known.sum())
 
 
-def check_start(field: LikelihoodField, beams: Beams, pose: Pose2, noise: float) -> StartFit:
+def check_start(field: LikelihoodField, beams: ScanBeams, pose: Pose2, noise: float) -> StartFit:
     """Look for another place that explains a scan better than the stated one.
 
     Args:

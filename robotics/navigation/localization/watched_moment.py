@@ -28,7 +28,7 @@ class Belief(NamedTuple):
     """(n, n)."""
 
 
-class Branch(NamedTuple):
+class BeliefBranch(NamedTuple):
     """One way in which the states may have changed just before something was seen."""
 
     weight: float
@@ -70,7 +70,7 @@ class WatchedMoment(NamedTuple):
         mean, spread, shared = _corrected(mean, spread, shared, covariance, rows, residual, variance)
         return type(self)(Belief(mean, spread), shared)
 
-    def corrected_either(self, branches: Sequence[Branch], rows: Array, variance: float) -> Self:
+    def corrected_either(self, branches: Sequence[BeliefBranch], rows: Array, variance: float) -> Self:
         """Return the moment after an update before which the states may have changed in one of several
         ways.
         """

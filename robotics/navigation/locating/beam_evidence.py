@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from handcart.robotics.navigation.localization.likelihood_field import LikelihoodField, read_field
 from handcart.robotics.navigation.localization.scan_matching import CELL_SIGMA, INLIER_SCALES
-from handcart.robotics.navigation.localization.start_search import SHORT_OF_REACH, Beams, trace_ranges
+from handcart.robotics.navigation.localization.start_search import SHORT_OF_REACH, ScanBeams, trace_ranges
 from handcart.robotics.numerics.compiled import compiled
 
 INDEPENDENT_RAD = math.radians(9.0)
@@ -56,7 +56,7 @@ def matching_noise(field: LikelihoodField, sigma: float) -> float:
     return math.hypot(sigma, CELL_SIGMA * field.map.resolution)
 
 
-def thinned(beams: Beams, most: int = MAX_BEAMS) -> Beams:
+def thinned(beams: ScanBeams, most: int = MAX_BEAMS) -> ScanBeams:
     """Return a scan with at most `most` beams, evenly chosen."""
     if len(beams.angles) <= most:
         return beams
@@ -64,13 +64,13 @@ def thinned(beams: Beams, most: int = MAX_BEAMS) -> Beams:
     return beams._replace(angles=beams.angles[chosen], ranges=beams.ranges[chosen])
 
 
-def independent_beams(beams: Beams) -> float:
+def independent_beams(beams: ScanBeams) -> float:
     """Return the number of independent directions in which a scan shows something."""
     known = beams.angles[~np.isnan(beams.ranges)]
     return float(len(np.unique(np.floor(known / INDEPENDENT_RAD)))) if len(known) else 0.0
 
 
-def explain(field: LikelihoodField, beams: Beams, poses: Array, noise: float) -> Explained:
+def explain(field: LikelihoodField, beams: ScanBeams, poses: Array, noise: float) -> Explained:
     """Compare a scan with what the map shows from poses.
 
     Args:

@@ -14,7 +14,7 @@ from handcart.robotics.navigation.localization.start_search import (
     CLEAR_M,
     COARSE_M,
     COARSE_POINTS,
-    Beams,
+    ScanBeams,
     score_poses,
 )
 from handcart.robotics.numerics.compiled import compiled
@@ -46,7 +46,7 @@ class Found(NamedTuple):
     """(n,) of the scan."""
 
 
-def search_map(field: LikelihoodField, beams: Beams, noise: float) -> Found:
+def search_map(field: LikelihoodField, beams: ScanBeams, noise: float) -> Found:
     """Return the poses on a map that explain a scan best, from different places each.
 
     Args:

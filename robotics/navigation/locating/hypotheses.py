@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.localization.likelihood_field import LikelihoodField
-from handcart.robotics.navigation.localization.start_search import Beams
+from handcart.robotics.navigation.localization.start_search import ScanBeams
 
 from .beam_evidence import explain, matching_noise
 from .global_search import KEPT_LOG, PLAIN_LOG, refine_poses, same_place, search_map
@@ -36,7 +36,7 @@ Array = NDArray[np.float64]
 class Look(NamedTuple):
     """A scan at rest."""
 
-    beams: Beams
+    beams: ScanBeams
     pose: Pose2
     """local_T_base, by odometry and matching with what was seen before."""
     weight: float
@@ -58,7 +58,7 @@ class Hypotheses:
         self.explained: Array = np.empty(0)
         """(n,) share of the beams of all scans that the map explains."""
 
-    def take(self, beams: Beams, pose: Pose2) -> None:
+    def take(self, beams: ScanBeams, pose: Pose2) -> None:
         """Take a scan at rest into account, taken at local_T_base."""
         away = min((pose.distance(look.pose) for look in self.looks), default=math.inf)
         look = Look(beams, pose, min(1.0, away / NEW_SCAN_M))

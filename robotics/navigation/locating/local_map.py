@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.localization.likelihood_field import LikelihoodField
-from handcart.robotics.navigation.localization.start_search import Beams
+from handcart.robotics.navigation.localization.start_search import ScanBeams
 from handcart.robotics.navigation.maps.grid_map import GridMap
 
 CELL_M = 0.05
@@ -52,7 +52,7 @@ class LocalMap:
             pose.distance(seen) < KEYFRAME_M and pose.turn(seen) < KEYFRAME_RAD for seen in self._poses
         )
 
-    def add(self, pose: Pose2, beams: Beams) -> None:
+    def add(self, pose: Pose2, beams: ScanBeams) -> None:
         """Draw a scan taken at local_T_base."""
         self._views.append(_view(pose, beams))
         self._poses.append(pose)
@@ -87,7 +87,7 @@ class LocalMap:
         return made
 
 
-def _view(pose: Pose2, beams: Beams) -> _View:
+def _view(pose: Pose2, beams: ScanBeams) -> _View:
     hit = np.isfinite(beams.ranges)
     local = pose.apply(beams.points)
     steps = np.hypot(*np.diff(local, axis=0).T) if len(local) > 1 else np.empty(0)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.localization.start_search import Beams
+from handcart.robotics.navigation.localization.start_search import ScanBeams
 from handcart.robotics.numerics.compiled import compiled
 
 MAX_CHANGED_SHARE = 0.3
@@ -28,7 +28,7 @@ class ScanJump:
 
     def __init__(self) -> None:
         """No scan yet."""
-        self._reference: Beams | None = None
+        self._reference: ScanBeams | None = None
         self._moved = Pose2(0.0, 0.0, 0.0)  # since the reference, in its frame
         self._changes = 0
         self.share = 0.0
@@ -40,7 +40,7 @@ class ScanJump:
         step = Pose2(forward * math.cos(0.5 * turn), forward * math.sin(0.5 * turn), turn)
         self._moved = self._moved.compose(step)
 
-    def take(self, beams: Beams, at_rest: bool) -> bool:
+    def take(self, beams: ScanBeams, at_rest: bool) -> bool:
         """Return whether the base must have been lifted, by this scan and those before.
 
         Args:
@@ -63,7 +63,7 @@ class ScanJump:
         """Begin again with the next scan."""
         self._reference, self._moved, self._changes = None, Pose2(0.0, 0.0, 0.0), 0
 
-    def _is_changed(self, before: Beams, beams: Beams) -> bool:
+    def _is_changed(self, before: ScanBeams, beams: ScanBeams) -> bool:
         far = math.hypot(self._moved.x, self._moved.y) > MAX_REFERENCE_M
         if far or abs(self._moved.theta) > MAX_REFERENCE_RAD or len(before.angles) != len(beams.angles):
             return False

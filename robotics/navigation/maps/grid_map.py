@@ -111,7 +111,7 @@ def unknown_read_as_free(image: NDArray[np.uint8], free_thresh: float, negate: b
     return int(np.count_nonzero(image == UNKNOWN_GREY)) if is_free else 0
 
 
-class Box(NamedTuple):
+class FloorBox(NamedTuple):
     """A rectangle on the floor: centre and sides in [m], yaw in [rad]."""
 
     x: float
@@ -144,11 +144,11 @@ def from_boxes(
     occupied = np.zeros(shape, dtype=np.bool_)
     free = GridMap(occupied, np.zeros(shape, dtype=np.bool_), resolution, origin[0], origin[1])
     for box in boxes:
-        _draw(free, Box(*box))
+        _draw(free, FloorBox(*box))
     return free
 
 
-def _draw(grid: GridMap, box: Box) -> None:
+def _draw(grid: GridMap, box: FloorBox) -> None:
     """Occupy the cells that the box overlaps: separating axes of two rectangles."""
     cos, sin = abs(math.cos(box.yaw)), abs(math.sin(box.yaw))
     reach = 0.5 * np.array([cos * box.length + sin * box.width, sin * box.length + cos * box.width])

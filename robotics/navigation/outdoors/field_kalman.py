@@ -11,7 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
-from handcart.robotics.navigation.localization.watched_moment import Belief, Branch, WatchedMoment, mixed
+from handcart.robotics.navigation.localization.watched_moment import (
+    Belief,
+    BeliefBranch,
+    WatchedMoment,
+    mixed,
+)
 from handcart.robotics.navigation.outdoors import field_model as states
 from handcart.robotics.navigation.outdoors.field_model import (
     FieldModel,
@@ -59,7 +64,7 @@ class _Moment(NamedTuple):
     origin: WatchedMoment | None
 
 
-class Fixed(NamedTuple):
+class FixResult(NamedTuple):
     """Result of a fix."""
 
     believed: bool
@@ -203,7 +208,7 @@ class FieldKalman:
         self._correct(_BIAS_ROW, np.array([residual]), self.noise.gyro_white**2 / time)
         self._still = np.zeros(2)
 
-    def fix(self, position: Array, sigma: float | None, odometry: GyroOdometry) -> Fixed:
+    def fix(self, position: Array, sigma: float | None, odometry: GyroOdometry) -> FixResult:
         """Update with a GNSS position (2,) in [m], if it is plausible.
 
         Args:
@@ -241,16 +246,16 @@ class FieldKalman:
             del self._past[:-MAX_TESTED_FIXES]
             self._take_in(skies, rows, variance)
             self._refused = np.zeros(3)
-            return Fixed(True, likely, square)
+            return FixResult(True, likely, square)
         likelihood = self._reflected(residual, whole)
         self.refused += 1
         if self._start_again(math.sqrt(variance)):
-            return Fixed(
+            return FixResult(
                 True, likelihood + LOG_RESTART_PROBABILITY, square, "the filter starts again from these fixes"
             )
-        return Fixed(False, likelihood, square, why)
+        return FixResult(False, likelihood, square, why)
 
-    def _leap(self, position: Array, sigma: float | None, odometry: GyroOdometry) -> Fixed:
+    def _leap(self, position: Array, sigma: float | None, odometry: GyroOdometry) -> FixResult:
         """Fixes have been off together since they leapt: begin with this one to find out by how much."""
         self._monitor.reset()
         self._mean, self._spread = _LEAPT @ self._mean, leapt(self._spread, self.noise.jump)
@@ -303,7 +308,7 @@ class FieldKalman:
             for mean, sky in zip(means, skies, strict=True)
         ]
         branches = [
-            Branch(weight, sky.transition, sky.spread, sky.residual, one.mean)
+            BeliefBranch(weight, sky.transition, sky.spread, sky.residual, one.mean)
             for weight, sky, one in zip(weights.tolist(), skies, each, strict=True)
         ]
         if self._record is not None:

@@ -8,7 +8,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.robotics.navigation.localization.watched_moment import Belief, Branch, WatchedMoment
+from handcart.robotics.navigation.localization.watched_moment import Belief, BeliefBranch, WatchedMoment
 
 Array = NDArray[np.float64]
 # of a state's variance before a gain is taken, relative to one: exactly known states have none
@@ -74,7 +74,7 @@ class TrackRecord:
         if self._latest is not None:
             self._latest = self._latest.corrected(covariance, rows, residual, variance)
 
-    def correct_either(self, branches: Sequence[Branch], rows: Array, variance: float) -> None:
+    def correct_either(self, branches: Sequence[BeliefBranch], rows: Array, variance: float) -> None:
         """Note an update before which the states may have changed in one of several ways."""
         if self._latest is not None:
             self._latest = self._latest.corrected_either(branches, rows, variance)

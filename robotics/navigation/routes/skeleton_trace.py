@@ -19,7 +19,7 @@ from handcart.robotics.numerics.compiled import compiled
 LINK_COUNTS = np.array([code.bit_count() for code in range(256)], dtype=np.uint8)
 
 
-class Trace(NamedTuple):
+class SkeletonTrace(NamedTuple):
     """Edges of a skeleton as runs of cells; cells are flat indices."""
 
     nodes: NDArray[np.int64]
@@ -110,7 +110,7 @@ def link(skeleton: NDArray[np.bool_]) -> tuple[NDArray[np.int64], NDArray[np.uin
     return cells, links
 
 
-def trace(cells: NDArray[np.int64], links: NDArray[np.uint8], width: int) -> Trace:
+def trace(cells: NDArray[np.int64], links: NDArray[np.uint8], width: int) -> SkeletonTrace:
     """Nodes and edges of linked cells (n,); `links` is left as it was."""
     degree = LINK_COUNTS[links[cells]]
     is_node = np.zeros(links.size, dtype=np.uint8)
@@ -119,7 +119,7 @@ def trace(cells: NDArray[np.int64], links: NDArray[np.uint8], width: int) -> Tra
     out = np.empty(2 * most + 1, dtype=np.int64)
     first = np.zeros(most + 1, dtype=np.int64)
     edges = _walk_all(links.copy(), cells, is_node, neighbour_steps(width), out, first)
-    return Trace(cells[is_node[cells] == 1], out[: first[edges]], first[: edges + 1])
+    return SkeletonTrace(cells[is_node[cells] == 1], out[: first[edges]], first[: edges + 1])
 
 
 def prune_leaves(

@@ -17,7 +17,7 @@ from handcart.robotics.navigation.maps.blocked_squares import (
     is_clear,
 )
 from handcart.robotics.navigation.maps.grid_map import GridMap
-from handcart.robotics.navigation.routes.skeleton_trace import Trace, link, prune_leaves, trace
+from handcart.robotics.navigation.routes.skeleton_trace import SkeletonTrace, link, prune_leaves, trace
 from handcart.robotics.navigation.routes.thinning import thin
 
 # of room in the price of a way: buys the clearance that 1.15 of the shortest length can
@@ -45,7 +45,12 @@ class EdgeTable:
     """
 
     def __init__(
-        self, found: Trace, width: int, price: NDArray[np.float32], squares: BlockedSquares, need: float
+        self,
+        found: SkeletonTrace,
+        width: int,
+        price: NDArray[np.float32],
+        squares: BlockedSquares,
+        need: float,
     ) -> None:
         self.nodes = _unflatten(found.nodes, width)
         self.cells = _unflatten(found.cells, width)

@@ -13,7 +13,7 @@ _M_PER_PX = 0.0005
 _WIDEST_VIEW = 1.5  # [m]
 
 
-class View(NamedTuple):
+class FlatView(NamedTuple):
     """The shelf's front plane drawn flat: `picture` (h, w), which of it was `seen` (h, w), and its scale.
 
     Column c, row r show y = left - c * m_per_px, z = top - r * m_per_px.
@@ -33,7 +33,7 @@ def flat_view(
     mask: NDArray[np.bool_] | None,
     m_per_px: float = _M_PER_PX,
     heights: tuple[float, float] | None = None,
-) -> View:
+) -> FlatView:
     """Return the part of the plane x = 0 of the shelf that the image shows, without lens distortion and
     slant.
 
@@ -57,4 +57,4 @@ def flat_view(
         np.full(image.shape, 255, dtype=np.uint8) if mask is None else mask.astype(np.uint8) * np.uint8(255)
     )
     seen = camera.rectify(shown, homography, size) > 250
-    return View(camera.rectify(image, homography, size), seen, float(high[0]), float(top), m_per_px)
+    return FlatView(camera.rectify(image, homography, size), seen, float(high[0]), float(top), m_per_px)

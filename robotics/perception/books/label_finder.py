@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.robotics.perception.books.flat_view import View, flat_view
+from handcart.robotics.perception.books.flat_view import FlatView, flat_view
 from handcart.robotics.perception.books.label_box import LabelBox
 from handcart.robotics.perception.books.print_finder import find_prints
 from handcart.robotics.perception.cameras.bright_patches import BrightPatches
@@ -42,7 +42,7 @@ def find_labels(
     return sorted(boxes, key=lambda box: -box.centre[0])
 
 
-def _papers(view: View) -> list[GreyImage]:
+def _papers(view: FlatView) -> list[GreyImage]:
     """The view with print painted over, which leaves paper as one bright patch: print is thinner than 3 mm.
 
     So are the seams beside a label as broad as its spine: the second closes nothing across spines.
@@ -68,7 +68,7 @@ def _same_place(key: tuple[int, int], box: LabelBox) -> bool:
     return abs(key[0] - box.centre[0] * 1000) < 6 and abs(key[1] - box.centre[1] * 1000) < 30
 
 
-def _patches(paper: GreyImage, level: int, view: View) -> list[tuple[float, LabelBox]]:
+def _patches(paper: GreyImage, level: int, view: FlatView) -> list[tuple[float, LabelBox]]:
     """Bright patches of a label's size and shape, with how much of their rectangle they fill."""
     patches, found = BrightPatches(paper, level), []
     for number, (x, y, width, height, area) in enumerate(patches.boxes.tolist()):
@@ -94,7 +94,7 @@ def _label_sized(width: float, length: float, slack: float = 1.0) -> bool:
     )
 
 
-def _box(corners: NDArray[np.float32], view: View) -> LabelBox:
+def _box(corners: NDArray[np.float32], view: FlatView) -> LabelBox:
     """The rectangle of four picture corners (any order, pixel centres of the rim) as a box in the shelf
     frame.
     """
@@ -112,7 +112,7 @@ def _box(corners: NDArray[np.float32], view: View) -> LabelBox:
     )
 
 
-def _printed(view: View, box: LabelBox) -> bool:
+def _printed(view: FlatView, box: LabelBox) -> bool:
     """A label has print on it; a bare band or a paper spine has none."""
     column, row = (view.left - box.centre[0]) / view.m_per_px, (view.top - box.centre[1]) / view.m_per_px
     half_w, half_h = 0.3 * box.width / view.m_per_px, 0.4 * box.length / view.m_per_px

@@ -40,7 +40,7 @@ class Label(NamedTuple):
     lean: float = 0.0
 
 
-class Reading(NamedTuple):
+class LabelReading(NamedTuple):
     """Result of a reader on one crop."""
 
     text: str
@@ -63,7 +63,7 @@ class LabelReader(ABC):
         self._catalogue = catalogue
 
     @abstractmethod
-    def read_crops(self, crops: Sequence[GreyImage]) -> list[Reading]:
+    def read_crops(self, crops: Sequence[GreyImage]) -> list[LabelReading]:
         """One reading for each upright crop (crop_height_px, w): text running left to right."""
 
     def read(
@@ -110,7 +110,9 @@ class LabelReader(ABC):
         ]
         return np.hstack([cut_to_print(part) for part in parts])
 
-    def _label(self, box: LabelBox, reading: Reading, camera: CameraModel, camera_T_shelf: Floats) -> Label:
+    def _label(
+        self, box: LabelBox, reading: LabelReading, camera: CameraModel, camera_T_shelf: Floats
+    ) -> Label:
         number = parse(reading.text) if reading.confidence >= self.least_confidence else None
         if self._catalogue is not None and reading.text:
             number = snap(reading.text, self._catalogue)
@@ -118,13 +120,13 @@ class LabelReader(ABC):
         return Label(reading.text, number, reading.confidence, corners, *box.centre, box.width, box.lean)
 
 
-def _read_before(box: LabelBox, known: Sequence[Label]) -> Reading | None:
+def _read_before(box: LabelBox, known: Sequence[Label]) -> LabelReading | None:
     """Return the certain reading of a label at the same place; None without one, or with contradicting
     ones.
     """
     lateral, height = box.centre
     there = {
-        label.text: Reading(label.text, label.confidence)
+        label.text: LabelReading(label.text, label.confidence)
         for label in known
         if abs(label.lateral - lateral) < _SAME_PLACE
         and abs(label.height - height) < 2 * _SAME_PLACE

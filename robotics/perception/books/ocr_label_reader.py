@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from handcart.robotics.perception.books.call_number import CallNumber
 from handcart.robotics.perception.books.call_number_decoder import CallNumberDecoder
-from handcart.robotics.perception.books.label_reader import LabelReader, Reading
+from handcart.robotics.perception.books.label_reader import LabelReader, LabelReading
 from handcart.robotics.perception.cameras.camera_model import GreyImage
 
 if TYPE_CHECKING:
@@ -38,14 +38,14 @@ class OcrLabelReader(LabelReader):
         super().__init__(catalogue)
         self._threads = threads
 
-    def read_crops(self, crops: Sequence[GreyImage]) -> list[Reading]:
+    def read_crops(self, crops: Sequence[GreyImage]) -> list[LabelReading]:
         """See `LabelReader`; one after the other: in a batch all would be as wide as the widest."""
         name = self._session.get_inputs()[0].name
         return [self._reading(self._session.run(None, {name: _input(crop)})[0][0]) for crop in crops]
 
-    def _reading(self, probabilities: NDArray[np.float32]) -> Reading:
+    def _reading(self, probabilities: NDArray[np.float32]) -> LabelReading:
         decoded = self._decoder.decode(probabilities)
-        return Reading("", 0.0) if decoded is None else Reading(*decoded)
+        return LabelReading("", 0.0) if decoded is None else LabelReading(*decoded)
 
     @property
     def _session(self) -> onnxruntime.InferenceSession:

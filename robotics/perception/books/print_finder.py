@@ -5,7 +5,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from handcart.robotics.perception.books.flat_view import View
+from handcart.robotics.perception.books.flat_view import FlatView
 from handcart.robotics.perception.books.label_box import LabelBox
 from handcart.robotics.perception.cameras.camera_model import GreyImage
 
@@ -18,7 +18,7 @@ _SEAM = 0.85  # of the ground's grey
 _APART = 1.2  # lines of one label, at most, in heights of a capital
 
 
-def find_prints(view: View) -> list[LabelBox]:
+def find_prints(view: FlatView) -> list[LabelBox]:
     """Boxes about blocks of dark print of a call number's size, with a margin; lines side by side are one."""
     size = max(3, round(_STROKE / view.m_per_px))
     ground = cv2.morphologyEx(view.picture, cv2.MORPH_CLOSE, np.ones((size, size), np.uint8))
@@ -58,7 +58,7 @@ def _seam(between: GreyImage) -> bool:
     return bool(len(columns) and columns.min() < _SEAM * columns.max())
 
 
-def _box(block: tuple[int, int, int, int, int], view: View) -> LabelBox:
+def _box(block: tuple[int, int, int, int, int], view: FlatView) -> LabelBox:
     left, top, right, bottom, cap = block
     centre = (view.left - (left + right) / 2 * view.m_per_px, view.top - (top + bottom) / 2 * view.m_per_px)
     margin = 2 * _MARGIN * cap

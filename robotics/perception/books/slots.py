@@ -90,7 +90,7 @@ def find_slots(
     return tuple(slot for slot in slots if slot.width >= MIN_SLOT_M)
 
 
-class Placed(NamedTuple):
+class OffsetView(NamedTuple):
     """A view, and what is to be added to its positions in [m]."""
 
     view: SpineView
@@ -115,16 +115,16 @@ class Placed(NamedTuple):
 
 def _best_pair(
     views: Sequence[SpineView], offsets: Sequence[float], interval: Gap
-) -> tuple[Placed, Placed] | None:
+) -> tuple[OffsetView, OffsetView] | None:
     """The two views of an interval from nearest before it, neither from the same place nor from far apart."""
     middle = (interval.left + interval.right) / 2
-    placed = [Placed(view, offset) for view, offset in zip(views, offsets, strict=True)]
+    placed = [OffsetView(view, offset) for view, offset in zip(views, offsets, strict=True)]
     seeing = [each for each in placed if each.shows(interval)]
     pairs = [p for p in combinations(seeing, 2) if _LEAST_BASE <= abs(p[0].eye - p[1].eye) <= _MOST_BASE]
     return min(pairs, key=lambda p: sum((each.eye - middle) ** 2 for each in p), default=None)
 
 
-def _shared_edges(a: Placed, b: Placed, interval: Gap) -> list[float]:
+def _shared_edges(a: OffsetView, b: OffsetView, interval: Gap) -> list[float]:
     """y of edges that both views have in one place within an interval, from left to right."""
     edges: list[float] = []
     for mine in sorted((y + a.offset for y in a.view.sides), reverse=True):
@@ -138,7 +138,7 @@ def _shared_edges(a: Placed, b: Placed, interval: Gap) -> list[float]:
 
 
 def compare(
-    a: Placed, b: Placed, left: float, right: float, solid: Sequence[tuple[float, float]]
+    a: OffsetView, b: OffsetView, left: float, right: float, solid: Sequence[tuple[float, float]]
 ) -> Alike | None:
     """Compare two views of a piece of the front; None if too little of it is visible.
 
@@ -166,7 +166,7 @@ def _columns(left: float, right: float) -> Floats:
     return np.arange(left, right, -_STEP)
 
 
-def _brightness(a: Placed, b: Placed, y: Floats, solid: Sequence[tuple[float, float]]) -> Floats:
+def _brightness(a: OffsetView, b: OffsetView, y: Floats, solid: Sequence[tuple[float, float]]) -> Floats:
     """Return the brightness of `a` relative to `b` at each of `y` (m,): a line through their common
     spines.
     """

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.robotics.numerics.compiled import compiled
-from handcart.robotics.perception.books.flat_view import View
+from handcart.robotics.perception.books.flat_view import FlatView
 
 Floats = NDArray[np.float64]
 
@@ -80,7 +80,7 @@ class Strips(NamedTuple):
         return self.grey[:, max(0, ends[0]) : max(0, ends[1] + 1)]
 
 
-class Edge(NamedTuple):
+class SpineEdge(NamedTuple):
     """An edge: `y` in [m] at the view's mean height, `drop` in grey levels, `coverage` 0..1 of the view's
     height.
     """
@@ -90,7 +90,7 @@ class Edge(NamedTuple):
     coverage: float
 
 
-def strips_of(view: View) -> Strips:
+def strips_of(view: FlatView) -> Strips:
     """Strips of a few millimetres' height, averaged over rows."""
     count = view.picture.shape[0] // _STRIP_ROWS
     shape = (count, _STRIP_ROWS, view.picture.shape[1])
@@ -137,7 +137,7 @@ def _shifted(rows: Floats, shifts: Floats) -> Floats:
     return out
 
 
-def falling_edges(strips: Strips) -> list[Edge]:
+def falling_edges(strips: Strips) -> list[SpineEdge]:
     """Edges where the grey falls in the direction of the columns, over most of the height that was seen."""
     grey, width = strips.grey, strips.grey.shape[1]
     before = grey[:, : -2 * _REACH]
@@ -157,7 +157,7 @@ def falling_edges(strips: Strips) -> list[Edge]:
         fitted = _fit(strips, column + _REACH)
         if fitted is not None and 0 < fitted < width - 1:
             y = strips.lateral(fitted + _to_seam(grey, fitted))
-            edges.append(Edge(y, float(np.nanmean(drop[:, column])), float(coverage[column])))
+            edges.append(SpineEdge(y, float(np.nanmean(drop[:, column])), float(coverage[column])))
     return edges
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.robotics.perception.books.call_number import CallNumber
-from handcart.robotics.perception.books.label_reader import LabelReader, Reading, cut_to_print
+from handcart.robotics.perception.books.label_reader import LabelReader, LabelReading, cut_to_print
 from handcart.robotics.perception.cameras.camera_model import GreyImage
 
 _HEIGHT, _WIDTH = 20, 112  # templates are compared in this size, [px]
@@ -35,7 +35,7 @@ class TemplateLabelReader(LabelReader):
         self._rows = np.stack([_normalised(cut) for cut in cuts]) if cuts else np.empty((0, _HEIGHT * _WIDTH))
 
     @override
-    def read_crops(self, crops: Sequence[GreyImage]) -> list[Reading]:
+    def read_crops(self, crops: Sequence[GreyImage]) -> list[LabelReading]:
         return [self._match(crop) for crop in crops]
 
     def _cut(self, template: GreyImage, scale: float) -> GreyImage:
@@ -44,17 +44,17 @@ class TemplateLabelReader(LabelReader):
         surplus = max(0, resized.shape[0] - self.crop_height_px) // 2
         return cut_to_print(resized[surplus : surplus + self.crop_height_px].astype(np.uint8))
 
-    def _match(self, crop: GreyImage) -> Reading:
+    def _match(self, crop: GreyImage) -> LabelReading:
         likely = np.flatnonzero(np.abs(self._widths / crop.shape[1] - 1.0) < _WIDTH_SLACK)
         if len(likely) == 0:
-            return Reading("", 0.0)
+            return LabelReading("", 0.0)
         shifted = [np.roll(crop, (down, right), axis=(0, 1)) for down in _SHIFTS for right in _SHIFTS]
         scores = (self._rows[likely] @ np.stack([_normalised(one) for one in shifted]).T).max(axis=1)
         order = np.argsort(-scores, kind="stable")
         best = float(scores[order[0]])
         if len(order) > 1 and best - float(scores[order[1]]) < _LEAST_LEAD:
-            return Reading("", 0.0)
-        return Reading(str(self._numbers[int(likely[order[0]])]), max(0.0, best))
+            return LabelReading("", 0.0)
+        return LabelReading(str(self._numbers[int(likely[order[0]])]), max(0.0, best))
 
 
 def _normalised(crop: GreyImage) -> NDArray[np.float64]:

@@ -33,7 +33,7 @@ class Kind(NamedTuple):
     """Side of the landmark, in [m]."""
 
 
-class Mark(NamedTuple):
+class PlannedMark(NamedTuple):
     """A landmark of the plan."""
 
     kind: Kind
@@ -47,7 +47,7 @@ Shown = Callable[[Kind, Sequence[Pose2]], NDArray[np.bool_]]
 """Check that marks of a kind at base_T_mark would have been completely in one of the pictures."""
 
 
-class Belief(NamedTuple):
+class BasePrior(NamedTuple):
     """Expected pose of the base before it looks."""
 
     planned_T_base: Pose2
@@ -62,7 +62,7 @@ class Belief(NamedTuple):
         return float(np.logaddexp(_log_normal(off, self.covariance), MOVED_LOG_SHARE + moved))
 
 
-class Explanation(NamedTuple):
+class MarkAssignment(NamedTuple):
     """Assignment of the sightings to marks, under one pose of the base."""
 
     planned_T_base: Pose2
@@ -71,15 +71,15 @@ class Explanation(NamedTuple):
     score: float
     """Logarithm of how likely it is, up to what all explanations of these sightings have in common."""
 
-    def rivals(self, other: Explanation) -> bool:
+    def rivals(self, other: MarkAssignment) -> bool:
         """Return True if the other explanation has the base elsewhere."""
         one, two = self.planned_T_base, other.planned_T_base
         return one.distance(two) > APART or one.turn(two) > APART_TURN
 
 
 def explain(
-    marks: Sequence[Mark], seen: Sequence[Sighting], belief: Belief, shown: Shown
-) -> list[Explanation]:
+    marks: Sequence[PlannedMark], seen: Sequence[Sighting], belief: BasePrior, shown: Shown
+) -> list[MarkAssignment]:
     """Return all poses of the base from which at least one landmark of the plan is seen, the likeliest first.
 
     Each pair of a mark of the plan and a sighting gives a pose of the base; the other sightings, the
@@ -93,7 +93,7 @@ def explain(
         belief: prior of the base's pose.
         shown: check that a mark at a pose would have been seen.
     """
-    found: dict[tuple[int | None, ...], Explanation] = {}
+    found: dict[tuple[int | None, ...], MarkAssignment] = {}
     for sighting in seen:
         for mark in marks:
             if mark.kind in sighting:
@@ -104,7 +104,7 @@ def explain(
     return sorted(found.values(), key=lambda each: -each.score)
 
 
-def rivals(explanations: Sequence[Explanation]) -> list[Explanation]:
+def rivals(explanations: Sequence[MarkAssignment]) -> list[MarkAssignment]:
     """The best one, then those which have the base elsewhere and are hardly less likely."""
     best = explanations[0]
     close = [each for each in explanations if each.score > best.score - MIN_LOG_RATIO]
@@ -112,8 +112,8 @@ def rivals(explanations: Sequence[Explanation]) -> list[Explanation]:
 
 
 def _explained(
-    guess: Pose2, marks: Sequence[Mark], seen: Sequence[Sighting], belief: Belief, shown: Shown
-) -> Explanation:
+    guess: Pose2, marks: Sequence[PlannedMark], seen: Sequence[Sighting], belief: BasePrior, shown: Shown
+) -> MarkAssignment:
     chosen = [_mark_at(guess, marks, each) for each in seen]
     pairs = [(marks[i], each[marks[i].kind]) for i, each in zip(chosen, seen, strict=True) if i is not None]
     place = _fit(pairs) if pairs else guess
@@ -121,10 +121,10 @@ def _explained(
     missing = _missing(place, [mark for i, mark in enumerate(marks) if i not in chosen], shown)
     stray = chosen.count(None)
     score = belief.log_density(place) - misfit - stray * STRAY_LOG_COST - missing * UNSEEN_LOG_COST
-    return Explanation(place, tuple(chosen), score)
+    return MarkAssignment(place, tuple(chosen), score)
 
 
-def _mark_at(planned_T_base: Pose2, marks: Sequence[Mark], seen: Sighting) -> int | None:
+def _mark_at(planned_T_base: Pose2, marks: Sequence[PlannedMark], seen: Sighting) -> int | None:
     """Return the index of the mark of the plan at a sighting, seen from there. Marks of a plan don't
     overlap.
     """
@@ -136,7 +136,7 @@ def _mark_at(planned_T_base: Pose2, marks: Sequence[Mark], seen: Sighting) -> in
     return None
 
 
-def _missing(planned_T_base: Pose2, marks: Sequence[Mark], shown: Shown) -> int:
+def _missing(planned_T_base: Pose2, marks: Sequence[PlannedMark], shown: Shown) -> int:
     """Return the number of these marks that should be visible from there."""
     to_base, count = planned_T_base.inverse(), 0
     for kind in {mark.kind: None for mark in marks}:
@@ -145,7 +145,7 @@ def _missing(planned_T_base: Pose2, marks: Sequence[Mark], shown: Shown) -> int:
     return count
 
 
-def _fit(pairs: Sequence[tuple[Mark, Pose2]]) -> Pose2:
+def _fit(pairs: Sequence[tuple[PlannedMark, Pose2]]) -> Pose2:
     """planned_T_base that brings what is seen nearest to the plan: Procrustes, the headings count as well."""
     there = np.array([mark.place for mark, _ in pairs])
     here = np.array([at for _, at in pairs])

@@ -12,7 +12,7 @@ from handcart.backends.description.can_spec import CanSpec
 from handcart.backends.description.robot_names import SHIPPED_FOLDER
 from handcart.backends.loading.robot_loading import load_robot
 from handcart.evaluation.conformance.checks.all_checks import checks
-from handcart.evaluation.conformance.rig.bench import Bench
+from handcart.evaluation.conformance.rig.bench import KitBench
 from handcart.evaluation.trials.rig import build_rig
 from handcart.files.errors import FileError
 from handcart.primitives.driving.move_to import MoveTo
@@ -39,7 +39,7 @@ LONG = ("drift",)
     "name", [pytest.param(each, marks=pytest.mark.slow) if each in LONG else each for each in checks()]
 )
 def test_the_kit_finds_nothing_wrong(name: str) -> None:
-    assert checks()[name](Bench("can", "cart")).wrong == []
+    assert checks()[name](KitBench("can", "cart")).wrong == []
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ import pytest
 
 from handcart.backends.kinematic.kinematic_backend import KinematicBackend
 from handcart.backends.loading.robot_loading import load_robot
-from handcart.backends.simulation.books.book import Book
+from handcart.backends.simulation.books.book import SimulatedBook
 from handcart.backends.simulation.books.book_lean import lean_in_row
 from handcart.backends.simulation.books.book_props import BookProps
 from handcart.backends.simulation.books.putting_down import put_down
@@ -24,7 +24,7 @@ from handcart.robotics.geometry.transform import transform
 from .conftest import Puppet
 
 SPEC = BookSpec(accession=1, call="512.7 NAG", thickness_mm=25, height_mm=210, depth_mm=150)
-BOOK = Book(np.eye(4), Rest.HAND, SPEC)
+BOOK = SimulatedBook(np.eye(4), Rest.HAND, SPEC)
 TIPPING = math.atan2(0.025, 0.21)
 FOOT = transform((0.0, 0.1, 0.0))
 

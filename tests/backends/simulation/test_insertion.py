@@ -6,10 +6,10 @@ import pytest
 
 from handcart.backends.simulation.books.insertion import Entrance, Entry, entry_chance
 from handcart.backends.simulation.books.row import Member
-from handcart.backends.simulation.books.shelf import Shelf
+from handcart.backends.simulation.books.shelf import SimulatedShelf
 from handcart.backends.simulation.books.spec import ShelfSpec
 
-SHELF = Shelf(ShelfSpec(name="s", x_m=0, y_m=0))
+SHELF = SimulatedShelf(ShelfSpec(name="s", x_m=0, y_m=0))
 # A slot of 33 mm about y = 0 between two fixed members.
 ROW = [Member(-0.1, -0.0165, 0.0, 0.2, None), Member(0.0165, 0.1, 0.0, 0.2, None)]
 

@@ -17,7 +17,7 @@ from handcart.backends.sensors.all_kinds import all_capabilities
 from handcart.evaluation.conformance.faults.fault import FOR_GOOD, Fault, FaultKind, all_sensors
 from handcart.evaluation.conformance.faults.faulty_backend import FaultyBackend, InjectedError
 from handcart.evaluation.conformance.rig import layered_backend
-from handcart.evaluation.conformance.rig.bench import Bench
+from handcart.evaluation.conformance.rig.bench import KitBench
 from handcart.evaluation.conformance.rig.parts import needed
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -128,7 +128,7 @@ def test_a_new_capability_s_commands_can_be_refused(faulty: FaultyBackend) -> No
 
 def test_imu_and_gps_are_in_the_kit_like_the_others() -> None:
     assert {"imu", "gps", "positioning"} < set(all_sensors())
-    with Bench("kinematic", "el_verde").rig() as rig:
+    with KitBench("kinematic", "el_verde").rig() as rig:
         faulty = FaultyBackend(rig.backend)
         for _ in range(40):
             faulty.step()

@@ -26,11 +26,11 @@ from handcart.evaluation.conformance.faults.fault import (
 from handcart.evaluation.conformance.faults.faulty_backend import FaultyBackend
 from handcart.evaluation.conformance.faults.forked import Died, Hung, forked
 from handcart.evaluation.conformance.faults.rehearsal import DRIVE_MAP, TASKS_FOLDER, Rehearsal, Solo
-from handcart.evaluation.conformance.faults.underway import Ending
+from handcart.evaluation.conformance.faults.underway import AttemptEnding
 from handcart.evaluation.conformance.kit import KitSetting, jobs_of, run_kit
 from handcart.evaluation.conformance.planted.mutants import mutants, try_mutant
 from handcart.evaluation.conformance.report import KitReport
-from handcart.evaluation.conformance.rig.bench import Bench
+from handcart.evaluation.conformance.rig.bench import KitBench
 from handcart.evaluation.conformance.rig.reach import Reach
 from handcart.evaluation.conformance.task_runs import Ran, compared
 from handcart.evaluation.judging.survey import simulated_world
@@ -39,7 +39,7 @@ from handcart.networks.task.task_file import load_task
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.tasks.domain import Domain
 
-BENCH = Bench("kinematic")
+BENCH = KitBench("kinematic")
 SAMPLE = (
     "EchoesCommands",
     "EditsSnapshot",
@@ -60,12 +60,12 @@ def test_the_kinematic_backend_passes(name: str) -> None:
 
 
 def test_what_a_robot_lacks_is_left_out_with_the_reason() -> None:
-    finding = checks()["joints"](Bench("kinematic", robot="cart"))
+    finding = checks()["joints"](KitBench("kinematic", robot="cart"))
     assert finding.skipped == "the robot has no arm"
 
 
 @pytest.fixture
-def without_noise(tmp_path: Path) -> Bench:
+def without_noise(tmp_path: Path) -> KitBench:
     """A cart whose simulation has no errors."""
     folder = Path(shutil.copytree(robot_path("cart").parent, tmp_path / "cart"))
     text = (folder / "robot.yaml").read_text(encoding="utf-8")
@@ -73,18 +73,18 @@ def without_noise(tmp_path: Path) -> Bench:
     (folder / "robot.yaml").write_text(
         f"{text[:start]}errors: {{none: true}}\n{text[end:]}", encoding="utf-8"
     )
-    return Bench("kinematic", str(folder / "robot.yaml"))
+    return KitBench("kinematic", str(folder / "robot.yaml"))
 
 
 @pytest.mark.parametrize("name", ["rates", "seed"])
-def test_kit_accepts_a_simulation_without_noise(without_noise: Bench, name: str) -> None:
+def test_kit_accepts_a_simulation_without_noise(without_noise: KitBench, name: str) -> None:
     finding = checks()[name](without_noise)
     assert finding.wrong == []
     assert any(words.startswith("without noise: ") for words in finding.measured)
 
 
 def test_kit_rejects_a_stale_lidar_without_noise(
-    without_noise: Bench, monkeypatch: pytest.MonkeyPatch
+    without_noise: KitBench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     kept: list[Scan] = []
     scan = SimulatedRangeSensor.scan
@@ -109,7 +109,7 @@ def test_a_liar_is_caught(name: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "liar"), [("imu", "TurnsOtherWay"), ("gps", "FixInMillimetres")])
 def test_gyros_and_receivers_are_checked_and_their_liars_caught(name: str, liar: str) -> None:
-    car = Bench("kinematic", robot="el_verde")
+    car = KitBench("kinematic", robot="el_verde")
     finding = checks()[name](car)
     assert finding.ok, finding.wrong
     assert not finding.skipped
@@ -120,7 +120,7 @@ def test_gyros_and_receivers_are_checked_and_their_liars_caught(name: str, liar:
 @pytest.mark.parametrize("name", ["base", "joints", "one period", "imu", "gps"])
 def test_a_car_passes_too(name: str) -> None:
     """It turns only while it drives, and its first joint stands at its limit."""
-    finding = checks()[name](Bench("kinematic", robot="el_verde"))
+    finding = checks()[name](KitBench("kinematic", robot="el_verde"))
     assert finding.ok, finding.wrong
 
 
@@ -131,7 +131,7 @@ def test_there_are_23_liars_and_each_tells_its_lie() -> None:
 
 @pytest.mark.slow
 def test_a_robot_with_an_indoor_positioning() -> None:
-    bench = Bench("kinematic", robot="atrv")
+    bench = KitBench("kinematic", robot="atrv")
     for name in ("capabilities", "positioning", "joints", "frames"):
         finding = checks()[name](bench)
         assert finding.ok, finding.wrong
@@ -193,7 +193,9 @@ def test_a_copy_of_the_process_may_hang_or_die() -> None:
 
 def test_a_report_tells_what_is_wrong() -> None:
     wrong = CheckResult("limits", "what is beyond is refused", ["drive(nan, 0) is taken"])
-    untrue = Ending("Fail", "it was only to be tried", 9, wrong=("Fail, but base mm 60.00 (at most 45.00)",))
+    untrue = AttemptEnding(
+        "Fail", "it was only to be tried", 9, wrong=("Fail, but base mm 60.00 (at most 45.00)",)
+    )
     trial = FaultTrial("REACH", 0, 7, "cancel", "cancel", untrue)
     report = KitReport.of("mine", "librarian", True, [wrong, [trial]])
     text = "\n".join(report.lines())
@@ -251,7 +253,7 @@ def test_a_shipped_task_for_real() -> None:
 @pytest.mark.slow
 def test_pybullet_passes_where_physics_matters() -> None:
     pytest.importorskip("pybullet", reason="PyBullet has no wheel for this Python")
-    bench = Bench("pybullet")
+    bench = KitBench("pybullet")
     for name in ("one period", "stop", "frames"):
         finding = checks()[name](bench)
         assert finding.ok, finding.wrong

@@ -17,7 +17,7 @@ from handcart.evaluation.seam.tracking_plot import draw_tracking_errors
 from handcart.robotics.manipulation.arms.pitch_arm import PitchArm
 from handcart.robotics.manipulation.arms.planar_arm import PlanarArm
 from handcart.robotics.manipulation.paths.tool_path import ToolPath, tool_path
-from handcart.robotics.manipulation.placement.placement_division import Division, Segment
+from handcart.robotics.manipulation.placement.placement_division import Division, PathSegment
 
 
 @pytest.fixture
@@ -31,7 +31,7 @@ def path() -> ToolPath:
 @pytest.fixture
 def panel() -> DividedPath:
     bases = np.array([[0.5, -1.2, 1.5], [1.8, -1.2, 1.5]])
-    return DividedPath("by hand", bases, Division((Segment(0, 0, 30), Segment(1, 30, 60)), 2.0))
+    return DividedPath("by hand", bases, Division((PathSegment(0, 0, 30), PathSegment(1, 30, 60)), 2.0))
 
 
 def _is_a_picture(file: Path) -> bool:

@@ -9,7 +9,13 @@ import numpy as np
 import pytest
 
 from handcart.networks.drawing.figure import figure_of
-from handcart.networks.drawing.network_picture import Box, Frame, Link, NetworkPicture, draw_network
+from handcart.networks.drawing.network_picture import (
+    DrawnBox,
+    DrawnFrame,
+    DrawnLink,
+    NetworkPicture,
+    draw_network,
+)
 from handcart.networks.graph.network import Action, ActionNetwork, Situation
 from handcart.networks.past_runs.journaled_network import NamedBinding
 from handcart.networks.task.task_file import load_task
@@ -28,12 +34,12 @@ def picture(request: pytest.FixtureRequest) -> NetworkPicture:
     return draw_network(task.network, title=task.file.title)
 
 
-def apart(a: Box | Frame, b: Box | Frame) -> bool:
+def apart(a: DrawnBox | DrawnFrame, b: DrawnBox | DrawnFrame) -> bool:
     beside = a.x + a.width <= b.x or b.x + b.width <= a.x
     return beside or a.y + a.height <= b.y or b.y + b.height <= a.y
 
 
-def along(link: Link) -> np.ndarray:
+def along(link: DrawnLink) -> np.ndarray:
     """(n, 2) points of it."""
     share = np.linspace(0.0, 1.0, 24)[:, None]
     points, begin = [], np.array(link.points[0])
@@ -64,7 +70,7 @@ def test_boxes_are_apart_and_hold_their_texts(picture: NetworkPicture) -> None:
     for box in picture.boxes:
         assert all(box.x < t.left and t.left + t.width < box.x + box.width for t in box.texts)
         assert all(box.y < t.y - t.size and t.y < box.y + box.height for t in box.texts)
-    drawn: list[Box | Frame] = [*picture.boxes, *picture.frames]
+    drawn: list[DrawnBox | DrawnFrame] = [*picture.boxes, *picture.frames]
     for each in drawn:
         assert 0 <= each.x < each.x + each.width <= picture.width
         assert 0 <= each.y < each.y + each.height <= picture.height

@@ -12,7 +12,7 @@ import pytest
 from handcart.networks.journal.journal import Journal
 from handcart.networks.journal.journal_record import JournalError
 from handcart.networks.journal.retracing import NeedsOperator
-from handcart.networks.runs.robot_claim import NoClaim, RobotBusy, RobotClaim, claimed, state_folder
+from handcart.networks.runs.robot_claim import NoClaimFolder, RobotBusy, RobotClaim, claimed, state_folder
 
 
 def robot(address: str = "can0 cart") -> Any:
@@ -68,7 +68,7 @@ def test_a_state_folder_that_can_not_be_used_is_reported(tmp_path: Path, state: 
         folder.mkdir()
         own = folder / "can-can0_cart"
         own.symlink_to(tmp_path / "elsewhere") if state == "a link" else own.mkdir()
-    with pytest.raises(NoClaim, match=r"can-can0_cart can't be opened: .*; allowed: a folder of yours"):
+    with pytest.raises(NoClaimFolder, match=r"can-can0_cart can't be opened: .*; allowed: a folder of yours"):
         RobotClaim(robot(), folder)
     assert not (tmp_path / "elsewhere").exists()
 

@@ -12,11 +12,13 @@ from handcart.backends.robot.localization.determination import PoseNeed
 from handcart.networks.task.pose_forecast import PoseForecast, forecast_pose
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
-from handcart.robotics.navigation.maps.grid_map import Box, from_boxes
+from handcart.robotics.navigation.maps.grid_map import FloorBox, from_boxes
 
 NEED = PoseNeed(0.04, math.radians(1.0))
-WALLS = [Box(20.0, y, 0.0, 40.0, 0.1) for y in (0.1, 3.1)] + [Box(x, 1.6, 0.0, 0.1, 3.1) for x in (0.0, 40.0)]
-PILLARS = [Box(x, y, 0.0, 0.3, 0.3) for x in np.arange(2.0, 39.0, 3.0) for y in (0.3, 2.9)]
+WALLS = [FloorBox(20.0, y, 0.0, 40.0, 0.1) for y in (0.1, 3.1)] + [
+    FloorBox(x, 1.6, 0.0, 0.1, 3.1) for x in (0.0, 40.0)
+]
+PILLARS = [FloorBox(x, y, 0.0, 0.3, 0.3) for x in np.arange(2.0, 39.0, 3.0) for y in (0.3, 2.9)]
 
 
 def forecast(pillars: bool, reach: float, need: PoseNeed = NEED) -> PoseForecast:
@@ -55,10 +57,10 @@ def test_a_forecast_counts_in_the_direction_of_the_need(along: float, across: fl
 
 def hall_forecast(reach: float) -> PoseForecast:
     """Across an empty hall of 14 m, from crates in one corner to crates in the opposite one."""
-    walls = [Box(7.0, y, 0.0, 14.0, 0.1) for y in (0.0, 14.0)] + [
-        Box(x, 7.0, 0.0, 0.1, 14.0) for x in (0, 14)
+    walls = [FloorBox(7.0, y, 0.0, 14.0, 0.1) for y in (0.0, 14.0)] + [
+        FloorBox(x, 7.0, 0.0, 0.1, 14.0) for x in (0, 14)
     ]
-    crates = [Box(x, y, 0.0, 0.6, 0.6) for x, y in ((1.0, 3.5), (3.2, 1.0), (13.0, 11.0), (10.5, 13.0))]
+    crates = [FloorBox(x, y, 0.0, 0.6, 0.6) for x, y in ((1.0, 3.5), (3.2, 1.0), (13.0, 11.0), (10.5, 13.0))]
     robot = load_robot("cart")
     assert robot.range_sensor is not None
     lidar = robot.range_sensor.model_copy(update={"reach_m": reach})

@@ -17,8 +17,8 @@ from handcart.backends.robot.robot import Robot, StaleReading
 from handcart.evaluation.conformance.faults.fault import FOR_GOOD, Fault, FaultKind
 from handcart.evaluation.conformance.faults.faulty_backend import FaultyBackend
 from handcart.evaluation.conformance.faults.rehearsal import Solo
-from handcart.evaluation.conformance.faults.underway import Ending, Underway
-from handcart.evaluation.conformance.rig.bench import Bench
+from handcart.evaluation.conformance.faults.underway import AttemptEnding, Underway
+from handcart.evaluation.conformance.rig.bench import KitBench
 from handcart.evaluation.conformance.rig.reach import Reach
 from handcart.evaluation.judging.survey import simulated_world
 from handcart.evaluation.trials.rig import Rig
@@ -29,7 +29,7 @@ from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.outcomes.outcome import GiveUp
 from handcart.robotics.geometry.pose2 import Pose2
 
-BENCH = Bench("kinematic")
+BENCH = KitBench("kinematic")
 WORLD = SHIPPED_FOLDER.parents[1] / "tasks" / "return_book" / "world.yaml"
 FIELD = Path(__file__).parents[3] / "tasks" / "deploy_straight" / "task.yaml"
 Vector = NDArray[np.float64]
@@ -42,7 +42,7 @@ class Stand(ActionPrimitive):
         yield from robot.wait(4.0)
 
 
-def ended(primitive: ActionPrimitive, period: int, fault: Fault) -> tuple[Ending, Underway]:
+def ended(primitive: ActionPrimitive, period: int, fault: Fault) -> tuple[AttemptEnding, Underway]:
     """Return the end of an attempt with a fault from a period on."""
     for _, _, underway in Solo(BENCH, primitive).attempts():
         for _ in range(period):

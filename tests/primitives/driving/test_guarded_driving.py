@@ -18,7 +18,7 @@ from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.primitives.outcomes.outcome import Fail, Success
 from handcart.primitives.restoring.retrace import reach_pose
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.maps.grid_map import Box
+from handcart.robotics.navigation.maps.grid_map import FloorBox
 from tests.primitives.conftest import Rig
 
 BOX = "surprises:\n  - {{name: box, x_m: {x}, y_m: {y}, size_m: [0.4, 0.4, {height}]{more}}}\n"
@@ -65,7 +65,7 @@ def test_it_ends_before_a_box_that_the_scan_alone_shows(make_rig: Callable[..., 
 
 def test_it_ends_before_a_low_step_that_the_map_alone_shows(make_rig: Callable[..., Rig]) -> None:
     step = "  - {name: step, x_m: 1.0, y_m: 2.6, size_m: [0.8, 0.4, 0.08]}\n"
-    rig = make_rig(furniture=step, walls=(Box(1.0, 2.6, 0.0, 0.8, 0.4),))
+    rig = make_rig(furniture=step, walls=(FloorBox(1.0, 2.6, 0.0, 0.8, 0.4),))
     assert isinstance(rig.run(DriveOn()), Fail)
     assert rig.scene.contacts == []
 
@@ -129,7 +129,7 @@ def test_unmapped_cupboard_at_a_wall_is_not_taken_for_the_wall(
 ) -> None:
     """It is 8 cm deep: less than what a scan may be off the map by."""
     thin = "surprises:\n  - {name: cupboard, x_m: 5.0, y_m: 3.05, size_m: [0.8, 0.08, 1.0]}\n"
-    wall = Box(5.0, 3.14, 0.0, 5.9, 0.1)
+    wall = FloorBox(5.0, 3.14, 0.0, 5.9, 0.1)
     post = "  - {name: wall on the map, x_m: 5.0, y_m: 3.14, size_m: [5.9, 0.1, 1.0]}\n"
     rig = make_rig(thin, walls=(wall,), furniture=post)
     places: Any = rig.model.places

@@ -16,12 +16,12 @@ from handcart.primitives.driving.lidar_watch import LidarWatch
 from handcart.primitives.outcomes.discrepancy import NeedsPerson
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.expected_echoes import expected_echoes
-from handcart.robotics.navigation.maps.grid_map import Box, GridMap, from_boxes
+from handcart.robotics.navigation.maps.grid_map import FloorBox, GridMap, from_boxes
 
 BEAMS = 360
 ANGLES = np.radians(np.arange(BEAMS) - 180.0)
 ROOM = from_boxes(
-    [Box(*each) for each in ((0, 3, 0, 6, 0.2), (0, -3, 0, 6, 0.2), (3, 0, 0, 0.2, 6))],
+    [FloorBox(*each) for each in ((0, 3, 0, 6, 0.2), (0, -3, 0, 6, 0.2), (3, 0, 0, 0.2, 6))],
     0.05,
     (-4.0, -4.0),
     (8.0, 8.0),
@@ -40,7 +40,7 @@ def robot_of(pose: Pose2, ranges: np.ndarray, now: float) -> Any:
 def test_twenty_beams_that_must_return_are_enough(width_deg: int, said: bool) -> None:
     """A wall that so many beams meet, and none returns."""
     half = math.tan(math.radians(0.5 * width_deg)) * 3.0
-    wall = from_boxes([Box(3.0, 0.0, 0.0, 0.02, 2.0 * half - 0.03)], 0.01, (-4.0, -4.0), (8.0, 8.0))
+    wall = from_boxes([FloorBox(3.0, 0.0, 0.0, 0.02, 2.0 * half - 0.03)], 0.01, (-4.0, -4.0), (8.0, 8.0))
     watch, silent = LidarWatch(), np.full(BEAMS, np.inf)
 
     def look() -> None:

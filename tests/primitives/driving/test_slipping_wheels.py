@@ -11,7 +11,7 @@ import pytest
 from handcart.backends.robot.robot import Robot
 from handcart.evaluation.conformance.faults.fault import FOR_GOOD, Fault, FaultKind
 from handcart.evaluation.conformance.faults.faulty_backend import FaultyBackend
-from handcart.evaluation.conformance.faults.underway import Ending, Underway
+from handcart.evaluation.conformance.faults.underway import AttemptEnding, Underway
 from handcart.evaluation.trials.rig import RigFiles, build_rig
 from handcart.primitives.contract.attempt import attempt
 from handcart.primitives.driving.looks_at_rest import LooksAtRest
@@ -28,7 +28,7 @@ FILES = RigFiles(
 )
 
 
-def slipping(after: int, periods: int) -> Ending:
+def slipping(after: int, periods: int) -> AttemptEnding:
     """Drive by wheels of which half the roll is lost, from a period on."""
     with build_rig(FILES, "toyama", seed=1) as rig:
         backend = FaultyBackend(rig.backend)

@@ -18,7 +18,7 @@ from handcart.primitives.seam.seam import Seam
 from handcart.primitives.seam.seam_work import SeamPart, SeamWork
 from handcart.primitives.seam.track import Track, _check_known
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.manipulation.placement.placement_division import Segment
+from handcart.robotics.manipulation.placement.placement_division import PathSegment
 from handcart.robotics.manipulation.placement.placer import Placements
 
 HERE = Pose2(2.0257, 3.0387, math.radians(-25.62))
@@ -113,7 +113,7 @@ def test_a_rest_is_divided_by_the_numbers_of_the_whole_seam(
     def place(rest: Any, *_: Any) -> Placements:
         asked.append(len(rest.points))
         bases = np.array([HERE, HERE])
-        return Placements(bases, (Segment(0, 0, 3), Segment(1, 3, LAST - 5)), (0.1, 0.2))
+        return Placements(bases, (PathSegment(0, 0, 3), PathSegment(1, 3, LAST - 5)), (0.1, 0.2))
 
     monkeypatch.setattr("handcart.primitives.seam.divide.placer_of", lambda _: SimpleNamespace(place=place))
     assert isinstance(rig.do(Divide(placements=2)), Success)

@@ -13,7 +13,7 @@ from handcart.backends.capabilities.arm import Arm
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.kinematic.kinematic_backend import KinematicBackend
 from handcart.backends.loading.robot_loading import load_robot
-from handcart.evaluation.bringup.jog import HAND_SPEED, Jogger, Lease, UnknownAxis
+from handcart.evaluation.bringup.jog import HAND_SPEED, Jogger, KeyLease, UnknownAxis
 from handcart.evaluation.trials.rig import LIBRARY_FOLDER
 from tests.conftest import Clock
 from tests.tools.conftest import Said
@@ -38,7 +38,7 @@ def always() -> bool:
 def test_u6_a_key_that_isnt_seen_for_300_ms_is_let_go(clock: Clock) -> None:
     """U6: permanently: a key that comes again later moves nothing."""
     seen = [True]
-    lease = Lease(lambda: seen[0], clock)
+    lease = KeyLease(lambda: seen[0], clock)
     for _ in range(20):
         clock.now += 0.15
         assert lease()

@@ -16,7 +16,7 @@ from contextlib import contextmanager
 
 import pytest
 
-from handcart.evaluation.bringup.operator import NoAnswer
+from handcart.evaluation.bringup.operator import UnansweredQuestion
 from handcart.tools.terminal.key_holding import NoTerminal, held_key
 from handcart.tools.terminal.terminal_operator import TerminalOperator
 
@@ -85,7 +85,7 @@ def test_nobody_at_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr(sys, "stdin", nothing)
         with pytest.raises(NoTerminal), held_key():
             pass
-        with pytest.raises(NoAnswer, match="no answer to 'pressed': standard input has ended"):
+        with pytest.raises(UnansweredQuestion, match="no answer to 'pressed': standard input has ended"):
             TerminalOperator().confirm("pressed", "Pressed?")
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from handcart.backends.loading.robot_loading import load_robot
-from handcart.backends.mujoco.engine.beams import Beams
+from handcart.backends.mujoco.engine.beams import LidarBeams
 from handcart.backends.mujoco.engine.mujoco_module import mujoco
 from handcart.backends.mujoco.engine.world_spec import ROBOT_GROUP
 from handcart.backends.mujoco.mujoco_backend import MujocoBackend
@@ -68,13 +68,13 @@ def _first(engine: Any, start: Any, end: Any) -> float:
 
 def test_what_is_no_box_is_left_to_mujoco(engine: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[float] = []
-    of_mujoco = Beams._asked
+    of_mujoco = LidarBeams._asked
 
-    def listening(self: Beams, data: Any, start: Any, ends: Any) -> Any:
+    def listening(self: LidarBeams, data: Any, start: Any, ends: Any) -> Any:
         asked.append(float(start[2]))
         return of_mujoco(self, data, start, ends)
 
-    monkeypatch.setattr(Beams, "_asked", listening)
+    monkeypatch.setattr(LidarBeams, "_asked", listening)
     model, data = engine.model, engine.links()
     wedge = int(
         np.flatnonzero((model.geom_type == mujoco().mjtGeom.mjGEOM_MESH) & (model.geom_group != 1))[0]
@@ -105,7 +105,7 @@ def test_beams_end_at_rough_ground_where_mujoco_has_them_end(
     start, long = pose[:3, 3], 8.0
     ends = start + long * np.c_[np.cos(turned), np.sin(turned), 0 * turned] @ pose[:3, :3].T
     expected = long * outdoors._beams._asked(outdoors.links(), start, ends)
-    monkeypatch.setattr(Beams, "_asked", None)
+    monkeypatch.setattr(LidarBeams, "_asked", None)
     shares = long * outdoors.free_shares(start, ends)
     met = np.isfinite(expected)
     assert met.any() == (height < 1.0 or tilt < 0.0)

@@ -17,7 +17,7 @@ from handcart.backends.description.robot_names import robot_path
 from handcart.backends.loading.robot_loading import load_robot
 from handcart.evaluation.conformance.checks.beacon_checks import beacons
 from handcart.evaluation.conformance.checks.check import CheckResult
-from handcart.evaluation.conformance.rig.bench import Bench
+from handcart.evaluation.conformance.rig.bench import KitBench
 from handcart.evaluation.offline_localization.drive_recorder import DriveRecorder
 from handcart.evaluation.offline_localization.logs.csv_log import read_csv_log
 from handcart.evaluation.offline_localization.replay import NoRanges, localizer_for, replay
@@ -64,7 +64,7 @@ def world(tmp_path: Path) -> Callable[[str], Path]:
 def test_the_check_finds_them_right(robot: Path, world: Callable[[str], Path]) -> None:
     files = RigFiles(world(""), None, None, {}, "")
     found = CheckResult("beacons", "")
-    beacons(Bench("kinematic", str(robot), files=files), found)
+    beacons(KitBench("kinematic", str(robot), files=files), found)
     assert found.wrong == []
 
 

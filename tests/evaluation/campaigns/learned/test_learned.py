@@ -20,7 +20,7 @@ from handcart.evaluation.campaigns.learned.learned import Learned, NothingLearne
 from handcart.evaluation.campaigns.learned.learned_odds import LearnedOdds, best_pooling
 from handcart.evaluation.campaigns.learned.prediction import predict
 from handcart.evaluation.campaigns.learned.seen_actions import SeenActions
-from handcart.evaluation.campaigns.walks.odds import Codes, End, Floats, Numbers
+from handcart.evaluation.campaigns.walks.odds import Codes, EndCode, Floats, Numbers
 from handcart.networks.task.task_file import Task, load_task
 
 TRIALS = 600
@@ -34,9 +34,9 @@ class SecondTimeWorse:
 
     def ends(self, action: Numbers, context: Numbers, drawn: Floats) -> Codes:
         good = np.where(context < 2, 0.7, 0.2)
-        return np.where(drawn < good, End.SUCCESS, np.where(drawn > 0.97, End.GIVE_UP, End.FAIL)).astype(
-            np.int8
-        )
+        return np.where(
+            drawn < good, EndCode.SUCCESS, np.where(drawn > 0.97, EndCode.GIVE_UP, EndCode.FAIL)
+        ).astype(np.int8)
 
     def seconds(self, action: Numbers, context: Numbers, ends: Codes, drawn: Floats) -> Floats:
         return (10.0 + action + drawn) * np.where(context % 2, 2.0, 1.0)
@@ -93,7 +93,7 @@ def test_what_was_seldom_seen_leans_on_all_contexts(
     seldom = LearnedOdds(task, rest, 30.0)
     drawn = np.linspace(0.0, 1.0, 1001)
     action, context = np.zeros(1001, dtype=np.int32), np.full(1001, 3, dtype=np.int32)
-    share = (seldom.ends(action, context, drawn) == End.SUCCESS).mean()
+    share = (seldom.ends(action, context, drawn) == EndCode.SUCCESS).mean()
     assert share == pytest.approx(0.7, abs=0.06)
 
 
@@ -112,7 +112,7 @@ class FirstBlock(SecondTimeWorse):
 
     def ends(self, action: Numbers, context: Numbers, drawn: Floats) -> Codes:
         lost = (action == self.hard) & (drawn < self.give_up)
-        return np.where(lost, End.GIVE_UP, End.SUCCESS).astype(np.int8)
+        return np.where(lost, EndCode.GIVE_UP, EndCode.SUCCESS).astype(np.int8)
 
 
 def test_what_no_action_s_own_past_tells_is_refused() -> None:
@@ -183,8 +183,8 @@ def test_a_for_good_fail_is_learned_as_one(task: Task, recorded: Callable[[int],
     ]
     trials = [replace(trial, actions=found) for trial, found in zip(recorded(50), ends, strict=True)]
     seen = SeenActions.of(task, trials)
-    assert End.FAIL not in seen.end.tolist()
-    assert End.FOR_GOOD in seen.end.tolist()
+    assert EndCode.FAIL not in seen.end.tolist()
+    assert EndCode.FOR_GOOD in seen.end.tolist()
 
 
 def end(action: str, outcome: str, time_s: float) -> ActionEnd:
@@ -211,14 +211,18 @@ class SlowGiveUp(SecondTimeWorse):
     """A GiveUp takes a hundred seconds."""
 
     def seconds(self, action: Numbers, context: Numbers, ends: Codes, drawn: Floats) -> Floats:
-        return np.where(ends == End.GIVE_UP, 100.0, 10.0 + drawn)
+        return np.where(ends == EndCode.GIVE_UP, 100.0, 10.0 + drawn)
 
 
 def test_how_long_it_takes_depends_on_how_it_ends(task: Task) -> None:
     trials = WalkedTrials(task, SlowGiveUp())
     odds = LearnedOdds(task, SeenActions.of(task, map(trials.trial, range(TRIALS))))
     drawn, action = np.linspace(0.0, 0.999, 500), np.zeros(500, dtype=np.int32)
-    for code, least, most in ((End.SUCCESS, 10.0, 11.0), (End.FAIL, 10.0, 11.0), (End.GIVE_UP, 100.0, 100.0)):
+    for code, least, most in (
+        (EndCode.SUCCESS, 10.0, 11.0),
+        (EndCode.FAIL, 10.0, 11.0),
+        (EndCode.GIVE_UP, 100.0, 100.0),
+    ):
         seconds = odds.seconds(action, action, np.full(500, code, dtype=np.int8), drawn)
         assert least - 1e-6 <= seconds.min() <= seconds.max() <= most + 1e-6
 

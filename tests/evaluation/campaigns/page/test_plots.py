@@ -9,23 +9,23 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as some
 
-from handcart.evaluation.campaigns.page.plots import HEIGHT, WIDTH, Axis, histogram
+from handcart.evaluation.campaigns.page.plots import HEIGHT, WIDTH, PlotAxis, histogram
 
 
 def test_round_numbers_stand_on_an_axis() -> None:
-    assert [words for _, words in Axis(0.0, 1.0, 100.0).ticks()] == ["0", "0.5", "1"]
-    (at, words), *_ = Axis(2.63, 2.91, 280.0).ticks()
+    assert [words for _, words in PlotAxis(0.0, 1.0, 100.0).ticks()] == ["0", "0.5", "1"]
+    (at, words), *_ = PlotAxis(2.63, 2.91, 280.0).ticks()
     assert at == pytest.approx(70.0)
     assert words == "2.7"
-    assert [words for _, words in Axis(-0.5, 1.5, 100.0, whole=True).ticks()] == ["0", "1"]
-    assert Axis(7.0, 7.0, 100.0).ticks() == [(50.0, "7")]
+    assert [words for _, words in PlotAxis(-0.5, 1.5, 100.0, whole=True).ticks()] == ["0", "1"]
+    assert PlotAxis(7.0, 7.0, 100.0).ticks() == [(50.0, "7")]
 
 
 @given(some.floats(-1e12, 1e12), some.floats(1e-9, 1e12))
 def test_an_axis_has_a_few_round_numbers_all_of_them_on_it(least: float, span: float) -> None:
     if not least + span > least:
         return
-    ticks = Axis(least, least + span, 100.0).ticks()
+    ticks = PlotAxis(least, least + span, 100.0).ticks()
     assert len(ticks) <= 5
     assert all(-1e-3 <= at <= 100.001 for at, _ in ticks)
 

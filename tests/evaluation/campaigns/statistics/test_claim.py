@@ -11,7 +11,7 @@ import pytest
 
 from benchmarks.campaigns.walk import walk
 from handcart.evaluation.campaigns.data.trial import Trial
-from handcart.evaluation.campaigns.statistics.claim import Claim, NoClaim, Settling
+from handcart.evaluation.campaigns.statistics.claim import NoClaim, RateClaim, Settling
 from tests.tools.conftest import Said
 from tests.tools.conftest import handcart as handcart
 
@@ -23,11 +23,11 @@ def trial(seed: int, success: bool = True) -> Trial:
 @pytest.mark.parametrize("words", ["p", "p > 95", "p >= .9", "q < 0.5", "p > 0.0", "p > 1"])
 def test_what_claims_nothing_is_refused(words: str) -> None:
     with pytest.raises(NoClaim, match="allowed"):
-        Claim.of(words)
+        RateClaim.of(words)
 
 
 def test_it_is_sure_when_it_may_be() -> None:
-    above, below = Claim.of("p > 0.95"), Claim.of("p<.5")
+    above, below = RateClaim.of("p > 0.95"), RateClaim.of("p<.5")
     assert above.verdict(170, 170) is True
     assert above.verdict(50, 50) is None
     assert above.verdict(10, 20) is False
@@ -36,7 +36,7 @@ def test_it_is_sure_when_it_may_be() -> None:
 
 
 def test_it_is_seldom_wrong_however_often_it_is_asked() -> None:
-    chance, claim = np.random.default_rng(3), Claim.of("p > 0.8")
+    chance, claim = np.random.default_rng(3), RateClaim.of("p > 0.8")
     wrong = 0
     for _ in range(400):
         successes = np.cumsum(chance.random(300) < 0.8)
@@ -46,7 +46,7 @@ def test_it_is_seldom_wrong_however_often_it_is_asked() -> None:
 
 def test_trials_count_in_the_order_of_their_seeds() -> None:
     """Else those that end soon would count first."""
-    settling = Settling(Claim.of("p < 0.5"), range(40))
+    settling = Settling(RateClaim.of("p < 0.5"), range(40))
     assert not any(settling.hear(trial(seed, False)) for seed in range(1, 40))
     assert (settling.count, settling.verdict) == (0, None)
     assert settling.hear(trial(0, False))

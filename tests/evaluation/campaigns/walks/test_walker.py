@@ -8,7 +8,7 @@ import random
 import numpy as np
 import pytest
 
-from handcart.evaluation.campaigns.walks.odds import Codes, End, Floats, Numbers, context_of
+from handcart.evaluation.campaigns.walks.odds import Codes, EndCode, Floats, Numbers, context_of
 from handcart.evaluation.campaigns.walks.walk_table import GOAL, NO_WAY, WalkTable
 from handcart.evaluation.campaigns.walks.walker import GAVE_UP, NO_ACTION, Walked, Walker
 from handcart.networks.analysis.forecast import forecast
@@ -68,10 +68,10 @@ def again(network: ActionNetwork, walked: Walked, column: int) -> tuple[int, boo
             route.took(Success())
             continue
         assert route.next.index == index
-        if code == End.SUCCESS:
+        if code == EndCode.SUCCESS:
             route.took(Success())
-        elif code in (End.FAIL, End.FOR_GOOD):
-            route.failed("", code == End.FOR_GOOD)
+        elif code in (EndCode.FAIL, EndCode.FOR_GOOD):
+            route.failed("", code == EndCode.FOR_GOOD)
         else:
             return GAVE_UP, skipped
     return GOAL if route.arrived else NO_WAY, skipped
@@ -101,7 +101,7 @@ def test_times_add_up_and_nothing_follows_an_end() -> None:
     walked = Walker(WalkTable(some_network(3)), Even(0.5, 0.9, 0.9, 1.0)).walk(np.random.default_rng(1), 300)
     there = walked.action != NO_ACTION
     assert (walked.seconds == np.where(there, walked.action + 1.0, 0.0)).all()
-    gave_up = (walked.ends == End.GIVE_UP) & there
+    gave_up = (walked.ends == EndCode.GIVE_UP) & there
     assert gave_up.sum() == (walked.last == GAVE_UP).sum() > 0
     for step, column in np.argwhere(gave_up).tolist():
         assert not there[step + 1 :, column].any()

@@ -11,7 +11,7 @@ pytest.importorskip("viser", reason="the extra view isn't installed")
 
 import viser
 
-from handcart.evaluation.viewing.playback.playback import Moment, Playback
+from handcart.evaluation.viewing.playback.playback import Playback, PlaybackMoment
 from handcart.evaluation.viewing.view.frame import Frame
 from handcart.evaluation.viewing.view.panel import Panel
 from handcart.evaluation.viewing.view.replay import Replay
@@ -56,7 +56,7 @@ def test_u10_names_that_are_programs_are_text_in_the_panel(server: viser.ViserSe
     """Viser takes its content as HTML."""
     bad = "<img src=x onerror=alert(1)>"
     panel = Panel(server, bad, bad)
-    moment = Moment(0.5, 0.5, np.zeros(3), None, np.zeros(0), 0.0, np.zeros((3, 3)), 1, True)
+    moment = PlaybackMoment(0.5, 0.5, np.zeros(3), None, np.zeros(0), 0.0, np.zeros((3, 3)), 1, True)
     action = PastAction(1, 0, bad, bad, bad, {}, 0.0, 1.0, None, "")
     frame = Frame(moment, bad, {})
     for each in (panel._words(frame, action, True), panel._words(frame, action, False)):

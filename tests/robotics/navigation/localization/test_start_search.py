@@ -9,7 +9,7 @@ import pytest
 
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
-from handcart.robotics.navigation.localization.start_search import Beams, check_start, map_ranges
+from handcart.robotics.navigation.localization.start_search import ScanBeams, check_start, map_ranges
 from handcart.robotics.navigation.maps.box_ranges import box_ranges
 from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
 
@@ -24,10 +24,10 @@ ROOM = [
 ]
 
 
-def seen(boxes: Boxes, pose: Pose2, reach: float = 12.0) -> Beams:
+def seen(boxes: Boxes, pose: Pose2, reach: float = 12.0) -> ScanBeams:
     """The beams of a lidar at a pose, with its noise."""
     ranges = box_ranges(boxes, pose, ANGLES) + np.random.default_rng(0).normal(0.0, 0.01, len(ANGLES))
-    return Beams(np.zeros(2), ANGLES, np.where(ranges < reach, ranges, np.inf), reach)
+    return ScanBeams(np.zeros(2), ANGLES, np.where(ranges < reach, ranges, np.inf), reach)
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.localization.watched_moment import Belief, Branch, WatchedMoment
+from handcart.robotics.navigation.localization.watched_moment import Belief, BeliefBranch, WatchedMoment
 from handcart.robotics.navigation.outdoors.field_model import corrected
 
 SIZE, KEPT = 4, 3
@@ -64,7 +64,7 @@ def test_of_two_ways_that_are_the_same_it_learns_what_one_tells() -> None:
     moment = WatchedMoment.of(now, KEPT).stepped(np.eye(SIZE) * 0.9)
     mean, _ = corrected(now.mean, now.covariance, ROWS, residual, 0.5)
     one = moment.corrected(now.covariance, ROWS, residual, 0.5)
-    branch = Branch(0.5, np.eye(SIZE), now.covariance, residual, mean)
+    branch = BeliefBranch(0.5, np.eye(SIZE), now.covariance, residual, mean)
     either = moment.corrected_either([branch, branch], ROWS, 0.5)
     for a, b in zip((*one.belief, one.shared), (*either.belief, either.shared), strict=True):
         assert np.allclose(a, b)

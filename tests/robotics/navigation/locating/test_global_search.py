@@ -9,7 +9,7 @@ import pytest
 
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.localization.likelihood_field import LikelihoodField
-from handcart.robotics.navigation.localization.start_search import Beams
+from handcart.robotics.navigation.localization.start_search import ScanBeams
 from handcart.robotics.navigation.locating.beam_evidence import explain, independent_beams, matching_noise
 from handcart.robotics.navigation.locating.global_search import same_place, search_map
 from handcart.robotics.navigation.maps.box_ranges import box_ranges
@@ -21,10 +21,10 @@ REACH_M = 12.0
 ROOM = [(4.0, y, 0.0, 8.0, 0.1) for y in (0.0, 6.0)] + [(x, 3.0, 0.0, 0.1, 6.0) for x in (0.0, 8.0)]
 
 
-def seen(boxes: Boxes, pose: Pose2, reach: float = REACH_M) -> Beams:
+def seen(boxes: Boxes, pose: Pose2, reach: float = REACH_M) -> ScanBeams:
     """Return the beams of a lidar at a pose, with noise."""
     ranges = box_ranges(boxes, pose, ANGLES) + np.random.default_rng(0).normal(0.0, 0.01, len(ANGLES))
-    return Beams(np.zeros(2), ANGLES, np.where(ranges < reach, ranges, np.inf), reach)
+    return ScanBeams(np.zeros(2), ANGLES, np.where(ranges < reach, ranges, np.inf), reach)
 
 
 @pytest.mark.parametrize("truth", [Pose2(3.0, 3.5, 1.0), Pose2(7.0, 1.2, -2.5), Pose2(10.5, 7.0, 3.0)])
@@ -48,7 +48,7 @@ def test_search_finds_both_poses_of_a_symmetric_room() -> None:
 
 
 def test_a_scan_without_echoes_finds_nothing(library_field: LikelihoodField) -> None:
-    silent = Beams(np.zeros(2), ANGLES, np.full(len(ANGLES), np.inf), REACH_M)
+    silent = ScanBeams(np.zeros(2), ANGLES, np.full(len(ANGLES), np.inf), REACH_M)
     assert not len(search_map(library_field, silent, 0.02).poses)
 
 

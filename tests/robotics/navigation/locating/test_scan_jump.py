@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.localization.start_search import Beams
+from handcart.robotics.navigation.localization.start_search import ScanBeams
 from handcart.robotics.navigation.locating.scan_jump import CONFIRMED_CHANGES, ScanJump
 from handcart.robotics.navigation.maps.box_ranges import box_ranges
 
@@ -15,9 +15,9 @@ TREAD_M = 0.4
 STEP_M = 0.05
 
 
-def seen(boxes: Boxes, pose: Pose2, seed: int) -> Beams:
+def seen(boxes: Boxes, pose: Pose2, seed: int) -> ScanBeams:
     noise = np.random.default_rng(seed).normal(0.0, 0.01, len(ANGLES))
-    return Beams(np.zeros(2), ANGLES, box_ranges(boxes, pose, ANGLES) + noise, 30.0)
+    return ScanBeams(np.zeros(2), ANGLES, box_ranges(boxes, pose, ANGLES) + noise, 30.0)
 
 
 def test_a_lifted_base_is_noticed_after_few_scans(library_boxes: Boxes) -> None:

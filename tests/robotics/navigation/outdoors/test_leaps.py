@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.localization.watched_moment import Belief, mixed
 from handcart.robotics.navigation.outdoors import field_model as states
-from handcart.robotics.navigation.outdoors.field_kalman import FieldKalman, Fixed
+from handcart.robotics.navigation.outdoors.field_kalman import FieldKalman, FixResult
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_NOISE, FieldNoise
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance, GyroOdometry
 from handcart.robotics.navigation.outdoors.sky import leapt, log_normal
@@ -27,7 +27,7 @@ def standing(noise: FieldNoise, record: bool = False) -> FieldKalman:
     return FieldKalman(Pose2(0.0, 0.0, 0.0), noise, record=TrackRecord() if record else None)
 
 
-def seen(filtering: FieldKalman, fixes: NDArray[np.float64]) -> list[Fixed]:
+def seen(filtering: FieldKalman, fixes: NDArray[np.float64]) -> list[FixResult]:
     """What comes of fixes (n, 2), a second apart, of a base that stands."""
     odometry, found = GyroOdometry(), []
     for fix in fixes:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.maps.grid_map import Box, GridMap, from_boxes
+from handcart.robotics.navigation.maps.grid_map import FloorBox, GridMap, from_boxes
 from handcart.robotics.navigation.routes.replanning import Replanner
 from handcart.robotics.navigation.routes.shortcuts import path_length
 
@@ -16,10 +16,10 @@ START, GOAL = Pose2(1.0, 2.0, 0.0), Pose2(7.0, 2.0, 0.0)
 RADIUS = 0.3
 
 
-def room(*boxes: Box) -> GridMap:
+def room(*boxes: FloorBox) -> GridMap:
     """8 x 4 m with walls and boxes."""
-    walls = [Box(4.0, y, 0.0, 8.0, 0.1) for y in (0.0, 4.0)] + [
-        Box(x, 2.0, 0.0, 0.1, 4.0) for x in (0.0, 8.0)
+    walls = [FloorBox(4.0, y, 0.0, 8.0, 0.1) for y in (0.0, 4.0)] + [
+        FloorBox(x, 2.0, 0.0, 0.1, 4.0) for x in (0.0, 8.0)
     ]
     return from_boxes([*walls, *boxes], 0.05, (-0.2, -0.2), (8.4, 4.4))
 
@@ -30,7 +30,7 @@ def replanner() -> Replanner:
 
 
 def test_a_free_route_is_kept_though_another_is_as_good(replanner: Replanner) -> None:
-    grid = room(Box(4.0, 2.0, 0.0, 0.6, 0.6))  # two ways of about the same cost
+    grid = room(FloorBox(4.0, 2.0, 0.0, 0.6, 0.6))  # two ways of about the same cost
     first = replanner.look(grid, START, GOAL)
     assert first.kind == "new"
     mirrored = first.points * [1.0, -1.0] + [0.0, 4.0]
@@ -40,7 +40,7 @@ def test_a_free_route_is_kept_though_another_is_as_good(replanner: Replanner) ->
 
 def test_a_blocked_route_is_replaced_with_its_beginning_kept(replanner: Replanner) -> None:
     route = replanner.look(room(), START, GOAL).points
-    grid = room(Box(4.0, 2.0, 0.0, 0.5, 1.0))
+    grid = room(FloorBox(4.0, 2.0, 0.0, 0.5, 1.0))
     look = replanner.look(grid, START, GOAL, route=route, lead=0.5)
     assert look.kind == "new"
     assert np.allclose(look.points[: len(route) // 20], route[: len(route) // 20])
@@ -50,7 +50,7 @@ def test_a_blocked_route_is_replaced_with_its_beginning_kept(replanner: Replanne
 
 def test_a_closed_wall_leaves_no_way_and_reports_where(replanner: Replanner) -> None:
     route = replanner.look(room(), START, GOAL).points
-    look = replanner.look(room(Box(5.0, 2.0, 0.0, 0.1, 4.0)), START, GOAL, route=route)
+    look = replanner.look(room(FloorBox(5.0, 2.0, 0.0, 0.1, 4.0)), START, GOAL, route=route)
     assert look.kind == "none"
     assert look.obstacle is not None
     assert 4.0 < look.obstacle[0] < 5.0
@@ -69,8 +69,8 @@ def test_a_long_roomy_way_gives_way_to_a_short_narrow_one() -> None:
     gap = 2 * RADIUS + 0.1  # too narrow for the first room, wide enough for the second
     upper, lower = 2.0 + gap / 2, 2.0 - gap / 2
     wall = [
-        Box(4.0, (upper + 4.0) / 2, 0.0, 0.2, 4.0 - upper),
-        Box(4.0, (1.2 + lower) / 2, 0.0, 0.2, lower - 1.2),
+        FloorBox(4.0, (upper + 4.0) / 2, 0.0, 0.2, 4.0 - upper),
+        FloorBox(4.0, (1.2 + lower) / 2, 0.0, 0.2, lower - 1.2),
     ]
     grid, start, goal = room(*wall), Pose2(3.2, 2.0, 0.0), Pose2(4.8, 2.0, 0.0)
     roomy = Replanner(RADIUS, rooms=(0.06,)).look(grid, start, goal)

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.perception.landmarks.constellation import (
-    Belief,
-    Explanation,
+    BasePrior,
     Kind,
-    Mark,
+    MarkAssignment,
+    PlannedMark,
     explain,
     rivals,
 )
@@ -25,9 +25,9 @@ SURE = np.diag([0.01, 0.01, 0.01]) ** 2
 HERE = Pose2(0.0, 0.0, 0.0)
 
 
-def row(count: int, spacing: float = 0.09, kind: Kind = KIND) -> list[Mark]:
+def row(count: int, spacing: float = 0.09, kind: Kind = KIND) -> list[PlannedMark]:
     """Landmarks side by side along y, the middle one ahead of the base."""
-    return [Mark(kind, Pose2(0.1, 0.5 + spacing * (n - (count - 1) / 2), 0.0)) for n in range(count)]
+    return [PlannedMark(kind, Pose2(0.1, 0.5 + spacing * (n - (count - 1) / 2), 0.0)) for n in range(count)]
 
 
 def within(views: Sequence[Sequence[float]], places: Sequence[Sequence[float]]) -> NDArray[np.bool_]:
@@ -36,14 +36,14 @@ def within(views: Sequence[Sequence[float]], places: Sequence[Sequence[float]]) 
 
 
 def look(
-    marks: list[Mark],
-    lying: list[Mark],
+    marks: list[PlannedMark],
+    lying: list[PlannedMark],
     base: Pose2,
     views: Sequence[Sequence[float]],
     covariance: NDArray[np.float64] = ABOUT,
     believed: Pose2 = HERE,
     noise: np.random.Generator | None = None,
-) -> list[Explanation]:
+) -> list[MarkAssignment]:
     """What is made of pictures about `views`, base frame, from a base that truly stands at `base`."""
     at = [(kind, base.inverse().compose(place)) for kind, place in lying]
     seen = [{kind: place} for kind, place in at if within(views, [place])[0]]
@@ -51,7 +51,7 @@ def look(
         seen = [
             {k: p.compose(Pose2(*noise.normal(0, (5e-4, 5e-4, 5e-4)))) for k, p in s.items()} for s in seen
         ]
-    return explain(marks, seen, Belief(believed, covariance), lambda _, places: within(views, places))
+    return explain(marks, seen, BasePrior(believed, covariance), lambda _, places: within(views, places))
 
 
 def along(count: int, spacing: float = 0.09, x: float = 0.1) -> list[tuple[float, float]]:
@@ -103,8 +103,8 @@ def test_with_a_landmark_missing_none_is_taken_for_another(missing: int) -> None
 
 @pytest.mark.parametrize("place", [(0.02, 0.45), (0.15, 0.61), (0.1, 0.815)])
 def test_one_mark_too_many_is_none_of_the_plan(place: tuple[float, float]) -> None:
-    marks, base = [*row(5), Mark(KIND, Pose2(0.01, 0.55, 0.0))], Pose2(0.01, -0.03, 0.02)
-    lying = [*marks, Mark(KIND, Pose2(*place, 0.0))]
+    marks, base = [*row(5), PlannedMark(KIND, Pose2(0.01, 0.55, 0.0))], Pose2(0.01, -0.03, 0.02)
+    lying = [*marks, PlannedMark(KIND, Pose2(*place, 0.0))]
     best, *others = rivals(look(marks, lying, base, [*along(9), *along(9, x=0.0)]))
     assert not others
     assert best.marks.count(None) == 1
@@ -113,7 +113,7 @@ def test_one_mark_too_many_is_none_of_the_plan(place: tuple[float, float]) -> No
 
 def test_one_mark_too_many_where_the_row_goes_on_is_said() -> None:
     marks = row(4)
-    lying = [*marks, Mark(KIND, Pose2(0.1, marks[-1].place.y + 0.09, 0.0))]
+    lying = [*marks, PlannedMark(KIND, Pose2(0.1, marks[-1].place.y + 0.09, 0.0))]
     assert len(rivals(look(marks, lying, HERE, along(9)))) > 1
     assert len(rivals(look(marks, lying, HERE, along(9), SURE))) == 1
 
@@ -142,13 +142,13 @@ def test_what_is_believed_is_true_on_plans_of_any_kind() -> None:
         step = rng.uniform(0.07, 0.12, 2)
         grid = [(0.1 + i * step[0], 0.5 + j * step[1]) for i in range(rng.integers(1, 3)) for j in range(5)]
         jitter = rng.choice([0.0, 0.015]) * rng.standard_normal((len(grid), 2))
-        marks = [Mark(KIND, Pose2(x, y, 0.0)) for x, y in (np.array(grid) + jitter).tolist()]
+        marks = [PlannedMark(KIND, Pose2(x, y, 0.0)) for x, y in (np.array(grid) + jitter).tolist()]
         lying = list(marks)
         if rng.random() < 0.3:
             del lying[rng.integers(len(lying))]
         if rng.random() < 0.3:
             x, y = rng.uniform((0.0, 0.4), (0.3, 1.0))
-            lying.append(Mark(KIND, Pose2(x, y, 0.0)))
+            lying.append(PlannedMark(KIND, Pose2(x, y, 0.0)))
         base = Pose2(*rng.normal(0.0, (0.05, 0.05, 0.035)))
         views = rng.uniform((0.05, 0.4), (0.25, 1.0), (rng.integers(1, 6), 2)).tolist()
         found = look(marks, lying, base, views, noise=rng)
