@@ -65,4 +65,4 @@ def make(cart: RobotFile) -> Iterator[Make]:
     for backend in made:
         backend.close()
     assert virtual.channels == {}
-    assert threading.active_count() == threads
+    assert threading.active_count() <= threads

@@ -159,8 +159,8 @@ def test_a_rehearsal_has_every_primitive_of_the_task() -> None:
 def test_what_is_tried_depends_on_what_the_robot_can_do() -> None:
     with_arm, without = KitSetting("kinematic"), KitSetting("kinematic", robot="cart")
     assert {"REACH", "MOVE_TO", "RELEASE"} <= set(with_arm.tried())
-    assert without.tried() == ["MODIFY", "MOVE_TO", "REACH"]
-    assert [found.task for found in without.rehearsals] == [DRIVE_MAP]
+    assert without.tried() == ["LOCATE", "MODIFY", "MOVE_TO", "REACH"]
+    assert [found.task for found in without.rehearsals] == [DRIVE_MAP, DRIVE_MAP.with_name("locate.yaml")]
 
 
 def test_full_mode_injects_over_2500_faults_on_kinematic() -> None:
@@ -236,7 +236,7 @@ def test_whole_tasks_are_run_on_both_backends() -> None:
     names = [str(each) for each in KitSetting("pybullet", seeds=2).task_runs()]
     assert "return_book on pybullet without errors" in names
     assert "drive_map on kinematic with seed 1" in names
-    assert len(names) == 3 * 2 * 3
+    assert len(names) == 4 * 2 * 3
     assert "tasks" not in KitSetting("pybullet", quick=True).chosen_parts
 
 
