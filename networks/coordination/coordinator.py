@@ -10,7 +10,7 @@ from handcart.networks.events.events import Event
 from handcart.networks.events.run_end import RunEnd, RunOutcome
 from handcart.networks.graph.network import Action, ActionNetwork, NotBound
 from handcart.networks.graph.planner import NoWay, Plan, Planner
-from handcart.networks.graph.route import Elsewhere, NotStarted, Route
+from handcart.networks.graph.route import Elsewhere, NotStarted, RunDecisions
 from handcart.networks.journal.journal import Journal
 from handcart.networks.journal.measured import in_words, measure
 from handcart.networks.journal.retracing import RunPosition
@@ -65,7 +65,7 @@ class Coordinator:
         """
         self.network = network
         self._left = "" if standing is None else standing.left
-        self._route = Route(network) if standing is None else standing.route
+        self._route = RunDecisions(network) if standing is None else standing.route
         self.life = RunLife()
         self.asks: Action | None = None
         """The action that waits for permission."""

@@ -13,7 +13,7 @@ from handcart.files.models.loading import load
 from handcart.files.models.model import FileModel
 from handcart.networks.graph.network import ActionNetwork
 from handcart.networks.graph.planner import NoWay
-from handcart.networks.graph.route import Route
+from handcart.networks.graph.route import RunDecisions
 from handcart.primitives.outcomes.outcome import Success
 
 Word = Literal["Success", "Fail", "FailForGood", "GiveUp"]
@@ -58,7 +58,7 @@ def load_script(path: Path) -> Script:
 
 def follow(network: ActionNetwork, outcomes: Iterable[Word]) -> Imagined:
     """Follow a network as the coordinator would if its actions had these outcomes."""
-    route, words, cost = Route(network), iter(outcomes), 0.0
+    route, words, cost = RunDecisions(network), iter(outcomes), 0.0
     lines: list[str] = []
     while not route.arrived:
         if not route.planned:

@@ -24,7 +24,7 @@ class Elsewhere(NotStarted):
     situation: str
 
 
-class Route:
+class RunDecisions:
     """The decisions of a run, without a robot: the same whether outcomes are real, scripted or imagined.
 
     Paper 003, section 2.6: follow the cheapest way; after a Fail, plan again from where it leads.

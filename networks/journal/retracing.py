@@ -9,7 +9,7 @@ from typing import Any
 from handcart.files.errors import HandcartError
 from handcart.files.printable import printable
 from handcart.networks.graph.network import ActionNetwork
-from handcart.networks.graph.route import Elsewhere, Route
+from handcart.networks.graph.route import Elsewhere, RunDecisions
 from handcart.primitives.outcomes.outcome import Success
 from handcart.primitives.restoring.snapshot import Snapshot
 
@@ -31,7 +31,7 @@ class NeedsOperator(HandcartError):
 class RunPosition:
     """Position of a run, from its journal alone."""
 
-    route: Route
+    route: RunDecisions
     started: int = 0
     fails: int = 0
     plans: int = 0
@@ -70,7 +70,7 @@ def standing(network: ActionNetwork, records: Sequence[Record]) -> RunPosition:
     """
     if not records or records[0].get("network") != network.fingerprint():
         raise NeedsOperator("the task is not the one that was run: its network is another one")
-    return RunPosition(Route(network)).followed(records[1:])
+    return RunPosition(RunDecisions(network)).followed(records[1:])
 
 
 def _follow(found: RunPosition, record: Record) -> None:

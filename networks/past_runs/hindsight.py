@@ -13,7 +13,7 @@ from .past_run import PastAction, PastRun
 
 
 @dataclass(frozen=True)
-class Way:
+class OpenRoute:
     """A route to the goal that was open at that time."""
 
     actions: tuple[Action, ...]
@@ -30,7 +30,7 @@ class Option:
     """Weight in planning at that time, in [s]: its cost, doubled by each Fail."""
     fails: int
     """Number of earlier Fails, including starts that were not possible."""
-    way: Way | None
+    way: OpenRoute | None
     """Cheapest route to the goal that begins with it; None if it was used up, or nothing leads on."""
     out: str
     """Reason why it was excluded; empty if it was open."""
@@ -41,13 +41,13 @@ class Choice:
     """A choice, with its alternatives as computed afterwards."""
 
     chosen: Action
-    way: Way
+    way: OpenRoute
     """Plan that begins with the chosen action."""
     options: tuple[Option, ...]
     """All actions out of the situation: the chosen one first, then by cost."""
-    next_best: Way | None
+    next_best: OpenRoute | None
     """The cheapest other way, which may part from the plan later on; None where there was none."""
-    after_fail: Way | None
+    after_fail: OpenRoute | None
     """Cheapest route after a Fail, if the Fail leads to another situation; planning does not consider it."""
 
 
@@ -66,10 +66,10 @@ def choice_of(run: PastRun, action: PastAction) -> Choice | None:
     options = [then.option(each) for each in then.network.actions if each.source == action.source]
     options.sort(key=lambda each: (each.action.index != chosen.index, each.way is None, _cost(each)))
     others = [then.plan(action.source, without=(each,)) for each in plan.actions]
-    ways = [Way(other.actions, other.cost) for other in others if isinstance(other, Plan)]
+    ways = [OpenRoute(other.actions, other.cost) for other in others if isinstance(other, Plan)]
     return Choice(
         chosen,
-        Way(plan.actions, plan.cost),
+        OpenRoute(plan.actions, plan.cost),
         tuple(options),
         min(ways, key=lambda way: way.cost, default=None),
         then.after_fail(chosen),
@@ -90,13 +90,13 @@ class _Then:
     def plan(self, situation: str, without: Sequence[Action] = ()) -> Plan | NoWay:
         return self._planner.plan(situation, without=without)
 
-    def after_fail(self, action: Action) -> Way | None:
+    def after_fail(self, action: Action) -> OpenRoute | None:
         if action.on_fail is None:
             return None
         planner = self._new_planner()
         planner.failed(action, "")
         plan = planner.plan(action.on_fail)
-        return Way(plan.actions, plan.cost) if isinstance(plan, Plan) else None
+        return OpenRoute(plan.actions, plan.cost) if isinstance(plan, Plan) else None
 
     def option(self, action: Action) -> Option:
         fails = self._planner.fails(action)
@@ -108,7 +108,7 @@ class _Then:
         others = [each for each in self.network.actions if each.source == action.source]
         rest = self.plan(action.target, without=others)
         if isinstance(rest, Plan):
-            return Option(action, weight, fails, Way((action, *rest.actions), weight + rest.cost), "")
+            return Option(action, weight, fails, OpenRoute((action, *rest.actions), weight + rest.cost), "")
         leads = isinstance(self.plan(action.target), Plan)
         out = "leads only back here" if leads else f"nothing leads on from {action.target}"
         return Option(action, weight, fails, None, out)

@@ -16,7 +16,7 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.following.path_tracking import PathTracker
 from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
 from handcart.robotics.navigation.maps.scan_layer import ScanLayer
-from handcart.robotics.navigation.routes.replanning import Look, Replanner, free_length
+from handcart.robotics.navigation.routes.replanning import Replanner, RouteLook, free_length
 
 from .driving import no_way, plan_drive
 
@@ -57,11 +57,11 @@ class LocalReplanning:
         limits = robot.drive_limits
         self._top = limits.speed
         self._replanner = Replanner(robot.spec.footprint_radius_m, limits.speed, model.speed_limits)
-        self._job: Generator[None, None, Look] | None = None
+        self._job: Generator[None, None, RouteLook] | None = None
         self._next_look = self._next_better = robot.time
         self.blocked_since: float | None = None
         """Time since which the base holds because no way leads on, in [s]; None while one does."""
-        self._look: Look | None = None
+        self._look: RouteLook | None = None
         self._anchor, self._held_for = robot.pose, 0.0
         self._backed_off = 0
         self._nearest, self._nearer_at = np.inf, robot.time
@@ -88,7 +88,7 @@ class LocalReplanning:
         """Keep what was sensed in the world model."""
         self._model.sensed_cells = self._layer.cells()
 
-    def plan(self, robot: Robot) -> Generator[None, None, Look]:
+    def plan(self, robot: Robot) -> Generator[None, None, RouteLook]:
         """Return a route from where the base is; in the meantime it holds.
 
         Raises:
@@ -134,14 +134,14 @@ class LocalReplanning:
 
     def _answer(
         self, pose: Pose2, route: Floats | None, avoided: Floats, lead: float = 0.0, better: bool = True
-    ) -> Look:
+    ) -> RouteLook:
         grid = self._layer.merged().with_points(avoided)
         return self._replanner.look(grid, pose, self._goal, self._front, route, lead, better)
 
     def _avoided(self, robot: Robot) -> Floats:
         return avoided_points(robot, self._model)
 
-    def _apply(self, look: Look, robot: Robot, tracker: PathTracker) -> None:
+    def _apply(self, look: RouteLook, robot: Robot, tracker: PathTracker) -> None:
         self._look = look
         if look.kind == "none" and self._layer.forget(robot.time - OLD_CELLS_S):
             self._next_look = self._next_better = robot.time

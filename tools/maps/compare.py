@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
-    from handcart.robotics.navigation.mapping.map_comparison import Comparison
+    from handcart.robotics.navigation.mapping.map_comparison import MapComparison
 
 PICTURE_SUFFIXES = (".svg", ".png", ".pdf")
 
@@ -50,7 +50,7 @@ def compare(
             raise NotWritable(output, error.strerror) from None
 
 
-def report(found: Comparison, first: str, second: str, as_json: bool) -> None:
+def report(found: MapComparison, first: str, second: str, as_json: bool) -> None:
     """Print how two maps fit, in words or as JSON."""
     import orjson
 

@@ -44,7 +44,7 @@ def map_log(
     from handcart.evaluation.mapping.read_scans import read_scans
     from handcart.files.errors import FileError, Finding
     from handcart.robotics.navigation.mapping.map_building import build_map
-    from handcart.robotics.navigation.mapping.ray_counts import TooLarge
+    from handcart.robotics.navigation.mapping.ray_counts import MapTooLarge
     from handcart.tools.terminal.first_use import announced
     from handcart.tools.terminal.writing import NotWritable, check_folder, write_text
 
@@ -56,7 +56,7 @@ def map_log(
     try:
         with announced(f"mapping {log}"), stages_shown() as heard:
             built = build_map(scans, resolution, heard)
-    except TooLarge as error:
+    except MapTooLarge as error:
         raise FileError(
             [Finding(str(log), 0, 0, f"the map is too large: {error}; or --resolution")]
         ) from None

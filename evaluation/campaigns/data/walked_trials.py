@@ -14,7 +14,7 @@ from handcart.evaluation.campaigns.walks.odds import EndCode, Odds
 from handcart.evaluation.campaigns.walks.walk_table import WalkTable
 from handcart.evaluation.campaigns.walks.walker import NO_ACTION, Walked, Walker
 from handcart.networks.graph.planner import NoWay
-from handcart.networks.graph.route import Route
+from handcart.networks.graph.route import RunDecisions
 from handcart.networks.task.task_file import Task, load_task
 from handcart.primitives.outcomes.outcome import Success
 
@@ -60,7 +60,7 @@ class WalkedTrials:
 
     def trial_of(self, seed: int, walked: Walked, column: int) -> Trial:
         """One of some walks, action by action, gone through once more as a coordinator would."""
-        route = Route(self.task.network)
+        route = RunDecisions(self.task.network)
         ends: list[ActionEnd] = []
         time, fails, replans = 0.0, 0, -1
         outcome, status, reason = "Success", 0, ""

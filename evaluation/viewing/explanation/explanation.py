@@ -11,7 +11,7 @@ from typing import Any
 
 from handcart.files.errors import HandcartError, InputError
 from handcart.networks.journal.journal_record import JournalError
-from handcart.networks.past_runs.hindsight import Choice, Option, Way, choice_of
+from handcart.networks.past_runs.hindsight import Choice, OpenRoute, Option, choice_of
 from handcart.networks.past_runs.past_run import PastAction, PastRun
 from handcart.networks.run_files.run_folder import JOURNAL_FILE
 from handcart.networks.runs.evidence_files import EVIDENCE_FOLDER
@@ -258,7 +258,7 @@ def _option_json(option: Option) -> dict[str, Any]:
     }
 
 
-def _way_json(way: Way) -> dict[str, Any]:
+def _way_json(way: OpenRoute) -> dict[str, Any]:
     return {"actions": [each.index for each in way.actions], "cost_s": way.cost}
 
 

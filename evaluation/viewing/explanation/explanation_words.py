@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from handcart.networks.graph.planner import SKIP_WEIGHT
-from handcart.networks.past_runs.hindsight import Choice, Option, Way
+from handcart.networks.past_runs.hindsight import Choice, OpenRoute, Option
 from handcart.networks.past_runs.past_run import PastAction, PastRun
 
 from .explanation import Explanation, Residual, relying_on_the_journal
@@ -129,12 +129,12 @@ def _instead(option: Option) -> str:
     return f"{_cost(option.way)}{fails}: {_steps(option.way)}"
 
 
-def _steps(way: Way) -> str:
+def _steps(way: OpenRoute) -> str:
     names = [each.do for each in way.actions]
     return ", ".join([*names[:MAX_ROUTE_ACTIONS], *(["..."] if len(names) > MAX_ROUTE_ACTIONS else [])])
 
 
-def _cost(way: Way) -> str:
+def _cost(way: OpenRoute) -> str:
     return _seconds(way.cost)
 
 

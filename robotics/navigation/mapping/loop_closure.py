@@ -42,7 +42,7 @@ REFINING_GATES_M = (0.6, 0.4, 0.2, 0.1)
 TRACKING_GATES_M = (0.3, 0.15, 0.1)
 
 
-class Place(NamedTuple):
+class KeyframeView(NamedTuple):
     """What is seen around one keyframe, in its frame."""
 
     surface: Surface
@@ -73,14 +73,16 @@ class Loop(NamedTuple):
     """Why it is rejected; empty if it may be right."""
 
 
-def place_at(keyframes: Sequence[Keyframe], poses: Sequence[Pose2], number: int) -> Place:
+def place_at(keyframes: Sequence[Keyframe], poses: Sequence[Pose2], number: int) -> KeyframeView:
     """Return what the keyframes around one see, in its frame."""
     low, high = max(0, number - PLACE_KEYFRAMES), number + PLACE_KEYFRAMES + 1
     frames, near = keyframes[low:high], [pose.relative_to(poses[number]) for pose in poses[low:high]]
     surface = submap(keyframes[low:high], poses[low:high], poses[number])
     hits = np.concatenate([pose.apply(frame.hits) for frame, pose in zip(frames, near, strict=True)])
     hits = hits[:: max(1, math.ceil(len(hits) / SAMPLE_POINTS))]
-    return Place(surface, surface.thinned(SAMPLE_POINTS), hits, _thick(count_rays(frames, near, CELL_M)))
+    return KeyframeView(
+        surface, surface.thinned(SAMPLE_POINTS), hits, _thick(count_rays(frames, near, CELL_M))
+    )
 
 
 def _thick(counts: RayCounts) -> GridMap:
@@ -90,7 +92,7 @@ def _thick(counts: RayCounts) -> GridMap:
 
 
 def close_loop(
-    places: tuple[Place, Place], numbers: tuple[int, int], predicted: Pose2, covariance: Array
+    places: tuple[KeyframeView, KeyframeView], numbers: tuple[int, int], predicted: Pose2, covariance: Array
 ) -> Loop:
     """Match two places, wherever within the uncertainty of the prediction they fit.
 
@@ -131,14 +133,14 @@ def close_loop(
     return loop
 
 
-def contradictions(places: tuple[Place, Place], pose: Pose2) -> float:
+def contradictions(places: tuple[KeyframeView, KeyframeView], pose: Pose2) -> float:
     """Return the larger share of points of one place that lie in the other's free space."""
     one, other = places
     there = one.contradictions(pose.apply(other.hits))
     return max(there, other.contradictions(pose.inverse().apply(one.hits)))
 
 
-def track_loop(places: tuple[Place, Place], numbers: tuple[int, int], predicted: Pose2) -> Loop:
+def track_loop(places: tuple[KeyframeView, KeyframeView], numbers: tuple[int, int], predicted: Pose2) -> Loop:
     """Match two places whose relative pose is nearly known."""
     match = match_surfaces(places[0].surface, places[1].sample, predicted, None, TRACKING_GATES_M)
     against = contradictions(places, match.pose)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
 
-from .loop_closure import Loop, Place, close_loop, place_at, track_loop
+from .loop_closure import KeyframeView, Loop, close_loop, place_at, track_loop
 from .loop_search import Candidate, candidates, supported
 from .pose_graph import (
     SCALING_CHI2,
@@ -156,7 +156,7 @@ class _Graph:
 
     def _close(self, heard: Callable[[float], None]) -> Iterable[Loop]:
         """Yield the result of each loop that is worth a try from the present poses."""
-        poses, places = np.array(self.poses), dict[int, Place]()
+        poses, places = np.array(self.poses), dict[int, KeyframeView]()
         factor, diagonal = factorized(poses, self.edges), covariances(poses, self.edges)
         for second in range(0, len(poses), SEARCH_STRIDE):
             heard(second / len(poses))
@@ -182,7 +182,7 @@ class _Graph:
         return True
 
     def _track(self, heard: Callable[[float], None]) -> Iterable[Loop]:
-        poses, places = np.array(self.poses), dict[int, Place]()
+        poses, places = np.array(self.poses), dict[int, KeyframeView]()
         sigmas = np.zeros(len(poses))
         for second in range(len(poses)):
             heard(second / len(poses))
@@ -191,7 +191,7 @@ class _Graph:
                 both = self._place(places, candidate.first), self._place(places, second)
                 yield track_loop(both, (candidate.first, second), predicted)
 
-    def _place(self, places: dict[int, Place], number: int) -> Place:
+    def _place(self, places: dict[int, KeyframeView], number: int) -> KeyframeView:
         if number not in places:
             places[number] = place_at(self._frames, self.poses, number)
         return places[number]

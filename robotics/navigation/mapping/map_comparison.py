@@ -27,7 +27,7 @@ SAME_WALL_M = 0.25
 """Distance in [m] from which on a wall is missing in the other map."""
 
 
-class Comparison(NamedTuple):
+class MapComparison(NamedTuple):
     """How two maps fit."""
 
     first_T_second: Pose2
@@ -55,7 +55,7 @@ def wall_points(grid: GridMap) -> Array:
     return grid.to_point(np.argwhere(grid.occupied & (inner == 0)))
 
 
-def compare_maps(first: GridMap, second: GridMap, alignment: Pose2 | None = None) -> Comparison:
+def compare_maps(first: GridMap, second: GridMap, alignment: Pose2 | None = None) -> MapComparison:
     """Return how two maps fit; the second is moved to where it fits best, unless the alignment is given.
 
     Args:
@@ -65,7 +65,7 @@ def compare_maps(first: GridMap, second: GridMap, alignment: Pose2 | None = None
     """
     one, other = wall_points(first), wall_points(second)
     pose = _align(first, one, other) if alignment is None else alignment
-    return Comparison(
+    return MapComparison(
         pose,
         _distances(one, pose.apply(other), pose.inverse(), second),
         _distances(other, pose.inverse().apply(one), pose, first),

@@ -25,7 +25,7 @@ MIN_PASSES = 2
 MAX_CELLS = 100_000_000
 
 
-class TooLarge(ValueError):
+class MapTooLarge(ValueError):
     """The map would have more cells than memory allows."""
 
 
@@ -66,7 +66,7 @@ def count_rays(keyframes: Sequence[Keyframe], poses: Sequence[Pose2], resolution
     low = np.floor((everything.min(axis=0) - MARGIN_M) / resolution) * resolution
     size = np.ceil((everything.max(axis=0) + MARGIN_M - low) / resolution).astype(np.int64)
     if size.prod() > MAX_CELLS:
-        raise TooLarge(f"{size[0]} x {size[1]} cells of {resolution:g} m; allowed: {MAX_CELLS} cells")
+        raise MapTooLarge(f"{size[0]} x {size[1]} cells of {resolution:g} m; allowed: {MAX_CELLS} cells")
     shape = int(size[1]), int(size[0])
     counts = np.zeros(shape, np.int32), np.zeros(shape, np.int32)
     for frame, pose, ends in zip(keyframes, poses, hits, strict=True):

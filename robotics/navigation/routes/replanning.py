@@ -27,7 +27,7 @@ USUAL_SPEED_M_S = 0.6  # of robots whose corners have the usual length
 Floats = NDArray[np.float64]
 
 
-class Look(NamedTuple):
+class RouteLook(NamedTuple):
     """Result of a look at the map and what was sensed."""
 
     kind: Literal["kept", "new", "none"]
@@ -77,7 +77,7 @@ class Replanner:
         route: Floats | None = None,
         lead: float = 0.0,
         better: bool = True,
-    ) -> Look:
+    ) -> RouteLook:
         """Decide on the route from here.
 
         Args:
@@ -101,16 +101,16 @@ class Replanner:
             free, obstacle = old.free(self._radius + self._room - EDGE_JITTER_M, front)
         is_free = old is not None and obstacle is None
         if old is not None and is_free and not better:
-            return Look("kept", old.points, free, None, speeds)
+            return RouteLook("kept", old.points, free, None, speeds)
         head = np.empty((0, 2)) if old is None else old.head(min(lead, 0.5 * free))
         usual = start.distance(goal) if old is None else max(start.distance(goal), path_length(old.points))
         plan = self._plan(grid, start, goal, front, head, usual)
         if old is not None and (plan is None or (is_free and not plan.is_worth(old.points))):
-            return Look("kept" if is_free else "none", old.points, free, obstacle, speeds)
+            return RouteLook("kept" if is_free else "none", old.points, free, obstacle, speeds)
         if plan is None:
-            return Look("none", np.array([start[:2]]), 0.0, obstacle, speeds)
+            return RouteLook("none", np.array([start[:2]]), 0.0, obstacle, speeds)
         self._room = plan.room
-        return Look("new", plan.points, path_length(plan.points), None, speeds)
+        return RouteLook("new", plan.points, path_length(plan.points), None, speeds)
 
     def _plan(
         self, grid: GridMap, start: Pose2, goal: Pose2, front: Floats | None, head: Floats, usual: float

@@ -25,7 +25,7 @@ from handcart.networks.chains.absorbing_chain import absorption
 from handcart.networks.chains.chance import Chance
 from handcart.networks.graph.network import Action, ActionNetwork, Binding, Situation
 from handcart.networks.graph.planner import NoWay
-from handcart.networks.graph.route import Route
+from handcart.networks.graph.route import RunDecisions
 from handcart.primitives.driving.modify import Modify
 from handcart.primitives.outcomes.outcome import Success
 
@@ -123,7 +123,7 @@ NETWORKS = st.lists(
 
 def imagined(net: ActionNetwork, chances: Sequence[Chance], rng: random.Random) -> tuple[str, float, int]:
     """One run by the coordinator's own decisions: end, cost, actions."""
-    route, cost, count = Route(net), 0.0, 0
+    route, cost, count = RunDecisions(net), 0.0, 0
     while not route.arrived:
         if not route.planned and isinstance(route.plan(), NoWay):
             return "no way", cost, count

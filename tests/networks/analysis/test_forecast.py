@@ -24,7 +24,7 @@ from handcart.networks.chains.stages import stages
 from handcart.networks.coordination.coordinator import Coordinator
 from handcart.networks.graph.network import Action, ActionNetwork, Binding, Situation
 from handcart.networks.graph.planner import NoWay
-from handcart.networks.graph.route import Route
+from handcart.networks.graph.route import RunDecisions
 from handcart.primitives.driving.modify import Modify
 from handcart.primitives.outcomes.outcome import Success
 from tests.networks.conftest import Stand
@@ -61,14 +61,14 @@ class Every:
         return math.sqrt(max(0.0, self.square - self.cost**2))
 
 
-def follow(net: ActionNetwork, words: Iterable[str]) -> tuple[list[tuple[Action, str]], str, Route]:
+def follow(net: ActionNetwork, words: Iterable[str]) -> tuple[list[tuple[Action, str]], str, RunDecisions]:
     """Follow the coordinator if its actions end with these outcomes, then all in Success.
 
     Returns:
         The actions with their outcomes, the end in words, and the route.
     """
     did: list[tuple[Action, str]] = []
-    route, skipped, words = Route(net), False, iter(words)
+    route, skipped, words = RunDecisions(net), False, iter(words)
     while not route.arrived:
         if not route.planned and isinstance(route.plan(), NoWay):
             return did, "no way", route

@@ -15,7 +15,7 @@ from handcart.networks.analysis.forecast import forecast
 from handcart.networks.chains.chance import Chance
 from handcart.networks.graph.network import Action, ActionNetwork, Binding, Situation
 from handcart.networks.graph.planner import NoWay
-from handcart.networks.graph.route import Route
+from handcart.networks.graph.route import RunDecisions
 from handcart.primitives.driving.modify import Modify
 from handcart.primitives.outcomes.outcome import Success
 
@@ -56,7 +56,7 @@ def some_network(seed: int) -> ActionNetwork:
 
 def again(network: ActionNetwork, walked: Walked, column: int) -> tuple[int, bool]:
     """Go through a walk as the coordinator plans: where it ends, whether something was left undone."""
-    route, skipped = Route(network), False
+    route, skipped = RunDecisions(network), False
     rows = zip(walked.action[:, column].tolist(), walked.ends[:, column].tolist(), strict=True)
     for index, code in rows:
         if route.arrived or (not route.planned and isinstance(route.plan(), NoWay)):
