@@ -194,3 +194,14 @@ def _test_names(path: Path) -> list[str]:
         for node in ast.walk(_tree(path))
         if isinstance(node, ast.FunctionDef) and node.name.startswith("test_")
     ]
+
+
+def test_class_names_mean_one_thing() -> None:
+    names = [
+        node.name
+        for room in ROOMS
+        for path in (ROOT / room).rglob("*.py")
+        for node in ast.walk(_tree(path))
+        if isinstance(node, ast.ClassDef) and not node.name.startswith("_")
+    ]
+    assert sorted({name for name in names if names.count(name) > 1}) == []

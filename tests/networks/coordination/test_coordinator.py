@@ -236,7 +236,7 @@ def test_a_fault_in_planning_stops_and_calls_a_person(
     def plan(_: object) -> None:
         raise ZeroDivisionError("division by zero")
 
-    monkeypatch.setattr("handcart.networks.graph.route.Route.plan", plan)
+    monkeypatch.setattr("handcart.networks.graph.route.RunDecisions.plan", plan)
     with Journal(tmp_path / "j") as journal:
         end = stand.finish(coordinator(stand, stand.network("a z one 1"), journal=journal))
     assert end.outcome == "GiveUp"
