@@ -47,8 +47,8 @@ print(json.dumps(read))
 CHECKS = """
 from handcart.evaluation.conformance.checks.all_checks import checks
 from handcart.evaluation.conformance.faults.fault import all_sensors
-from handcart.evaluation.conformance.rig.bench import Bench
-bench = Bench("kinematic", "robot.yaml")
+from handcart.evaluation.conformance.rig.bench import KitBench
+bench = KitBench("kinematic", "robot.yaml")
 for name in ("sonar", "capabilities"):
     found = checks()[name](bench)
     print(found.wrong, found.skipped)

@@ -241,7 +241,7 @@ situations:
 actions:
   - {{do: DIVIDE, from: at_rest, to: divided, cost_s: 2, with: {{placements: {{each: left}}}}}}
   - {{do: MOVE_TO, from: divided, to: at_place, on_fail: at_rest, cost_s: 20,
-     with: {{place: {{model: seam_work.next.place}}}}}}
+     with: {{place: {{model: seam_work.next.place}}, detour: false}}}}
   - {{do: TRACK, from: at_place, to: tracked, on_fail: at_rest, cost_s: 40}}
 
 repeat: {{over: {{parameter: places_left}}, as: left, start: at_rest, goal: tracked}}

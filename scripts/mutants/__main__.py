@@ -13,7 +13,7 @@ from queue import SimpleQueue
 from typing import TypeVar
 
 from bed import Bed
-from mutant import TABLE, Mutant, read_table
+from mutant import TABLE_FOLDER, Mutant, read_table
 
 REPOSITORY_ROOT = Path(__file__).resolve().parents[2]
 TABLE_ROWS = {"covariances": "planted constants for covariances"}
@@ -85,7 +85,7 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--file", default="", help="only files with this in their path")
     parser.add_argument("--name", default="", help="only bugs with this in their name")
     parser.add_argument("--project", type=Path, default=REPOSITORY_ROOT)
-    parser.add_argument("--table", type=Path, default=TABLE, help="folder of YAML files")
+    parser.add_argument("--table", type=Path, default=TABLE_FOLDER, help="folder of YAML files")
     return parser.parse_args()
 
 

@@ -24,8 +24,8 @@ REPOSITORY_ROOT = Path(__file__).resolve().parents[2]
 sys.path.append(str(REPOSITORY_ROOT / "scripts" / "mutants"))
 
 from choosing import MAX_FILES, ChosenTests, choose_tests  # noqa: E402
-from drawing import MODULES, DrawnMutant, draw  # noqa: E402
-from equivalent import TABLE, key_of, read_equivalents  # noqa: E402
+from drawing import MODULE_GROUPS, DrawnMutant, draw  # noqa: E402
+from equivalent import EQUIVALENT_FILE, key_of, read_equivalents  # noqa: E402
 from recording import durations_of, read_recording, record  # noqa: E402
 from warm_bed import WarmBed  # noqa: E402
 
@@ -151,7 +151,7 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--drawn", type=int, default=20, help="how many mutants")
     parser.add_argument("--seed", default="0", help="any text, e.g. the hash of a commit")
     parser.add_argument("--least", type=float, default=0.0, help="share in percent that has to be killed")
-    parser.add_argument("--modules", nargs="+", choices=MODULES, default=list(MODULES), metavar="MODULE")
+    parser.add_argument("--modules", nargs="+", choices=MODULE_GROUPS, default=list(MODULE_GROUPS), metavar="MODULE")
     parser.add_argument("--minutes", type=float, default=1e9, help="draw no further mutant after these")
     parser.add_argument("--record", type=Path, help="run the quick suite once and write this file instead")
     parser.add_argument("--coverage", type=Path, help="what `--record` wrote: which test executes which line")
@@ -159,7 +159,7 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--files", type=int, default=MAX_FILES, help="files of tests where no test is known")
     parser.add_argument("--jobs", type=int, default=1, help="copies of the project to work in")
     parser.add_argument("--project", type=Path, default=REPOSITORY_ROOT)
-    parser.add_argument("--equivalent", type=Path, default=TABLE)
+    parser.add_argument("--equivalent", type=Path, default=EQUIVALENT_FILE)
     return parser.parse_args()
 
 

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 from coverage import Coverage
-from drawing import MODULES
+from drawing import MODULE_GROUPS
 from recording import DURATIONS_SUFFIX, FILE_VARIABLE
 
 
@@ -22,7 +22,7 @@ class Recorder:
     """Coverage with one context per test: its node id."""
 
     def __init__(self, file: Path, project: Path) -> None:
-        folders = [f"{project}/{folder}/*" for folders in MODULES.values() for folder in folders]
+        folders = [f"{project}/{folder}/*" for folders in MODULE_GROUPS.values() for folder in folders]
         self._file, self._durations = file, dict[str, float]()
         self._coverage = Coverage(str(file), data_suffix=True, include=folders, config_file=False)
         self._coverage.start()
