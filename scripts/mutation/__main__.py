@@ -151,7 +151,9 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--drawn", type=int, default=20, help="how many mutants")
     parser.add_argument("--seed", default="0", help="any text, e.g. the hash of a commit")
     parser.add_argument("--least", type=float, default=0.0, help="share in percent that has to be killed")
-    parser.add_argument("--modules", nargs="+", choices=MODULE_GROUPS, default=list(MODULE_GROUPS), metavar="MODULE")
+    parser.add_argument(
+        "--modules", nargs="+", choices=MODULE_GROUPS, default=list(MODULE_GROUPS), metavar="MODULE"
+    )
     parser.add_argument("--minutes", type=float, default=1e9, help="draw no further mutant after these")
     parser.add_argument("--record", type=Path, help="run the quick suite once and write this file instead")
     parser.add_argument("--coverage", type=Path, help="what `--record` wrote: which test executes which line")

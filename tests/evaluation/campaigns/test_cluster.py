@@ -128,7 +128,7 @@ def test_cluster_campaign_equals_local_one_and_reports_broken_trials(
 @pytest.mark.slow
 def test_where_the_scheduler_dies_the_campaign_ends_in_words(machines: Machines, tmp_path: Path) -> None:
     done = 0
-    with pytest.raises(ClusterLost, match="the same command goes on with what is left"):
+    with pytest.raises(ClusterLost, match="the same command runs the remaining trials"):
         for together in Cluster(Work(tmp_path), str(machines.file)).trials(range(1000)):
             done += len(together)
             machines.scheduler.kill()

@@ -111,5 +111,5 @@ def test_a_number_of_the_world_varies_and_the_robot_finds_it_so(
     as_drawn, across = CampaignFolder.read(tmp_path / "out").trials()
     assert [list(each.varied.values()) for each in (as_drawn, across)] == [[3.0], [4.4]]
     driven = [each.summary["metrics"]["path_length_m"] for each in (as_drawn, across)]
-    assert driven[1] > driven[0] + 3.0
+    assert driven[1] > driven[0] + 1.0
     assert across.success
