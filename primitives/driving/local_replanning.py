@@ -114,11 +114,7 @@ class LocalReplanning:
         """Look whether the route still is the one to drive, and change it; once a period."""
         self._note_progress(robot, tracker)
         if self._job is not None:
-            try:
-                next(self._job)
-            except StopIteration as end:
-                self._job = None
-                self._apply(end.value, robot, tracker)
+            self._advance(self._job, robot, tracker)
             return
         if tracker.closing or robot.time < self._next_look:
             return
@@ -130,7 +126,15 @@ class LocalReplanning:
         lead = LEAD_S * speed if speed > LEAD_SPEED_M_S else 0.0
         arguments = robot.pose, tracker.ahead, self._avoided(robot), lead, better
         self._job = robot.compute(self._answer, *arguments, takes=robot.period)
-        next(self._job)
+        self._advance(self._job, robot, tracker)
+
+    def _advance(self, job: Generator[None, None, RouteLook], robot: Robot, tracker: PathTracker) -> None:
+        """Give a look a period; apply its result once it has one, on a real robot sometimes at once."""
+        try:
+            next(job)
+        except StopIteration as end:
+            self._job = None
+            self._apply(end.value, robot, tracker)
 
     def _answer(
         self, pose: Pose2, route: Floats | None, avoided: Floats, lead: float = 0.0, better: bool = True

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 BRAKING_SHARE = 0.5  # share of the acceleration that braking is planned with; the rest is for late commands
 # [1/s]: close to the end speed falls in proportion to what is left, so that nothing overshoots
-END_APPROACH_RATE = 6.0
+END_APPROACH_RATE = 4.0
 
 MIN_LATERAL_SPEED_M_S = 1e-3  # below which no turn is limited by the lateral acceleration
 

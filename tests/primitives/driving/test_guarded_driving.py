@@ -107,7 +107,7 @@ def test_a_pose_in_a_wall_is_told_to_be_held_by_the_map(make_rig: Callable[..., 
     rig = make_rig()
     failed = rig.run(ReachPose(x=1.0, y=0.3))
     assert isinstance(failed, Fail)
-    assert "doesn't come to stand where it is to: the map shows something at (1.0" in failed.reason
+    assert "the base doesn't reach its pose: the map shows something at (1.0" in failed.reason
     assert rig.scene.contacts == []
 
 
