@@ -9,7 +9,7 @@ import numpy as np
 from typing_extensions import override
 
 from handcart.backends.robot.localization.determination import PoseNeed, difference, sigmas_along
-from handcart.backends.robot.localization.localization import worst_sigmas
+from handcart.backends.robot.localization.pose_covariance import worst_sigmas
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.driving.move_to import ARRIVAL_TOLERANCE, DOCK_TOLERANCE

@@ -14,8 +14,8 @@ from handcart.backends.description.range_spec import RangeSpec
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.robot.localization.determination import PoseNeed, Undetermined, undetermined
 from handcart.backends.robot.localization.lidar import MIN_ECHOES
-from handcart.backends.robot.localization.localization import repeatability_of
 from handcart.backends.robot.localization.localizations import START_SIGMA
+from handcart.backends.robot.localization.pose_covariance import repeatability_of
 from handcart.files.errors import Finding
 from handcart.primitives.knowledge.place import ARRIVED_DEG, ARRIVED_MM
 from handcart.primitives.knowledge.world_model import WorldModel

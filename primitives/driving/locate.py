@@ -13,7 +13,7 @@ from typing_extensions import override
 
 from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.range_sensor import RangeSensor
-from handcart.backends.robot.localization.localization import beams_of
+from handcart.backends.robot.localization.lidar import beams_of
 from handcart.backends.robot.localization.localizations import range_noise
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods

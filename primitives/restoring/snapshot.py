@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.gripper import Gripper
-from handcart.backends.robot.localization.localization import worst_sigmas
+from handcart.backends.robot.localization.pose_covariance import worst_sigmas
 from handcart.backends.robot.robot import Robot
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.localization.watched_moment import Belief

@@ -11,6 +11,7 @@ from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.capabilities.scan import Scan, Validity
 from handcart.backends.description.range_spec import RangeSpec
 from handcart.backends.description.robot_file import RobotFile
+from handcart.robotics.navigation.localization.start_search import ScanBeams
 
 from .scan_reading import read_scan
 
@@ -80,3 +81,11 @@ class Lidar(RangeSensor):
         if self.blockage or echoes >= min(MIN_ECHOES, len(scan.ranges)):
             return self.blockage
         return f"the lidar gets next to no echoes: {echoes} of {len(scan.ranges)} beams return"
+
+
+def beams_of(lidar: Lidar) -> ScanBeams:
+    """Return this period's scan by its beams, without blind ones."""
+    scan = lidar.scan()
+    sensor = scan.base_T_sensor
+    ranges = np.where(scan.blind(), np.nan, scan.ranges) if len(scan.validity) else scan.ranges
+    return ScanBeams(np.array([sensor.x, sensor.y]), scan.angles + sensor.theta, ranges, lidar.spec.reach_m)

@@ -1,18 +1,16 @@
-"""Interface of localizations, and the usual ones: scan matching and wheels."""
+"""Interface of localizations, with what scans at rest show."""
 
 from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import override
 
 from handcart.backends.backend import Backend
 from handcart.backends.capabilities.base import Base, WheelTravel
-from handcart.backends.capabilities.gps import Fix
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.plain_values import Kinds, attributes, from_plain, set_attributes
 from handcart.backends.saved_state import NotAState
@@ -20,59 +18,25 @@ from handcart.robotics.far import FarArray
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.localization.likelihood_field import LikelihoodField
 from handcart.robotics.navigation.localization.localizer import (
-    LEAST_INLIERS,
     Localizer,
-    OdometryLocalizer,
-    ScanLocalizer,
 )
-from handcart.robotics.navigation.localization.start_search import SURE_FIT, ScanBeams
 from handcart.robotics.navigation.localization.watched_moment import Belief
 from handcart.robotics.navigation.locating.local_map import LocalMap
-from handcart.robotics.navigation.locating.scan_jump import MAX_CHANGED_SHARE, ScanJump
+from handcart.robotics.navigation.locating.scan_jump import ScanJump
 
-from .lidar import MIN_ECHOES, Lidar
+from .lidar import Lidar, beams_of
+from .lost import Lost, lifted_by
+from .pose_covariance import SCAN_REPEATABILITY, worst_sigmas
+from .sensed import Sensed
 
 STILL_SCANS = 20  # periods at rest after which further scans tell nothing new
 LOOK_AGAIN = 10  # periods at rest between scans that tell whether somebody moved the base
-SCAN_REPEATABILITY = np.diag([0.004, 0.004, 0.0015]) ** 2  # [m², rad²]: scatter of scan matches at one place
 # [m] by which encoders of wheels that stand differ, as an arm pulls at the base
 MAX_REST_WHEEL_DIFFERENCE_M = 2e-4
 STALE_SCAN_MOTION = 1e-3  # [m], [rad] of motion in which a scan can't stay the same to the last bit
-REST_PERIODS = 4  # periods at rest after which a scan tells whether the base is where its wheels say
-# [m] that wheels may be driven, by which alone it is reckoned, while they read the same
-MAX_COMMANDED_TRAVEL_M = 0.03
-LIFTED_REASON = "it was lifted and set down elsewhere: its scans changed at once, and its wheels did not turn"
 DRAWN_SURFACE_M = 0.03  # error of surfaces that are drawn from several scans
 LIFTED_KEY = "lifted"  # of a state, where the base was lifted
 LOCAL_MAP_KEY = "local map"  # of a state, where the pose on the map is unknown
-
-
-class Lost(NamedTuple):
-    """Why it isn't known where the base is."""
-
-    why: str
-    """Reason, as text."""
-    sensor: str
-    """Capability that no longer determines the pose."""
-    what: str
-    """Name of the deciding quantity."""
-    value: float
-    limit: float
-    unit: str = ""
-
-
-class Sensed(NamedTuple):
-    """Outdoor readings of the last period."""
-
-    rates: NDArray[np.float64]
-    """(3,) of the gyros, in [rad/s]."""
-    accelerations: NDArray[np.float64]
-    """(3,) in [m/s²]."""
-    rolled: NDArray[np.float64]
-    """(2,) by the left and right wheel, in [m]."""
-    fix: Fix | None
-    ranges: NDArray[np.float64] | None = None
-    """(k,) to the beacons, in [m]; NaN of those that weren't heard."""
 
 
 class Localization(ABC):
@@ -297,7 +261,7 @@ class Localization(ABC):
         if (rests and self.still % LOOK_AGAIN != 0) or lidar.silence:
             return
         if self._scan_jump.take(beams_of(lidar), rests):
-            self.lifted = _lifted(self._scan_jump.share)
+            self.lifted = lifted_by(self._scan_jump.share)
             self._displaced()
 
     def _extend_local_map(self) -> None:
@@ -369,7 +333,7 @@ class Localization(ABC):
             set_attributes(part, kinds, state[name])
         self._set_local_map(state.get(LOCAL_MAP_KEY))
         share = from_plain(state.get(LIFTED_KEY, 0.0), float, LIFTED_KEY)
-        self.lifted = _lifted(share) if share else None
+        self.lifted = lifted_by(share) if share else None
         self._scan_jump.reset()
 
     def _set_local_map(self, echoes: object) -> None:
@@ -396,211 +360,3 @@ class Localization(ABC):
             "wheels": (self._wheels, self._wheels.STATE),
             "odometry": (self._wheels.odometry, self._wheels.odometry.STATE),
         }
-
-
-class ScanLocalization(Localization):
-    """Wheels carry the pose on, scans correct it."""
-
-    STATE: ClassVar[Kinds] = {**Localization.STATE, "_map_error_then": NDArray[np.float64]}
-
-    def __init__(self, backend: Backend, matching: ScanLocalizer, lidar: RangeSensor | None) -> None:
-        """Begin with a robot at rest, and match a scan at once."""
-        super().__init__(backend, matching, lidar)
-        self._matching, self._map_error_then = matching, np.zeros((3, 3))
-        self._map_field = matching.field
-        assert self._range_sensor is not None, "scans come from a range sensor"
-        matching.correct(self._range_sensor.scan().points())
-        if isinstance(lidar, Lidar):
-            matching.check_start(beams_of(lidar))
-        self.set_origin()
-
-    @property
-    @override
-    def repeatability(self) -> NDArray[np.float64]:
-        return repeatability_of(self.covariance, self._matching.map_error)
-
-    @property
-    def displacement(self) -> Belief:
-        """See `Localization`: the error of the map at one place is the same in both poses."""
-        mean, spread = self._matching.odometry.displacement
-        shared = self._map_error_then + self._matching.map_error
-        turned = _turned(self._matching.odometry.origin.theta)
-        return Belief(mean, _without(spread, turned @ shared @ turned.T) + 2.0 * SCAN_REPEATABILITY)
-
-    @override
-    def set_origin(self) -> None:
-        super().set_origin()
-        self._map_error_then = self._matching.map_error
-
-    @property
-    @override
-    def source(self) -> str:
-        return "RangeSensor"
-
-    @property
-    @override
-    def dead_reckoned(self) -> bool:
-        return False
-
-    @property
-    @override
-    def lost(self) -> Lost | None:
-        if self.lifted is not None:
-            return self.lifted
-        if not self._matching.lost:
-            return None
-        share = "share of the scan that the map explains"
-        silence = self._range_sensor.silence if isinstance(self._range_sensor, Lidar) else ""
-        if silence:
-            echoes = float(len(self._range_sensor.scan().points())) if self._range_sensor else 0.0
-            return Lost(silence, "RangeSensor", "beams of a scan that return", echoes, float(MIN_ECHOES))
-        if self._matching.misplaced:
-            why = "it isn't where it should start: its scan fits other places of the map better"
-            return Lost(why, "RangeSensor", share, self.explained, SURE_FIT)
-        return Lost("its scans fit the map nowhere near", "RangeSensor", share, self.explained, LEAST_INLIERS)
-
-    @property
-    @override
-    def explained(self) -> float:
-        match = self._matching.last_match
-        return super().explained if match is None else match.inliers
-
-    def _parts(self) -> dict[str, tuple[object, Kinds]]:
-        slip, way, layer = self._matching.slip, self._matching.way, self._matching.unmapped.layer
-        parts = super()._parts()
-        parts |= {"slip": (slip, slip.STATE), "way": (way, way.STATE)}
-        return {**parts, "keyframes": (layer, layer.STATE)}
-
-    @override
-    def set_state(self, state: object) -> None:
-        layer = self._matching.unmapped.layer
-        layer.clear()
-        if isinstance(state, dict) and "keyframes" not in state:  # older checkpoints have none
-            state = {**state, "keyframes": attributes(layer, layer.STATE)}
-        super().set_state(state)
-
-
-class WheelLocalization(Localization):
-    """Propagates the pose by the wheels. With a map and a lidar, scans at rest are evidence.
-
-    Scans show whether the base was moved while its wheels were at rest, and its pose after each drive. If
-    no close pose explains the scan, the base is lost.
-
-    If driven wheels repeat their readings, either the wheels or the encoders are stuck: the two cannot be
-    distinguished, so the pose is unknown.
-    """
-
-    STATE: ClassVar[Kinds] = {**Localization.STATE, "_unanswered": float}
-
-    def __init__(self, backend: Backend, wheels: OdometryLocalizer, lidar: RangeSensor | None = None) -> None:
-        """Begin with a robot at rest."""
-        super().__init__(backend, wheels, lidar)
-        self._reckoning = wheels
-        self._map_field = wheels.field
-        self._period, self._unanswered = backend.period, 0.0
-
-    @property
-    @override
-    def source(self) -> str:
-        return "Base"
-
-    @property
-    @override
-    def dead_reckoned(self) -> bool:
-        return True
-
-    @property
-    @override
-    def lost(self) -> Lost | None:
-        if self.lifted is not None:
-            return self.lifted
-        if self._reckoning.astray:
-            share = "share of the scan that the map explains"
-            why = "after the drive its scan fits the map nowhere near where its wheels say"
-            return Lost(why, "RangeSensor", share, self._reckoning.explained, LEAST_INLIERS)
-        if self._unanswered <= MAX_COMMANDED_TRAVEL_M:
-            return None
-        why = "its wheels are driven, and read the same again and again"
-        way = "way driven since the wheels read anything new"
-        return Lost(why, "Base", way, 1e3 * self._unanswered, 1e3 * MAX_COMMANDED_TRAVEL_M, "mm")
-
-    @property
-    @override
-    def slips(self) -> int:
-        return self._reckoning.slips
-
-    @property
-    @override
-    def added_sigma(self) -> float:
-        return self._reckoning.added_sigma
-
-    def look_again(self) -> None:
-        """See `Localization`; after a drive, first compare the wheels' pose with a scan."""
-        if self._reckoning.unchecked and self.still >= REST_PERIODS and self._range_sensor is not None:
-            self._reckoning.check_drive(self._fresh_points())
-        super().look_again()
-
-    def _correct(self) -> None:
-        if self.still == REST_PERIODS:
-            self.look_again()
-        super()._correct()
-
-    @override
-    def update(self, driven: tuple[float, float]) -> None:
-        before = self.travel
-        super().update(driven)
-        speed, turn_rate = driven
-        way = (abs(speed) + 0.5 * self._wheels.odometry.tread * abs(turn_rate)) * self._period
-        self._unanswered = self._unanswered + way if self.travel == before else 0.0
-
-
-def worst_sigmas(covariance: NDArray[np.float64]) -> tuple[float, float]:
-    """Return the sigma of a position along its worst direction in [m], and of the heading in [rad].
-
-    Args:
-        covariance: (3, 3) of x, y in [m] and heading in [rad].
-    """
-    (xx, _, _), (xy, yy, _), (_, _, turn) = covariance.tolist()
-    worst = 0.5 * (xx + yy) + math.hypot(0.5 * (xx - yy), xy)
-    return math.sqrt(max(0.0, worst)), math.sqrt(max(0.0, turn))
-
-
-def repeatability_of(covariance: NDArray[np.float64], map_error: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return `Localization.repeatability` (3, 3) of a pose by scans, `map_error` (3, 3) in its covariance."""
-    return np.asarray(_without(covariance, map_error) + SCAN_REPEATABILITY)
-
-
-def _lifted(share: float) -> Lost:
-    """Return that the base was lifted, by the share of beams that changed at once."""
-    what = "share of beams that changed at once"
-    return Lost(LIFTED_REASON, "RangeSensor", what, share, MAX_CHANGED_SHARE)
-
-
-def beams_of(lidar: Lidar) -> ScanBeams:
-    """Return this period's scan by its beams, without blind ones."""
-    scan = lidar.scan()
-    sensor = scan.base_T_sensor
-    ranges = np.where(scan.blind(), np.nan, scan.ranges) if len(scan.validity) else scan.ranges
-    return ScanBeams(np.array([sensor.x, sensor.y]), scan.angles + sensor.theta, ranges, lidar.spec.reach_m)
-
-
-def _without(covariance: NDArray[np.float64], part: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Subtract a part (3, 3) of a covariance (3, 3); no variance of what is left is negative."""
-    rest = covariance - part
-    if _is_positive(rest):
-        return rest
-    variances, axes = np.linalg.eigh(rest)
-    return np.asarray((axes * np.maximum(variances, 0.0)) @ axes.T)
-
-
-def _is_positive(matrix: NDArray[np.float64]) -> bool:
-    """Return whether a symmetric matrix (3, 3) has no variance of 0 or below: its leading minors."""
-    (a, _, _), (b, c, _), (d, e, f) = matrix.tolist()
-    minor = a * c - b * b
-    return bool(a > 0.0 and minor > 0.0 and f * minor > a * e * e - 2.0 * b * d * e + c * d * d)
-
-
-def _turned(heading: float) -> NDArray[np.float64]:
-    """(3, 3) rotation from the map to the frame of a base with that heading, in [rad]."""
-    cos, sin = math.cos(heading), math.sin(heading)
-    return np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]])

@@ -15,10 +15,12 @@ from handcart.robotics.navigation.localization.positioning_localizer import Posi
 from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
 from handcart.robotics.navigation.maps.grid_map import GridMap
 
-from .localization import Localization, ScanLocalization, WheelLocalization
+from .localization import Localization
 from .noise_model import field_localizer
 from .outdoor_localization import OutdoorLocalization
 from .positioning_localization import PositioningLocalization
+from .scan_localization import ScanLocalization
+from .wheel_localization import WheelLocalization
 
 LEAST_RANGE = 0.01  # [m]: no range sensor is believed to be better
 START_SIGMA = np.diag([0.05**2, 0.05**2, 0.035**2])  # [m², rad²] of where a task says the robot starts

@@ -20,7 +20,9 @@ from handcart.robotics.navigation.localization.localizer import Localizer
 from handcart.robotics.navigation.localization.watched_moment import Belief
 from handcart.robotics.navigation.outdoors.field_localizer import FieldLocalizer
 
-from .localization import Localization, Lost, Sensed
+from .localization import Localization
+from .lost import Lost
+from .sensed import Sensed
 
 Array = NDArray[np.float64]
 

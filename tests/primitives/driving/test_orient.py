@@ -13,7 +13,7 @@ import pytest
 
 from handcart.backends.description.robot_names import robot_path
 from handcart.backends.loading.robot_loading import load_robot
-from handcart.backends.robot.localization.localization import worst_sigmas
+from handcart.backends.robot.localization.pose_covariance import worst_sigmas
 from handcart.evaluation.trials.rig import Rig
 from handcart.files.errors import FileError
 from handcart.networks.task.preparing import prepare

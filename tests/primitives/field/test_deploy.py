@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from handcart.backends.capabilities.arm import Arm
-from handcart.backends.robot.localization.localization import Lost
+from handcart.backends.robot.localization.lost import Lost
 from handcart.backends.simulation.field.field_props import FieldProps
 from handcart.evaluation.trials.rig import Rig
 from handcart.files.models.loading import load

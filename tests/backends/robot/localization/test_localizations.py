@@ -19,15 +19,12 @@ from handcart.backends.capabilities.positioning import PoseReading, Positioning
 from handcart.backends.capabilities.range_sensor import RangeSensor, Scan
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.loading.robot_loading import load_robot
-from handcart.backends.robot.localization.localization import (
-    Localization,
-    WheelLocalization,
-    repeatability_of,
-    worst_sigmas,
-)
+from handcart.backends.robot.localization.localization import Localization
 from handcart.backends.robot.localization.localizations import localization_of
 from handcart.backends.robot.localization.outdoor_localization import OutdoorLocalization
+from handcart.backends.robot.localization.pose_covariance import repeatability_of, worst_sigmas
 from handcart.backends.robot.localization.positioning_localization import PositioningLocalization
+from handcart.backends.robot.localization.wheel_localization import WheelLocalization
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.localization.localizer import OdometryLocalizer
 from handcart.robotics.navigation.localization.scan_matching import LikelihoodField

@@ -1,0 +1,42 @@
+"""Covariances of a pose: its sigmas, and the part that does not repeat."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+SCAN_REPEATABILITY = np.diag([0.004, 0.004, 0.0015]) ** 2  # [m², rad²]: scatter of scan matches at one place
+
+
+def worst_sigmas(covariance: NDArray[np.float64]) -> tuple[float, float]:
+    """Return the sigma of a position along its worst direction in [m], and of the heading in [rad].
+
+    Args:
+        covariance: (3, 3) of x, y in [m] and heading in [rad].
+    """
+    (xx, _, _), (xy, yy, _), (_, _, turn) = covariance.tolist()
+    worst = 0.5 * (xx + yy) + math.hypot(0.5 * (xx - yy), xy)
+    return math.sqrt(max(0.0, worst)), math.sqrt(max(0.0, turn))
+
+
+def repeatability_of(covariance: NDArray[np.float64], map_error: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return `Localization.repeatability` (3, 3) of a pose by scans, `map_error` (3, 3) in its covariance."""
+    return np.asarray(remove_part(covariance, map_error) + SCAN_REPEATABILITY)
+
+
+def remove_part(covariance: NDArray[np.float64], part: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Subtract a part (3, 3) from a covariance (3, 3); no variance of the rest is negative."""
+    rest = covariance - part
+    if _is_positive(rest):
+        return rest
+    variances, axes = np.linalg.eigh(rest)
+    return np.asarray((axes * np.maximum(variances, 0.0)) @ axes.T)
+
+
+def _is_positive(matrix: NDArray[np.float64]) -> bool:
+    """Return whether a symmetric matrix (3, 3) has no variance of 0 or below: its leading minors."""
+    (a, _, _), (b, c, _), (d, e, f) = matrix.tolist()
+    minor = a * c - b * b
+    return bool(a > 0.0 and minor > 0.0 and f * minor > a * e * e - 2.0 * b * d * e + c * d * d)

@@ -1,0 +1,110 @@
+"""Localization by scan matching."""
+
+from __future__ import annotations
+
+import math
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+from typing_extensions import override
+
+from handcart.backends.backend import Backend
+from handcart.backends.capabilities.range_sensor import RangeSensor
+from handcart.backends.plain_values import Kinds, attributes
+from handcart.robotics.navigation.localization.localizer import LEAST_INLIERS, ScanLocalizer
+from handcart.robotics.navigation.localization.start_search import SURE_FIT
+from handcart.robotics.navigation.localization.watched_moment import Belief
+
+from .lidar import MIN_ECHOES, Lidar, beams_of
+from .localization import Localization
+from .lost import Lost
+from .pose_covariance import SCAN_REPEATABILITY, remove_part, repeatability_of
+
+
+class ScanLocalization(Localization):
+    """Wheels carry the pose on, scans correct it."""
+
+    STATE: ClassVar[Kinds] = {**Localization.STATE, "_map_error_then": NDArray[np.float64]}
+
+    def __init__(self, backend: Backend, matching: ScanLocalizer, lidar: RangeSensor | None) -> None:
+        """Begin with a robot at rest, and match a scan at once."""
+        super().__init__(backend, matching, lidar)
+        self._matching, self._map_error_then = matching, np.zeros((3, 3))
+        self._map_field = matching.field
+        assert self._range_sensor is not None, "scans come from a range sensor"
+        matching.correct(self._range_sensor.scan().points())
+        if isinstance(lidar, Lidar):
+            matching.check_start(beams_of(lidar))
+        self.set_origin()
+
+    @property
+    @override
+    def repeatability(self) -> NDArray[np.float64]:
+        return repeatability_of(self.covariance, self._matching.map_error)
+
+    @property
+    def displacement(self) -> Belief:
+        """See `Localization`: the error of the map at one place is the same in both poses."""
+        mean, spread = self._matching.odometry.displacement
+        shared = self._map_error_then + self._matching.map_error
+        turned = _turned(self._matching.odometry.origin.theta)
+        return Belief(mean, remove_part(spread, turned @ shared @ turned.T) + 2.0 * SCAN_REPEATABILITY)
+
+    @override
+    def set_origin(self) -> None:
+        super().set_origin()
+        self._map_error_then = self._matching.map_error
+
+    @property
+    @override
+    def source(self) -> str:
+        return "RangeSensor"
+
+    @property
+    @override
+    def dead_reckoned(self) -> bool:
+        return False
+
+    @property
+    @override
+    def lost(self) -> Lost | None:
+        if self.lifted is not None:
+            return self.lifted
+        if not self._matching.lost:
+            return None
+        share = "share of the scan that the map explains"
+        silence = self._range_sensor.silence if isinstance(self._range_sensor, Lidar) else ""
+        if silence:
+            echoes = float(len(self._range_sensor.scan().points())) if self._range_sensor else 0.0
+            return Lost(silence, "RangeSensor", "beams of a scan that return", echoes, float(MIN_ECHOES))
+        if self._matching.misplaced:
+            why = "it isn't where it should start: its scan fits other places of the map better"
+            return Lost(why, "RangeSensor", share, self.explained, SURE_FIT)
+        return Lost("its scans fit the map nowhere near", "RangeSensor", share, self.explained, LEAST_INLIERS)
+
+    @property
+    @override
+    def explained(self) -> float:
+        match = self._matching.last_match
+        return super().explained if match is None else match.inliers
+
+    def _parts(self) -> dict[str, tuple[object, Kinds]]:
+        slip, way, layer = self._matching.slip, self._matching.way, self._matching.unmapped.layer
+        parts = super()._parts()
+        parts |= {"slip": (slip, slip.STATE), "way": (way, way.STATE)}
+        return {**parts, "keyframes": (layer, layer.STATE)}
+
+    @override
+    def set_state(self, state: object) -> None:
+        layer = self._matching.unmapped.layer
+        layer.clear()
+        if isinstance(state, dict) and "keyframes" not in state:  # older checkpoints have none
+            state = {**state, "keyframes": attributes(layer, layer.STATE)}
+        super().set_state(state)
+
+
+def _turned(heading: float) -> NDArray[np.float64]:
+    """(3, 3) rotation from the map to the frame of a base with that heading, in [rad]."""
+    cos, sin = math.cos(heading), math.sin(heading)
+    return np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]])

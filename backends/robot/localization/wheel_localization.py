@@ -1,0 +1,93 @@
+"""Localization by wheels, with scans at rest as evidence."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from typing_extensions import override
+
+from handcart.backends.backend import Backend
+from handcart.backends.capabilities.range_sensor import RangeSensor
+from handcart.backends.plain_values import Kinds
+from handcart.robotics.navigation.localization.localizer import LEAST_INLIERS, OdometryLocalizer
+
+from .localization import Localization
+from .lost import Lost
+
+REST_PERIODS = 4  # periods at rest after which a scan tells whether the base is where its wheels say
+# [m] that wheels may be driven, by which alone it is reckoned, while they read the same
+MAX_COMMANDED_TRAVEL_M = 0.03
+
+
+class WheelLocalization(Localization):
+    """Propagates the pose by the wheels. With a map and a lidar, scans at rest are evidence.
+
+    Scans show whether the base was moved while its wheels were at rest, and its pose after each drive. If
+    no close pose explains the scan, the base is lost.
+
+    If driven wheels repeat their readings, either the wheels or the encoders are stuck: the two cannot be
+    distinguished, so the pose is unknown.
+    """
+
+    STATE: ClassVar[Kinds] = {**Localization.STATE, "_unanswered": float}
+
+    def __init__(self, backend: Backend, wheels: OdometryLocalizer, lidar: RangeSensor | None = None) -> None:
+        """Begin with a robot at rest."""
+        super().__init__(backend, wheels, lidar)
+        self._reckoning = wheels
+        self._map_field = wheels.field
+        self._period, self._unanswered = backend.period, 0.0
+
+    @property
+    @override
+    def source(self) -> str:
+        return "Base"
+
+    @property
+    @override
+    def dead_reckoned(self) -> bool:
+        return True
+
+    @property
+    @override
+    def lost(self) -> Lost | None:
+        if self.lifted is not None:
+            return self.lifted
+        if self._reckoning.astray:
+            share = "share of the scan that the map explains"
+            why = "after the drive its scan fits the map nowhere near where its wheels say"
+            return Lost(why, "RangeSensor", share, self._reckoning.explained, LEAST_INLIERS)
+        if self._unanswered <= MAX_COMMANDED_TRAVEL_M:
+            return None
+        why = "its wheels are driven, and read the same again and again"
+        way = "way driven since the wheels read anything new"
+        return Lost(why, "Base", way, 1e3 * self._unanswered, 1e3 * MAX_COMMANDED_TRAVEL_M, "mm")
+
+    @property
+    @override
+    def slips(self) -> int:
+        return self._reckoning.slips
+
+    @property
+    @override
+    def added_sigma(self) -> float:
+        return self._reckoning.added_sigma
+
+    def look_again(self) -> None:
+        """See `Localization`; after a drive, first compare the wheels' pose with a scan."""
+        if self._reckoning.unchecked and self.still >= REST_PERIODS and self._range_sensor is not None:
+            self._reckoning.check_drive(self._fresh_points())
+        super().look_again()
+
+    def _correct(self) -> None:
+        if self.still == REST_PERIODS:
+            self.look_again()
+        super()._correct()
+
+    @override
+    def update(self, driven: tuple[float, float]) -> None:
+        before = self.travel
+        super().update(driven)
+        speed, turn_rate = driven
+        way = (abs(speed) + 0.5 * self._wheels.odometry.tread * abs(turn_rate)) * self._period
+        self._unanswered = self._unanswered + way if self.travel == before else 0.0
