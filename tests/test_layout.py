@@ -183,6 +183,36 @@ def test_tests_mirror_the_rooms() -> None:
     assert strangers == []
 
 
+KERNELS = ": (screw_table|bound_table):"  # a loop over a grid whose parts share some twenty numbers
+CODE = (*ROOMS, "benchmarks", "scripts")
+
+
+def test_files_have_at_most_400_lines() -> None:
+    paths = [path for room in CODE for path in (ROOT / room).rglob("*.py")]
+    lengths = {path: len(path.read_text(encoding="utf-8").splitlines()) for path in paths}
+    assert len(lengths) > 1000
+    assert [f"{path}: {length}" for path, length in lengths.items() if length > 400] == []
+
+
+def test_functions_have_at_most_50_lines() -> None:
+    """Without the signature and the docstring; compiled kernels of one loop are longer."""
+    bodies = [
+        (f"{path.relative_to(ROOT)}:{node.lineno}: {node.name}", _body_lines(node))
+        for room in CODE
+        for path in (ROOT / room).rglob("*.py")
+        for node in ast.walk(_tree(path))
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)
+    ]
+    assert len(bodies) > 5000
+    long = [f"{place}: {lines}" for place, lines in bodies if lines > 50]
+    assert [each for each in long if not re.search(KERNELS, each)] == []
+
+
+def _body_lines(node: ast.FunctionDef | ast.AsyncFunctionDef) -> int:
+    statements = node.body if ast.get_docstring(node) is None else node.body[1:]
+    return (statements[-1].end_lineno or 0) - statements[0].lineno + 1 if statements else 0
+
+
 def test_names_of_tests_have_at_most_65_characters() -> None:
     names = [name for path in (ROOT / "tests").rglob("*.py") for name in _test_names(path)]
     assert [name for name in names if len(name) > 65] == []

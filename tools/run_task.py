@@ -75,12 +75,7 @@ def run(
     breaks = [composed(name) for name in breaks or ()]
     settings = [*(settings or []), *([f"robot={robot}"] if robot else [])]
     if dry_run or script is not None:
-        from handcart.tools.checks.dry_run import dry_run as imagine
-        from handcart.tools.terminal.first_use import announced
-
-        with announced(f"checking {task}"):
-            status = imagine(task, backend, settings, seed, situation, script, as_json)
-        sys.exit(status)
+        sys.exit(_dry_run(task, backend, settings, seed, situation, script, as_json))
     from handcart.evaluation.trials.running import run_task
     from handcart.files.models.settings import split_setting
     from handcart.networks.coordination.interrupts import Interrupts
@@ -122,6 +117,15 @@ def run(
         progress.end()
         _tell(summary, as_json, progress)
     sys.exit(status)
+
+
+def _dry_run(task: Path, *options: Any) -> int:
+    """Check and plan a task without a robot, and return the exit status; `options` as of `dry_run`."""
+    from handcart.tools.checks.dry_run import dry_run
+    from handcart.tools.terminal.first_use import announced
+
+    with announced(f"checking {task}"):
+        return dry_run(task, *options)
 
 
 def _tell(summary: dict[str, Any], as_json: bool, progress: Progress) -> None:

@@ -21,8 +21,9 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, inverse
 
 from .bullet import quiet
-from .bullet_engine import ROBOT_GROUP, BulletEngine, matrix
+from .bullet_engine import ROBOT_GROUP, BulletEngine
 from .bullet_joints import BulletJoints
+from .bullet_pose import matrix
 
 _ALL = -1
 _GEAR_FORCE = 500.0  # with which a linkage keeps two joints alike [N]

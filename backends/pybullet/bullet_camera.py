@@ -84,10 +84,10 @@ def render(
         world_T_camera: (4, 4) of the optical frame (z forward, x right, y down).
         K: (3, 3) in [px]; an integer pixel is a pixel's centre.
         size: width and height in [px].
-        lit: see `BulletEngine.picture`.
+        lit: see `BulletRenderer.picture`.
     """
     view = inverse(world_T_camera @ _TO_OPENGL)
-    return engine.picture(view, _projection(K, size), size, lit)
+    return engine.renderer.picture(view, _projection(K, size), size, lit)
 
 
 def render_with_depth(
@@ -99,8 +99,8 @@ def render_with_depth(
     twice, because the buffer resolves far depths well only if its nearest plane is not too near.
     """
     view = inverse(world_T_camera @ _TO_OPENGL)
-    colour, close = engine.picture_with_depth(view, _projection(K, size), size)
-    far = engine.depth_buffer(view, _projection(K, size, FINE_NEAREST), size)
+    colour, close = engine.renderer.picture_with_depth(view, _projection(K, size), size)
+    far = engine.renderer.depth_buffer(view, _projection(K, size, FINE_NEAREST), size)
     near_depth, far_depth = _depth(close, NEAREST), _depth(far, FINE_NEAREST)
     return colour, np.where(near_depth < 2.0 * FINE_NEAREST, near_depth, far_depth)
 

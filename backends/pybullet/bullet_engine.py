@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Sequence
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 from typing_extensions import override
 
 from handcart.backends.physics.engine.engine import (
@@ -19,7 +16,6 @@ from handcart.backends.physics.engine.engine import (
     ContactPoint,
     Engine,
     Pinned,
-    Point,
     Touching,
 )
 from handcart.backends.physics.engine.thing_form import ThingForm
@@ -33,15 +29,14 @@ from handcart.robotics.kinematics.shapes import Box
 
 from .box_mesh import box_mesh
 from .bullet import bullet, quiet
+from .bullet_pose import matrix, placed
+from .bullet_renderer import BulletRenderer
 from .bullet_shapes import floor_look, plain_box, thing_shape, tile_shape
 from .bullet_state import check_state
 
 ROBOT_GROUP = 64  # collision group of the robot: no beam of its range sensor meets it
 _ITERATIONS = 100
 _STICKS = 0.8  # of what a contact that sticks has slid is taken back in a step
-_WARM_UP = 3  # pictures
-_SUN = (-0.5, 0.4, 1.0)  # where light comes from in a picture for people
-_UNLIT = 0.5  # of its own brightness is what the EGL renderer shows of a face that no light falls on
 
 _OFF = 2e-4  # [m] that a sheet lies above what it is painted on
 _FLAT = ((0.5, 0.5),) * 4
@@ -74,12 +69,9 @@ class BulletEngine(Engine):
             self.client = self.p.connect(self.p.GUI if window else self.p.DIRECT)
         self._connected = True
         self._pins: list[int] = []
-        self._textures: dict[tuple[tuple[int, ...], bytes], int] = {}
-        self._shown: dict[int, int] = {}
         self._pinned: Pinned | None = None
-        self.renderer = self._start_renderer(window)
-        """Bullet's number of the renderer: its EGL plug-in if available, otherwise TinyRenderer."""
-        self._cold = _WARM_UP if self.renderer == self.p.ER_BULLET_HARDWARE_OPENGL else 0
+        self.renderer = BulletRenderer(self.p, self.client, window)
+        """Renderer of pictures; it shows the shapes made after it."""
         self.p.setGravity(0.0, 0.0, -GRAVITY_M_S2, physicsClientId=self.client)
         self.p.setPhysicsEngineParameter(
             fixedTimeStep=self.chunk,
@@ -90,16 +82,6 @@ class BulletEngine(Engine):
             deterministicOverlappingPairs=1,
             physicsClientId=self.client,
         )
-
-    def _start_renderer(self, window: bool) -> int:
-        plugin = None if window else find_spec("eglRenderer")
-        if plugin is not None and plugin.origin is not None:
-            # Before any shape is made: the renderer shows what was made after it.
-            with quiet():
-                loaded = self.p.loadPlugin(plugin.origin, "_eglRendererPlugin", physicsClientId=self.client)
-            if loaded >= 0:
-                return int(self.p.ER_BULLET_HARDWARE_OPENGL)
-        return int(self.p.ER_BULLET_HARDWARE_OPENGL if window else self.p.ER_TINY_RENDERER)
 
     @property
     @override
@@ -182,27 +164,11 @@ class BulletEngine(Engine):
 
     @override
     def show(self, body: int, picture: GreyImage) -> None:
-        texture = self.texture(picture)
-        if texture != self._shown.get(body):
-            self._shown[body] = texture
-            self.p.changeVisualShape(body, -1, textureUniqueId=texture, physicsClientId=self.client)
+        self.renderer.show(body, picture)
 
     @override
     def weigh(self, body: int, mass: float) -> None:
         self.p.changeDynamics(body, -1, mass=mass, physicsClientId=self.client)
-
-    def texture(self, picture: NDArray[np.uint8]) -> int:
-        """Number of a grey picture, which the renderer is given once."""
-        key = (picture.shape, picture.tobytes())
-        if key not in self._textures:
-            self._textures[key] = self._load_texture(picture)
-        return self._textures[key]
-
-    def _load_texture(self, picture: NDArray[np.uint8]) -> int:
-        with tempfile.TemporaryDirectory() as folder:
-            path = str(Path(folder) / "texture.png")
-            cv2.imwrite(path, cv2.cvtColor(picture, cv2.COLOR_GRAY2BGR))
-            return int(self.p.loadTexture(path, physicsClientId=self.client))
 
     @override
     def pose(self, body: int) -> Transform:
@@ -251,63 +217,6 @@ class BulletEngine(Engine):
             physicsClientId=self.client,
         )
         return np.array([hit[2] if hit[0] >= 0 else np.inf for hit in hits])
-
-    # Pictures
-
-    def picture(
-        self, view: Transform, projection: Transform, size: tuple[int, int], lit: bool = False
-    ) -> NDArray[np.uint8]:
-        """Return the rendered picture, (height, width, 3) in RGB.
-
-        Args:
-            view: (4, 4) from the world to OpenGL's camera frame.
-            projection: (4, 4), OpenGL's.
-            size: width and height in [px].
-            lit: True for a picture for people, with light from above and shadows; otherwise each surface
-                is as
-                bright as its paint.
-        """
-        width, height = size
-        # The EGL renderer always has one light and shadows: from behind what is seen it falls on nothing.
-        light = _SUN if lit else tuple((-view[2, :3]).tolist())
-        with quiet():
-            for _ in range(self._cold):  # the first pictures of the EGL renderer are lit otherwise
-                self._render(view, projection, size, light)
-            self._cold = 0
-            image = self._render(view, projection, size, light)[2]
-        picture = np.asarray(image, dtype=np.uint8).reshape(height, width, 4)[..., :3]
-        if lit or self.renderer != self.p.ER_BULLET_HARDWARE_OPENGL:
-            return picture
-        return cv2.convertScaleAbs(picture, alpha=1 / _UNLIT).astype(np.uint8, copy=False)
-
-    def picture_with_depth(
-        self, view: Transform, projection: Transform, size: tuple[int, int]
-    ) -> tuple[NDArray[np.uint8], NDArray[np.float64]]:
-        """Return an unlit picture as `picture` does, and OpenGL's depths (height, width), from 0 to 1."""
-        return self.picture(view, projection, size), self.depth_buffer(view, projection, size)
-
-    def depth_buffer(
-        self, view: Transform, projection: Transform, size: tuple[int, int]
-    ) -> NDArray[np.float64]:
-        """Return OpenGL's depths (height, width), from 0 at the nearest plane to 1 at the farthest one."""
-        with quiet():
-            buffer = self._render(view, projection, size, tuple((-view[2, :3]).tolist()))[3]
-        return np.asarray(buffer, dtype=np.float64).reshape(size[1], size[0])
-
-    def _render(self, view: Transform, projection: Transform, size: tuple[int, int], light: Point) -> Any:
-        return self.p.getCameraImage(
-            *size,
-            view.T.ravel().tolist(),
-            projection.T.ravel().tolist(),
-            lightDirection=light,
-            shadow=0,
-            lightAmbientCoeff=1.0,
-            lightDiffuseCoeff=0.0,
-            lightSpecularCoeff=0.0,
-            renderer=self.renderer,
-            flags=self.p.ER_NO_SEGMENTATION_MASK,
-            physicsClientId=self.client,
-        )
 
     # What is held together
 
@@ -387,22 +296,3 @@ class BulletEngine(Engine):
 
     def _bodies(self) -> int:
         return int(self.p.getNumBodies(physicsClientId=self.client))
-
-
-def placed(pose: Transform) -> tuple[list[float], list[float]]:
-    """A pose (4, 4) as Bullet wants it: position, and quaternion x, y, z, w."""
-    return pose[:3, 3].tolist(), Rotation.from_matrix(pose[:3, :3]).as_quat().tolist()
-
-
-def matrix(position: Sequence[float], quaternion: Sequence[float]) -> Transform:
-    """The pose (4, 4) of a position and a quaternion x, y, z, w."""
-    x, y, z, w = quaternion
-    result: NDArray[np.float64] = np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w), position[0]],
-            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w), position[1]],
-            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y), position[2]],
-            [0.0, 0.0, 0.0, 1.0],
-        ]
-    )
-    return result

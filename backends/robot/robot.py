@@ -24,8 +24,6 @@ from handcart.backends.plain_values import Kinds, attributes, set_attributes
 from handcart.backends.robot.localization.lidar import Lidar
 from handcart.backends.saved_state import NotAState
 from handcart.backends.sensors.sensor_kind import capability_of
-from handcart.files.errors import HandcartError
-from handcart.files.suggest import suggest
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.arm_model import ArmModel
@@ -38,8 +36,10 @@ from handcart.robotics.navigation.maps.grid_map import GridMap
 
 from .averaged_scan import AveragedScan
 from .beside import beside
+from .fresh_pictures import FreshPictures
 from .guarded_base import GuardedBase, steady_points
 from .localization.localizations import localization_of
+from .robot_errors import MissingCapability, MissingSensor, UnknownStart
 from .unseen_ground import UnseenGround
 
 T = TypeVar("T")
@@ -49,45 +49,6 @@ LOW_HAND_HEIGHT_M = 0.6  # [m] of the hand above the ground: higher, and a scan 
 HAND_RADIUS_M = 0.15  # [m] about the hand, in which a scan sees it and what it holds
 MAX_STOP_PERIODS = 3  # control periods within which the command to stop leaves
 HAND_LINK = "hand"
-STALE_PICTURE_MOTION = 1e-3  # [m], [rad] of motion in which a picture can't stay the same to the last bit
-
-
-class MissingCapability(HandcartError, ValueError):
-    """The robot can't do what is asked of it."""
-
-    exit_status = 2
-
-    def __init__(self, kind: type[Capability], robot: Backend) -> None:
-        have = ", ".join(sorted(_name(type(each)) for each in robot.capabilities()))
-        super().__init__(f"the robot has no {kind.__name__}; it has: {have}")
-
-
-class MissingSensor(HandcartError, ValueError):
-    """The robot has no sensor of that name."""
-
-    exit_status = 2
-
-    def __init__(self, name: str, spec: RobotFile) -> None:
-        wrong = "the backend does not provide" if name in spec.sensors else "the robot's file has no"
-        super().__init__(f"{wrong} sensor {name!r}{suggest(name, spec.sensors)}")
-
-
-class UnknownStart(HandcartError, ValueError):
-    """The start is unknown, and the robot cannot find its pose by scans."""
-
-    exit_status = 2
-
-    def __init__(self, spec: RobotFile) -> None:
-        needed = "a map, a lidar, and the localizer scan or odometry"
-        super().__init__(f"the start is unknown, and the localizer is {spec.localizer}; needed: {needed}")
-
-
-class StaleReading(HandcartError, RuntimeError):
-    """A sensor gives an old reading for a new one."""
-
-
-def _name(kind: type) -> str:
-    return next(each.__name__ for each in kind.__mro__ if Capability in each.__bases__)
 
 
 def _other_lidars(backend: Backend, spec: RobotFile, first: RangeSensor | None) -> Iterator[Lidar]:
@@ -168,8 +129,7 @@ class Robot:
             self.localization.forget_pose()
         self._imu = backend.get(Imu)  # type: ignore[type-abstract]
         self._arm_command = np.empty(0)
-        self._picture, self._pictured_at = np.empty((0, 0), np.uint8), np.empty(0)
-        self._went_since = False  # whether it has moved since that picture, though it may be back
+        self._pictures = FreshPictures()
         self._movers: set[int] = set()
         self._moved: set[int] = set()
 
@@ -330,8 +290,8 @@ class Robot:
         self.time += 0.0 if paused else self.period
         self._feel()
         self._locate()
-        if self._picture.size and not self._went_since:
-            self._went_since = self._left()
+        if self._pictures.awaits_motion:
+            self._pictures.note(self._carried_by())
 
     def _locate(self) -> None:
         """Bring the estimated pose up to date, and see whether the base gets on."""
@@ -360,12 +320,8 @@ class Robot:
             StaleReading: it is the last one to the last bit, although arm or wheels have moved since.
                 A camera without noise may give it again where the robot has come back.
         """
-        image = self.camera.image()
         noisy = self.spec.errors.image_noise_grey > 0.0
-        if np.array_equal(image, self._picture) and (self._went_since if noisy else self._left()):
-            raise StaleReading("the camera gives its last picture again, although it has moved")
-        self._picture, self._pictured_at, self._went_since = image, self._carried_by(), False
-        return image
+        return self._pictures.take(self.camera.image(), self._carried_by(), noisy)
 
     def _carried_by(self) -> NDArray[np.float64]:
         """Return the state that moves the camera: distances driven by the wheels in [m], then the arm's
@@ -374,14 +330,10 @@ class Robot:
         arm = self.backend.get(Arm)  # type: ignore[type-abstract]
         return np.concatenate([self.localization.travel, arm.command() if arm else np.empty(0)])
 
-    def _left(self) -> bool:
-        """Return whether the camera has moved since the last picture."""
-        return bool(np.abs(self._carried_by() - self._pictured_at).max() > STALE_PICTURE_MOTION)
-
     @property
     def seen(self) -> NDArray[np.uint8] | None:
         """The last picture that was asked for, (height, width) grey; None before the first. Takes none."""
-        return self._picture if self._picture.size else None
+        return self._pictures.last
 
     def state(self) -> dict[str, Any]:
         """Return the estimates so far for a checkpoint, as plain data."""

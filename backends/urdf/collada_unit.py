@@ -57,6 +57,8 @@ def _stated_unit(path: Path) -> str | None:
     try:
         with path.open("rb") as file:
             parser.Parse(file.read(HEAD_BYTES), False)
-    except (_Found, expat.ExpatError, OSError):  # what isn't well-formed is reported by who reads the mesh
-        pass
+    except _Found:
+        pass  # the parser is stopped by this: the rest of the file, often megabytes, says nothing of the unit
+    except (expat.ExpatError, OSError):
+        return None  # reported with its cause where the mesh itself is read
     return found[0] if found else None

@@ -54,9 +54,9 @@ def main() -> None:
                 print(f"seed {seed}: {words}: status {status}: {(err or out).strip().splitlines()[:1]}")
             shutil.rmtree(Path(folder) / str(seed), ignore_errors=True)
     print("\n".join(failures))
-    told = ", ".join(f"status {status}: {count}" for status, count in sorted(statuses.items()))
-    print(f"{chosen.bags} mutated bags: {told}; status 5: {statuses[5]}; silent: {silent}")
-    sys.exit(1 if set(statuses) - set(ALLOWED_STATUSES) or silent else 0)
+    counts = ", ".join(f"status {status}: {count}" for status, count in sorted(statuses.items()))
+    print(f"{chosen.bags} mutated bags: {counts}; status 5: {statuses[5]}; silent: {silent}")
+    sys.exit(1 if failures else 0)
 
 
 def mutated_bag(folder: Path, seed: int) -> tuple[Path, str]:

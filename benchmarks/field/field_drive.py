@@ -86,6 +86,13 @@ def _curvature(pose: NDArray[np.float64], point: NDArray[np.float64]) -> float:
 
 
 @compiled
+def _next_speed(speed: float, top: float, acceleration: float, left_over: float) -> float:
+    """Return the speed of the next period, from which the vehicle can stop at the end of its way."""
+    braking = max(CREEP_SPEED_M_S, math.sqrt(2.0 * acceleration * left_over))
+    return min(top, speed + acceleration * PERIOD_S, braking)
+
+
+@compiled
 def _drive(
     out: NDArray[np.float64],
     line: NDArray[np.float64],
@@ -121,11 +128,7 @@ def _drive(
                 break
             if beyond < LOOKAHEAD_M:
                 ahead = line[stop] + LOOKAHEAD_M * (line[stop] - line[stop - 1]) / POINT_SPACING_M
-            speed = min(
-                top,
-                speed + acceleration * PERIOD_S,
-                max(CREEP_SPEED_M_S, math.sqrt(2.0 * acceleration * left_over)),
-            )
+            speed = _next_speed(speed, top, acceleration, left_over)
             way, bend = speed * PERIOD_S, _curvature(pose, ahead)
             for axis in range(2):
                 waves[axis] = _drift(waves[axis], way / shape[1], math.sqrt(2.0) * shape[0], rng)

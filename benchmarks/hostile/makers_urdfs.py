@@ -184,10 +184,11 @@ def _all(cases: list[Case], jobs: int, limit: int) -> Iterator[tuple[Case, Seen]
 
 
 def _read_meshes(path: Path) -> None:
-    """Once for all that are forked from here."""
+    """Read the meshes once for all processes that are forked from here."""
     from handcart.backends.urdf.robot_parts import read_part
+    from handcart.files.errors import HandcartError
 
-    with contextlib.suppress(Exception):  # who is forked tells of it
+    with contextlib.suppress(HandcartError, ValueError, OSError):  # reported by each forked `check`
         read_part(path.name, path.parent)
 
 
@@ -198,7 +199,7 @@ def _result(mine: Connection, process: ForkProcess, passed: float, limit: int) -
             process.join(10.0)
             return seen
     except EOFError:
-        pass
+        pass  # it ended without an answer: its exit code says why
     process.kill()
     process.join()
     late = passed >= WALL_TIME_RATIO * limit or process.exitcode == -signal.SIGXCPU

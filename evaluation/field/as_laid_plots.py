@@ -57,22 +57,27 @@ def draw_as_laid(folder: Path, survey: Laying, sensors: list[AsLaid]) -> Path:
     _hand(axes["hand"], survey)
     _errors(axes["errors"], survey)
     _ellipses(axes["ellipses"], survey, sensors)
-    for name, each in axes.items():
-        stretched = (
-            name in ("hand", "track") and tall <= PLOT_HEIGHTS_IN[0]
-        )  # a straight course: else nothing is seen
-        each.set_ylabel(
-            "y [m], stretched" if stretched else "y [m]" if name in ("hand", "track") else "y [mm]"
-        )
-        if not stretched:
-            each.set_aspect("equal", adjustable="datalim" if name in ("hand", "track") else "box")
-        each.grid(alpha=0.3)
+    is_straight = tall <= PLOT_HEIGHTS_IN[0]
+    for name in ("track", "hand"):
+        _set_course_scale(axes[name], is_straight)
+    for name in ("errors", "ellipses"):
+        axes[name].set_ylabel("y [mm]")
+        axes[name].set_aspect("equal", adjustable="box")
+    for panel in axes.values():
+        panel.grid(alpha=0.3)
     axes["hand"].sharex(axes["track"])
     axes["hand"].set_xlabel("x [m]")
     _same_scale(axes["errors"], axes["ellipses"])
     path = folder / f"{REPORT_NAME}.svg"
     save_figure(figure, path)
     return path
+
+
+def _set_course_scale(axes: Axes, is_straight: bool) -> None:
+    """Scale a panel with the course; the y axis of a straight course is stretched to show its errors."""
+    axes.set_ylabel("y [m], stretched" if is_straight else "y [m]")
+    if not is_straight:
+        axes.set_aspect("equal", adjustable="datalim")
 
 
 def _same_scale(*axes: Axes) -> None:

@@ -12,7 +12,8 @@ from handcart.backends.robot.localization.determination import PoseNeed, differe
 from handcart.backends.robot.localization.pose_covariance import worst_sigmas
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive
-from handcart.primitives.driving.move_to import ARRIVAL_TOLERANCE, DOCK_TOLERANCE
+from handcart.primitives.driving.docking import DOCK_TOLERANCE
+from handcart.primitives.driving.move_to import ARRIVAL_TOLERANCE
 from handcart.primitives.knowledge.world_model import WorldModel
 from handcart.primitives.outcomes.outcome import Outcome, Success
 from handcart.robotics.navigation.following.pose_regulator import PoseTolerance

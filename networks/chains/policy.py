@@ -151,7 +151,7 @@ def likely_policy(network: ActionNetwork, chances: Chances, effort: Effort, star
                     mass[each] = mass.get(each, 0.0) - share * p
                     heapq.heappush(heap, (-mass[each], next(order), each))
     except TooMuch:
-        pass
+        pass  # the budget is spent: the policy has the states found so far, and is not complete
     return Policy(network, start, steps, circles=True, is_complete=not heap)
 
 

@@ -254,7 +254,7 @@ class Supervision:
 
 def come_to_rest(robot: Robot) -> Generator[None, None, None]:
     """Wait until nothing moves any more, or until a reading fails."""
-    with suppress(Exception):
+    with suppress(Exception):  # the run ends with an error of its own; a second one would hide it
         yield from settle(robot)
 
 

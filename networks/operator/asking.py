@@ -77,7 +77,7 @@ def tell_to_stop(folder: Path) -> None:
             line.setblocking(False)
             line.sendto(b"stop", name)
     except BlockingIOError:
-        pass  # enough wait there already, and each of them means the same
+        pass  # the socket's queue is full of the same request, so the run will read one
     except OSError as error:
         raise _unreached(folder, error) from None
 

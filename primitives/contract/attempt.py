@@ -40,6 +40,7 @@ FRAMEWORK_MODULES.add(__name__)
 
 RESTORE_MAX_TRIES = 2  # times that restoring is tried before a person is called
 LONGEST_RESTORE = 600.0  # [s]
+RESTLESS_REASON = "the robot doesn't come to rest before the start"
 PUSHED_REASON = "the base was moved while it stood"
 NOT_ALONE = "another primitive moves the robot at the same time"
 
@@ -67,8 +68,7 @@ def attempt(
     view = model.view(primitive)
     if primitive.only_knowledge:
         return (yield from _think(primitive, robot, model))
-    primitive._intents = intents
-    displaced = robot.localization.displacements
+    primitive._intents, displaced = intents, robot.localization.displacements
     try:
         while not intents.kept:
             yield
@@ -82,14 +82,11 @@ def attempt(
         robot.stop()
         primitive.evidence.blame(early)
         return fail_if_restored(_words(early), isinstance(early, Discrepancy) and early.permanent, {}, {})
-    if not rests:
+    if not rests or robot.localization.displacements > displaced:
         robot.stop()
-        primitive.evidence.causes.append(Cause("the robot doesn't come to rest before the start", "rest"))
-        return GiveUp("the robot doesn't come to rest before the start")
-    if robot.localization.displacements > displaced:
-        robot.stop()
-        primitive.evidence.causes.append(Cause(pushed_reason(robot), "push"))
-        return GiveUp(pushed_reason(robot))
+        cause = Cause(pushed_reason(robot), "push") if rests else Cause(RESTLESS_REASON, "rest")
+        primitive.evidence.causes.append(cause)
+        return GiveUp(cause.reason)
     trace = Trace(robot)
     try:
         start = replace(start, seen=(yield from _recorded(primitive.observe(robot, view), trace)))
@@ -100,8 +97,7 @@ def attempt(
             raise Discrepancy("success is not confirmed: the effect is not seen", check="effect")
         note_hand(primitive, model)
         robot.localization.look_again()
-        if robot.localization.displacements > displaced:
-            raise _pushed(robot)
+        _check_not_pushed(robot, displaced)
         return Success(dict(primitive.facts))
     except NeedsPerson as need:
         primitive.evidence.blame(need)
@@ -182,8 +178,7 @@ def _watched(
         if primitive._no_return is None:
             trace.record()
         tracking.check()
-        if robot.localization.displacements > displaced:
-            raise _pushed(robot)
+        _check_not_pushed(robot, displaced)
         note_bump(robot, model, primitive.evidence)
         primitive.watch(robot, view)
 
@@ -271,8 +266,7 @@ def _within_time(way_back: Periods, robot: Robot, primitive: ActionPrimitive, mo
             raise _pushed(robot)
         tracking.check()
         standstill.check()
-        if robot.localization.displacements > displaced:
-            raise _pushed(robot)
+        _check_not_pushed(robot, displaced)
         note_bump(robot, model, primitive.evidence)
         primitive.watch(robot, view)
         if robot.time > end:
@@ -284,6 +278,12 @@ def pushed_reason(robot: Robot) -> str:
     """Return why a base that was moved by others calls for a person."""
     lifted = robot.localization.lifted
     return PUSHED_REASON if lifted is None else f"the robot doesn't know where it is: {lifted.why}"
+
+
+def _check_not_pushed(robot: Robot, displaced: int) -> None:
+    """Raise `NeedsPerson` if others moved the base since its `displacements` were `displaced`."""
+    if robot.localization.displacements > displaced:
+        raise _pushed(robot)
 
 
 def _pushed(robot: Robot) -> NeedsPerson:

@@ -25,7 +25,7 @@ def halt(robot: Robot) -> Generator[None, None, None]:
     otherwise push the base aside, little by little. The jam follows the arm, so the command is repeated.
     """
     robot.stop()
-    with suppress(Exception):
+    with suppress(Exception):  # the GiveUp that follows has the cause; a failed reading must not hide it
         yield from settle(robot)
         arm = robot.backend.get(Arm)  # type: ignore[type-abstract]
         for _ in range(RELIEF_MAX_TRIES):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Generator, Iterator, Sequence
 from typing import Annotated, ClassVar
 
@@ -16,7 +15,6 @@ from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.robot.localization.determination import (
-    DETERMINED_SIGMAS,
     PoseNeed,
     difference,
     room_left,
@@ -38,8 +36,8 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.following.car_tracker import CarTracker
 from handcart.robotics.navigation.following.path_tracking import PathTracker
 from handcart.robotics.navigation.following.pose_regulator import PoseTolerance
-from handcart.robotics.navigation.localization.front_line import FrontLine, fit_front, pose_from_front
 
+from .docking import DOCK_TOLERANCE, NOT_DETERMINED, dock
 from .driving import (
     WATCH_HORIZON_M,
     FieldObstacleMonitor,
@@ -53,14 +51,10 @@ from .local_replanning import LocalReplanning
 from .looks_at_rest import LooksAtRest
 
 ARRIVAL_TOLERANCE = PoseTolerance(position=0.02, heading=0.01)
-DOCK_TOLERANCE = PoseTolerance(position=0.004, heading=0.003)
-DOCK_MAX_TRIES = 4  # times that the front is measured and the pose corrected
-FRONT_SCANS = 20  # scans stacked for one measurement of the front
 STUCK_TIMEOUT_S = 6.0  # without getting on, though nothing is seen in the way
 REPLAN_DELAY_S = 2.0  # that what the map shows may hold it, until another route is planned from there
 REPLAN_MAX_TRIES = 3  # times that this is done
 SLIP_DISTANCE_M = 0.1  # that the base was driven meanwhile: something stops it
-NOT_DETERMINED = "not determined"  # the check that found a pose to be uncertain
 MAX_CORRECTIONS = 3  # times that a base which drives by its wheels alone is led on after a look at rest
 REPLAN_DISTANCE_M = 0.3  # off the goal, from where a route is planned again
 CLOSER_NEED_RATIO = 0.8  # of what a place needs: the estimate changes until the base is at rest
@@ -135,7 +129,7 @@ class MoveTo(ActionPrimitive):
             yield from self._follow_again(robot, model, goal)
         self._ahead = np.empty((0, 2))
         if model.places[self.place].docks:
-            yield from self._dock(robot, model.places[self.place], self._need(robot, model))
+            yield from dock(robot, self.place, model.places[self.place], self._need(robot, model), self.found)
         elif robot.spec.drive.kind != "ackermann":
             yield from self._come_closer(robot, model.places[self.place], self._need(robot, model))
         if self._local is not None:
@@ -376,51 +370,3 @@ class MoveTo(ActionPrimitive):
             if self._blocked_since is None and next(way_back, self) is self:
                 return
             yield
-
-    def _check_front(self, front: FrontLine, need: PoseNeed) -> None:
-        """Raise `Discrepancy` if the front does not determine the base's pose in front of it within the
-        need.
-        """
-        sizes = (
-            1e3 * DETERMINED_SIGMAS * front.distance_std,
-            math.degrees(DETERMINED_SIGMAS * front.angle_std),
-        )
-        limits = 1e3 * need.position, math.degrees(need.heading)
-        for size, limit, unit in zip(sizes, limits, ("mm", "deg"), strict=True):
-            if not size <= limit:
-                measured = Measured("RangeSensor", "3 sigma of the front", size, limit, unit)
-                why = f"not determined: the front before {self.place} is measured to {size:.1f} {unit}"
-                raise Discrepancy(
-                    f"{why}, at most {limit:.1f} {unit} allowed", True, measured, NOT_DETERMINED
-                )
-
-    def _dock(self, robot: Robot, place: Place, need: PoseNeed) -> Periods:
-        """Correct the pose by the front until the base is square in front of it."""
-        for _ in range(DOCK_MAX_TRIES):
-            yield from settle(robot)
-            scans = []
-            for _ in range(FRONT_SCANS):
-                scans.append(robot.range_sensor.scan().points())
-                yield
-            expected = robot.pose.inverse().apply(place.front)
-            front = fit_front(np.vstack(scans), expected, gate=0.15)
-            if front is None:
-                unseen = Measured("RangeSensor", "a straight front where the map has one")
-                raise Discrepancy(f"the front before {self.place} is not seen", measured=unseen)
-            seen = pose_from_front(robot.pose, front, place.front)
-            self.found(dock_mm=round(1e3 * seen.distance(place.pose), 1))
-            if (
-                seen.distance(place.pose) < DOCK_TOLERANCE.position
-                and seen.turn(place.pose) < DOCK_TOLERANCE.heading
-            ):
-                self._check_front(front, need)
-                return
-            yield from reach_pose(robot, robot.pose.compose(place.pose.relative_to(seen)), DOCK_TOLERANCE)
-        off = Measured(
-            "RangeSensor",
-            "off its place",
-            1e3 * seen.distance(place.pose),
-            1e3 * DOCK_TOLERANCE.position,
-            "mm",
-        )
-        raise Discrepancy(f"the base doesn't come to rest square before {self.place}", measured=off)

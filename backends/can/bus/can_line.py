@@ -45,6 +45,8 @@ class CanLine(canopen.Network):
         self._refused = 0
         self.malformed = 0
         """Number of frames that no CANopen node sends, or that couldn't be decoded."""
+        self.last_malformed = ""
+        """The last of these frames, as text; empty before the first."""
 
     def listen(self, heard: Heard) -> None:
         """Have one more called with each frame."""
@@ -104,8 +106,11 @@ class CanLine(canopen.Network):
             self._take(frame)
 
     def flush(self) -> None:
-        """Throw away what the interface has not sent yet, where it can do that."""
-        with suppress(NotImplementedError, can.CanError):
+        """Discard what the interface has not sent yet.
+
+        Many interfaces cannot do that; the commands that follow, to stop, are then sent after the queue.
+        """
+        with suppress(NotImplementedError, can.CanError):  # `stop` must go on to send them
             self._bus.flush_tx_buffer()
 
     @property
@@ -123,9 +128,13 @@ class CanLine(canopen.Network):
         if frame.is_error_frame:
             return
         if frame.is_extended_id or frame.is_fd or frame.is_remote_frame:
-            self.malformed += 1
+            self._count_malformed(frame, "CANopen has no extended, CAN FD or remote frames")
             return
         try:
             self.notify(frame.arbitration_id, frame.data, frame.timestamp)
-        except Exception:  # a frame that the library can't decode: told by its count
-            self.malformed += 1
+        except Exception as error:  # decoders and listeners raise anything, and the next frame must be heard
+            self._count_malformed(frame, f"{type(error).__name__}: {error}")
+
+    def _count_malformed(self, frame: can.Message, why: str) -> None:
+        self.malformed += 1
+        self.last_malformed = f"{frame.arbitration_id:03X}h, {frame.dlc} bytes: {why}"

@@ -20,6 +20,7 @@ from handcart.backends.can.bus.errors import SilentDrive, TooManyCounts, WrongDr
 from handcart.backends.can.bus.fault_words import fault_words
 from handcart.backends.can.bus.line_sdo_client import LineSdoClient, NoAnswer
 from handcart.backends.can.bus.pdo_layout import CYCLIC_POSITION, PROFILE_POSITION, Pdo, layout
+from handcart.backends.can.bus.pdo_mapping import map_objects, save_mapping
 from handcart.backends.can.eds.lacks import left_out
 from handcart.backends.description.can_spec import AxisSpec
 
@@ -109,9 +110,9 @@ class Axis(canopen.RemoteNode):
         self.contradiction = 0.0
         """Difference between this travel and that by the reported velocities [m] or [rad]."""
         for pdo, planned in zip(self._commands, self.layout.commands, strict=False):
-            _map(pdo, planned.objects, planned.transmission)
+            map_objects(pdo, planned.objects, planned.transmission)
         for pdo, planned in zip(self._answers, self.layout.answers, strict=True):
-            _map(pdo, planned.objects, planned.transmission)
+            map_objects(pdo, planned.objects, planned.transmission)
             pdo.rtr_allowed = False
             pdo.add_callback(self._on_answer)
 
@@ -175,7 +176,7 @@ class Axis(canopen.RemoteNode):
         """Write the mapping of all PDOs that are used; raises as `read`."""
         for pdo in (*self._commands, *self._answers):
             with self._asked_for(pdo.com_record.od.index):
-                pdo.save() if pdo.com_record[1].writable else _save_mapping(pdo)
+                pdo.save() if pdo.com_record[1].writable else save_mapping(pdo)
         for pdo in self._commands:
             # The library would take what a stranger commands for ours.
             self.network.unsubscribe(pdo.cob_id, pdo.on_message)
@@ -393,20 +394,3 @@ def state_of(statusword: int) -> str:
     """Return the CiA 402 state that a statusword encodes."""
     matches = (name for name, (mask, bits) in State402.SW_MASK.items() if statusword & mask == bits)
     return next(matches, f"unknown (statusword {statusword:04X}h)")
-
-
-def _save_mapping(pdo: PdoMap) -> None:
-    """Write what is in a PDO; its COB-ID is the drive's own."""
-    pdo.com_record[2].raw = pdo.trans_type or 0
-    pdo.map_array[0].raw = 0
-    for place, each in enumerate(pdo.map, 1):
-        pdo.map_array[place].raw = each.index << 16 | each.subindex << 8 | each.length
-    pdo.map_array[0].raw = len(pdo.map)
-    pdo.subscribe()
-
-
-def _map(pdo: PdoMap, objects: tuple[int, ...], transmission: int) -> None:
-    pdo.clear()
-    for index in objects:
-        pdo.add_variable(index)
-    pdo.cob_id, pdo.trans_type, pdo.enabled = pdo.predefined_cob_id, transmission, True

@@ -66,7 +66,10 @@ def _enable(axes: Sequence[Axis], simulated: bool, beat: Callable[[], None]) -> 
 
 
 def _withdraw(axes: Sequence[Axis]) -> None:
-    """Not all of them became ready: those that did stop, each in its own way, whatever the others do."""
+    """Stop the drives that became ready, each in its own way; the caller's error says why others did not.
+
+    An interface that fails for one drive is still tried for the next one.
+    """
     for axis in axes:
         word = State402.CW_QUICK_STOP if axis.spec.stop == HOLD_COMMAND else State402.CW_DISABLE_VOLTAGE
         with suppress(Exception):

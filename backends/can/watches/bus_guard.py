@@ -37,7 +37,9 @@ class BusGuard:
             StrangerWatch(names, spec.our_node),
             EmergencyWatch(names, spec.allowed_emergencies),
             NodeWatch(names, spec.heartbeat_timeout_ms / 1e3),
-            traffic := TrafficWatch(1000 * spec.bitrate_kbit_s, lambda: line.malformed),
+            traffic := TrafficWatch(
+                1000 * spec.bitrate_kbit_s, lambda: line.malformed, lambda: line.last_malformed
+            ),
         )
         self._traffic = traffic
         line.listen(self._hear)

@@ -23,14 +23,17 @@ _STUFFABLE = 34
 class TrafficWatch(Watch):
     """Load of the bus, and frames that no CANopen node sends."""
 
-    def __init__(self, bitrate: int, malformed: Callable[[], int]) -> None:
+    def __init__(
+        self, bitrate: int, malformed: Callable[[], int], last_malformed: Callable[[], str] = str
+    ) -> None:
         """Watch.
 
         Args:
             bitrate: of the bus, in [bit/s].
-            malformed: how many malformed frames there have been.
+            malformed: returns the number of malformed frames so far.
+            last_malformed: returns the last one as text.
         """
-        self._bitrate, self._malformed = bitrate, malformed
+        self._bitrate, self._malformed, self._last_malformed = bitrate, malformed, last_malformed
         self._frames: deque[tuple[float, int]] = deque()
         self._bits = 0
         self._looked: deque[tuple[float, int]] = deque()
@@ -64,4 +67,5 @@ class TrafficWatch(Watch):
         if count - before >= MAX_MALFORMED_PER_S:
             raise Overloaded(
                 f"{count - before} malformed frames within a second; allowed: {MAX_MALFORMED_PER_S - 1}"
+                + (f"; the last: {last}" if (last := self._last_malformed()) else "")
             )

@@ -17,9 +17,7 @@ from handcart.backends.saved_state import NotAState
 from handcart.robotics.far import FarArray
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.localization.likelihood_field import LikelihoodField
-from handcart.robotics.navigation.localization.localizer import (
-    Localizer,
-)
+from handcart.robotics.navigation.localization.localizer import Localizer
 from handcart.robotics.navigation.localization.watched_moment import Belief
 from handcart.robotics.navigation.locating.local_map import LocalMap
 from handcart.robotics.navigation.locating.scan_jump import ScanJump

@@ -10,7 +10,8 @@ from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.description.ground_spec import OUTDOOR_LOCALIZERS
 from handcart.backends.description.robot_file import RobotFile
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.localization.localizer import OdometryLocalizer, ScanLocalizer
+from handcart.robotics.navigation.localization.localizer import ScanLocalizer
+from handcart.robotics.navigation.localization.odometry_localizer import OdometryLocalizer
 from handcart.robotics.navigation.localization.positioning_localizer import PositioningLocalizer
 from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
 from handcart.robotics.navigation.maps.grid_map import GridMap

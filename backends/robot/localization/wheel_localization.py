@@ -9,7 +9,8 @@ from typing_extensions import override
 from handcart.backends.backend import Backend
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.plain_values import Kinds
-from handcart.robotics.navigation.localization.localizer import LEAST_INLIERS, OdometryLocalizer
+from handcart.robotics.navigation.localization.localizer import LEAST_INLIERS
+from handcart.robotics.navigation.localization.odometry_localizer import OdometryLocalizer
 
 from .localization import Localization
 from .lost import Lost

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
@@ -31,7 +32,7 @@ class Rest(Enum):
 
 
 @dataclass(eq=False, repr=False)
-class Thing:
+class Thing(ABC):
     """A box and where it truly is. Its frame: origin in the foot, z up.
 
     A subclass is a dataclass; its fields that `__init__` takes are kept in checkpoints.
@@ -49,14 +50,14 @@ class Thing:
     """Pose on the robot (4, 4), valid while the robot carries it."""
 
     @property
+    @abstractmethod
     def name(self) -> str:
         """Name in contacts, unique in the world."""
-        raise NotImplementedError
 
     @property
+    @abstractmethod
     def size(self) -> tuple[float, float, float]:
         """Along x, y, z of its frame, in [m]."""
-        raise NotImplementedError
 
     @property
     def carrier(self) -> str:

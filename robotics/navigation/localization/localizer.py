@@ -1,4 +1,4 @@
-"""Indoor localizers: odometry, with or without scans."""
+"""Interface of localizers, and odometry corrected by scans."""
 
 from __future__ import annotations
 
@@ -37,12 +37,6 @@ MAX_REST_SPREAD = (
     0.010,
 )  # [m], [rad] by which scans of one place never differ: eight times their spread
 DISPLACED_SIGMAS = 3.0  # sigmas of a match by which its pose then lies elsewhere
-DRIVING_WHEEL_TRAVEL_M = 0.02  # [m] of the wheels, after which a base drives, and is not where it stood
-UNCHECKED_WAY_M = 1e9  # farther than anything drives, and finite: checkpoints hold finite numbers
-UNKNOWN_VARIANCE_M2 = 1e9  # more than any pose has, and finite as well
-SLIPPED_SIGMAS = 4.0  # sigmas between a drive by its wheels and the scan after it that no chance explains
-# share of the points explained before a drive; fewer after it, and the base is elsewhere
-MIN_SHARE_KEPT_BY_DRIVE = 0.5
 SHARE_OF_CELL = 0.2  # by which they never differ on large cells, where several places fit alike
 
 
@@ -114,152 +108,6 @@ class Localizer(ABC):
     @abstractmethod
     def correct(self, points: NDArray[np.float64]) -> bool:
         """Take a scan's end points (n, 2), base frame, in [m]; whether the estimate could be corrected."""
-
-
-class OdometryLocalizer(Localizer):
-    """Localizer that uses wheels alone while the base drives.
-
-    With a map, scans at rest are evidence: of a base that was moved while its wheels were still, and of
-    its pose after a drive (`check_drive`).
-
-    Attributes:
-        slips: number of drives after which a scan contradicted the wheels.
-        astray: True if the map doesn't explain the scan after the last drive, though it did before.
-        explained: share of the points that the map explained when a scan was last compared with it.
-    """
-
-    STATE: ClassVar[Mapping[str, Any]] = {
-        "_stands": Pose2 | None,
-        "_rolled": float,
-        "_driven": float,
-        "_then": float,
-        "slips": int,
-        "astray": bool,
-        "explained": float,
-    }
-
-    def __init__(
-        self,
-        start: Pose2,
-        tread: float,
-        errors: OdometryErrors = OdometryErrors(),
-        covariance: NDArray[np.float64] | None = None,
-        field: LikelihoodField | None = None,
-        sigma: float = 0.01,
-    ) -> None:
-        """Start like `Localizer`; `field` is that of the map, `sigma` the noise of a range in [m]."""
-        super().__init__(start, tread, errors, covariance)
-        self._field, self._sigma = field, sigma
-        self._stands: Pose2 | None = None
-        self._rolled = 0.0  # [m] by the wheels since that scan
-        self._driven = UNCHECKED_WAY_M  # since `check_drive`; at first the start is checked
-        self._then = UNKNOWN_VARIANCE_M2  # variance along the worst direction after it
-        self.slips, self.astray, self.explained = 0, False, 0.0
-
-    @property
-    def looks(self) -> bool:
-        """See `Localizer`: it needs a map."""
-        return self._field is not None
-
-    @property
-    @override
-    def field(self) -> LikelihoodField | None:
-        return self._field
-
-    @override
-    def extend_map(self, field: LikelihoodField) -> None:
-        self._field = field
-
-    @override
-    def change_map(self, field: LikelihoodField, pose: Pose2, covariance: NDArray[np.float64]) -> None:
-        super().change_map(field, pose, covariance)
-        self._stands, self._rolled, self.astray, self.explained = None, 0.0, False, 0.0
-        self._driven, self._then = UNCHECKED_WAY_M, UNKNOWN_VARIANCE_M2
-
-    @override
-    def predict(self, left: float, right: float) -> None:
-        before = self.pose
-        super().predict(left, right)
-        self._rolled += max(abs(left), abs(right))
-        self._driven += max(abs(left), abs(right))
-        if self._rolled > DRIVING_WHEEL_TRAVEL_M:
-            self._stands = None
-        elif self._stands is not None:
-            self._stands = self._stands.compose(self.pose.relative_to(before))
-
-    def correct(self, points: NDArray[np.float64]) -> bool:
-        """Scans are not looked at."""
-        return False
-
-    @property
-    def unchecked(self) -> bool:
-        """True if it has driven since a scan was last compared with the wheels' pose."""
-        return self._field is not None and self._driven > DRIVING_WHEEL_TRAVEL_M
-
-    @property
-    def added_sigma(self) -> float:
-        """Sigma in [m], along the worst direction, that the drive since then has added to the pose.
-
-        0 where no scan at rest can take it away: without a map, and where the map explained none.
-        """
-        if not self.unchecked or self.astray or self.explained < LEAST_INLIERS:
-            return 0.0
-        return math.sqrt(max(0.0, _worst_variance(self.covariance) - self._then))
-
-    def check_drive(self, points: NDArray[np.float64]) -> None:
-        """Correct the pose after a drive by a scan at rest, its end points (n, 2) in the base frame, in [m].
-
-        If chance doesn't explain the difference between the two, the wheels slipped, and the scan's pose
-        counts alone. A map that did not explain the scan before is not used.
-        """
-        if self._field is None:
-            return
-        if len(points) >= FEWEST_POINTS:
-            self._correct_at_rest(self._field, points)
-        self._driven, self._then = 0.0, _worst_variance(self.covariance)
-
-    def _correct_at_rest(self, field: LikelihoodField, points: NDArray[np.float64]) -> None:
-        prior, best = (
-            np.asarray(self.covariance + SEARCH_COVARIANCE),
-            MIN_SHARE_KEPT_BY_DRIVE * self.explained,
-        )
-        match = match_scan(field, points, self.pose, prior, self._sigma)
-        if match.inliers < MIN_SHARE_KEPT_AT_REST * self.explained:
-            match = match_scan(field, points, self.pose, prior, self._sigma, anneal=True)
-        if match.inliers < LEAST_INLIERS:
-            self.astray = match.inliers < best
-            return
-        self.astray, self.explained = False, match.inliers
-        off, own = _between(self.pose, match.pose), self.covariance
-        gain = np.linalg.solve(own + match.covariance, own).T
-        if float(off @ np.linalg.solve(own + match.covariance, off)) > SLIPPED_SIGMAS**2:
-            self.slips += 1
-            self._odometry.reset(match.pose, match.covariance)
-            return
-        x, y, turn = (gain @ off).tolist()
-        pose = Pose2(self.pose.x + x, self.pose.y + y, wrap(self.pose.theta + turn))
-        self._odometry.correct(pose, (np.eye(3) - gain) @ own)
-
-    def find_again(self, points: NDArray[np.float64]) -> bool:
-        """Return True if the last two scans of a base at rest fit the map at different places.
-
-        The difference between them is added to the pose.
-        """
-        if self._field is None or len(points) < FEWEST_POINTS:
-            return False
-        before, near = self._stands, self._stands or self.pose
-        covariance = np.asarray(self.covariance + SEARCH_COVARIANCE)
-        match = match_scan(self._field, points, near, covariance, self._sigma)
-        if match.inliers < LEAST_INLIERS:
-            return False
-        self._stands, self._rolled = match.pose, 0.0
-        if before is None:
-            return False
-        apart = _apart(before, match, self._field, self.surface_error)
-        if apart:
-            moved = match.pose.relative_to(before)
-            self._odometry.reset(self.pose.compose(moved), self.covariance)
-        return apart
 
 
 class ScanLocalizer(Localizer):
@@ -453,8 +301,8 @@ class ScanLocalizer(Localizer):
         match = match_scan(self._field, points, self.pose, near, self._sigma)
         if self.last_match is None or match.inliers < MIN_SHARE_KEPT_AT_REST * self.last_match.inliers:
             match = match_scan(self._field, points, self.pose, SEARCH_COVARIANCE, self._sigma, anneal=True)
-        is_apart = _apart(self.pose, match, self._field, self.surface_error)
-        if not is_apart or match.inliers < self._least_inliers:
+        moved = is_apart(self.pose, match, self._field, self.surface_error)
+        if not moved or match.inliers < self._least_inliers:
             return False
         self.relocalize(self.pose, points)
         return True
@@ -468,21 +316,16 @@ class ScanLocalizer(Localizer):
         return match
 
 
-def _apart(before: Pose2, after: ScanMatch, field: LikelihoodField, surface_error: float) -> bool:
+def is_apart(before: Pose2, after: ScanMatch, field: LikelihoodField, surface_error: float) -> bool:
     """Return True if two poses by scans are different places, beyond the uncertainty of the scans."""
     most = max(MAX_REST_SPREAD[0], SHARE_OF_CELL * field.map.resolution, surface_error)
     if before.distance(after.pose) <= most and before.turn(after.pose) <= MAX_REST_SPREAD[1]:
         return False
-    off = _between(before, after.pose)
+    off = pose_difference(before, after.pose)
     return float(off @ np.linalg.solve(after.spread, off)) > DISPLACED_SIGMAS**2
 
 
-def _between(before: Pose2, after: Pose2) -> NDArray[np.float64]:
+def pose_difference(before: Pose2, after: Pose2) -> NDArray[np.float64]:
     """(3,) x, y in [m] and turn in [rad] from one pose to another, on the map."""
     x, y, turn = np.subtract(after, before).tolist()
     return np.array([x, y, wrap(turn)])
-
-
-def _worst_variance(covariance: NDArray[np.float64]) -> float:
-    """Return the variance of a position along its worst direction, in [m²]."""
-    return float(np.linalg.eigvalsh(covariance[:2, :2])[-1])

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from enum import Enum
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +29,7 @@ from handcart.robotics.navigation.outdoors.gyro_odometry import Advance, GyroOdo
 from handcart.robotics.navigation.outdoors.sky import Sky, leapt, log_normal
 from handcart.robotics.navigation.outdoors.smoothing import Entries, TrackRecord
 
+from .filter_history import FilterMoment, FilterRequest, FixResult
 from .fix_monitor import MAX_TESTED_FIXES, FixMonitor, whitened
 from .lost_track import FoundTrack, LostTrack
 
@@ -45,35 +45,6 @@ LEAST_TIME = 0.1  # [s] in which fixes may leap at least, for want of a step bet
 _BIAS_ROW = np.array([[1.0 if k in (states.BIAS, states.WARM_UP) else 0.0 for k in range(states.STATE_SIZE)]])
 _LEAPT = np.diag([0.0 if k in (states.GPS_X, states.GPS_Y) else 1.0 for k in range(states.STATE_SIZE)])
 Array = NDArray[np.float64]
-
-
-class _Asked(Enum):
-    """A request made between two steps."""
-
-    MARK = "mark"
-    ORIGIN = "origin"
-
-
-class _Moment(NamedTuple):
-    """All that changes in the filter, before a fix."""
-
-    belief: Belief
-    rested: bool
-    still: Array
-    entries: Entries
-    origin: WatchedMoment | None
-
-
-class FixResult(NamedTuple):
-    """Result of a fix."""
-
-    believed: bool
-    log_likelihood: float
-    """Logarithm of the fix's likelihood before the update, under the filter's noise model."""
-    square: float
-    """Squared distance to where the fix was expected, in sigmas: 2 on average."""
-    why: str = ""
-    """It wasn't believed, in words."""
 
 
 class FieldKalman:
@@ -94,7 +65,7 @@ class FieldKalman:
         "_unseen": float,
         "_lost": LostTrack,
         "_monitor": FixMonitor,
-        "_past": list[tuple[_Moment, list[Advance | _Asked]]],
+        "_past": list[tuple[FilterMoment, list[Advance | FilterRequest]]],
         "_refused": Array,
         "_record": TrackRecord | None,
         "_origin": WatchedMoment | None,
@@ -129,7 +100,7 @@ class FieldKalman:
         self._lost = LostTrack()
         self._monitor = FixMonitor()
         self._past: list[
-            tuple[_Moment, list[Advance | _Asked]]
+            tuple[FilterMoment, list[Advance | FilterRequest]]
         ] = []  # before each believed fix, and what came
         self._refused = np.zeros(3)  # sum (2,) of residuals of refused fixes that are off alike, and how many
         self._record = record
@@ -148,7 +119,7 @@ class FieldKalman:
 
     def mark(self) -> Belief:
         """Mark this moment for the smoother, and return the filter's present belief."""
-        self._note(_Asked.MARK)
+        self._note(FilterRequest.MARK)
         now = Belief(self._mean.copy(), self._spread.copy())
         if self._record is not None:
             self._record.mark(now)
@@ -156,7 +127,7 @@ class FieldKalman:
 
     def set_origin(self) -> None:
         """Set this moment as the origin of `relative_pose`."""
-        self._note(_Asked.ORIGIN)
+        self._note(FilterRequest.ORIGIN)
         self._origin = WatchedMoment.of(self.belief, states=3)
 
     @property
@@ -331,11 +302,13 @@ class FieldKalman:
         if self._origin is not None:
             self._origin = self._origin.stepped(transition)
 
-    def _moment(self) -> _Moment:
+    def _moment(self) -> FilterMoment:
         entries = Entries(0, 0, None) if self._record is None else self._record.entries
-        return _Moment(Belief(self._mean, self._spread), self._rested, self._still, entries, self._origin)
+        return FilterMoment(
+            Belief(self._mean, self._spread), self._rested, self._still, entries, self._origin
+        )
 
-    def _note(self, event: Advance | _Asked) -> None:
+    def _note(self, event: Advance | FilterRequest) -> None:
         """Record a step or a request, in case the fixes before it are undone."""
         if self._past:
             self._past[-1][1].append(event)
@@ -353,9 +326,9 @@ class FieldKalman:
         if self._record is not None:
             self._record.rewind(moment.entries)
         for event in [event for _, events in undone for event in events]:
-            if event is _Asked.MARK:
+            if event is FilterRequest.MARK:
                 self.mark()
-            elif event is _Asked.ORIGIN:
+            elif event is FilterRequest.ORIGIN:
                 self.set_origin()
             else:
                 self.advance(event)

@@ -176,5 +176,7 @@ def test_raising_listener_is_counted_and_the_next_frame_is_received(make: Make, 
     backend._line.subscribe(0x181, raises)
     move(backend, 2)
     assert backend._line.malformed == 2
-    with pytest.raises(Overloaded, match="malformed"):
+    with pytest.raises(
+        Overloaded, match=r"malformed.*; the last: 181h, [0-8] bytes: RuntimeError: a listener"
+    ):
         move(backend, 10)

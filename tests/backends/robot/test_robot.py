@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from handcart.backends.capabilities.base import Base, WheelTravel
 from handcart.backends.description.range_spec import RangeSpec
-from handcart.backends.robot.robot import MissingCapability, Robot, StaleReading
+from handcart.backends.robot.robot import Robot
+from handcart.backends.robot.robot_errors import MissingCapability, StaleReading
 from handcart.evaluation.judging.survey import simulated_world
 from handcart.evaluation.trials.rig import Rig, RigFiles, build_rig
 from handcart.robotics.geometry.pose2 import Pose2

@@ -13,7 +13,8 @@ from handcart.backends.capabilities.imu import Imu
 from handcart.backends.description.robot_names import SHIPPED_FOLDER
 from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.registry import make_backend
-from handcart.backends.robot.robot import Robot, StaleReading
+from handcart.backends.robot.robot import Robot
+from handcart.backends.robot.robot_errors import StaleReading
 from handcart.evaluation.conformance.faults.fault import FOR_GOOD, Fault, FaultKind
 from handcart.evaluation.conformance.faults.faulty_backend import FaultyBackend
 from handcart.evaluation.conformance.faults.rehearsal import Solo

@@ -15,6 +15,7 @@ import pytest
 from handcart.backends.robot.localization.determination import PoseNeed
 from handcart.evaluation.trials.rig import Rig, RigFiles, build_rig
 from handcart.primitives.driving import move_to
+from handcart.primitives.driving.docking import check_front
 from handcart.primitives.driving.move_to import MoveTo
 from handcart.primitives.knowledge.place import Place
 from handcart.primitives.outcomes.discrepancy import Discrepancy
@@ -126,12 +127,11 @@ def test_a_front_determines_the_pose_before_it_or_not(std_mm: float, std_deg: fl
     shelf = {"distance_m": 0.6, "width_m": 0.9, "board_m": 0.4, "front_m": 0.9}
     place = Place.model_validate({"x_m": 0.0, "y_m": 0.0, "heading_deg": 0.0, "shelf": shelf})
     front = FrontLine(0.6, 0.0, std_mm / 1e3, math.radians(std_deg), 100)
-    move: Any = SimpleNamespace(place="shelf")
     if right:
-        MoveTo._check_front(move, front, place.need_of("differential"))
+        check_front(front, "shelf", place.need_of("differential"))
         return
     with pytest.raises(Discrepancy, match="not determined: the front before shelf is measured to"):
-        MoveTo._check_front(move, front, place.need_of("differential"))
+        check_front(front, "shelf", place.need_of("differential"))
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ import pytest
 import yaml
 from PIL import Image
 
-from handcart.backends.robot.robot import UnknownStart
+from handcart.backends.robot.robot_errors import UnknownStart
 from handcart.evaluation.trials.rig import Rig, RigFiles, build_rig
 from handcart.primitives.driving.locate import Locate
 from handcart.primitives.driving.move_to import MoveTo

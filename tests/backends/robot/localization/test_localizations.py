@@ -26,7 +26,7 @@ from handcart.backends.robot.localization.pose_covariance import repeatability_o
 from handcart.backends.robot.localization.positioning_localization import PositioningLocalization
 from handcart.backends.robot.localization.wheel_localization import WheelLocalization
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.localization.localizer import OdometryLocalizer
+from handcart.robotics.navigation.localization.odometry_localizer import OdometryLocalizer
 from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.outdoors.field_localizer import Inconsistency

@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.localization.watched_moment import Belief, mixed
 from handcart.robotics.navigation.outdoors import field_model as states
-from handcart.robotics.navigation.outdoors.field_kalman import FieldKalman, FixResult
+from handcart.robotics.navigation.outdoors.field_kalman import FieldKalman
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_NOISE, FieldNoise
+from handcart.robotics.navigation.outdoors.filter_history import FixResult
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance, GyroOdometry
 from handcart.robotics.navigation.outdoors.sky import leapt, log_normal
 from handcart.robotics.navigation.outdoors.smoothing import TrackRecord

@@ -1,0 +1,23 @@
+"""Mapping of objects into PDOs (CiA 301), in the library's form and in a drive."""
+
+from __future__ import annotations
+
+from canopen.pdo import PdoMap
+
+
+def save_mapping(pdo: PdoMap) -> None:
+    """Write the mapping of a PDO into its drive; the COB-ID stays the drive's own."""
+    pdo.com_record[2].raw = pdo.trans_type or 0
+    pdo.map_array[0].raw = 0
+    for place, each in enumerate(pdo.map, 1):
+        pdo.map_array[place].raw = each.index << 16 | each.subindex << 8 | each.length
+    pdo.map_array[0].raw = len(pdo.map)
+    pdo.subscribe()
+
+
+def map_objects(pdo: PdoMap, objects: tuple[int, ...], transmission: int) -> None:
+    """Map objects, without subindices, into a PDO with its predefined COB-ID."""
+    pdo.clear()
+    for index in objects:
+        pdo.add_variable(index)
+    pdo.cob_id, pdo.trans_type, pdo.enabled = pdo.predefined_cob_id, transmission, True

@@ -1,0 +1,130 @@
+"""Pictures of what is in Bullet, and the textures of its bodies."""
+
+from __future__ import annotations
+
+import tempfile
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.physics.engine.engine import Point
+from handcart.backends.simulation.world.thing import GreyImage
+from handcart.robotics.geometry.transform import Transform
+
+from .bullet import quiet
+
+_WARM_UP = 3  # pictures
+_SUN = (-0.5, 0.4, 1.0)  # where light comes from in a picture for people
+_UNLIT = 0.5  # of its own brightness is what the EGL renderer shows of a face that no light falls on
+
+
+class BulletRenderer:
+    """Renderer of a Bullet client: its EGL plug-in if available, otherwise TinyRenderer."""
+
+    def __init__(self, p: Any, client: int, window: bool) -> None:
+        """Start the renderer, before any shape is made.
+
+        Args:
+            p: the module of Bullet.
+            client: number of the client.
+            window: True if the client shows the world in a window.
+        """
+        self._p, self._client = p, client
+        self._textures: dict[tuple[tuple[int, ...], bytes], int] = {}
+        self._shown: dict[int, int] = {}
+        self.number = self._start(window)
+        """Bullet's number of the renderer."""
+        self._cold = _WARM_UP if self.number == p.ER_BULLET_HARDWARE_OPENGL else 0
+
+    def _start(self, window: bool) -> int:
+        plugin = None if window else find_spec("eglRenderer")
+        if plugin is not None and plugin.origin is not None:
+            # Before any shape is made: the renderer shows what was made after it.
+            with quiet():
+                loaded = self._p.loadPlugin(plugin.origin, "_eglRendererPlugin", physicsClientId=self._client)
+            if loaded >= 0:
+                return int(self._p.ER_BULLET_HARDWARE_OPENGL)
+        return int(self._p.ER_BULLET_HARDWARE_OPENGL if window else self._p.ER_TINY_RENDERER)
+
+    # Textures
+
+    def show(self, body: int, picture: GreyImage) -> None:
+        """Paint a body with a grey picture."""
+        texture = self.texture(picture)
+        if texture != self._shown.get(body):
+            self._shown[body] = texture
+            self._p.changeVisualShape(body, -1, textureUniqueId=texture, physicsClientId=self._client)
+
+    def texture(self, picture: NDArray[np.uint8]) -> int:
+        """Return the number of a grey picture; the renderer loads each picture once."""
+        key = (picture.shape, picture.tobytes())
+        if key not in self._textures:
+            self._textures[key] = self._load_texture(picture)
+        return self._textures[key]
+
+    def _load_texture(self, picture: NDArray[np.uint8]) -> int:
+        with tempfile.TemporaryDirectory() as folder:
+            path = str(Path(folder) / "texture.png")
+            cv2.imwrite(path, cv2.cvtColor(picture, cv2.COLOR_GRAY2BGR))
+            return int(self._p.loadTexture(path, physicsClientId=self._client))
+
+    # Pictures
+
+    def picture(
+        self, view: Transform, projection: Transform, size: tuple[int, int], lit: bool = False
+    ) -> NDArray[np.uint8]:
+        """Return the rendered picture, (height, width, 3) in RGB.
+
+        Args:
+            view: (4, 4) from the world to OpenGL's camera frame.
+            projection: (4, 4), OpenGL's.
+            size: width and height in [px].
+            lit: True for a picture for people, with light from above and shadows; otherwise each surface
+                is as
+                bright as its paint.
+        """
+        width, height = size
+        # The EGL renderer always has one light and shadows: from behind what is seen it falls on nothing.
+        light = _SUN if lit else tuple((-view[2, :3]).tolist())
+        with quiet():
+            for _ in range(self._cold):  # the first pictures of the EGL renderer are lit otherwise
+                self._render(view, projection, size, light)
+            self._cold = 0
+            image = self._render(view, projection, size, light)[2]
+        picture = np.asarray(image, dtype=np.uint8).reshape(height, width, 4)[..., :3]
+        if lit or self.number != self._p.ER_BULLET_HARDWARE_OPENGL:
+            return picture
+        return cv2.convertScaleAbs(picture, alpha=1 / _UNLIT).astype(np.uint8, copy=False)
+
+    def picture_with_depth(
+        self, view: Transform, projection: Transform, size: tuple[int, int]
+    ) -> tuple[NDArray[np.uint8], NDArray[np.float64]]:
+        """Return an unlit picture as `picture` does, and OpenGL's depths (height, width), from 0 to 1."""
+        return self.picture(view, projection, size), self.depth_buffer(view, projection, size)
+
+    def depth_buffer(
+        self, view: Transform, projection: Transform, size: tuple[int, int]
+    ) -> NDArray[np.float64]:
+        """Return OpenGL's depths (height, width), from 0 at the nearest plane to 1 at the farthest one."""
+        with quiet():
+            buffer = self._render(view, projection, size, tuple((-view[2, :3]).tolist()))[3]
+        return np.asarray(buffer, dtype=np.float64).reshape(size[1], size[0])
+
+    def _render(self, view: Transform, projection: Transform, size: tuple[int, int], light: Point) -> Any:
+        return self._p.getCameraImage(
+            *size,
+            view.T.ravel().tolist(),
+            projection.T.ravel().tolist(),
+            lightDirection=light,
+            shadow=0,
+            lightAmbientCoeff=1.0,
+            lightDiffuseCoeff=0.0,
+            lightSpecularCoeff=0.0,
+            renderer=self.number,
+            flags=self._p.ER_NO_SEGMENTATION_MASK,
+            physicsClientId=self._client,
+        )

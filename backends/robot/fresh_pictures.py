@@ -1,0 +1,57 @@
+"""Detection of a camera that returns an old picture for a new one."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .robot_errors import StaleReading
+
+STALE_PICTURE_MOTION = 1e-3  # [m], [rad] of motion in which a picture can't stay the same to the last bit
+
+
+class FreshPictures:
+    """The last picture of a camera, and whether the camera has moved since.
+
+    The camera's carrier is given as an array of any length, in [m] or [rad].
+    """
+
+    def __init__(self) -> None:
+        """Begin without a picture."""
+        self._last: NDArray[np.uint8] | None = None
+        self._taken_at = np.empty(0)
+        self._moved = False  # since that picture, even if it is back
+
+    @property
+    def last(self) -> NDArray[np.uint8] | None:
+        """The last picture, (height, width) grey; None before the first."""
+        return self._last
+
+    @property
+    def awaits_motion(self) -> bool:
+        """True while there is a picture, and no motion since was noted."""
+        return self._last is not None and not self._moved
+
+    def note(self, carrier: NDArray[np.float64]) -> None:
+        """Note where the camera's carrier is in this period."""
+        self._moved = self._is_away(carrier)
+
+    def take(self, image: NDArray[np.uint8], carrier: NDArray[np.float64], noisy: bool) -> NDArray[np.uint8]:
+        """Return a picture that was taken with the carrier at a position.
+
+        Args:
+            image: the picture, (height, width) grey.
+            carrier: where the camera's carrier is.
+            noisy: True if no two pictures of one place are the same.
+
+        Raises:
+            StaleReading: it is the last one to the last bit, although the camera has moved since.
+        """
+        same = self._last is not None and np.array_equal(image, self._last)
+        if same and (self._moved if noisy else self._is_away(carrier)):
+            raise StaleReading("the camera gives its last picture again, although it has moved")
+        self._last, self._taken_at, self._moved = image, carrier, False
+        return image
+
+    def _is_away(self, carrier: NDArray[np.float64]) -> bool:
+        return bool(np.abs(carrier - self._taken_at).max() > STALE_PICTURE_MOTION)

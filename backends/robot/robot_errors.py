@@ -1,0 +1,54 @@
+"""Errors of a robot: what it lacks, and readings that are not new.
+
+HandcartError
+├── MissingCapability (ValueError)
+├── MissingSensor (ValueError)
+├── UnknownStart (ValueError)
+└── StaleReading (RuntimeError)
+"""
+
+from __future__ import annotations
+
+from handcart.backends.backend import Backend
+from handcart.backends.capabilities.capability import Capability
+from handcart.backends.description.robot_file import RobotFile
+from handcart.files.errors import HandcartError
+from handcart.files.suggest import suggest
+
+
+class MissingCapability(HandcartError, ValueError):
+    """The robot can't do what is asked of it."""
+
+    exit_status = 2
+
+    def __init__(self, kind: type[Capability], robot: Backend) -> None:
+        have = ", ".join(sorted(_name(type(each)) for each in robot.capabilities()))
+        super().__init__(f"the robot has no {kind.__name__}; it has: {have}")
+
+
+class MissingSensor(HandcartError, ValueError):
+    """The robot has no sensor of that name."""
+
+    exit_status = 2
+
+    def __init__(self, name: str, spec: RobotFile) -> None:
+        wrong = "the backend does not provide" if name in spec.sensors else "the robot's file has no"
+        super().__init__(f"{wrong} sensor {name!r}{suggest(name, spec.sensors)}")
+
+
+class UnknownStart(HandcartError, ValueError):
+    """The start is unknown, and the robot cannot find its pose by scans."""
+
+    exit_status = 2
+
+    def __init__(self, spec: RobotFile) -> None:
+        needed = "a map, a lidar, and the localizer scan or odometry"
+        super().__init__(f"the start is unknown, and the localizer is {spec.localizer}; needed: {needed}")
+
+
+class StaleReading(HandcartError, RuntimeError):
+    """A sensor gives an old reading for a new one."""
+
+
+def _name(kind: type) -> str:
+    return next(each.__name__ for each in kind.__mro__ if Capability in each.__bases__)

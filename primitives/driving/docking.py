@@ -1,0 +1,83 @@
+"""Docking of a base in front of an object with a straight front."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from handcart.backends.robot.localization.determination import DETERMINED_SIGMAS, PoseNeed
+from handcart.backends.robot.robot import Robot
+from handcart.primitives.contract.action_primitive import Periods
+from handcart.primitives.knowledge.place import Place
+from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
+from handcart.primitives.restoring.retrace import reach_pose
+from handcart.primitives.restoring.snapshot import settle
+from handcart.robotics.navigation.following.pose_regulator import PoseTolerance
+from handcart.robotics.navigation.localization.front_line import FrontLine, fit_front, pose_from_front
+
+DOCK_TOLERANCE = PoseTolerance(position=0.004, heading=0.003)
+DOCK_MAX_TRIES = 4  # times that the front is measured and the pose corrected
+FRONT_SCANS = 20  # scans stacked for one measurement of the front
+NOT_DETERMINED = "not determined"  # the check that found a pose to be uncertain
+
+
+def dock(robot: Robot, name: str, place: Place, need: PoseNeed, report: Callable[..., None]) -> Periods:
+    """Correct the pose by the front until the base is square in front of it.
+
+    Args:
+        robot: the robot, near the place.
+        name: name of the place, for messages.
+        place: a place in front of an object with a straight front.
+        need: required accuracy of the pose.
+        report: receives the metric `dock_mm` of each measurement.
+
+    Raises:
+        Discrepancy: the front is not seen, does not determine the pose, or the base does not come to
+            rest square in front of it.
+    """
+    for _ in range(DOCK_MAX_TRIES):
+        yield from settle(robot)
+        scans = []
+        for _ in range(FRONT_SCANS):
+            scans.append(robot.range_sensor.scan().points())
+            yield
+        expected = robot.pose.inverse().apply(place.front)
+        front = fit_front(np.vstack(scans), expected, gate=0.15)
+        if front is None:
+            unseen = Measured("RangeSensor", "a straight front where the map has one")
+            raise Discrepancy(f"the front before {name} is not seen", measured=unseen)
+        seen = pose_from_front(robot.pose, front, place.front)
+        report(dock_mm=round(1e3 * seen.distance(place.pose), 1))
+        if (
+            seen.distance(place.pose) < DOCK_TOLERANCE.position
+            and seen.turn(place.pose) < DOCK_TOLERANCE.heading
+        ):
+            check_front(front, name, need)
+            return
+        yield from reach_pose(robot, robot.pose.compose(place.pose.relative_to(seen)), DOCK_TOLERANCE)
+    off = Measured(
+        "RangeSensor",
+        "off its place",
+        1e3 * seen.distance(place.pose),
+        1e3 * DOCK_TOLERANCE.position,
+        "mm",
+    )
+    raise Discrepancy(f"the base doesn't come to rest square before {name}", measured=off)
+
+
+def check_front(front: FrontLine, name: str, need: PoseNeed) -> None:
+    """Raise `Discrepancy` if the front does not determine the base's pose in front of it within the
+    need.
+    """
+    sizes = (
+        1e3 * DETERMINED_SIGMAS * front.distance_std,
+        math.degrees(DETERMINED_SIGMAS * front.angle_std),
+    )
+    limits = 1e3 * need.position, math.degrees(need.heading)
+    for size, limit, unit in zip(sizes, limits, ("mm", "deg"), strict=True):
+        if not size <= limit:
+            measured = Measured("RangeSensor", "3 sigma of the front", size, limit, unit)
+            why = f"not determined: the front before {name} is measured to {size:.1f} {unit}"
+            raise Discrepancy(f"{why}, at most {limit:.1f} {unit} allowed", True, measured, NOT_DETERMINED)

@@ -1,0 +1,183 @@
+"""Localizer by wheels, with scans at rest as evidence."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+from typing_extensions import override
+
+from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.navigation.localization.odometry import OdometryErrors
+from handcart.robotics.navigation.localization.scan_matching import LikelihoodField, match_scan
+
+from .localizer import (
+    FEWEST_POINTS,
+    LEAST_INLIERS,
+    MIN_SHARE_KEPT_AT_REST,
+    SEARCH_COVARIANCE,
+    Localizer,
+    is_apart,
+    pose_difference,
+)
+
+DRIVING_WHEEL_TRAVEL_M = 0.02  # [m] of the wheels, after which a base drives, and is not where it stood
+UNCHECKED_WAY_M = 1e9  # farther than anything drives, and finite: checkpoints hold finite numbers
+UNKNOWN_VARIANCE_M2 = 1e9  # more than any pose has, and finite as well
+SLIPPED_SIGMAS = 4.0  # sigmas between a drive by its wheels and the scan after it that no chance explains
+# share of the points explained before a drive; fewer after it, and the base is elsewhere
+MIN_SHARE_KEPT_BY_DRIVE = 0.5
+
+
+class OdometryLocalizer(Localizer):
+    """Localizer that uses wheels alone while the base drives.
+
+    With a map, scans at rest are evidence: of a base that was moved while its wheels were still, and of
+    its pose after a drive (`check_drive`).
+
+    Attributes:
+        slips: number of drives after which a scan contradicted the wheels.
+        astray: True if the map doesn't explain the scan after the last drive, though it did before.
+        explained: share of the points that the map explained when a scan was last compared with it.
+    """
+
+    STATE: ClassVar[Mapping[str, Any]] = {
+        "_stands": Pose2 | None,
+        "_rolled": float,
+        "_driven": float,
+        "_then": float,
+        "slips": int,
+        "astray": bool,
+        "explained": float,
+    }
+
+    def __init__(
+        self,
+        start: Pose2,
+        tread: float,
+        errors: OdometryErrors = OdometryErrors(),
+        covariance: NDArray[np.float64] | None = None,
+        field: LikelihoodField | None = None,
+        sigma: float = 0.01,
+    ) -> None:
+        """Start like `Localizer`; `field` is that of the map, `sigma` the noise of a range in [m]."""
+        super().__init__(start, tread, errors, covariance)
+        self._field, self._sigma = field, sigma
+        self._stands: Pose2 | None = None
+        self._rolled = 0.0  # [m] by the wheels since that scan
+        self._driven = UNCHECKED_WAY_M  # since `check_drive`; at first the start is checked
+        self._then = UNKNOWN_VARIANCE_M2  # variance along the worst direction after it
+        self.slips, self.astray, self.explained = 0, False, 0.0
+
+    @property
+    def looks(self) -> bool:
+        """See `Localizer`: it needs a map."""
+        return self._field is not None
+
+    @property
+    @override
+    def field(self) -> LikelihoodField | None:
+        return self._field
+
+    @override
+    def extend_map(self, field: LikelihoodField) -> None:
+        self._field = field
+
+    @override
+    def change_map(self, field: LikelihoodField, pose: Pose2, covariance: NDArray[np.float64]) -> None:
+        super().change_map(field, pose, covariance)
+        self._stands, self._rolled, self.astray, self.explained = None, 0.0, False, 0.0
+        self._driven, self._then = UNCHECKED_WAY_M, UNKNOWN_VARIANCE_M2
+
+    @override
+    def predict(self, left: float, right: float) -> None:
+        before = self.pose
+        super().predict(left, right)
+        self._rolled += max(abs(left), abs(right))
+        self._driven += max(abs(left), abs(right))
+        if self._rolled > DRIVING_WHEEL_TRAVEL_M:
+            self._stands = None
+        elif self._stands is not None:
+            self._stands = self._stands.compose(self.pose.relative_to(before))
+
+    def correct(self, points: NDArray[np.float64]) -> bool:
+        """Scans are not looked at."""
+        return False
+
+    @property
+    def unchecked(self) -> bool:
+        """True if it has driven since a scan was last compared with the wheels' pose."""
+        return self._field is not None and self._driven > DRIVING_WHEEL_TRAVEL_M
+
+    @property
+    def added_sigma(self) -> float:
+        """Sigma in [m], along the worst direction, that the drive since then has added to the pose.
+
+        0 where no scan at rest can take it away: without a map, and where the map explained none.
+        """
+        if not self.unchecked or self.astray or self.explained < LEAST_INLIERS:
+            return 0.0
+        return math.sqrt(max(0.0, _worst_variance(self.covariance) - self._then))
+
+    def check_drive(self, points: NDArray[np.float64]) -> None:
+        """Correct the pose after a drive by a scan at rest, its end points (n, 2) in the base frame, in [m].
+
+        If chance doesn't explain the difference between the two, the wheels slipped, and the scan's pose
+        counts alone. A map that did not explain the scan before is not used.
+        """
+        if self._field is None:
+            return
+        if len(points) >= FEWEST_POINTS:
+            self._correct_at_rest(self._field, points)
+        self._driven, self._then = 0.0, _worst_variance(self.covariance)
+
+    def _correct_at_rest(self, field: LikelihoodField, points: NDArray[np.float64]) -> None:
+        prior, best = (
+            np.asarray(self.covariance + SEARCH_COVARIANCE),
+            MIN_SHARE_KEPT_BY_DRIVE * self.explained,
+        )
+        match = match_scan(field, points, self.pose, prior, self._sigma)
+        if match.inliers < MIN_SHARE_KEPT_AT_REST * self.explained:
+            match = match_scan(field, points, self.pose, prior, self._sigma, anneal=True)
+        if match.inliers < LEAST_INLIERS:
+            self.astray = match.inliers < best
+            return
+        self.astray, self.explained = False, match.inliers
+        off, own = pose_difference(self.pose, match.pose), self.covariance
+        gain = np.linalg.solve(own + match.covariance, own).T
+        if float(off @ np.linalg.solve(own + match.covariance, off)) > SLIPPED_SIGMAS**2:
+            self.slips += 1
+            self._odometry.reset(match.pose, match.covariance)
+            return
+        x, y, turn = (gain @ off).tolist()
+        pose = Pose2(self.pose.x + x, self.pose.y + y, wrap(self.pose.theta + turn))
+        self._odometry.correct(pose, (np.eye(3) - gain) @ own)
+
+    def find_again(self, points: NDArray[np.float64]) -> bool:
+        """Return True if the last two scans of a base at rest fit the map at different places.
+
+        The difference between them is added to the pose.
+        """
+        if self._field is None or len(points) < FEWEST_POINTS:
+            return False
+        before, near = self._stands, self._stands or self.pose
+        covariance = np.asarray(self.covariance + SEARCH_COVARIANCE)
+        match = match_scan(self._field, points, near, covariance, self._sigma)
+        if match.inliers < LEAST_INLIERS:
+            return False
+        self._stands, self._rolled = match.pose, 0.0
+        if before is None:
+            return False
+        apart = is_apart(before, match, self._field, self.surface_error)
+        if apart:
+            moved = match.pose.relative_to(before)
+            self._odometry.reset(self.pose.compose(moved), self.covariance)
+        return apart
+
+
+def _worst_variance(covariance: NDArray[np.float64]) -> float:
+    """Return the variance of a position along its worst direction, in [m²]."""
+    return float(np.linalg.eigvalsh(covariance[:2, :2])[-1])

@@ -1,0 +1,43 @@
+"""Values that a filter of fixes keeps in order to undo some of them, and what a fix led to."""
+
+from __future__ import annotations
+
+from enum import Enum
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.navigation.localization.watched_moment import Belief, WatchedMoment
+from handcart.robotics.navigation.outdoors.smoothing import Entries
+
+Array = NDArray[np.float64]
+
+
+class FilterRequest(Enum):
+    """A request made between two steps."""
+
+    MARK = "mark"
+    ORIGIN = "origin"
+
+
+class FilterMoment(NamedTuple):
+    """All that changes in the filter, before a fix."""
+
+    belief: Belief
+    rested: bool
+    still: Array
+    entries: Entries
+    origin: WatchedMoment | None
+
+
+class FixResult(NamedTuple):
+    """Result of a fix."""
+
+    believed: bool
+    log_likelihood: float
+    """Logarithm of the fix's likelihood before the update, under the filter's noise model."""
+    square: float
+    """Squared distance to where the fix was expected, in sigmas: 2 on average."""
+    why: str = ""
+    """It wasn't believed, in words."""
