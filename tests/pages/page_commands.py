@@ -13,6 +13,7 @@ GENERATED = ("commands.md", "files.md", "primitives.md", "backends.md")  # made 
 OWN_TESTS = {
     "docs/how_to/robots.md": "tests/test_robots_document.py",
     "docs/how_to/add_a_sensor.md": "tests/test_add_a_sensor.py",
+    "docs/explanation/localization.md": "tests/tutorials/test_examples.py",
 }
 """Pages whose commands a test file of their own runs."""
 
@@ -48,4 +49,4 @@ def command_lines(page: str) -> list[str]:
     lines = [line.strip() for snippet in shells for line in snippet.text.splitlines()]
     lines = [part.strip() for line in lines for part in line.removeprefix("$ ").split("&&")]
     lines = [re.sub(r"\s+#.*", "", line.replace(".venv/bin/", "")) for line in lines]
-    return [line for line in lines if re.match(r"handcart |python (-m|scripts)", line)]
+    return [line for line in lines if re.match(r"handcart |python (-m|scripts|examples)", line)]

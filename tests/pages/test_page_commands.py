@@ -31,6 +31,7 @@ PREPARED = {
     "docs/how_to/locate.md": [],
     "docs/how_to/obstacles.md": [],
     "docs/explanation/stack_blocks.md": [],
+    "docs/explanation/outcomes.md": [],
 }
 """Pages that are run here, with the commands that make what they assume is there."""
 

@@ -14,6 +14,7 @@ SCRIPTS = {
     "run_a_task.py": "Success in toured",
     "plot_a_run.py": "drawn into path.png",
     "own_primitive.py": "no wall near: Fail",
+    "plot_uncertainty.py": "plain: Fail not determined",
     "compare_seeds.py": "3 of 3",
 }
 
