@@ -8,7 +8,7 @@ from typing_extensions import override
 
 from handcart.backends.description.ground_spec import GroundSpec
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.simulation.body.base_contact import move_base
+from handcart.backends.simulation.body.base_contact import move_base, touching_passers
 from handcart.backends.simulation.body.hand import SimulatedHand
 from handcart.backends.simulation.body.rough_ride import RoughRide
 from handcart.backends.simulation.simulated_backend import ChangingPart, SimulatedBackend
@@ -86,6 +86,7 @@ class KinematicBackend(SimulatedBackend):
         self.scene.time = self._periods * self.period
         for props in self.scene.props.values():
             props.step()
+        self._walk_passers()
         motion = self._base.advance(self._periods)
         if (there := self._kidnapped_to()) is not None:
             self.scene.move_base(there)
@@ -102,7 +103,7 @@ class KinematicBackend(SimulatedBackend):
             if self._arm.swung:
                 self._move_base(Pose2(0.0, 0.0, self._arm.swing_yaw()))
         self._advance_sensors()
-        self.scene.touch(touching)
+        self.scene.touch(touching | touching_passers(self.scene))
 
     def _move_base(self, motion: Pose2) -> frozenset[tuple[str, str]]:
         if motion == Pose2(0.0, 0.0, 0.0):

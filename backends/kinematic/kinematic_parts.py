@@ -24,6 +24,7 @@ from handcart.backends.simulation.body.simulated_parts import (
     Vector,
 )
 from handcart.backends.simulation.noise.keyed_noise import keyed, keyed_normal
+from handcart.backends.simulation.sensors.disc_ranges import cast_at_discs
 from handcart.backends.simulation.sensors.range_faults import RangeFaults
 from handcart.backends.simulation.sensors.ranges import cast_rays
 from handcart.backends.simulation.sensors.simulated_range_sensor import SimulatedRangeSensor
@@ -151,7 +152,7 @@ class KinematicRangeSensor(SimulatedRangeSensor):
         super().__init__(spec, base_T_sensor, seed, RangeFaults.of(scene.robot.errors))
         self._scene = scene
         height = float(base_T_sensor[2, 3])
-        self._plan = FloorPlan(scene.solids, height, height)
+        self._plan, self._height = FloorPlan(scene.solids, height, height), height
         self._seen_from: tuple[Pose2, bytes] | None = None
         self._seen = np.empty(0)
 
@@ -166,12 +167,22 @@ class KinematicRangeSensor(SimulatedRangeSensor):
         period, base, time = self._now, self._scene.base, self._scene.time
         if self._last is not None and self._last[0] == period:
             return super().scan_later()
-        return lambda: self._noisy(self._cast_from(base, time), period)
+        discs = self._scene.passers.discs(self._height)
+        return lambda: self._noisy(self._cast_from(base, time, discs), period)
 
     def _cast(self) -> NDArray[np.float64]:
-        return self._cast_from(self._scene.base, self._scene.time)
+        discs = self._scene.passers.discs(self._height)
+        return self._cast_from(self._scene.base, self._scene.time, discs)
 
-    def _cast_from(self, base: Pose2, time: float) -> NDArray[np.float64]:
+    def _cast_from(self, base: Pose2, time: float, discs: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the true ranges to everything, also to discs (k, 3): x, y and radius in [m]."""
+        ranges = self._cast_at_solids(base, time)
+        if not len(discs):
+            return ranges
+        sensor = base.compose(self._mount)
+        return np.minimum(ranges, cast_at_discs(discs, sensor, self._angles, self._spec.reach_m))
+
+    def _cast_at_solids(self, base: Pose2, time: float) -> NDArray[np.float64]:
         """Return the true ranges, cast again only if the base moved or an obstacle appeared or left."""
         here = base, self._plan.there(time).tobytes()
         if here != self._seen_from:

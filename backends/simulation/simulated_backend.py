@@ -18,6 +18,7 @@ from handcart.backends.plain_values import Kinds, attributes, set_attributes
 from handcart.backends.saved_state import NotAState
 from handcart.backends.simulation.body.simulated_parts import CommandedBase, SimulatedArm, SimulatedGripper
 from handcart.backends.simulation.noise.keyed_noise import keyed, sensor_seed
+from handcart.backends.simulation.passers.passers import Passers
 from handcart.backends.simulation.sensors.sensor_making import make_sensors
 from handcart.backends.simulation.sensors.simulated_sensor import SensorSite, SimulatedSensor
 from handcart.backends.simulation.world.scene import Scene
@@ -141,6 +142,12 @@ class SimulatedBackend(Backend):
             return None
         return Pose2(kidnap.to.x_m, kidnap.to.y_m, math.radians(kidnap.to.heading_deg))
 
+    def _walk_passers(self) -> None:
+        """Let passers walk for the period that ends at the scene's time."""
+        scene = self.scene
+        if scene.passers:
+            scene.passers.advance(scene.time, self.period, scene.base, self._robot.footprint_radius_m)
+
     @override
     def capabilities(self) -> tuple[Capability, ...]:
         sensors = (each for each in self._sensors.values() if isinstance(each, Capability))
@@ -164,6 +171,7 @@ class SimulatedBackend(Backend):
         named = {
             **{f"props {name}": props for name, props in self.scene.props.items()},
             "scene": self.scene,
+            "passers": self.scene.passers or None,
             "backend": self,
             "base": self._base,
             "arm": self._arm,
@@ -214,6 +222,7 @@ def build_scene(robot: RobotFile, world: WorldFile, seed: int) -> Scene:
     every = (*room, *(solid for each in solids.values() for solid in each))
     scene = Scene(robot, arm, every, _start(robot, world, seed), joints, width, (*room, *boxes))
     scene.open_ground = world.ground is not None
+    scene.passers = Passers(world.passers, seed)
     for name, kind in kinds.items():
         props = scene.props[name] = kind(scene, world, seed)
         props.set_up()

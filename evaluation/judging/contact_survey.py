@@ -18,6 +18,7 @@ from handcart.robotics.kinematics.arm_model import ArmModel
 from .survey import Survey, SurveyedRun
 
 FINGERS_BODY = "fingers"  # both fingers together, as one body that pushes
+STANDING_SPEED_M_S = 0.02  # of the base, below which it stands: whoever touches it then ran into it
 MAX_LISTED_CONTACTS = 8  # contacts listed one by one in a run's metrics
 Pair = tuple[str, str]
 
@@ -42,6 +43,10 @@ class Touched:
     """Largest force on the hand during the contact, in [N]; None where no force is known."""
     meant: bool
     """True if the primitive declares this contact as meant."""
+    speed_m_s: float = 0.0
+    """Speed of the base when the contact began, as driven or as it truly moved before, if that is more."""
+    ran_into_it: bool = False
+    """True if a passer ran into the base while it stood."""
 
     def __str__(self) -> str:
         how_long = f"from {self.from_s:.2f} s to {self.to_s:.2f} s"
@@ -65,6 +70,13 @@ class ContactSurvey(Survey):
         ended.
         """
         self._links, self._held = RobotLinks(run.world.arm), ""
+        self._speed, self._base = 0.0, run.world.base
+        """True speed of the base in the period before this one, in [m/s], and where it is."""
+
+    @property
+    def _passers(self) -> tuple[str, ...]:
+        """Names of the passers in the world."""
+        return self.run.world.passers.names
 
     @classmethod
     @override
@@ -85,24 +97,28 @@ class ContactSurvey(Survey):
     def unmeant(self) -> list[Touched]:
         """Return the contacts of the running action that its primitive does not declare as meant."""
         number = 0 if self._running is None else self._running[0]
-        return [each for each in self.contacts if each.action == number and number and not each.meant]
+        own = (each for each in self.contacts if each.action == number and number)
+        return [each for each in own if not each.meant and not each.ran_into_it]
 
     def look(self, robot: Robot) -> None:
         """Update the contacts after a period."""
         if self.run.world.held is not None:
             self._held = self.run.world.held.name
         touching = self.run.world.touching
+        speed = max(abs(robot.driven[0]), self._speed)
+        self._speed = self._base.distance(self.run.world.base) / robot.period
+        self._base = self.run.world.base
         if not touching and not self._lasting:
             return
         self._lasting = {pair: each for pair, each in self._lasting.items() if pair in touching}
         for pair in sorted(touching):
             if pair not in self._lasting:
-                self._lasting[pair] = self._begin(pair, robot.time)
+                self._lasting[pair] = self._begin(pair, robot.time, speed)
             each = self._lasting[pair]
             if each is not None:
                 self._go_on_touching(each, robot.time)
 
-    def _begin(self, pair: Pair, now: float) -> Touched:
+    def _begin(self, pair: Pair, now: float, speed: float) -> Touched:
         body, other = pair
         part, number, do, meant = self._links.part(body), 0, "", False
         if self._running is not None:
@@ -110,7 +126,8 @@ class ContactSurvey(Survey):
             do, means = primitive.label(), primitive.meant_contacts(self.run.model)
             meant = any(each.covers(part, other) for each in means)
         name = f"held {self._held}" if body == LOAD_NAME else body
-        touched = Touched(part, name, other, number, do, round(now, 3), now, None, meant)
+        touched = Touched(part, name, other, number, do, round(now, 3), now, None, meant, round(speed, 3))
+        touched.ran_into_it = other in self._passers and speed < STANDING_SPEED_M_S
         self.contacts.append(touched)
         return touched
 
@@ -131,7 +148,7 @@ class ContactSurvey(Survey):
 
     def figures(self) -> dict[str, Any]:
         """Return the number of contacts of each part of the robot, and the first of the unmeant contacts."""
-        unmeant = [each for each in self.contacts if not each.meant]
+        unmeant = [each for each in self.contacts if not each.meant and not each.ran_into_it]
         seconds = sum(each.to_s - each.from_s for each in unmeant)
         counts = {f"contacts_of_{part}": _of(self.contacts, part) for part in ("base", "arm", "hand", "held")}
         return {
@@ -139,7 +156,16 @@ class ContactSurvey(Survey):
             "contacts_unmeant": len(unmeant),
             "contacts_unmeant_s": round(seconds, 2),
             "contacts": [asdict(each) for each in unmeant[:MAX_LISTED_CONTACTS]],
+            **self._of_passers(),
         }
+
+    def _of_passers(self) -> dict[str, int]:
+        """Return how often the robot touched passers, and how often they ran into it while it stood."""
+        if not self._passers:
+            return {}
+        own = [each for each in self.contacts if each.other in self._passers]
+        stood = sum(each.ran_into_it for each in own)
+        return {"contacts_by_the_robot": len(own) - stood, "was_run_into_while_standing": stood}
 
 
 def _of(contacts: list[Touched], part: str) -> int:

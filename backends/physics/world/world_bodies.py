@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Sequence
 from typing import ClassVar
 
@@ -10,10 +11,13 @@ import numpy as np
 from handcart.backends.physics.engine.engine import Engine
 from handcart.backends.saved_state import NotAState
 from handcart.backends.simulation.bodies import Bodies
+from handcart.backends.simulation.passers.passers import PASSER_GREY, PasserPart
 from handcart.backends.simulation.world.scene import Scene
 from handcart.backends.simulation.world.solids import THE_GROUND, Solid
 from handcart.backends.simulation.world.thing import Thing
+from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, inverse, transform
+from handcart.robotics.kinematics.shapes import Box
 
 from .terrain import Terrain
 from .thing_body import ThingBody
@@ -23,6 +27,7 @@ MAX_TILE_INDEX = 10_000  # tile of the ground
 MAX_LATE_BODIES = 1000  # tiles and things that come after the beginning
 FLOOR_FRICTION = 1.0
 SOLID_FRICTION = 0.65
+PASSER_TURNS_RAD = (0.0, math.pi / 4)  # of the boxes that stand for a disc
 _AWAY = transform((0.0, 0.0, -50.0))
 _WALL, _FURNITURE, _WOOD = 165, 110, 130
 
@@ -46,6 +51,8 @@ class WorldBodies:
         self._weighed: list[ThingBody] = []
         """Those whose mass isn't a matter of their size alone: it may change."""
         self._surprises: list[tuple[int, Solid]] = []
+        self._passers: list[int] = []
+        """Bodies of passers' parts, two for each, in the order of `Passers.parts`."""
         for solid in scene.solids:
             if solid is THE_GROUND and terrain is not None:
                 continue
@@ -55,6 +62,8 @@ class WorldBodies:
             self.names[body] = solid.box.name
             if passes:
                 self._surprises.append((body, solid))
+        for part in scene.passers.parts():
+            self._passers += self._add_passer(part)
         for sheet in (sheet for props in scene.props.values() for sheet in props.sheets()):
             engine.add_sheet(sheet)
         self.kinds = Bodies()
@@ -133,6 +142,24 @@ class WorldBodies:
         for body, solid in self._surprises:
             there = solid.appears <= self._scene.time < solid.leaves
             self._engine.set_pose(body, solid.box.pose if there else _AWAY)
+        parts = [part for part in self._scene.passers.parts() for _ in PASSER_TURNS_RAD]
+        for index, (body, part) in enumerate(zip(self._passers, parts, strict=True)):
+            self._engine.set_pose(body, _upright(part, PASSER_TURNS_RAD[index % len(PASSER_TURNS_RAD)]))
+
+    def _add_passer(self, part: PasserPart) -> list[int]:
+        """Add a disc as two boxes, one turned by 45 degrees: engines and their beams know boxes best."""
+        side = math.sqrt(2.0) * part.radius
+        found = []
+        for turn in PASSER_TURNS_RAD:
+            box = Box(_upright(part, turn), (side, side, part.high - part.low), part.name)
+            found.append(self._engine.add_box(box, SOLID_FRICTION, PASSER_GREY, True))
+            self.names[found[-1]] = part.name
+        return found
+
+
+def _upright(part: PasserPart, turn: float) -> Transform:
+    """Return the pose (4, 4) of the middle of a passer's part, turned by an angle in [rad]."""
+    return Pose2(part.x, part.y, turn).lift((part.low + part.high) / 2)
 
 
 def _grey(solid: Solid) -> int:

@@ -14,6 +14,7 @@ from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.ground_truth import Body, GroundTruth
 from handcart.backends.plain_values import Kinds
 from handcart.backends.saved_state import NotAState
+from handcart.backends.simulation.passers.passers import Passers
 from handcart.backends.simulation.world.solids import FloorPlan, Solid
 from handcart.backends.simulation.world.thing import Rest, Thing
 from handcart.robotics.geometry.pose2 import Pose2
@@ -79,6 +80,8 @@ class Scene:
     """Solids that the camera sees as plain boxes."""
     props: dict[str, SceneProps] = field(default_factory=dict)
     """Domains' objects, by the domain's name."""
+    passers: Passers = field(default_factory=Passers)
+    """People and carts that walk about."""
     time: float = 0.0
     lean: tuple[float, float] = (0.0, 0.0)
     """Roll and pitch of the base on its suspension, in [rad]."""

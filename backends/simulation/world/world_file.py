@@ -11,6 +11,7 @@ from pydantic import Field, model_validator
 
 from handcart.backends.description.beacons_spec import BeaconPlace
 from handcart.backends.description.ground_spec import GroundSpec
+from handcart.backends.simulation.passers.passer_spec import PasserSpec
 from handcart.files.errors import InputError
 from handcart.files.maps.map_file import MapPlace
 from handcart.files.models.model import FileModel
@@ -161,6 +162,8 @@ class WorldFile(FileModel):
     walls: tuple[Wall, ...] = ()
     furniture: tuple[Furniture, ...] = ()
     surprises: tuple[Surprise, ...] = ()
+    passers: tuple[PasserSpec, ...] = ()
+    """People and carts that walk along waypoints; no map shows them."""
     tables: tuple[TableSpec, ...] = ()
     ground: GroundSpec | None = None
     """Open, rough ground (default: a level floor)."""
@@ -170,6 +173,11 @@ class WorldFile(FileModel):
     """Renderer of the robot's camera: the scene's, common to all simulated backends, or the physics
     engine's.
     """
+
+    @model_validator(mode="after")
+    def _tells_passers_apart(self) -> Self:
+        each_once("passers:", (name for passer in self.passers for name in passer.members))
+        return self
 
 
 def each_once(what: str, names: Iterable[str]) -> None:

@@ -12,6 +12,7 @@ import numpy as np
 from handcart.backends.simulation.world.solids import FloorPlan, Solid, room_of
 from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
 
+from .passer_findings import passer_findings
 from .world_model import kinds_of_props
 
 if TYPE_CHECKING:
@@ -46,6 +47,7 @@ def world_findings(
     """
     solids = solids_of(world)
     yield from _stands_on(loaded, robot, solids)
+    yield from passer_findings(loaded, robot, solids)
     for kind in kinds_of_props().values():
         if isinstance(world, kind.section):
             yield from kind.findings(loaded, robot)

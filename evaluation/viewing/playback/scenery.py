@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal, Protocol
 
 import cv2
 import numpy as np
@@ -13,13 +13,13 @@ from pydantic import Field
 
 from handcart.files.models.model import FileModel
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform
 
 from .seven import Seven, seven, sevens
 
 if TYPE_CHECKING:
     from handcart.backends.simulation.world.scene import Scene
     from handcart.backends.simulation.world.solids import Solid
-    from handcart.backends.simulation.world.thing import Thing
     from handcart.networks.task.preparing import Prepared
     from handcart.robotics.navigation.maps.grid_map import GridMap
 
@@ -119,7 +119,31 @@ def scenery_of(prepared: Prepared, scene: Scene | None) -> Scenery:
     )
 
 
-def thing_shapes(things: Sequence[Thing]) -> list[ThingShape]:
+class Drawn(Protocol):
+    """A box that is somewhere else from time to time: a thing, or a passer."""
+
+    @property
+    def name(self) -> str:
+        """Unique name."""
+
+    @property
+    def size(self) -> Size:
+        """Along x, y, z of its frame, in [m]."""
+
+    @property
+    def grey(self) -> int:
+        """Grey of its sides, 0 to 255."""
+
+    @property
+    def pose(self) -> Transform:
+        """world_T_thing (4, 4)."""
+
+    @property
+    def thing_T_middle(self) -> Transform:
+        """Pose of its middle (4, 4) in its frame."""
+
+
+def thing_shapes(things: Sequence[Drawn]) -> list[ThingShape]:
     """Return the shapes in which things are drawn."""
     middles = sevens(np.array([each.thing_T_middle for each in things]).reshape(-1, 4, 4)).tolist()
     return [

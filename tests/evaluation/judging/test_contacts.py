@@ -80,7 +80,7 @@ class Hands:
     def step(self, periods: int = 1) -> None:
         for _ in range(periods):
             self.backend.step()
-            robot: Any = SimpleNamespace(time=self.scene.time)
+            robot: Any = SimpleNamespace(time=self.scene.time, period=self.backend.period, driven=(0.0, 0.0))
             self.survey.look(robot)
 
     def stand(self, x: float, y: float, heading: float) -> None:

@@ -1,0 +1,1 @@
+"""People and carts that walk through a simulated world."""

@@ -1,0 +1,168 @@
+"""All passers of a simulated world: where they truly are, and what a lidar sees of them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import ClassVar, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.plain_values import Kinds
+from handcart.backends.simulation.noise.keyed_noise import keyed
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform
+
+from .passer_spec import PasserSpec
+from .walk import Step, Walk
+
+BODY_HEIGHT_M = 1.7
+LEG_HEIGHT_M = 0.85  # above which a lidar sees the body instead of the legs
+LEG_RADIUS_M = 0.07
+LEG_OFFSET_M = 0.10  # of each leg to its side
+LEG_SWING_M = 0.20  # of each leg along the walk, at most
+STEP_LENGTH_M = 0.7  # from one foot to the other
+PASSER_GREY = 90
+YIELD_ANGLE_COS = 0.3  # of the direction to the robot, from which the robot counts as ahead
+
+Floats = NDArray[np.float64]
+
+
+class PasserPart(NamedTuple):
+    """An upright disc that is a part of a passer."""
+
+    name: str
+    """Name of the passer."""
+    x: float
+    y: float
+    radius: float
+    """In [m], as x and y."""
+    low: float
+    """Height of its underside, in [m]."""
+    high: float
+
+
+class PasserShape:
+    """A passer as a box to draw; see `Thing`."""
+
+    grey = PASSER_GREY
+
+    def __init__(self, name: str, radius: float, pose: Transform) -> None:
+        """`radius` in [m]; `pose` (4, 4) is world_T_passer, at its feet."""
+        self.name, self.pose = name, pose
+        self.size = (1.6 * radius, 2.0 * radius, BODY_HEIGHT_M)
+        self.thing_T_middle = np.eye(4)
+        self.thing_T_middle[2, 3] = BODY_HEIGHT_M / 2
+
+
+class Passers:
+    """People and carts that walk; one clock for each group."""
+
+    STATE: ClassVar[Kinds] = {"clocks": NDArray[np.float64]}
+    """Attributes that a checkpoint keeps, with their types."""
+
+    def __init__(self, specs: Sequence[PasserSpec] = (), seed: int = 0) -> None:
+        """Put everybody at the first waypoint; `seed` draws the speeds."""
+        self._specs = tuple(specs)
+        self.clocks = np.zeros(len(specs))
+        """(n,) time that each group has walked or paused, in [s]."""
+        self._walks: list[tuple[int, str, Walk]] = []
+        for number, spec in enumerate(specs):
+            drawn = float(keyed(seed, "passer", number).standard_normal(1)[0])
+            factor = 1.0 + spec.speed_sigma_percent / 100.0 * max(-3.0, min(3.0, drawn))
+            for name, offset in zip(spec.members, (0.0, *spec.group_m), strict=True):
+                self._walks.append((number, name, Walk(spec, offset, factor * spec.speed_m_s)))
+
+    def __bool__(self) -> bool:
+        return bool(self._walks)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of all passers, companions included."""
+        return tuple(name for _, name, _ in self._walks)
+
+    def advance(self, time: float, period: float, base: Pose2, radius: float) -> None:
+        """Let everybody walk for a period.
+
+        Args:
+            time: simulated time at the end of the period, in [s].
+            period: its length, in [s].
+            base: world_T_base, to which those who yield do.
+            radius: radius of the robot's footprint, in [m].
+        """
+        for number, spec in enumerate(self._specs):
+            if time - period >= spec.starts_s - 1e-9 and not (
+                spec.yields and self._sees_robot(number, base, radius)
+            ):
+                self.clocks[number] += period
+
+    def _sees_robot(self, number: int, base: Pose2, radius: float) -> bool:
+        """Return whether the robot is near and ahead of a member of a group."""
+        spec = self._specs[number]
+        for step in (walk.at(self.clocks[number]) for owner, _, walk in self._walks if owner == number):
+            ray = np.array([base.x, base.y]) - step.position
+            away = float(np.hypot(*ray))
+            is_near = away - radius - spec.radius_m < spec.yields_m
+            if is_near and ray @ step.direction > YIELD_ANGLE_COS * away:
+                return True
+        return False
+
+    def steps(self) -> list[tuple[str, float, Step]]:
+        """Return name, radius in [m] and present step of everybody."""
+        return [
+            (name, self._specs[number].radius_m, walk.at(float(self.clocks[number])))
+            for number, name, walk in self._walks
+        ]
+
+    def parts(self) -> list[PasserPart]:
+        """Return the bodies of everybody: legs and trunk, or one disc."""
+        found: list[PasserPart] = []
+        for number, name, walk in self._walks:
+            spec, step = self._specs[number], walk.at(float(self.clocks[number]))
+            x, y = step.position.tolist()
+            legs = spec.body == "legs"
+            if legs:
+                found += [PasserPart(name, *leg, LEG_RADIUS_M, 0.0, LEG_HEIGHT_M) for leg in _legs(step)]
+            low = LEG_HEIGHT_M if legs else 0.0
+            found.append(PasserPart(name, x, y, spec.radius_m, low, BODY_HEIGHT_M))
+        return found
+
+    def discs(self, height: float) -> Floats:
+        """Return what a level lidar at a height in [m] sees: (n, 3) x, y and radius in [m]."""
+        rows = [(each.x, each.y, each.radius) for each in self.parts() if each.low <= height < each.high]
+        return np.array(rows).reshape(-1, 3)
+
+    def clearance(self, x: float, y: float) -> tuple[float, str]:
+        """Return the distance of a point to the nearest body in [m], below 0 inside, and its name."""
+        nearest, whose = math.inf, ""
+        for name, radius, step in self.steps():
+            away = math.hypot(step.position[0] - x, step.position[1] - y) - radius
+            if away < nearest:
+                nearest, whose = away, name
+        return nearest, whose
+
+    def touched(self, x: float, y: float, radius: float) -> list[str]:
+        """Return the names of those who touch a disc; all in [m]."""
+        return [
+            name
+            for name, size, step in self.steps()
+            if math.hypot(step.position[0] - x, step.position[1] - y) < radius + size
+        ]
+
+    def shapes(self) -> list[PasserShape]:
+        """Return everybody as boxes to draw."""
+        found = []
+        for name, radius, step in self.steps():
+            heading = math.atan2(step.direction[1], step.direction[0])
+            pose = Pose2(float(step.position[0]), float(step.position[1]), heading).lift()
+            found.append(PasserShape(name, radius, pose))
+        return found
+
+
+def _legs(step: Step) -> list[tuple[float, float]]:
+    """Return the middles of both legs, in [m]."""
+    left = np.array([-step.direction[1], step.direction[0]])
+    swing = LEG_SWING_M * math.sin(math.pi * step.walked / STEP_LENGTH_M) * step.direction
+    middles = step.position + LEG_OFFSET_M * left + swing, step.position - LEG_OFFSET_M * left - swing
+    return [(float(x), float(y)) for x, y in middles]

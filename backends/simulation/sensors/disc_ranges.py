@@ -1,0 +1,33 @@
+"""Ranges of a perfect lidar to upright discs."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.geometry.pose2 import Pose2
+
+
+def cast_at_discs(
+    discs: NDArray[np.float64], sensor: Pose2, angles: NDArray[np.float64], reach: float
+) -> NDArray[np.float64]:
+    """Return the range (n,) in [m] of each beam to the first disc; infinity beyond `reach`.
+
+    A disc that contains the sensor is not seen.
+
+    Args:
+        discs: (k, 3) x, y and radius in [m], in the world.
+        sensor: world_T_sensor.
+        angles: (n,) in [rad], in the sensor frame.
+        reach: maximum range, in [m].
+    """
+    if not len(discs):
+        return np.full(len(angles), np.inf)
+    rays = discs[:, :2] - (sensor.x, sensor.y)
+    beams = angles + sensor.theta
+    along = rays[:, :1] * np.cos(beams) + rays[:, 1:] * np.sin(beams)
+    across = rays[:, 1:] * np.cos(beams) - rays[:, :1] * np.sin(beams)
+    inside = discs[:, 2:] ** 2 - across**2
+    ranges = along - np.sqrt(np.maximum(inside, 0.0))
+    ranges[(inside < 0.0) | (ranges <= 0.0) | (ranges > reach)] = np.inf
+    return np.asarray(ranges.min(axis=0))
