@@ -15,7 +15,7 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform
 
 from .passer_spec import PasserSpec
-from .walk import Step, Walk
+from .walk import Walk, WalkStep
 
 BODY_HEIGHT_M = 1.7
 LEG_HEIGHT_M = 0.85  # above which a lidar sees the body instead of the legs
@@ -108,7 +108,7 @@ class Passers:
                 return True
         return False
 
-    def steps(self) -> list[tuple[str, float, Step]]:
+    def steps(self) -> list[tuple[str, float, WalkStep]]:
         """Return name, radius in [m] and present step of everybody."""
         return [
             (name, self._specs[number].radius_m, walk.at(float(self.clocks[number])))
@@ -160,7 +160,7 @@ class Passers:
         return found
 
 
-def _legs(step: Step) -> list[tuple[float, float]]:
+def _legs(step: WalkStep) -> list[tuple[float, float]]:
     """Return the middles of both legs, in [m]."""
     left = np.array([-step.direction[1], step.direction[0]])
     swing = LEG_SWING_M * math.sin(math.pi * step.walked / STEP_LENGTH_M) * step.direction

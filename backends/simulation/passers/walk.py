@@ -14,7 +14,7 @@ MAX_MITRE = 3.0  # by which a companion's path goes farther out at a corner, at 
 Floats = NDArray[np.float64]
 
 
-class Step(NamedTuple):
+class WalkStep(NamedTuple):
     """A walker at one instant."""
 
     position: Floats
@@ -68,14 +68,14 @@ class Walk:
         self._times, self._places, self._walked = np.array(times), np.array(places), np.array(walked)
         self._directions = [self._direction(index) for index in range(len(times) - 1)]
 
-    def at(self, clock: float) -> Step:
+    def at(self, clock: float) -> WalkStep:
         """Return where the walker is after walking and pausing for a time in [s]."""
         last = float(self._times[-1])
         laps, clock = divmod(clock, last) if self._around else (0.0, min(max(clock, 0.0), last))
         index = int(np.searchsorted(self._times, clock, side="right")) - 1
         index = max(0, min(index, len(self._times) - 2))
         if len(self._times) < 2:
-            return Step(self._places[0].copy(), np.array([1.0, 0.0]), 0.0, 0.0)
+            return WalkStep(self._places[0].copy(), np.array([1.0, 0.0]), 0.0, 0.0)
         seconds = float(self._times[index + 1] - self._times[index])
         share = 0.0 if seconds <= 0.0 else min(1.0, (clock - float(self._times[index])) / seconds)
         position = self._places[index] + share * (self._places[index + 1] - self._places[index])
@@ -83,7 +83,7 @@ class Walk:
         pace = float(self._walked[index + 1] - self._walked[index]) / seconds if seconds > 0.0 else 0.0
         stands = not self._around and clock >= last
         total = laps * float(self._walked[-1]) + walked
-        return Step(position, self._directions[index], total, 0.0 if stands else pace)
+        return WalkStep(position, self._directions[index], total, 0.0 if stands else pace)
 
     def _direction(self, index: int) -> Floats:
         """Return the unit vector of a knot's segment; of the last one before it while it pauses."""
