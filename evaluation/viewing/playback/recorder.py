@@ -26,7 +26,7 @@ from handcart.networks.events.run_observer import RunObserver
 from handcart.networks.task.preparing import Prepared
 
 from .part import PART_FILE_FORMAT, PLAYBACK_FOLDER, SCENERY_FILE, SHAPES_ADAPTER, millimetres
-from .scenery import DrawnBox, ThingShape, scenery_of, thing_shapes
+from .scenery import PosedBox, ThingShape, scenery_of, thing_shapes
 from .seven import sevens
 
 ROW_PERIOD_S, SCAN_PERIOD_S, PICTURE_PERIOD_S = (
@@ -176,8 +176,8 @@ class PlaybackRecorder(RunObserver):
         else:
             carried = scene.things()
             self._riding, self._changes = scene.riding(), scene.changes
-        new: list[DrawnBox] = []
-        drawn: list[DrawnBox] = [*carried, *scene.passers.shapes()]
+        new: list[PosedBox] = []
+        drawn: list[PosedBox] = [*carried, *scene.passers.shapes()]
         for thing in drawn:
             before, stands = self._at.get(thing.name), thing.pose.tobytes()
             if before is None:

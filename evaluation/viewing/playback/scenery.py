@@ -119,7 +119,7 @@ def scenery_of(prepared: Prepared, scene: Scene | None) -> Scenery:
     )
 
 
-class DrawnBox(Protocol):
+class PosedBox(Protocol):
     """A box that is somewhere else from time to time: a thing, or a passer."""
 
     @property
@@ -143,7 +143,7 @@ class DrawnBox(Protocol):
         """Pose of its middle (4, 4) in its frame."""
 
 
-def thing_shapes(things: Sequence[DrawnBox]) -> list[ThingShape]:
+def thing_shapes(things: Sequence[PosedBox]) -> list[ThingShape]:
     """Return the shapes in which things are drawn."""
     middles = sevens(np.array([each.thing_T_middle for each in things]).reshape(-1, 4, 4)).tolist()
     return [

@@ -13,7 +13,7 @@ from handcart.backends.robot.robot import Robot
 from handcart.backends.simulation.world.scene import Scene
 from handcart.evaluation.viewing.playback.playback import PlaybackMoment
 from handcart.evaluation.viewing.playback.recorder import jpeg_of
-from handcart.evaluation.viewing.playback.scenery import DrawnBox, Scenery, ThingShape, thing_shapes
+from handcart.evaluation.viewing.playback.scenery import PosedBox, Scenery, ThingShape, thing_shapes
 from handcart.evaluation.viewing.playback.seven import sevens
 
 from .frame import Frame
@@ -95,7 +95,7 @@ class LiveFrames:
             self._back.append(restoring)
 
     def _things(self) -> dict[str, Array | None]:
-        things: list[DrawnBox] = []
+        things: list[PosedBox] = []
         if self._scene is not None:
             things = [*self._scene.things(), *self._scene.passers.shapes()]
         for each in things:
