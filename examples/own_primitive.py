@@ -5,7 +5,7 @@ from typing import Annotated, ClassVar
 import numpy as np
 from pydantic import Field
 
-from handcart import ActionPrimitive, Base, Discrepancy, RangeSensor
+from handcart import ActionPrimitive, Base, Discrepancy, RangeSensor, causes
 from handcart.evaluation.trials.rig import build_rig
 
 
@@ -22,7 +22,7 @@ class ApproachWall(ActionPrimitive):
         start = robot.pose
         while (ahead := range_ahead(robot)) > self.distance_m:
             if robot.pose.distance(start) > self.limit_m:
-                raise Discrepancy(f"no wall within {self.limit_m} m")
+                raise Discrepancy(f"no wall within {self.limit_m} m", cause=causes.NOT_SEEN)
             robot.base.drive(min(0.2, ahead - self.distance_m + 0.02), 0.0)
             yield
         self.found(distance_m=round(ahead, 3))

@@ -13,6 +13,7 @@ from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, NeedsPerson
 
 MAP_FOLDER = Path(__file__).parents[2] / "tasks" / "drive_map"
@@ -56,7 +57,11 @@ class Toss(ActionPrimitive):
         assert robot.spec.range_sensor is not None
         sigma = 2.0**0.5 * robot.spec.range_sensor.sigma_mm / 1e3
         if robot.range_sensor.scan().ranges[90] - before > sigma * norm.ppf(1.0 - self.fails):
-            raise NeedsPerson("the last one, too") if self.last else Discrepancy("it fell on the wrong side")
+            raise (
+                NeedsPerson("the last one, too", cause=causes.MISPLACED)
+                if self.last
+                else Discrepancy("it fell on the wrong side", cause=causes.MISPLACED)
+            )
 
 
 def rare_walk(folder: Path, at_once: float = 0.0) -> Path:

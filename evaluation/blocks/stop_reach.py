@@ -21,6 +21,7 @@ from handcart.primitives.driving.standing_room import STAND_MARGIN_M
 from handcart.primitives.knowledge.level_pose import LevelPose
 from handcart.primitives.motions.from_above import GRIP_DEPTH_M, pointing_down
 from handcart.primitives.motions.working_arm import working_arm
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import transform
@@ -52,12 +53,12 @@ class StopReach:
         """
         if spec.gripper is None or spec.hand_camera is None:
             lacking = "gripper" if spec.gripper is None else "camera"
-            raise Discrepancy(f"the robot's file has no {lacking}", permanent=True)
+            raise Discrepancy(f"the robot's file has no {lacking}", permanent=True, cause=causes.UNSUITABLE)
         arm = working_arm(spec)
         try:
             self.placer = Placer(arm, Work(BLOCK_APPROACH_SPEED_M_S, DESCENT_MAX_FORCE_N, FreeTurn.NONE, 0.0))
         except ValueError as wrong:
-            raise Discrepancy(str(wrong), permanent=True) from None
+            raise Discrepancy(str(wrong), permanent=True, cause=causes.UNSUITABLE) from None
         camera = spec.hand_camera
         self._block, self._tip = block, spec.finger_shape.tip
         self._hand_T_camera = known_camera(camera, mount_of(spec, camera, arm)).hand_T_camera

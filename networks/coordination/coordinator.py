@@ -19,7 +19,7 @@ from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.contract.attempt import attempt, pushed_reason
 from handcart.primitives.contract.unmet import find_unmet
 from handcart.primitives.knowledge.world_model import WorldModel
-from handcart.primitives.outcomes.outcome import GiveUp, Outcome, Success
+from handcart.primitives.outcomes.outcome import Fail, GiveUp, Outcome, Success
 from handcart.primitives.restoring.snapshot import Snapshot, moved
 
 from .run_life import RunLife
@@ -75,6 +75,7 @@ class Coordinator:
         self._supervision = Supervision(robot, self.life, self._log.stopped)
         self._watch = WorldWatch(robot, network, standing.seen if standing else {})
         self._permission = permission
+        self._cause = ""
 
     def request(self, what: Request, number: int | None = None) -> bool:
         """Ask for a pause, a stop and so on, as `ask` does; return whether it was taken."""
@@ -145,6 +146,8 @@ class Coordinator:
                     return self._end("Fail", plan.explanation)
             action, left = self._route.next, self.situation
             outcome = yield from self._carry_out(action)
+            if isinstance(outcome, Fail | GiveUp):
+                self._cause = outcome.cause.name
             if isinstance(outcome, GiveUp):
                 return self._end("GiveUp", f"{action}: {outcome.reason}")
             if not isinstance(outcome, Success):
@@ -279,4 +282,6 @@ class Coordinator:
     def _end(self, outcome: RunOutcome, reason: str) -> RunEnd:
         log = self._log
         replans = max(0, log.plans - 1)
-        return RunEnd(outcome, self.situation, reason, log.started, log.fails, replans, tuple(log.skipped))
+        counts = log.started, log.fails, replans, tuple(log.skipped)
+        cause = "" if outcome == "Success" else self._cause
+        return RunEnd(outcome, self.situation, reason, *counts, cause)

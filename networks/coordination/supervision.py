@@ -12,6 +12,7 @@ from typing import NamedTuple
 from handcart.backends.robot.robot import Robot
 from handcart.networks.graph.route import NotStarted
 from handcart.networks.journal.measured import in_words
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.cause import FRAMEWORK_MODULES
 from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.primitives.outcomes.outcome import Outcome
@@ -174,7 +175,7 @@ class Supervision:
                         return outcome
                 if self._robot.time > latest and self._life.state is RunState.ACTING:
                     outcome = yield from _call_back(
-                        attempt, Discrepancy(f"it took longer than {time_out:g} s")
+                        attempt, Discrepancy(f"it took longer than {time_out:g} s", cause=causes.TIME_OUT)
                     )
                     if outcome is not None:
                         return outcome
@@ -222,7 +223,11 @@ class Supervision:
         if request is Request.CANCEL:
             self._after_restoring = request
         if request in (Request.CANCEL, Request.RESTORE) and self._life.state is RunState.ACTING:
-            return (yield from _call_back(attempt, Discrepancy(_ENDING.get(request, "interrupted"))))
+            return (
+                yield from _call_back(
+                    attempt, Discrepancy(_ENDING.get(request, "interrupted"), cause=causes.CANCELLED)
+                )
+            )
         return None
 
     def _pause(self, attempt: Attempt) -> Periods:
@@ -242,7 +247,11 @@ class Supervision:
         self._life.resume()
         off = {} if stood is None else moved(self._robot, stood, take_snapshot(self._robot, {}))
         if off and self._life.state is RunState.ACTING:
-            return (yield from _call_back(attempt, Discrepancy(f"moved during a pause: {in_words(off)}")))
+            return (
+                yield from _call_back(
+                    attempt, Discrepancy(f"moved during a pause: {in_words(off)}", cause=causes.DISPLACED)
+                )
+            )
         return None
 
     def _called(self) -> bool:

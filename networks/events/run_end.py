@@ -27,6 +27,8 @@ class RunEnd:
     """Number of plans after the first."""
     skipped: tuple[str, ...] = ()
     """Elements of a `repeat` that were left undone."""
+    cause: str = ""
+    """Kind of cause of the last action that did not succeed, unless the run did; empty if unknown."""
 
     @property
     def exit_status(self) -> int:

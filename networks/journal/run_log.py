@@ -225,7 +225,9 @@ def _add_causes(record: records.Result, evidence: Evidence) -> None:
 
 
 def _cause(cause: Cause) -> records.CauseWords:
-    words = records.CauseWords(reason=cause.reason, check=cause.check, calls=list(cause.calls))
+    words = records.CauseWords(
+        reason=cause.reason, kind=cause.kind.name, check=cause.check, calls=list(cause.calls)
+    )
     if cause.measured is not None:
         words["measured"] = cause.measured._asdict()
     if cause.fault:

@@ -83,6 +83,8 @@ class CauseWords(TypedDict):
     """Reason why an attempt did not succeed."""
 
     reason: str
+    kind: NotRequired[str]
+    """Kind of cause; journals from before there were any have none."""
     check: NotRequired[str | None]
     calls: NotRequired[list[str]]
     measured: NotRequired[dict[str, Any] | None]

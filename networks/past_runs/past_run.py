@@ -51,6 +51,12 @@ class PastAction:
         return str(self.result.get("reason", ""))
 
     @property
+    def cause(self) -> str:
+        """Kind of cause of a Fail or GiveUp; empty in journals from before there were any."""
+        found = self.result.get("cause") or [{}]
+        return str(found[0].get("kind", ""))
+
+    @property
     def fails(self) -> bool:
         """True if it ended in Fail or GiveUp."""
         return self.outcome in ("Fail", "GiveUp")

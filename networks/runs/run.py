@@ -199,6 +199,7 @@ def summary(
         "actions": end.actions,
         "fails": end.fails,
         "replans": end.replans,
+        "cause": end.cause,
         "skipped": list(end.skipped),
         "sim_time_s": round(prepared.robot.time, 3),
         "wall_time_s": round(wall_time_s, 3),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.blocks.blocks import Blocks
 from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.kinematics.shapes import Box
@@ -39,5 +40,5 @@ def building(model: ModelView) -> Building:
     """The building plan; raises `Discrepancy` where the robot has none."""
     blocks = model.of(Blocks)
     if blocks.building is None:
-        raise Discrepancy("the task has no building plan", permanent=True)
+        raise Discrepancy("the task has no building plan", permanent=True, cause=causes.NOT_KNOWN)
     return blocks.building

@@ -19,6 +19,7 @@ from handcart.primitives.contract.action_primitive import ActionPrimitive, Perio
 from handcart.primitives.knowledge.place_name import PlaceName
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.motions.from_above import gripped
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.primitives.restoring.snapshot import is_holding
 
@@ -95,5 +96,9 @@ def landmark_of(model: ModelView, name: str) -> LandmarkPlan:
     """A landmark of the building plan; raises `Discrepancy` where it has none of that name."""
     marks = building(model).landmarks
     if name not in marks:
-        raise Discrepancy(f"the building plan has no landmark {name!r}{suggest(name, marks)}", permanent=True)
+        raise Discrepancy(
+            f"the building plan has no landmark {name!r}{suggest(name, marks)}",
+            permanent=True,
+            cause=causes.NOT_KNOWN,
+        )
     return marks[name]

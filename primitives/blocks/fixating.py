@@ -15,6 +15,7 @@ from handcart.primitives.blocks.blocks import Fixed
 from handcart.primitives.contract.action_primitive import Periods
 from handcart.primitives.motions.arm_motion import move_straight, move_to_pose
 from handcart.primitives.motions.from_above import pointing_down
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.primitives.outcomes.evidence import Evidence
 from handcart.robotics.geometry.pose2 import Pose2
@@ -162,7 +163,7 @@ def fixate(
             return Fixation(_mean(found), base_T_hand, views.frames, moves, tuple(found))
         yield from move_straight(robot, _level(view.next_hand(base_T_hand, seen), view), held, around)
     off = Measured("Camera", "landmark off its place in the picture", 1e3 * away, 1e3 * stop.position, "mm")
-    raise Discrepancy("the hand doesn't come to rest over the landmark", measured=off)
+    raise Discrepancy("the hand doesn't come to rest over the landmark", measured=off, cause=causes.OFF_GOAL)
 
 
 def fixed_by(robot: Robot, name: str, place: str, planned: Pose2, found: Fixation) -> Fixed:
@@ -240,7 +241,7 @@ def _identified(
         yield from _search(robot, start, views, held, around)
     if views.explanation is None:
         nothing = Measured("Camera", f"landmarks found in {views.frames} pictures", 0, 1)
-        raise Discrepancy("the landmark is not found", measured=nothing)
+        raise Discrepancy("the landmark is not found", measured=nothing, cause=causes.NOT_SEEN)
     yield from _make_sure(robot, start, views, held, around)
     if views.wanted() is None and not views.hides():
         there = placing_posture(views.explanation.planned_T_base.lift(), view.base_T_hand)
@@ -250,7 +251,11 @@ def _identified(
     seen = views.wanted()
     if seen is None:
         nothing = Measured("Camera", "landmarks where one should be by those around it", 0, 1)
-        raise Discrepancy("the landmark is not found where it should be by those around it", measured=nothing)
+        raise Discrepancy(
+            "the landmark is not found where it should be by those around it",
+            measured=nothing,
+            cause=causes.NOT_SEEN,
+        )
     return seen
 
 
@@ -269,7 +274,7 @@ def _make_sure(
         yield from views.look()
     if (left := len(views.explanations)) > 1:
         several = Measured("Camera", "places of the base from which it looks like that", left, 1)
-        raise Discrepancy("the landmarks can't be distinguished", measured=several)
+        raise Discrepancy("the landmarks can't be distinguished", measured=several, cause=causes.AMBIGUOUS)
 
 
 def _search(

@@ -27,6 +27,7 @@ from handcart.primitives.motions.arm_motion import (
 from handcart.primitives.motions.from_above import gripped, gripping, on_level
 from handcart.primitives.motions.grip import close, holds, open_to, width_off
 from handcart.primitives.motions.pushing import push
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured, NeedsPerson
 from handcart.primitives.preconditions.hand_use import TAKES_OBJECT
 from handcart.primitives.restoring.retrace import retrace
@@ -97,7 +98,7 @@ class PickUpBlock(ActionPrimitive):
         pushed = yield from push(robot, base_T_grip, BLOCK_APPROACH_SPEED_M_S, BLOCK_TOUCH_FORCE_N)
         if pushed.met:
             felt = Measured("Arm", "force that resists the hand", pushed.force, BLOCK_TOUCH_FORCE_N, "N")
-            raise Discrepancy("a finger is on the block", measured=felt)
+            raise Discrepancy("a finger is on the block", measured=felt, cause=causes.ARM_BLOCKED)
         yield from self.intend("the fingers close on the block")
         self._touched = True
         yield from close(robot)
@@ -106,9 +107,12 @@ class PickUpBlock(ActionPrimitive):
             raise Discrepancy(
                 f"the fingers closed on nothing where {name_of_block(self.number)} should be",
                 measured=_opening(robot, plan),
+                cause=causes.NOT_HELD,
             )
         if not _grips(robot, plan):
-            raise Discrepancy("the fingers don't hold a block", measured=_opening(robot, plan))
+            raise Discrepancy(
+                "the fingers don't hold a block", measured=_opening(robot, plan), cause=causes.NOT_HELD
+            )
         self._held = True
         held = gripped(robot, plan.block)
         yield from move_straight(robot, above, held)
@@ -121,7 +125,11 @@ class PickUpBlock(ActionPrimitive):
     def watch(self, robot: Robot, model: ModelView) -> None:
         """A block that slips out of the hand."""
         if self._held and not robot.gripper.closed_on_something():
-            raise Discrepancy("the block slipped out of the hand", measured=_opening(robot, building(model)))
+            raise Discrepancy(
+                "the block slipped out of the hand",
+                measured=_opening(robot, building(model)),
+                cause=causes.SLIPPED,
+            )
 
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
         """The fingers press on something as long as a block."""
@@ -148,12 +156,12 @@ class PickUpBlock(ActionPrimitive):
         stands = self._stands(robot, model, plan)
         seen = yield from see_block(robot, plan, stands, self.evidence, surroundings(robot, model))
         if seen is None:
-            raise NeedsPerson(f"block {self.number} isn't seen at its place")
+            raise NeedsPerson(f"block {self.number} isn't seen at its place", cause=causes.NOT_SEEN)
         off = 1e3 * seen.distance(on_level(stands))
         most = robot.spec.tolerance.object_mm
         if off > most:
             moved = Measured("Camera", "block off its place", off, most, "mm")
-            raise NeedsPerson(f"block {self.number} isn't at its place", moved)
+            raise NeedsPerson(f"block {self.number} isn't at its place", moved, cause=causes.MISPLACED)
         yield from move_to_joints(robot, back, around=surroundings(robot, model))
 
     def _seen(
@@ -163,7 +171,9 @@ class PickUpBlock(ActionPrimitive):
         seen = yield from see_block(robot, plan, stands, self.evidence, surroundings(robot, model))
         if seen is None:
             instead = why_unseen(robot, plan, stands)
-            raise Discrepancy(f"block {self.number} isn't seen at its planned place: {instead}")
+            raise Discrepancy(
+                f"block {self.number} isn't seen at its planned place: {instead}", cause=causes.NOT_SEEN
+            )
         off = seen.relative_to(on_level(stands))
         self.found(seen_x_mm=round(1e3 * off.x, 2), seen_y_mm=round(1e3 * off.y, 2))
         return seen.lift(float(stands[2, 3]))
@@ -174,7 +184,9 @@ class PickUpBlock(ActionPrimitive):
             return plan.seat(self.number).pose
         if self.number > len(plan.supply):
             raise Discrepancy(
-                f"the supply has {len(plan.supply)} blocks, no block {self.number}", permanent=True
+                f"the supply has {len(plan.supply)} blocks, no block {self.number}",
+                permanent=True,
+                cause=causes.NOT_KNOWN,
             )
         return np.asarray(inverse(standing(robot, model).lift()) @ plan.supply[self.number - 1].pose)
 

@@ -24,6 +24,7 @@ from handcart.primitives.motions.arm_motion import move_straight, move_to_pose, 
 from handcart.primitives.motions.from_above import gripped, gripping, on_level, pointing_down
 from handcart.primitives.motions.grip import open_to
 from handcart.primitives.motions.pushing import push, relax
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.primitives.preconditions.hand_use import LETS_GO
 from handcart.primitives.restoring.snapshot import settle
@@ -106,7 +107,9 @@ class Stack(ActionPrimitive):
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         plan = building(model)
         if self.method in IMU_METHODS and robot.spec.imu is None:
-            raise Discrepancy(f"the method {self.method} needs inertial sensors", permanent=True)
+            raise Discrepancy(
+                f"the method {self.method} needs inertial sensors", permanent=True, cause=causes.UNSUITABLE
+            )
         held = gripped(robot, plan.block)
         goal = self._goal(plan)
         around = surroundings(robot, model)
@@ -142,7 +145,9 @@ class Stack(ActionPrimitive):
             return plan.seat(self.number)
         if self.number > len(plan.goals):
             raise Discrepancy(
-                f"the plan has {len(plan.goals)} goals, none for block {self.number}", permanent=True
+                f"the plan has {len(plan.goals)} goals, none for block {self.number}",
+                permanent=True,
+                cause=causes.NOT_KNOWN,
             )
         return plan.goals[self.number - 1]
 
@@ -170,7 +175,7 @@ class Stack(ActionPrimitive):
         base_T_block = np.asarray(inverse(standing(robot, model).lift()) @ goal.pose)
         fixed = model.of(Blocks).fixed
         if fixed is None:
-            raise Discrepancy("no landmark was seen from here", permanent=True)
+            raise Discrepancy("no landmark was seen from here", permanent=True, cause=causes.NOT_KNOWN)
         if self.method in LEAN_BY_MODEL:
             known, turn = robot.spec.suspension.model, self._turned(robot, fixed, swings_to_come)
             height = landmark_of(model, fixed.landmark).height_m
@@ -190,7 +195,7 @@ class Stack(ActionPrimitive):
     def _fix_again(self, robot: Robot, model: ModelView) -> Periods:
         blocks = model.of(Blocks)
         if blocks.fixed is None:
-            raise Discrepancy("no landmark was seen from here", permanent=True)
+            raise Discrepancy("no landmark was seen from here", permanent=True, cause=causes.NOT_KNOWN)
         name = blocks.fixed.landmark
         yield from self._fix(robot, model, name, None)
 
@@ -198,7 +203,9 @@ class Stack(ActionPrimitive):
         goal = plan.goals[self.number - 1]
         if goal.landmark is None:
             raise Discrepancy(
-                f"the plan has no landmark beside the goal of block {self.number}", permanent=True
+                f"the plan has no landmark beside the goal of block {self.number}",
+                permanent=True,
+                cause=causes.NOT_KNOWN,
             )
         mark = landmark_of(model, goal.landmark)
         planned = model.places[self._place(model, mark)].pose
@@ -259,11 +266,15 @@ class Stack(ActionPrimitive):
         pushed = yield from push(robot, _raised(grip, GUARDED_DESCENT_M), FAST, DESCENT_MAX_FORCE_N)
         if pushed.met:
             felt = Measured("Arm", "force that resists the hand", pushed.force, DESCENT_MAX_FORCE_N, "N")
-            raise Discrepancy("an obstacle is at the block's goal", measured=felt)
+            raise Discrepancy("an obstacle is at the block's goal", measured=felt, cause=causes.OCCUPIED)
         pushed = yield from push(robot, _raised(grip, -CONTACT_OVERTRAVEL_M), SLOW, TOUCHDOWN_FORCE_N)
         if not pushed.met:
             felt = Measured("Arm", "force that resists the hand", pushed.force, TOUCHDOWN_FORCE_N, "N")
-            raise Discrepancy("the block doesn't touch down where its support should be", measured=felt)
+            raise Discrepancy(
+                "the block doesn't touch down where its support should be",
+                measured=felt,
+                cause=causes.NO_SUPPORT,
+            )
         touched = float(robot.base_T("hand")[2, 3] - grip[2, 3])
         yield from relax(robot)
         self.found(touched_mm=round(1e3 * touched, 2))
@@ -274,13 +285,15 @@ class Stack(ActionPrimitive):
         expected = self._corrected(robot, model, plan, goal)
         seen = yield from see_block(robot, plan, expected, self.evidence, surroundings(robot, model))
         if seen is None:
-            raise Discrepancy(f"block {self.number} isn't seen where it was put")
+            raise Discrepancy(f"block {self.number} isn't seen where it was put", cause=causes.NOT_SEEN)
         off = seen.relative_to(on_level(expected))
         self.found(seen_x_mm=round(1e3 * off.x, 2), seen_y_mm=round(1e3 * off.y, 2))
         far = float(np.hypot(off.x, off.y))
         if far > MOST_OFF:
             apart = Measured("Camera", "block off its goal", 1e3 * far, 1e3 * MOST_OFF, "mm")
-            raise Discrepancy(f"block {self.number} stands beside its goal", measured=apart)
+            raise Discrepancy(
+                f"block {self.number} stands beside its goal", measured=apart, cause=causes.MISPLACED
+            )
         self._placed = Placed(self.number, goal.floor, goal.height_m)
         blocks.placed = (*blocks.placed, self._placed)
 

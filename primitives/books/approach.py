@@ -28,6 +28,7 @@ from handcart.primitives.contract.action_primitive import ActionPrimitive, Perio
 from handcart.primitives.knowledge.place_name import PlaceName
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.motions.arm_motion import move_straight, move_to_pose
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.primitives.preconditions.hand_use import CARRIES_OBJECT
 from handcart.robotics.geometry.transform import Transform, inverse, transform
@@ -83,9 +84,11 @@ class Approach(ActionPrimitive):
         books = model.of(Books)
         book, slot = books.book, books.slot
         if book is None or not holds(robot, book):
-            raise Discrepancy("the hand doesn't hold the book", measured=opening(robot, book))
+            raise Discrepancy(
+                "the hand doesn't hold the book", measured=opening(robot, book), cause=causes.NOT_HELD
+            )
         if slot is None or slot.shelf != self.shelf:
-            raise Discrepancy(f"no slot is known on {self.shelf}", permanent=True)
+            raise Discrepancy(f"no slot is known on {self.shelf}", permanent=True, cause=causes.NOT_KNOWN)
         place = model.places[self.shelf]
         base_T_shelf = yield from measure_shelf(robot, place)
         assert place.shelf is not None  # it was measured
@@ -114,7 +117,9 @@ class Approach(ActionPrimitive):
             "Camera", "the hand off its slot's middle", 1e3 * abs(off), 1e3 * CENTRING_TOLERANCE_M, "mm"
         )
         raise Discrepancy(
-            f"the hand doesn't come before the slot: {1e3 * off:.1f} mm are left", measured=left
+            f"the hand doesn't come before the slot: {1e3 * off:.1f} mm are left",
+            measured=left,
+            cause=causes.OFF_GOAL,
         )
 
     def _measured(self, robot: Robot, base_T_shelf: Transform, slot: Slot) -> Generator[None, None, Slot]:
@@ -138,7 +143,9 @@ class Approach(ActionPrimitive):
                 "Camera", "an edge near where the slot's side was", None, 1e3 * SIDE_SEARCH_RADIUS_M, "mm"
             )
             raise Discrepancy(
-                f"the slot's side is not seen where SEARCH saw it: {_beside(slot)}", measured=unseen
+                f"the slot's side is not seen where SEARCH saw it: {_beside(slot)}",
+                measured=unseen,
+                cause=causes.NOT_SEEN,
             )
         return now
 

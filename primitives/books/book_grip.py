@@ -7,6 +7,7 @@ from handcart.primitives.contract.action_primitive import Periods
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.motions import grip
 from handcart.primitives.motions.grip import close, hand_to_tips, width_read
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 
 from .books import Books
@@ -68,9 +69,11 @@ def close_on(robot: Robot, book: Book) -> Periods:
         raise Discrepancy(
             "the fingers closed on nothing",
             measured=Measured("Gripper", "opening", width, MIN_BOOK_WIDTH_MM, "mm"),
+            cause=causes.NOT_HELD,
         )
     if not holds(robot, book):
         raise Discrepancy(
             f"what the fingers hold is {width:.0f} mm thick, not {book.thickness_mm:.0f}",
             measured=opening(robot, book),
+            cause=causes.NOT_HELD,
         )

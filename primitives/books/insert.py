@@ -18,6 +18,7 @@ from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.robot.robot import Robot
+from handcart.primitives.books import book_causes
 from handcart.primitives.books.book_boxes import held_box
 from handcart.primitives.books.book_grip import book_in, hand_to_spine, holds, opening, unlike_book
 from handcart.primitives.books.books import Books
@@ -30,6 +31,7 @@ from handcart.primitives.motions.arm_motion import move_straight, move_to_joints
 from handcart.primitives.motions.grip import hand_to_tips
 from handcart.primitives.motions.pushing import Pushed, push, relax
 from handcart.primitives.motions.taught import taught_postures
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured, NeedsPerson
 from handcart.primitives.preconditions.hand_use import CARRIES_OBJECT
 from handcart.primitives.restoring.retrace import retrace
@@ -122,7 +124,9 @@ class Insert(TreePrimitive):
     def _measure(self, robot: Robot, model: ModelView) -> Periods:
         books = model.of(Books)
         if books.book is None or not holds(robot, books.book):
-            raise Discrepancy("the hand doesn't hold the book", measured=opening(robot, books.book))
+            raise Discrepancy(
+                "the hand doesn't hold the book", measured=opening(robot, books.book), cause=causes.NOT_HELD
+            )
         end = yield from self._end(robot, model)
         start = robot.arm_model.forward(robot.arm.command())
         edge = hand_to_spine(robot) + books.book.depth_mm / 1e3
@@ -145,6 +149,7 @@ class Insert(TreePrimitive):
         raise Discrepancy(
             f"the book jams: it resists with {self._resists:.0f} N",
             measured=Measured("Arm", "force that resists the push", self._resists, JAM_FORCE_N, "N"),
+            cause=book_causes.JAMMED,
         )
         yield
 
@@ -177,7 +182,9 @@ class Insert(TreePrimitive):
         """A book that slips out of the hand."""
         if self._base_T_end is not None and not robot.gripper.closed_on_something():
             raise Discrepancy(
-                "the book slipped out of the hand", measured=opening(robot, model.of(Books).book)
+                "the book slipped out of the hand",
+                measured=opening(robot, model.of(Books).book),
+                cause=causes.SLIPPED,
             )
 
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
@@ -189,7 +196,9 @@ class Insert(TreePrimitive):
         self.found(off_mm=round(1e3 * off, 1))
         if off >= PUSH_END_TOLERANCE_M:
             left = Measured("Arm", "left to where the push ends", 1e3 * off, 1e3 * PUSH_END_TOLERANCE_M, "mm")
-            raise Discrepancy("the hand doesn't reach where the push ends", measured=left)
+            raise Discrepancy(
+                "the hand doesn't reach where the push ends", measured=left, cause=causes.OFF_GOAL
+            )
         return holds(robot, books.book)
         yield
 
@@ -204,6 +213,7 @@ class Insert(TreePrimitive):
             raise NeedsPerson(
                 f"{self._strongest:.0f} N may have pushed a neighbour back",
                 Measured("Arm", "strongest force of the push", self._strongest, PUSHES_BACK, "N"),
+                cause=book_causes.NEIGHBOUR_PUSHED,
             )
 
 
@@ -219,7 +229,9 @@ def _before_spines(robot: Robot, base_T_shelf: Transform, base_T_hand: Transform
             1e3 * away,
             "mm",
         )
-        raise Discrepancy("the hand is too close to the shelf to push a book in", measured=ahead)
+        raise Discrepancy(
+            "the hand is too close to the shelf to push a book in", measured=ahead, cause=causes.OFF_GOAL
+        )
     shelf_T_hand[0, 3] = -away
     return base_T_shelf @ shelf_T_hand
 

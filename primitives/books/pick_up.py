@@ -39,6 +39,7 @@ from handcart.primitives.motions.arm_motion import (
 from handcart.primitives.motions.grip import open_to
 from handcart.primitives.motions.pushing import push
 from handcart.primitives.motions.taught import taught_postures
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.primitives.preconditions.hand_use import TAKES_OBJECT
 from handcart.primitives.restoring.retrace import retrace
@@ -92,7 +93,7 @@ class PickUp(TreePrimitive):
         """Return the position of the book's tag in the base frame; empty if it is not seen."""
         books = model.of(Books)
         if books.book is None:
-            raise Discrepancy("no book has been recognized", permanent=True)
+            raise Discrepancy("no book has been recognized", permanent=True, cause=causes.NOT_KNOWN)
         yield from move_to_posture(robot, "look_at_tag", around=_standing(robot, model))
         yield from settle(robot)
         for _ in range(TAG_MAX_PICTURES):
@@ -122,7 +123,7 @@ class PickUp(TreePrimitive):
         books = model.of(Books)
         if books.book is None or books.book_pose is None or not self._stands:
             unseen = Measured("Camera", "pictures in which the book's tag was read", 0, 1)
-            raise Discrepancy("the book isn't seen on the tray", measured=unseen)
+            raise Discrepancy("the book isn't seen on the tray", measured=unseen, cause=causes.NOT_SEEN)
         self._book, at_grip = books.book, transform((-hand_to_spine(robot), 0.0, GRIP_HEIGHT))
         self._base_T_grip = books.book_pose.lift(_tray(robot)) @ at_grip
         yield from open_to(robot, None)
@@ -134,7 +135,11 @@ class PickUp(TreePrimitive):
         pushed = yield from push(robot, self._base_T_grip, GRIP_SPEED_M_S, GRIP_TOUCH_FORCE_N)
         if pushed.met:
             felt = Measured("Arm", "force that resists the hand", pushed.force, GRIP_TOUCH_FORCE_N, "N")
-            raise Discrepancy("a finger runs into the book: it is askew on the tray", measured=felt)
+            raise Discrepancy(
+                "a finger runs into the book: it is askew on the tray",
+                measured=felt,
+                cause=causes.ARM_BLOCKED,
+            )
 
     def _go_as_taught(self, robot: Robot, model: ModelView) -> Periods:
         before, grip, *_ = taught_postures(robot, "pick_up", 3)
@@ -166,7 +171,9 @@ class PickUp(TreePrimitive):
         """A book that slips out of the hand."""
         if self._held and not robot.gripper.closed_on_something():
             raise Discrepancy(
-                "the book slipped out of the hand", measured=opening(robot, model.of(Books).book)
+                "the book slipped out of the hand",
+                measured=opening(robot, model.of(Books).book),
+                cause=causes.SLIPPED,
             )
 
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:

@@ -13,11 +13,13 @@ from typing_extensions import override
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.camera import Camera
 from handcart.backends.robot.robot import Robot
+from handcart.primitives.books import book_causes
 from handcart.primitives.books.book_boxes import tray_box
 from handcart.primitives.books.books import Books
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.motions.arm_motion import move_straight, move_to_posture
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.primitives.preconditions.hand_use import NEEDS_EMPTY
 from handcart.primitives.restoring.snapshot import settle
@@ -101,18 +103,19 @@ class Recognize(ActionPrimitive):
         books = model.of(Books)
         if not self._seen:
             unread = Measured("Camera", f"of {self._looks} pictures those in which a tag was read", 0, 1)
-            raise Discrepancy("no tag can be read on the tray", measured=unread)
+            raise Discrepancy("no tag can be read on the tray", measured=unread, cause=causes.NOT_SEEN)
         numbers = sorted({sighting.number for sighting in self._seen})
         if len(numbers) > 1:
             raise Discrepancy(
                 f"there are several tags on the tray: {', '.join(map(str, numbers))}",
                 measured=Measured("Camera", "different tags read", len(numbers), 1),
+                cause=causes.AMBIGUOUS,
             )
         book = books.catalogue.by_accession.get(numbers[0])
         if book is None:
             read = Measured("Camera", "number of the tag that was read", numbers[0])
             unknown = f"the book with the tag {numbers[0]} is not in the catalogue"
-            raise Discrepancy(unknown, permanent=True, measured=read)
+            raise Discrepancy(unknown, permanent=True, measured=read, cause=book_causes.UNKNOWN_BOOK)
         x, y, _ = _place(self._seen)
         books.book = book
         books.book_pose = Pose2(float(x), float(y), 0.0)

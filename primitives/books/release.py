@@ -17,6 +17,7 @@ from handcart.backends.capabilities.camera import Camera
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.robot.robot import Robot
+from handcart.primitives.books import book_causes
 from handcart.primitives.books.book_boxes import shelf_boxes
 from handcart.primitives.books.book_grip import GRIP_HEIGHT, book_in, holds, opening, unlike_book
 from handcart.primitives.books.books import Books
@@ -29,6 +30,7 @@ from handcart.primitives.knowledge.world_model import ModelView, WorldModel
 from handcart.primitives.motions.arm_motion import move_straight, move_to_posture
 from handcart.primitives.motions.grip import close, hand_to_tips, open_to
 from handcart.primitives.motions.pushing import push, relax
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.primitives.preconditions.hand_use import LETS_GO
 from handcart.primitives.restoring.snapshot import settle
@@ -102,7 +104,9 @@ class Release(TreePrimitive):
     def _measure(self, robot: Robot, model: ModelView) -> Periods:
         books = model.of(Books)
         if books.book is None or not holds(robot, books.book):
-            raise Discrepancy("the hand doesn't hold the book", measured=opening(robot, books.book))
+            raise Discrepancy(
+                "the hand doesn't hold the book", measured=opening(robot, books.book), cause=causes.NOT_HELD
+            )
         self._base_T_shelf = yield from measure_shelf(robot, model.places[self.shelf])
         self._lateral = float(self._hand(robot)[1, 3])
 
@@ -113,7 +117,7 @@ class Release(TreePrimitive):
         pushed = yield from push(robot, goal, LOWER_SPEED, BOARD_CONTACT_FORCE_N)
         if not pushed.met:
             felt = Measured("Arm", "force from below", pushed.force, BOARD_CONTACT_FORCE_N, "N")
-            raise Discrepancy("no board is below the book", measured=felt)
+            raise Discrepancy("no board is below the book", measured=felt, cause=causes.NO_SUPPORT)
         self.found(lowered_mm=round(1e3 * (foot + GRIP_HEIGHT - float(self._hand(robot)[2, 3])), 1))
         yield from relax(robot)
 
@@ -139,10 +143,13 @@ class Release(TreePrimitive):
                 measured=Measured(
                     "Arm", "the finger tips before flush", 1e3 * proud, 1e3 * MAX_OVERHANG_M, "mm"
                 ),
+                cause=book_causes.PROTRUDES,
             )
         if pushed.force < PUSH_MIN_FORCE_N:
             felt = Measured("Arm", "force of the push", pushed.force, PUSH_MIN_FORCE_N, "N")
-            raise Discrepancy("the fingers don't meet the book: it may protrude", measured=felt)
+            raise Discrepancy(
+                "the fingers don't meet the book: it may protrude", measured=felt, cause=book_causes.PROTRUDES
+            )
 
     def _withdraw(self, robot: Robot) -> Periods:
         yield from self._move_in_shelf(robot, -WITHDRAWN_DISTANCE_M - self._tips(robot))
@@ -228,5 +235,5 @@ class Release(TreePrimitive):
     @property
     def _shelf(self) -> Transform:
         if self._base_T_shelf is None:
-            raise Discrepancy("the shelf hasn't been measured")
+            raise Discrepancy("the shelf hasn't been measured", cause=causes.NOT_KNOWN)
         return self._base_T_shelf

@@ -15,6 +15,7 @@ from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.camera import Camera
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.robot.robot import Robot
+from handcart.primitives.books import book_causes
 from handcart.primitives.books.book_boxes import shelf_boxes, tray_box
 from handcart.primitives.books.book_grip import hand_to_spine, unlike_book
 from handcart.primitives.books.books import Books, Slot
@@ -24,6 +25,7 @@ from handcart.primitives.knowledge.place import Shelf
 from handcart.primitives.knowledge.place_name import PlaceName
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.motions.arm_motion import move_straight, move_to_pose
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.primitives.restoring.snapshot import is_holding
 from handcart.robotics.geometry.transform import Transform, transform
@@ -256,7 +258,7 @@ class Search(ActionPrimitive):
         if isinstance(found, NoGap):
             self._decided_by(found)
             read = Measured("Camera", found.what, found.value, found.limit, found.unit)
-            raise Discrepancy(found.reason, permanent=True, measured=read)
+            raise Discrepancy(found.reason, permanent=True, measured=read, cause=book_causes.NO_SLOT)
         after, before = (str(number) if number is not None else "" for number in (found.before, found.after))
         self.found(gap_mm=round(1e3 * found.width, 1), gap_at_mm=round(1e3 * found.centre, 1))
         self.found(after=after, before=before, misplaced=", ".join(map(str, found.misplaced)))
@@ -276,10 +278,14 @@ def _wanted(model: ModelView) -> tuple[Book, CallNumber]:
     """The book whose slot is looked for, and its call number."""
     book: Book | None = model.of(Books).book
     if book is None:
-        raise Discrepancy("no book has been recognized", permanent=True)
+        raise Discrepancy("no book has been recognized", permanent=True, cause=causes.NOT_KNOWN)
     number = parse(book.call)
     if number is None:
-        raise Discrepancy(f"{book.call!r} in the catalogue is not a call number", permanent=True)
+        raise Discrepancy(
+            f"{book.call!r} in the catalogue is not a call number",
+            permanent=True,
+            cause=book_causes.UNKNOWN_BOOK,
+        )
     return book, number
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.knowledge.place import Place
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.robotics.geometry.transform import Transform, inverse
 from handcart.robotics.navigation.localization.front_line import fit_front, pose_from_front
@@ -25,7 +26,7 @@ def measure_shelf(robot: Robot, place: Place) -> Generator[None, None, Transform
         Discrepancy: no front is seen where it should be.
     """
     if place.shelf is None:
-        raise Discrepancy("no shelf is at this place", permanent=True)
+        raise Discrepancy("no shelf is at this place", permanent=True, cause=causes.NOT_KNOWN)
     scans = []
     for _ in range(FRONT_SCANS):
         yield
@@ -35,6 +36,8 @@ def measure_shelf(robot: Robot, place: Place) -> Generator[None, None, Transform
         unseen = Measured(
             "RangeSensor", "a straight front where the shelf should be", None, FRONT_GATE_M, "m"
         )
-        raise Discrepancy("the front of the shelf is not seen where it should be", measured=unseen)
+        raise Discrepancy(
+            "the front of the shelf is not seen where it should be", measured=unseen, cause=causes.NOT_SEEN
+        )
     map_T_base = pose_from_front(robot.pose, front, place.front)
     return inverse(map_T_base.lift()) @ place.map_T_shelf

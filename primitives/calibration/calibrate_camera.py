@@ -16,9 +16,11 @@ from handcart.backends.robot.robot import Robot
 from handcart.files.suggest import suggest
 from handcart.primitives.blocks.building import BoardPlan
 from handcart.primitives.blocks.building_site import building, standing, surroundings
+from handcart.primitives.calibration import calibration_causes
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.motions.arm_motion import move_to_pose
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.calibrated import Calibrated, as_facts
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.primitives.preconditions.hand_use import NEEDS_EMPTY
@@ -72,11 +74,15 @@ class CalibrateCamera(ActionPrimitive):
         views = yield from self._look(robot, model, plan, base_T_board)
         if len(views) < self.views:
             few = Measured("Camera", "views of the board", len(views), self.views)
-            raise Discrepancy("the board can't be seen from enough sides", measured=few)
+            raise Discrepancy(
+                "the board can't be seen from enough sides", measured=few, cause=causes.OUT_OF_REACH
+            )
         try:
             found = yield from robot.compute(_calibrated, robot, views)
         except ValueError as error:
-            raise Discrepancy(f"the views don't calibrate the camera: {error}") from None
+            raise Discrepancy(
+                f"the views don't calibrate the camera: {error}", cause=calibration_causes.NOT_OBSERVABLE
+            ) from None
         self._tell(robot, found)
 
     def _look(
@@ -159,7 +165,11 @@ def _lens(start: str, found: CameraCalibration) -> dict[str, Calibrated]:
 def _board_of(model: ModelView, name: str) -> BoardPlan:
     boards = building(model).boards
     if name not in boards:
-        raise Discrepancy(f"the building plan has no board {name!r}{suggest(name, boards)}", permanent=True)
+        raise Discrepancy(
+            f"the building plan has no board {name!r}{suggest(name, boards)}",
+            permanent=True,
+            cause=causes.NOT_KNOWN,
+        )
     return boards[name]
 
 

@@ -18,10 +18,12 @@ from handcart.primitives.blocks.building import LandmarkName, LandmarkPlan
 from handcart.primitives.blocks.building_site import building, standing, surroundings
 from handcart.primitives.blocks.fixate import landmark_of
 from handcart.primitives.blocks.pick_up_block import unlike_block
+from handcart.primitives.calibration import calibration_causes
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.motions.arm_motion import move_straight, move_to_pose
 from handcart.primitives.motions.from_above import gripped
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.calibrated import Calibrated, as_facts
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.primitives.preconditions.hand_use import CARRIES_OBJECT
@@ -92,14 +94,17 @@ class CalibrateSuspension(ActionPrimitive):
             yaw = fit_swing_yaw(headings, between)
             fit = yield from robot.compute(_fitted, robot, scene, sightings, yaw.yaw_per_swing)
         except ValueError as error:
-            raise Discrepancy(f"suspension parameters aren't observable from these views: {error}") from None
+            raise Discrepancy(
+                f"suspension parameters aren't observable from these views: {error}",
+                cause=calibration_causes.NOT_OBSERVABLE,
+            ) from None
         self._tell(yaw, fit, len(sightings) + headings.size)
 
     def watch(self, robot: Robot, model: ModelView) -> None:
         """A block that slips out of the hand."""
         if not robot.gripper.closed_on_something():
             width = Measured("Gripper", "opening", 1e3 * robot.gripper.width(), unit="mm")
-            raise Discrepancy("the block slipped out of the hand", measured=width)
+            raise Discrepancy("the block slipped out of the hand", measured=width, cause=causes.SLIPPED)
 
     def _scene(self, robot: Robot, model: ModelView) -> HandSurroundings:
         marks = [landmark_of(model, name) for name in self.landmarks]
@@ -170,7 +175,12 @@ def _farthest(robot: Robot, scene: HandSurroundings, here: Transform) -> Transfo
     least = MIN_SWING_RATIO * robot.spec.suspension.swing_from_mm / 1e3
     if max(far) < least:
         near = Measured("Arm", "way of a swing", max(far), least, "m")
-        raise Discrepancy("the landmarks are too near for a swing", permanent=True, measured=near)
+        raise Discrepancy(
+            "the landmarks are too near for a swing",
+            permanent=True,
+            measured=near,
+            cause=calibration_causes.NOT_OBSERVABLE,
+        )
     return views[int(np.argmax(far))]
 
 

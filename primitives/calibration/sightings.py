@@ -12,6 +12,7 @@ from handcart.backends.robot.robot import Robot
 from handcart.primitives.blocks.building import LandmarkPlan
 from handcart.primitives.motions.arm_motion import move_straight
 from handcart.primitives.motions.from_above import on_level, pointing_down
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.primitives.outcomes.evidence import Evidence
 from handcart.primitives.restoring.snapshot import settle
@@ -83,5 +84,5 @@ def see(
     near = [each for each in seen if each.base_T_landmark.distance(expected) < LANDMARK_RADIUS_M]
     if not near:
         nothing = Measured("Camera", "landmarks where one should be", len(near), 1)
-        raise Discrepancy("a landmark is not where it should be", measured=nothing)
+        raise Discrepancy("a landmark is not where it should be", measured=nothing, cause=causes.MISPLACED)
     return min(near, key=lambda each: each.base_T_landmark.distance(expected))

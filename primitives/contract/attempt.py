@@ -10,7 +10,9 @@ from typing import TypeVar
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.knowledge.bumps import keep_off_bumps, note_bump
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
-from handcart.primitives.outcomes.cause import FRAMEWORK_MODULES, Cause
+from handcart.primitives.outcomes import causes
+from handcart.primitives.outcomes.cause import FRAMEWORK_MODULES, Cause, kind_of
+from handcart.primitives.outcomes.cause_kind import CauseKind
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured, NeedsPerson
 from handcart.primitives.outcomes.outcome import Fail, GiveUp, Outcome, Success, fail_if_restored
 from handcart.primitives.restoring.back_off import back_off
@@ -74,27 +76,27 @@ def attempt(
             yield
         rests = yield from settle(robot)
         if unmet := find_unmet(primitive, robot, model):
-            raise Discrepancy(unmet, check="precondition")
+            raise Discrepancy(unmet, check="precondition", cause=causes.PRECONDITION)
         start = _begun(robot)
         keep_off_bumps(robot, model)
         robot.base.starts_here()
     except Exception as early:  # nothing was commanded yet
         robot.stop()
         primitive.evidence.blame(early)
-        return fail_if_restored(_words(early), isinstance(early, Discrepancy) and early.permanent, {}, {})
+        return fail_if_restored(_words(early), getattr(early, "permanent", False), {}, {}, kind_of(early))
     if not rests or robot.localization.displacements > displaced:
         robot.stop()
-        cause = Cause(pushed_reason(robot), "push") if rests else Cause(RESTLESS_REASON, "rest")
-        primitive.evidence.causes.append(cause)
-        return GiveUp(cause.reason)
+        return _not_begun(primitive, robot, rests)
     trace = Trace(robot)
     try:
         start = replace(start, seen=(yield from _recorded(primitive.observe(robot, view), trace)))
         yield from _watched(primitive, primitive.motion(robot, view), robot, model, trace)
         if not (yield from settle(robot)):
-            raise Discrepancy("the robot doesn't come to rest", check="rest")
+            raise Discrepancy("the robot doesn't come to rest", check="rest", cause=causes.NO_REST)
         if not (yield from _recorded(primitive.effect(robot, view), trace)):
-            raise Discrepancy("success is not confirmed: the effect is not seen", check="effect")
+            raise Discrepancy(
+                "success is not confirmed: the effect is not seen", check="effect", cause=causes.NO_EFFECT
+            )
         note_hand(primitive, model)
         robot.localization.look_again()
         _check_not_pushed(robot, displaced)
@@ -102,19 +104,19 @@ def attempt(
     except NeedsPerson as need:
         primitive.evidence.blame(need)
         yield from halt(robot)
-        return GiveUp(need.reason)
+        return GiveUp(need.reason, cause=need.cause)
     except Discrepancy as discrepancy:
         primitive.evidence.blame(discrepancy)
-        reason, permanent = discrepancy.reason, discrepancy.permanent
+        reason, permanent, cause = discrepancy.reason, discrepancy.permanent, discrepancy.cause
     except Exception as error:  # a fault of the primitive's own code is restored from like any other
         primitive.evidence.blame(error)
-        reason, permanent = _words(error), False
+        reason, permanent, cause = _words(error), False, kind_of(error)
         primitive.found(traceback=traceback.format_exc())
     robot.stop()
     on_restore(reason)
     if primitive._no_return is not None:
-        return (yield from _finish(primitive, robot, view, reason))
-    return (yield from _restore(primitive, robot, model, start, trace, reason, permanent))
+        return (yield from _finish(primitive, robot, view, reason, cause))
+    return (yield from _restore(primitive, robot, model, start, trace, reason, permanent, cause))
 
 
 def _begun(robot: Robot) -> Snapshot:
@@ -133,23 +135,32 @@ def _begun(robot: Robot) -> Snapshot:
     return now
 
 
+def _not_begun(primitive: ActionPrimitive, robot: Robot, rests: bool) -> GiveUp:
+    """Return the GiveUp of a primitive that could not begin: the robot does not rest, or was pushed."""
+    pushed = Cause(pushed_reason(robot), "push", kind=causes.DISPLACED)
+    cause = pushed if rests else Cause(RESTLESS_REASON, "rest", kind=causes.NO_REST)
+    primitive.evidence.causes.append(cause)
+    return GiveUp(cause.reason, cause=cause.kind)
+
+
 def _think(primitive: ActionPrimitive, robot: Robot, model: WorldModel) -> Generator[None, None, Outcome]:
     """A primitive that only changes knowledge: nothing moves, so nothing has to be restored."""
     try:
         if unmet := find_unmet(primitive, robot, model):
-            raise Discrepancy(unmet, check="precondition")
+            raise Discrepancy(unmet, check="precondition", cause=causes.PRECONDITION)
         yield from primitive.motion(robot, model.view(primitive))
         return Success(dict(primitive.facts))
     except NeedsPerson as need:
         primitive.evidence.blame(need)
-        return GiveUp(need.reason)
+        return GiveUp(need.reason, cause=need.cause)
     except Discrepancy as discrepancy:
         primitive.evidence.blame(discrepancy)
-        return fail_if_restored(discrepancy.reason, discrepancy.permanent, {}, {})
+        reason, permanent = discrepancy.reason, discrepancy.permanent
+        return fail_if_restored(reason, permanent, {}, {}, discrepancy.cause)
     except Exception as error:  # a fault of the primitive's own code
         primitive.evidence.blame(error)
         primitive.found(traceback=traceback.format_exc())
-        return fail_if_restored(_words(error), False, {}, {})
+        return fail_if_restored(_words(error), False, {}, {}, kind_of(error))
 
 
 def _recorded(periods: Generator[None, None, T], trace: Trace) -> Generator[None, None, T]:
@@ -184,7 +195,7 @@ def _watched(
 
 
 def _finish(
-    primitive: ActionPrimitive, robot: Robot, view: ModelView, reason: str
+    primitive: ActionPrimitive, robot: Robot, view: ModelView, reason: str, cause: CauseKind
 ) -> Generator[None, None, GiveUp]:
     """Withdraw; what happened can't be undone, so a person has to look."""
     try:
@@ -193,7 +204,7 @@ def _finish(
         primitive.evidence.blame(error, restoring=True)
         reason = f"{reason}; and withdrawing: {_words(error)}"
     yield from halt(robot)
-    return GiveUp(f"{reason}; after a point of no return ({primitive._no_return})")
+    return GiveUp(f"{reason}; after a point of no return ({primitive._no_return})", cause=cause)
 
 
 def _restore(
@@ -204,9 +215,10 @@ def _restore(
     trace: Trace,
     reason: str,
     permanent: bool,
+    cause: CauseKind,
 ) -> Generator[None, None, Fail | GiveUp]:
     """Restore, wait for rest, measure, compare with the absolute snapshot."""
-    verdict: Fail | GiveUp = GiveUp(reason)
+    verdict: Fail | GiveUp = GiveUp(reason, cause=cause)
     view, blocked = model.view(primitive), robot.blocked
     for again in range(RESTORE_MAX_TRIES):
         room = primitive.base_room(robot, view)
@@ -220,11 +232,11 @@ def _restore(
         except Exception as error:  # no second restore on top of a fault in restoring
             primitive.evidence.blame(error, restoring=True)
             yield from halt(robot)
-            return GiveUp(f"{reason}; and restoring failed: {_words(error)}")
+            return GiveUp(f"{reason}; and restoring failed: {_words(error)}", cause=cause)
         units = robot.spec.joint_units
         found = residuals(start, now, units.slides, units.endless)
         primitive.evidence.limits = limits(robot, found, room)
-        verdict = fail_if_restored(reason, permanent, found, primitive.evidence.limits)
+        verdict = fail_if_restored(reason, permanent, found, primitive.evidence.limits, cause)
         if isinstance(verdict, Fail):
             robot.failed_from = start.pose
             robot.stop()
@@ -271,7 +283,7 @@ def _within_time(way_back: Periods, robot: Robot, primitive: ActionPrimitive, mo
         primitive.watch(robot, view)
         if robot.time > end:
             why = "" if robot.held is None else f": {robot.held.words}"
-            raise Discrepancy(f"restoring takes too long{why}", check="time")
+            raise Discrepancy(f"restoring takes too long{why}", check="time", cause=causes.TIME_OUT)
 
 
 def pushed_reason(robot: Robot) -> str:
@@ -290,13 +302,13 @@ def _pushed(robot: Robot) -> NeedsPerson:
     """Return the exception for a base that was moved by others."""
     lifted = robot.localization.lifted
     measured = None if lifted is None else Measured(*lifted[1:])
-    return NeedsPerson(pushed_reason(robot), measured, check="push")
+    return NeedsPerson(pushed_reason(robot), measured, check="push", cause=causes.DISPLACED)
 
 
 def _alone(robot: Robot, primitive: ActionPrimitive) -> None:
     """Once a period; both of two that move the robot at the same time stop and give up (row N12)."""
     if not robot.moved_by(primitive):
-        raise NeedsPerson(NOT_ALONE, check="robot")
+        raise NeedsPerson(NOT_ALONE, check="robot", cause=causes.NOT_ALONE)
 
 
 def _words(error: Exception) -> str:

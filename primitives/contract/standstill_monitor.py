@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from handcart.backends.robot.robot import Robot
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 
 STANDSTILL_TIMEOUT_S = 10.0
@@ -38,5 +39,8 @@ class StandstillMonitor:
         if self._driven > STANDSTILL_TIMEOUT_S:
             stood = Measured("Base", "time driven without moving", self._driven, STANDSTILL_TIMEOUT_S, "s")
             raise Discrepancy(
-                "the base doesn't move, though it is driven", measured=stood, check="standstill"
+                "the base doesn't move, though it is driven",
+                measured=stood,
+                check="standstill",
+                cause=causes.NO_PROGRESS,
             )

@@ -8,6 +8,7 @@ import numpy as np
 
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.robot.robot import Robot
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 
 MAX_LAG_PERIODS = 5  # periods by which joints may follow late
@@ -60,4 +61,5 @@ class TrackingErrorMonitor:
                 "Arm", f"{name} off its command", scale * off, scale * TRACKING_TOLERANCE_RAD, unit
             ),
             check="following",
+            cause=causes.NOT_FOLLOWING,
         )

@@ -12,7 +12,9 @@ from handcart.backends.robot.robot import Robot
 from handcart.primitives.clock.tick_clock import robot_clock
 from handcart.primitives.clock.wall_clock import refuse_wall_clock
 from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.cause import FRAMEWORK_MODULES
+from handcart.primitives.outcomes.cause_kind import CauseKind
 from handcart.primitives.outcomes.discrepancy import Discrepancy
 
 from .action_primitive import ActionPrimitive, Periods
@@ -108,7 +110,7 @@ def ticked(root: Behaviour, now: Callable[[], float]) -> Periods:
             if root.status == Status.SUCCESS:
                 return
             if root.status != Status.RUNNING:
-                raise Discrepancy(_why(root))
+                raise Discrepancy(_why(root), cause=_cause_of(root))
             yield
     finally:
         with robot_clock(now):
@@ -117,7 +119,17 @@ def ticked(root: Behaviour, now: Callable[[], float]) -> Periods:
                 node.shutdown()
 
 
-def _why(root: Behaviour) -> str:
+def _failed_leaf(root: Behaviour) -> Behaviour:
     tip = root.tip()
-    failed = tip if tip is not None and tip.status == Status.FAILURE else root
+    return tip if tip is not None and tip.status == Status.FAILURE else root
+
+
+def _cause_of(root: Behaviour) -> CauseKind:
+    """Return the cause that the failed leaf names in its attribute `cause`."""
+    cause = getattr(_failed_leaf(root), "cause", None)
+    return cause if isinstance(cause, CauseKind) else causes.TREE_FAILED
+
+
+def _why(root: Behaviour) -> str:
+    failed = _failed_leaf(root)
     return failed.feedback_message or f"{failed.name} failed"

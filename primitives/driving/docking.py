@@ -11,6 +11,7 @@ from handcart.backends.robot.localization.determination import DETERMINED_SIGMAS
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import Periods
 from handcart.primitives.knowledge.place import Place
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.primitives.restoring.retrace import reach_pose
 from handcart.primitives.restoring.snapshot import settle
@@ -47,7 +48,7 @@ def dock(robot: Robot, name: str, place: Place, need: PoseNeed, report: Callable
         front = fit_front(np.vstack(scans), expected, gate=0.15)
         if front is None:
             unseen = Measured("RangeSensor", "a straight front where the map has one")
-            raise Discrepancy(f"the front before {name} is not seen", measured=unseen)
+            raise Discrepancy(f"the front before {name} is not seen", measured=unseen, cause=causes.NOT_SEEN)
         seen = pose_from_front(robot.pose, front, place.front)
         report(dock_mm=round(1e3 * seen.distance(place.pose), 1))
         if (
@@ -64,7 +65,9 @@ def dock(robot: Robot, name: str, place: Place, need: PoseNeed, report: Callable
         1e3 * DOCK_TOLERANCE.position,
         "mm",
     )
-    raise Discrepancy(f"the base doesn't come to rest square before {name}", measured=off)
+    raise Discrepancy(
+        f"the base doesn't come to rest square before {name}", measured=off, cause=causes.OFF_GOAL
+    )
 
 
 def check_front(front: FrontLine, name: str, need: PoseNeed) -> None:
@@ -80,4 +83,10 @@ def check_front(front: FrontLine, name: str, need: PoseNeed) -> None:
         if not size <= limit:
             measured = Measured("RangeSensor", "3 sigma of the front", size, limit, unit)
             why = f"not determined: the front before {name} is measured to {size:.1f} {unit}"
-            raise Discrepancy(f"{why}, at most {limit:.1f} {unit} allowed", True, measured, NOT_DETERMINED)
+            raise Discrepancy(
+                f"{why}, at most {limit:.1f} {unit} allowed",
+                True,
+                measured,
+                NOT_DETERMINED,
+                cause=causes.UNDETERMINED,
+            )

@@ -12,6 +12,7 @@ from handcart.backends.robot.robot import Robot
 from handcart.primitives.knowledge.bumps import avoided_points
 from handcart.primitives.knowledge.place import Place
 from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.following.car_tracker import CarTracker
@@ -56,7 +57,9 @@ def plan_drive(robot: Robot, model: ModelView, goal: Place, cells: bool = True) 
 def no_way(name: str, way: Way) -> Discrepancy:
     """Return the permanent Discrepancy that no route leads to a place, with its reason."""
     words = f"no way leads to {name}" if way.fits else f"the base can't stand at {name}"
-    return Discrepancy(f"{words}: {way.reason}", permanent=True, measured=_shortage(way))
+    return Discrepancy(
+        f"{words}: {way.reason}", permanent=True, measured=_shortage(way), cause=causes.NO_ROUTE
+    )
 
 
 def _shortage(way: Way) -> Measured | None:
@@ -79,10 +82,12 @@ def plan_tracker(
     """
     if robot.spec.drive.kind == "ackermann":
         if reverse:
-            raise Discrepancy("a car-like base isn't driven backwards", permanent=True)
+            raise Discrepancy(
+                "a car-like base isn't driven backwards", permanent=True, cause=causes.UNSUITABLE
+            )
         way = yield from robot.compute(plan_car_drive, robot, model, goal)
         if way is None:
-            raise Discrepancy(f"no way leads to {place} in the field", permanent=True)
+            raise Discrepancy(f"no way leads to {place} in the field", permanent=True, cause=causes.NO_ROUTE)
         sharpest = robot.spec.drive.sharpest_per_m
         tracker = CarTracker.along(way, robot.pose, goal, sharpest, robot.drive_limits)
         return tracker, way.poses[:, :2]
@@ -108,7 +113,7 @@ def plan_car_drive(robot: Robot, model: ModelView, goal: Pose2) -> CarPath | Non
 def goal_pose(model: ModelView, place: str) -> Pose2:
     """map_T_base of a place; raises `Discrepancy` where the model has no such place."""
     if place not in model.places:
-        raise Discrepancy(f"there is no place {place!r} on the map", permanent=True)
+        raise Discrepancy(f"there is no place {place!r} on the map", permanent=True, cause=causes.NOT_KNOWN)
     return model.places[place].pose
 
 

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from handcart.backends.capabilities.scan import Scan
 from handcart.backends.robot.localization.lidar import MAX_BLIND_SHARE, Lidar
 from handcart.backends.robot.robot import Robot
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Measured, NeedsPerson
 from handcart.robotics.navigation.maps.expected_echoes import ExpectedEchoes, expected_echoes
 from handcart.robotics.navigation.maps.grid_map import GridMap
@@ -59,7 +60,7 @@ class LidarWatch:
             share = Measured(
                 "RangeSensor", "share of beams that show nothing", lidar.blind_share, MAX_BLIND_SHARE
             )
-            raise NeedsPerson(blockage, share)
+            raise NeedsPerson(blockage, share, cause=causes.SENSOR_FAULT)
 
     def _compare(self, lidar: Lidar, robot: Robot, grid: GridMap) -> None:
         scan = lidar.scan()
@@ -83,6 +84,7 @@ class LidarWatch:
             raise NeedsPerson(
                 f"the lidar gets too few echoes, it is blocked, dirty or mounted wrongly: {words}",
                 Measured("RangeSensor", "share of expected echoes", echoes / count, MIN_ECHO_SHARE),
+                cause=causes.SENSOR_FAULT,
             )
 
     def _compare_sectors(self, scan: Scan, walls: ExpectedEchoes, expected: NDArray[np.bool_]) -> None:
@@ -109,6 +111,7 @@ class LidarWatch:
                 raise NeedsPerson(
                     f"the lidar is covered at {ends}: {beams_words}",
                     Measured("RangeSensor", "share of silent beams", silent / count, MAX_SILENT_SHARE),
+                    cause=causes.SENSOR_FAULT,
                 )
         right = np.flatnonzero(expected & returned)
         right = right[np.abs(scan.ranges[right] - walls.ranges[right]) < SAME_WALL_M]

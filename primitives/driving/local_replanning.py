@@ -11,6 +11,7 @@ from handcart.backends.robot.robot import Robot
 from handcart.primitives.knowledge.bumps import avoided_points
 from handcart.primitives.knowledge.place import Place
 from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.following.path_tracking import PathTracker
@@ -167,7 +168,9 @@ class LocalReplanning:
         if robot.time > self._nearer_at + patience:
             since = robot.time - self._nearer_at
             late = Measured("Base", "time without getting nearer", since, patience, "s")
-            raise Discrepancy(f"the base doesn't get nearer to {self._name}", measured=late)
+            raise Discrepancy(
+                f"the base doesn't get nearer to {self._name}", measured=late, cause=causes.NO_PROGRESS
+            )
         if robot.pose.distance(self._anchor) > PINNED_MOTION_M or waits:
             self._anchor, self._held_for = robot.pose, 0.0
         elif robot.held is not None:
@@ -218,13 +221,17 @@ class LocalReplanning:
         self._nearest, self._nearer_at = np.inf, robot.time
         look = yield from robot.compute(self._answer, robot.pose, None, self._avoided(robot))
         if look.kind == "none":
-            raise Discrepancy("an obstacle is on the way back, and no other way leads there")
+            raise Discrepancy(
+                "an obstacle is on the way back, and no other way leads there", cause=causes.BLOCKED
+            )
         tracker = PathTracker(look.points, goal.theta, robot.drive_limits, allowed=look.speeds)
         while not tracker.finished(robot.pose):
             self.update(robot, tracker)
             waits = self.blocked_since is not None
             if waits and robot.time > (self.blocked_since or 0.0) + wait_s:
-                raise Discrepancy("an obstacle is on the way back, and no other way leads there")
+                raise Discrepancy(
+                    "an obstacle is on the way back, and no other way leads there", cause=causes.BLOCKED
+                )
             if self.pinned(robot):
                 yield from self.back_off(robot, tracker)
             robot.base.drive(*(tracker.hold if waits else tracker.command)(robot.pose, robot.period))
@@ -239,6 +246,7 @@ class LocalReplanning:
             f"an obstacle is on the path to {self._name}, at ({x:.2f}, {y:.2f}) m, "
             "and no other way leads there",
             measured=Measured("RangeSensor", "free way ahead", free, HOLD_DISTANCE_M, "m"),
+            cause=causes.BLOCKED,
         )
 
     def _nearest_to_route(self, ahead: Floats) -> tuple[float, float]:
@@ -255,4 +263,5 @@ class LocalReplanning:
         return Discrepancy(
             f"no way leads to {self._name} past what was sensed",
             measured=Measured("RangeSensor", "points sensed that are not on the map", len(self.points)),
+            cause=causes.NO_ROUTE,
         )

@@ -18,6 +18,7 @@ from handcart.backends.robot.localization.localizations import range_noise
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured, NeedsPerson
 from handcart.primitives.restoring.snapshot import settle
 from handcart.robotics.geometry.pose2 import Pose2
@@ -133,7 +134,9 @@ class Locate(ActionPrimitive):
         self._lidar_watch.watch(robot, None)
         lost = robot.localization.lost
         if lost is not None and not robot.localization.is_located:
-            raise NeedsPerson(f"LOCATE does not know the way it came: {lost.why}", Measured(*lost[1:]))
+            raise NeedsPerson(
+                f"LOCATE does not know the way it came: {lost.why}", Measured(*lost[1:]), cause=causes.LOST
+            )
 
     # Looking
 
@@ -143,7 +146,9 @@ class Locate(ActionPrimitive):
         lidar = robot.lidar
         if lidar is None or lidar.silence:
             silence = "there is no lidar" if lidar is None else lidar.silence
-            raise Discrepancy(silence, measured=Measured("RangeSensor", "echoes of a scan"))
+            raise Discrepancy(
+                silence, measured=Measured("RangeSensor", "echoes of a scan"), cause=causes.SENSOR_FAULT
+            )
         beams = beams_of(lidar)
         yield from robot.compute(hypotheses.take, beams, robot.pose, takes=SEARCH_S)
         alive = hypotheses.alive
@@ -194,7 +199,7 @@ class Locate(ActionPrimitive):
             driven = Measured(
                 "Base", "time driven without getting on", robot.time - since, HELD_TIMEOUT_S, "s"
             )
-            raise Discrepancy("the base doesn't get on", measured=driven)
+            raise Discrepancy("the base doesn't get on", measured=driven, cause=causes.NO_PROGRESS)
         return tracker.progress
 
     def _surroundings(self, robot: Robot, tried: Array) -> Surroundings:
@@ -245,15 +250,17 @@ class Locate(ActionPrimitive):
         if not hypotheses.is_explained:
             share = Measured("RangeSensor", "share of the scans that the map explains", hypotheses.share)
             words = "no place on the map explains the scans"
-            return Discrepancy(words, permanent=True, measured=share._replace(limit=MIN_EXPLAINED))
+            return Discrepancy(
+                words, permanent=True, measured=share._replace(limit=MIN_EXPLAINED), cause=causes.LOST
+            )
         odds = min(hypotheses.margin, REFUTED_LOG)
         margin = Measured("RangeSensor", "log-odds of the best place", odds, REFUTED_LOG)
         if len(alive) == 1:
             words = f"the scans do not determine where along its walls the base is: {_named(hypotheses, 1)}"
-            return Discrepancy(words, permanent=True, measured=margin)
+            return Discrepancy(words, permanent=True, measured=margin, cause=causes.UNDETERMINED)
         places = _named(hypotheses, len(alive))
         words = f"ambiguous: after {driven:.1f} m {len(alive)} places explain the scans alike: {places}"
-        return Discrepancy(words, permanent=True, measured=margin)
+        return Discrepancy(words, permanent=True, measured=margin, cause=causes.AMBIGUOUS)
 
 
 def _has_moved(before: Pose2, now: Pose2) -> bool:

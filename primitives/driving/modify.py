@@ -14,6 +14,7 @@ from handcart.primitives.contract.action_primitive import ActionPrimitive, Perio
 from handcart.primitives.knowledge.bumps import avoided_points, last_bump
 from handcart.primitives.knowledge.place_name import PlaceName
 from handcart.primitives.knowledge.world_model import Detour, ModelView
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.robotics.navigation.maps.bump_area import UNSEEN_SIZE_M
 
@@ -55,7 +56,9 @@ class Modify(ActionPrimitive):
             sensed = Measured("RangeSensor", "points sensed that are not on the map", len(model.obstacles))
             if len(model.bumps):
                 sensed = Measured("Base", "places where it ran into something", len(model.bumps))
-            raise Discrepancy(self._no_way(robot, model), permanent=True, measured=sensed)
+            raise Discrepancy(
+                self._no_way(robot, model), permanent=True, measured=sensed, cause=causes.NO_ROUTE
+            )
         self.evidence.points["planned"] = points
         self.found(detour_m=round(length, 3))
         model.detour = Detour(self.place, points)

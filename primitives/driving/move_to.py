@@ -27,6 +27,7 @@ from handcart.primitives.knowledge.meant_contact import MeantContact
 from handcart.primitives.knowledge.place import Place
 from handcart.primitives.knowledge.place_name import PlaceName
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured, NeedsPerson
 from handcart.primitives.preconditions.hand_use import USE_UNDECLARED, USES_NO_FINGERS, HandUse
 from handcart.primitives.restoring.retrace import LONGEST_REACH, reach_pose, retrace
@@ -184,7 +185,13 @@ class MoveTo(ActionPrimitive):
             return
         size, limit = found.shown
         measured = Measured(robot.localization.source, "3 sigma of the pose", size, limit, found.unit)
-        raise Discrepancy(f"not determined: at {self.place} {found.words}", True, measured, NOT_DETERMINED)
+        raise Discrepancy(
+            f"not determined: at {self.place} {found.words}",
+            True,
+            measured,
+            NOT_DETERMINED,
+            cause=causes.UNDETERMINED,
+        )
 
     def _arm(self, robot: Robot, model: ModelView, remaining: Callable[[], float]) -> Iterator[None]:
         """Return the arm's motion during the drive."""
@@ -275,7 +282,7 @@ class MoveTo(ActionPrimitive):
             touches = "its wheels slip, or it touches something that neither map nor scan shows"
             why = f": {touches}" if rolled > SLIP_DISTANCE_M else ""
             remember_bump(robot, model, forwards=not self.reverse)
-            return Discrepancy(f"the base doesn't get on{why}", measured=stood)
+            return Discrepancy(f"the base doesn't get on{why}", measured=stood, cause=causes.NO_PROGRESS)
         if held.shown_by == "scan" and self._monitor is not None:
             found = self._monitor.around(robot, np.array([held.x, held.y]))
             model.obstacles = np.vstack([model.obstacles, found])
@@ -286,15 +293,21 @@ class MoveTo(ActionPrimitive):
         )
         sensor = "Base" if held.shown_by == "contact" else "RangeSensor"
         near = Measured(sensor, f"room to {shown}", held.room, held.needed, "m")
-        return Discrepancy(f"the base doesn't get on to {self.place}: {held.words}", measured=near)
+        return Discrepancy(
+            f"the base doesn't get on to {self.place}: {held.words}", measured=near, cause=causes.BLOCKED
+        )
 
     def watch(self, robot: Robot, model: ModelView) -> None:
         """Something unexpected in the way: hold, and after `wait_s` it is a Discrepancy."""
         lost = robot.localization.lost
         if lost is not None:
-            raise NeedsPerson(f"the robot doesn't know where it is: {lost.why}", Measured(*lost[1:]))
+            raise NeedsPerson(
+                f"the robot doesn't know where it is: {lost.why}", Measured(*lost[1:]), cause=causes.LOST
+            )
         if not robot.localization.heading_known:
-            raise Discrepancy("the heading is unknown; run ORIENT first", permanent=True)
+            raise Discrepancy(
+                "the heading is unknown; run ORIENT first", permanent=True, cause=causes.UNDETERMINED
+            )
         self._lidar_watch.watch(robot, model.map)
         if self._local is not None:
             self._watch_local(robot)
@@ -314,6 +327,7 @@ class MoveTo(ActionPrimitive):
             raise Discrepancy(
                 f"an obstacle is on {self._way}, at ({x:.2f}, {y:.2f}) m",
                 measured=Measured("RangeSensor", "free way ahead", found[0], WATCH_HORIZON_M, "m"),
+                cause=causes.BLOCKED,
             )
 
     def _watch_local(self, robot: Robot) -> None:
@@ -366,7 +380,7 @@ class MoveTo(ActionPrimitive):
                 yield from reach_pose(robot, start.pose)
                 return
             if waited and self._local is not None:
-                raise Discrepancy("an obstacle is on the way back")
+                raise Discrepancy("an obstacle is on the way back", cause=causes.BLOCKED)
             if self._blocked_since is None and next(way_back, self) is self:
                 return
             yield

@@ -11,6 +11,7 @@ from handcart.backends.capabilities.base import Base
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 
 BLOCKED_TIMEOUT_S = 10.0  # that something may stand in the way
@@ -38,12 +39,16 @@ class Orient(ActionPrimitive):
         while not robot.localization.heading_known:
             if driven > self.longest_m:
                 way = Measured("Gps", "way without knowing the heading", driven, self.longest_m, "m")
-                raise Discrepancy("it doesn't show which way the robot heads", measured=way)
+                raise Discrepancy(
+                    "it doesn't show which way the robot heads", measured=way, cause=causes.UNDETERMINED
+                )
             if robot.held is None:
                 since = robot.time
             elif robot.time > since + BLOCKED_TIMEOUT_S:
                 near = Measured("RangeSensor", "room ahead", robot.held.room, robot.held.needed, "m")
-                raise Discrepancy(f"the base can't drive ahead: {robot.held.words}", measured=near)
+                raise Discrepancy(
+                    f"the base can't drive ahead: {robot.held.words}", measured=near, cause=causes.BLOCKED
+                )
             speed = min(limits.speed, speed + limits.acceleration * robot.period)
             robot.base.drive(speed, 0.0)
             yield

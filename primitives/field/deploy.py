@@ -21,10 +21,12 @@ from handcart.backends.capabilities.imu import Imu
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import Periods
 from handcart.primitives.contract.tree_primitive import Step, TreePrimitive, leaves
+from handcart.primitives.field import field_causes
 from handcart.primitives.field.target import TargetName
 from handcart.primitives.knowledge.meant_contact import MeantContact
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
 from handcart.primitives.motions.grip import open_to
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.primitives.preconditions.hand_use import Hand, HandUse
 from handcart.primitives.restoring.arm_command import hold_measured
@@ -177,7 +179,9 @@ class Deploy(TreePrimitive):
         force = yield from arm.slide(top + MAX_TOP_DROP_M, LOWERING_SPEED_M_S)
         if force <= TOUCH_FORCE_N:
             felt = Measured("Arm", "force where the sensor's top should be", force, TOUCH_FORCE_N, "N")
-            raise Discrepancy("the sensor fell over", permanent=True, measured=felt)
+            raise Discrepancy(
+                "the sensor fell over", permanent=True, measured=felt, cause=field_causes.TOPPLED
+            )
         self.found(top_mm=round(1e3 * (top - float(robot.arm.command()[2])), 1))
         yield from arm.slide(max(0.0, top - FEEL_CLEARANCE_M))
 
@@ -221,7 +225,9 @@ class Deploy(TreePrimitive):
     def _field_and_target(self, model: ModelView) -> tuple[Field, Target]:
         work = model.of(FieldWork)
         if work.field is None or self.target not in work.targets:
-            raise Discrepancy(f"there is no target {self.target!r} in the field", permanent=True)
+            raise Discrepancy(
+                f"there is no target {self.target!r} in the field", permanent=True, cause=causes.NOT_KNOWN
+            )
         return work.field, work.targets[self.target]
 
     def _be_sure(self, robot: Robot, model: ModelView) -> Periods:
@@ -239,11 +245,15 @@ class Deploy(TreePrimitive):
             if robot.time - begun > self.longest_s:
                 if doubt is not None:
                     why = f"it can't be told where the target is: {doubt.why}"
-                    raise Discrepancy(why, measured=Measured(*doubt[1:]))
+                    raise Discrepancy(why, measured=Measured(*doubt[1:]), cause=causes.UNDETERMINED)
                 known = Measured(
                     robot.localization.source, "sigma of where the target is", 1e3 * sigma, self.sure_mm, "mm"
                 )
-                raise Discrepancy("it isn't known well enough where the target is", measured=known)
+                raise Discrepancy(
+                    "it isn't known well enough where the target is",
+                    measured=known,
+                    cause=causes.UNDETERMINED,
+                )
             yield
         self.found(stood_s=round(robot.time - begun + self.settle_s, 2), sigma_mm=round(1e3 * sigma, 1))
 
@@ -260,7 +270,7 @@ class Deploy(TreePrimitive):
         if not -GROUND_TOLERANCE_M < down <= lowest + GROUND_TOLERANCE_M:
             most = 1e3 * (lowest + GROUND_TOLERANCE_M)
             low = Measured("Arm", "travel of the slide that is needed", 1e3 * down, most, "mm")
-            raise Discrepancy("the slide doesn't reach the ground", measured=low)
+            raise Discrepancy("the slide doesn't reach the ground", measured=low, cause=causes.OUT_OF_REACH)
         force = yield from arm.slide(min(max(0.0, down - SLOW_DESCENT_M), lowest))
         if force > TOUCH_FORCE_N:
             yield from self._lift_off(robot, arm, down, force)
@@ -268,7 +278,7 @@ class Deploy(TreePrimitive):
         force = yield from arm.slide(min(down + GROUND_TOLERANCE_M, lowest), LOWERING_SPEED_M_S)
         if force <= TOUCH_FORCE_N:
             felt = Measured("Arm", "force from below", force, TOUCH_FORCE_N, "N")
-            raise Discrepancy("no ground is below the sensor", measured=felt)
+            raise Discrepancy("no ground is below the sensor", measured=felt, cause=causes.NO_SUPPORT)
         yield from hold_measured(robot)
         self.found(
             lowered_mm=round(1e3 * (float(robot.arm.command()[2])), 1),
@@ -280,7 +290,7 @@ class Deploy(TreePrimitive):
         at = float(robot.arm.command()[2])
         if at < down - GROUND_TOLERANCE_M:
             felt = Measured("Arm", "force from below", force, TOUCH_FORCE_N, "N")
-            raise Discrepancy("something lies where the sensor goes", measured=felt)
+            raise Discrepancy("something lies where the sensor goes", measured=felt, cause=causes.OCCUPIED)
         yield from arm.slide(at - SLOW_DESCENT_M)
 
     def _refine(self, robot: Robot, arm: SensorArm, target: Target) -> Periods:
@@ -294,7 +304,11 @@ class Deploy(TreePrimitive):
         if not free:
             what = "where the target is by now, off the tip"
             off = Measured(robot.localization.source, what, 1e3 * moved, 1e3 * REFINEMENT_TOLERANCE_M, "mm")
-            raise Discrepancy("by what is known now the target is out of reach from here", measured=off)
+            raise Discrepancy(
+                "by what is known now the target is out of reach from here",
+                measured=off,
+                cause=causes.OUT_OF_REACH,
+            )
         yield from self._lead_clear(robot, arm, better, moved)
 
     def _lead_clear(self, robot: Robot, arm: SensorArm, place: Vector, way: float) -> Periods:
@@ -309,7 +323,7 @@ class Deploy(TreePrimitive):
                 return
             yield from arm.slide(max(0.0, float(robot.arm.command()[2]) - SLOW_DESCENT_M))
         felt = Measured("Arm", "force on the sensor above the ground", force, TOUCH_FORCE_N, "N")
-        raise Discrepancy("an obstacle is at the sensor's target", measured=felt)
+        raise Discrepancy("an obstacle is at the sensor's target", measured=felt, cause=causes.OCCUPIED)
 
     def _laid(self, robot: Robot, arm: SensorArm) -> Laid:
         """Return the believed position of the sensor that is about to be released."""

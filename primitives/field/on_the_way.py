@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from handcart.backends.robot.robot import Robot
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy
 
 from .field import Field
@@ -48,5 +49,7 @@ def _check_inside(robot: Robot, arm: SensorArm, beside: np.ndarray) -> None:
     out = max(elbow, float(np.hypot(*beside)) + arm.wide)
     if out > robot.spec.footprint_radius_m:
         raise Discrepancy(
-            f"over its target the sensor extends {out:.2f} m, beyond the footprint", permanent=True
+            f"over its target the sensor extends {out:.2f} m, beyond the footprint",
+            permanent=True,
+            cause=causes.OUT_OF_REACH,
         )

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from handcart.backends.robot.robot import Robot
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.robotics.manipulation.arms.scara import Scara
 
@@ -21,13 +22,21 @@ def scara_of(robot: Robot) -> Scara:
     """
     model, spec = robot.arm_model, robot.spec.arm
     if spec is None or model.dof != 3:
-        raise Discrepancy("the arm isn't a SCARA arm; needed: two upright axes and a slide", permanent=True)
+        raise Discrepancy(
+            "the arm isn't a SCARA arm; needed: two upright axes and a slide",
+            permanent=True,
+            cause=causes.UNSUITABLE,
+        )
     straight = np.zeros(3)
     shoulder, elbow = (_axis(robot, straight, joint) for joint in (0, 1))
     hand = model.forward(straight)[:3, 3]
     lowered = model.forward(np.array([0.0, 0.0, 0.1]))[:3, 3] - hand
     if np.abs(lowered - np.array([0.0, 0.0, -0.1])).max() > UPRIGHT_TOLERANCE:
-        raise Discrepancy("the arm isn't a SCARA arm: its slide doesn't go straight down", permanent=True)
+        raise Discrepancy(
+            "the arm isn't a SCARA arm: its slide doesn't go straight down",
+            permanent=True,
+            cause=causes.UNSUITABLE,
+        )
     along = hand[:2] - shoulder
     low, high = (limit.tolist() for limit in (model.lower, model.upper))
     working = spec.working_deg.get(spec.joints[0])
@@ -51,6 +60,8 @@ def _axis(robot: Robot, joints: np.ndarray[tuple[int], np.dtype[np.float64]], jo
     J = robot.arm_model.jacobian(joints)
     hand = robot.arm_model.forward(joints)[:3, 3]
     if np.abs(J[3:, joint] - (0.0, 0.0, 1.0)).max() > UPRIGHT_TOLERANCE:
-        raise Discrepancy("the arm isn't a SCARA arm: its joints aren't upright", permanent=True)
+        raise Discrepancy(
+            "the arm isn't a SCARA arm: its joints aren't upright", permanent=True, cause=causes.UNSUITABLE
+        )
     # The hand's velocity is z x (hand - axis).
     return np.array([hand[0] - J[1, joint], hand[1] + J[0, joint]])

@@ -10,8 +10,10 @@ from numpy.typing import NDArray
 
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import Periods
+from handcart.primitives.field import field_causes
 from handcart.primitives.motions.arm_motion import collision_model, follow
 from handcart.primitives.motions.grip import close, hand_to_tips, open_to
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.primitives.restoring.snapshot import is_holding
 from handcart.robotics.manipulation.arms.resolved_rate import RateLimits, ResolvedRate, line_postures, way_to
@@ -81,7 +83,12 @@ class SensorArm:
         off = self._off()
         if off > WIDTH_ERROR:
             read = Measured("Gripper", "opening off a sensor's width", 1e3 * off, 1e3 * WIDTH_ERROR, "mm")
-            raise Discrepancy("the magazine gives no sensor", permanent=True, measured=read)
+            raise Discrepancy(
+                "the magazine gives no sensor",
+                permanent=True,
+                measured=read,
+                cause=field_causes.MAGAZINE_EMPTY,
+            )
 
     def place_of(self, point: Vector) -> Vector:
         """Return a ground point (2,) of the field in the arm's frame, (2,) in [m], as estimated now."""
@@ -122,12 +129,16 @@ class SensorArm:
         for end in way:
             line = line_postures(self.scara, path[-1], end)
             if line is None:
-                raise Discrepancy("the arm can't lead the sensor to the target within its limits")
+                raise Discrepancy(
+                    "the arm can't lead the sensor to the target within its limits", cause=causes.OUT_OF_REACH
+                )
             path += [np.array([*angles, begin[2]]) for angles in line[1:]]
         path.append(np.array([*path[-1][:2], self.scara.slide[1]]))
         if not collision.path_free(np.array(path), step=0.03):
             hits = next((found for q in path if (found := collision.contacts(q))), [("the arm", "the robot")])
-            raise Discrepancy(f"{hits[0][0]} would touch {hits[0][1]} on the way to the target")
+            raise Discrepancy(
+                f"{hits[0][0]} would touch {hits[0][1]} on the way to the target", cause=causes.NO_ARM_PATH
+            )
 
     def line_free(self, place: Vector) -> bool:
         """Return whether the tip can move straight to a place and from there all the way down."""
@@ -147,7 +158,7 @@ class SensorArm:
         begun = robot.time
         while rates.left(joints) > LINE_END_TOLERANCE_M:
             if robot.time - begun > LONGEST_LINE:
-                raise Discrepancy("the arm doesn't come to the end of its line")
+                raise Discrepancy("the arm doesn't come to the end of its line", cause=causes.OFF_GOAL)
             joints = joints.copy()
             joints[:2] += robot.period * rates.command(joints[:2], robot.period)
             robot.arm.move(joints)
@@ -210,5 +221,6 @@ class SensorArm:
 
 def _out_of_reach(place: Vector) -> Discrepancy:
     return Discrepancy(
-        f"the arm doesn't reach the target from here: it is at ({place[0]:.2f}, {place[1]:.2f}) m"
+        f"the arm doesn't reach the target from here: it is at ({place[0]:.2f}, {place[1]:.2f}) m",
+        cause=causes.OUT_OF_REACH,
     )

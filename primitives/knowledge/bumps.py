@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.robot.robot import Robot
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.primitives.outcomes.evidence import Evidence
 from handcart.robotics.kinematics.shapes import corners
@@ -103,7 +104,9 @@ def note_bump(robot: Robot, model: WorldModel, evidence: Evidence) -> None:
     moved = Measured(
         "Base", "progress while driven", blocked.moved, MAX_PROGRESS * blocked.commanded, unit="m"
     )
-    raise Discrepancy(_words(blocked, bump, robot.spec), measured=moved, check="contact")
+    raise Discrepancy(
+        _words(blocked, bump, robot.spec), measured=moved, check="contact", cause=causes.CONTACT
+    )
 
 
 def _words(blocked: Blocked, bump: NDArray[np.float64], spec: RobotFile) -> str:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import Periods
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.shapes import Shape
@@ -48,7 +49,7 @@ def move_to_pose(
     joints = robot.arm_model.inverse(base_T_hand, near=here)
     if joints is None:
         x, y, z = base_T_hand[:3, 3]
-        raise Discrepancy(f"the arm doesn't reach ({x:.2f}, {y:.2f}, {z:.2f}) m")
+        raise Discrepancy(f"the arm doesn't reach ({x:.2f}, {y:.2f}, {z:.2f}) m", cause=causes.OUT_OF_REACH)
     if np.allclose(here, joints, atol=GOAL_TOLERANCE_RAD):
         return
     collision = collision_model(robot, held, around)
@@ -101,7 +102,9 @@ def move_straight(
     path = yield from robot.compute(plan_straight, collision.arm, here, base_T_hand, 0.005, collision)
     if path is None:
         x, y, z = base_T_hand[:3, 3]
-        raise Discrepancy(f"the hand can't go straight to ({x:.2f}, {y:.2f}, {z:.2f}) m")
+        raise Discrepancy(
+            f"the hand can't go straight to ({x:.2f}, {y:.2f}, {z:.2f}) m", cause=causes.NO_ARM_PATH
+        )
     yield from follow(robot, path)
 
 
@@ -122,7 +125,7 @@ def follow(robot: Robot, path: NDArray[np.float64]) -> Periods:
             scale, unit = (1e3, "mm") if slides[worst] else (1.0, "rad")
             off, limit = float(scale * behind[worst]), float(scale * most[worst])
             lag = Measured("Arm", "a joint behind its command", off, limit, unit)
-            raise Discrepancy("something stops the arm", measured=lag)
+            raise Discrepancy("something stops the arm", measured=lag, cause=causes.ARM_BLOCKED)
 
 
 def collision_model(robot: Robot, held: Shape | None, around: Sequence[Shape] = ()) -> CollisionModel:
@@ -148,7 +151,7 @@ def _plan_another_way(
 def _no_way(robot: Robot, collision: CollisionModel, here: Vector, joints: Vector) -> Discrepancy:
     hits = collision.contacts(joints) or collision.contacts(here)
     beyond = _beyond(robot, here, "is at") or _beyond(robot, joints, "would go to")
-    return Discrepancy(beyond or f"the arm finds no free way{_between(hits)}")
+    return Discrepancy(beyond or f"the arm finds no free way{_between(hits)}", cause=causes.NO_ARM_PATH)
 
 
 def _beyond(robot: Robot, angles: Vector, verb: str) -> str:

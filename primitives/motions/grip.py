@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import Periods
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 
 GRIP_TIMEOUT_S = 3.0  # that the fingers get
@@ -25,7 +26,7 @@ def open_to(robot: Robot, width: float | None = None) -> Periods:
     while abs(robot.gripper.width() - goal) > OPENING_TOLERANCE_M:
         if robot.time > end:
             wide = Measured("Gripper", "opening", 1e3 * robot.gripper.width(), 1e3 * goal, "mm")
-            raise Discrepancy("the fingers don't open", measured=wide)
+            raise Discrepancy("the fingers don't open", measured=wide, cause=causes.FINGERS_STUCK)
         yield
 
 
@@ -36,7 +37,9 @@ def close(robot: Robot) -> Periods:
     yield
     while not robot.gripper.closed_on_something():
         if robot.time > end:
-            raise Discrepancy("the fingers don't close", measured=width_read(robot))
+            raise Discrepancy(
+                "the fingers don't close", measured=width_read(robot), cause=causes.FINGERS_STUCK
+            )
         yield
 
 

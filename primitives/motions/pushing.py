@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.robot.robot import Robot
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.primitives.restoring.arm_command import PERIOD_ROUNDING, hold_measured
 from handcart.robotics.geometry.transform import Transform
@@ -51,7 +52,9 @@ def push(
     arm = robot.arm_model
     path = plan_straight(arm, robot.arm.command(), base_T_goal, step=speed * robot.period)
     if path is None:
-        raise Discrepancy("the arm can't move the hand straight to where it is to go")
+        raise Discrepancy(
+            "the arm can't move the hand straight to where it is to go", cause=causes.NO_ARM_PATH
+        )
     path = _within_speeds(path, robot.joint_speeds * robot.period)
     base_T_hand = arm.forward(path[0])
     way = base_T_goal[:3, 3] - base_T_hand[:3, 3]

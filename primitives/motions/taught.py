@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.robot.robot import Robot
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy
 
 
@@ -21,5 +22,7 @@ def taught_postures(robot: Robot, name: str, fewest: int) -> list[NDArray[np.flo
         found.append(np.array(robot.spec.posture(f"{name}_{len(found) + 1}")))
     if len(found) < fewest:
         missing = ", ".join(f"{name}_{number}" for number in range(len(found) + 1, fewest + 1))
-        raise Discrepancy(f"not taught yet: {missing} (handcart teach {name})", permanent=True)
+        raise Discrepancy(
+            f"not taught yet: {missing} (handcart teach {name})", permanent=True, cause=causes.NOT_KNOWN
+        )
     return found

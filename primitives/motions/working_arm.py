@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from handcart.backends.description.robot_file import RobotFile
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.robotics.kinematics.arm_model import ArmModel
 
@@ -12,7 +13,7 @@ from handcart.robotics.kinematics.arm_model import ArmModel
 def working_arm(spec: RobotFile) -> ArmModel:
     """The robot's arm, its joint speeds limited by the robot's file as well as by the URDF."""
     if spec.arm is None:
-        raise Discrepancy("the robot's file has no arm", permanent=True)
+        raise Discrepancy("the robot's file has no arm", permanent=True, cause=causes.UNSUITABLE)
     arm = spec.arm_model()
     arm.velocity = np.minimum(arm.velocity, spec.joint_speeds())
     return arm

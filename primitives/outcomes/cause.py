@@ -6,6 +6,11 @@ from dataclasses import dataclass
 from traceback import walk_tb
 from types import FrameType
 
+from handcart.backends.backend import CommandError, RobotFault
+from handcart.backends.robot.robot_errors import MissingCapability, MissingSensor, StaleReading
+
+from . import causes
+from .cause_kind import CauseKind
 from .discrepancy import Discrepancy, Measured, NeedsPerson
 
 FRAMEWORK_METHODS = ("observe", "motion", "watch", "effect", "restore", "finish")
@@ -14,6 +19,15 @@ FRAMEWORK_MODULES = {"py_trees"}
 """Modules whose functions are not reported as the source of an exception; the framework's modules add
 themselves.
 """
+CAUSES_OF_EXCEPTIONS: tuple[tuple[type[Exception], CauseKind], ...] = (
+    (CommandError, causes.ROBOT_FAULT),
+    (RobotFault, causes.ROBOT_FAULT),
+    (StaleReading, causes.SENSOR_FAULT),
+    (MissingCapability, causes.UNSUITABLE),
+    (MissingSensor, causes.UNSUITABLE),
+    (TimeoutError, causes.TIME_OUT),
+)
+"""Kinds of causes of exceptions that carry none; of others it is an error in the code."""
 MAX_CALLS = 12  # calls that are kept
 
 
@@ -35,6 +49,8 @@ class Cause:
     """The exception's class, where it was a fault in the code."""
     restoring: bool = False
     """True if it ended the way back, or withdrawing."""
+    kind: CauseKind = causes.UNNAMED
+    """Kind of cause."""
 
 
 def cause_of(error: Exception, restoring: bool) -> Cause:
@@ -56,7 +72,15 @@ def cause_of(error: Exception, restoring: bool) -> Cause:
         known.measured if known else None,
         "" if known else type(error).__name__,
         restoring,
+        kind_of(error),
     )
+
+
+def kind_of(error: Exception) -> CauseKind:
+    """Return the kind of cause that an exception stands for."""
+    if isinstance(error, Discrepancy | NeedsPerson):
+        return error.cause
+    return next((kind for of, kind in CAUSES_OF_EXCEPTIONS if isinstance(error, of)), causes.CODE_ERROR)
 
 
 def _is_framework(frame: FrameType) -> bool:

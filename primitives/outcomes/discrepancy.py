@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from .cause_kind import CauseKind
+from .causes import UNNAMED
+
 
 class Measured(NamedTuple):
     """The reading that decided, and what was allowed."""
@@ -28,16 +31,24 @@ class Discrepancy(Exception):
         permanent: True if another attempt is pointless; the action's attempts are used up.
         measured: the deciding reading, if any.
         check: name of the check, unless it is one of the primitive's methods.
+        cause: kind of cause, one of those that the primitive's package declares.
     """
 
     def __init__(
-        self, reason: str, permanent: bool = False, measured: Measured | None = None, check: str = ""
+        self,
+        reason: str,
+        permanent: bool = False,
+        measured: Measured | None = None,
+        check: str = "",
+        *,
+        cause: CauseKind = UNNAMED,
     ) -> None:
         super().__init__(reason)
         self.reason = reason
         self.permanent = permanent
         self.measured = measured
         self.check = check
+        self.cause = cause
 
 
 class NeedsPerson(Exception):
@@ -47,10 +58,19 @@ class NeedsPerson(Exception):
         reason: message for people.
         measured: the deciding reading, if any.
         check: name of the check, unless it is one of the primitive's methods.
+        cause: kind of cause, one of those that the primitive's package declares.
     """
 
-    def __init__(self, reason: str, measured: Measured | None = None, check: str = "") -> None:
+    def __init__(
+        self,
+        reason: str,
+        measured: Measured | None = None,
+        check: str = "",
+        *,
+        cause: CauseKind = UNNAMED,
+    ) -> None:
         super().__init__(reason)
         self.reason = reason
         self.measured = measured
         self.check = check
+        self.cause = cause

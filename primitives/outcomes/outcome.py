@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from .cause_kind import CauseKind
+from .causes import UNNAMED
+
 _MEASURED = object()
 
 
@@ -28,6 +31,8 @@ class Fail:
     permanent: bool
     residuals: Mapping[str, float]
     _proof: object = field(default=None, repr=False, compare=False)
+    cause: CauseKind = UNNAMED
+    """Kind of cause that ended the motion."""
 
     def __post_init__(self) -> None:
         if self._proof is not _MEASURED:
@@ -40,13 +45,19 @@ class GiveUp:
 
     reason: str
     residuals: Mapping[str, float] = field(default_factory=dict)
+    cause: CauseKind = UNNAMED
+    """Kind of cause that ended the motion."""
 
 
 Outcome = Success | Fail | GiveUp
 
 
 def fail_if_restored(
-    reason: str, permanent: bool, residuals: Mapping[str, float], limits: Mapping[str, float]
+    reason: str,
+    permanent: bool,
+    residuals: Mapping[str, float],
+    limits: Mapping[str, float],
+    cause: CauseKind = UNNAMED,
 ) -> Fail | GiveUp:
     """The verdict on a restored robot.
 
@@ -55,9 +66,10 @@ def fail_if_restored(
         permanent: trying again makes no sense.
         residuals: how far everything measured is from the snapshot, name to size.
         limits: the largest size allowed, under the same names.
+        cause: kind of cause that ended the motion.
     """
     off = [name for name in residuals if not residuals[name] <= limits[name]]
     if off:
         words = ", ".join(f"{name} {residuals[name]:.3g} (at most {limits[name]:.3g})" for name in off)
-        return GiveUp(f"{reason}; and not restored: {words}", residuals)
-    return Fail(reason, permanent, residuals, _MEASURED)
+        return GiveUp(f"{reason}; and not restored: {words}", residuals, cause)
+    return Fail(reason, permanent, residuals, _MEASURED, cause)

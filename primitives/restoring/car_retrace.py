@@ -9,6 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from handcart.backends.robot.robot import Robot
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.following.car_tracker import CarTracker
@@ -61,7 +62,7 @@ def check_stands(robot: Robot, goal: Pose2) -> None:
     off, most = robot.pose.distance(goal), robot.spec.tolerance.base_mm / 1e3
     if off > most or math.degrees(robot.pose.turn(goal)) > robot.spec.tolerance.base_deg:
         away = Measured("Base", "distance from its goal", off, most, "m")
-        raise Discrepancy("the car doesn't reach its pose", measured=away)
+        raise Discrepancy("the car doesn't reach its pose", measured=away, cause=causes.OFF_GOAL)
 
 
 def _reckoned(moment: Moment) -> Pose2:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.robot.robot import Robot
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.following.path_tracking import PathTracker
@@ -82,7 +83,7 @@ def reach_pose(
             off = robot.pose.distance(goal)
             away = Measured("Base", "distance from its goal", off, tolerance.position, "m")
             why = "" if robot.held is None else f": {robot.held.words}"
-            raise Discrepancy(f"the base doesn't reach its pose{why}", measured=away)
+            raise Discrepancy(f"the base doesn't reach its pose{why}", measured=away, cause=causes.OFF_GOAL)
         robot.base.drive(*regulator.command(robot.pose, robot.period))
         yield
 

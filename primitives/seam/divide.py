@@ -17,7 +17,9 @@ from handcart.primitives.driving.standing_room import StandingRoom
 from handcart.primitives.knowledge.bumps import avoided_points
 from handcart.primitives.knowledge.place import Place
 from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy
+from handcart.primitives.seam import seam_causes
 from handcart.primitives.seam.seam import Seam
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.manipulation.paths.tool_path import ToolPath
@@ -99,14 +101,16 @@ class Divide(ActionPrimitive):
             nearest = (
                 "" if error.nearest is None else f"; the nearest that can be reached: {_words(error.nearest)}"
             )
-            raise Discrepancy(f"line {line} of the seam {error.why}{nearest}", permanent=True) from None
+            raise Discrepancy(
+                f"line {line} of the seam {error.why}{nearest}", permanent=True, cause=seam_causes.UNTRACKABLE
+            ) from None
 
 
 def seam_of(model: ModelView) -> ToolPath:
     """Return the seam; raise `Discrepancy` if the task has none."""
     work = model.of(Seam)
     if work.seam is None:
-        raise Discrepancy("the task has no `seam` file", permanent=True)
+        raise Discrepancy("the task has no `seam` file", permanent=True, cause=causes.NOT_KNOWN)
     return work.seam
 
 

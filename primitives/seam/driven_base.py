@@ -8,7 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.robot.robot import Robot
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
+from handcart.primitives.seam import seam_causes
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.manipulation.paths.tool_path import ToolPath
 from handcart.robotics.manipulation.paths.untrackable import Untrackable
@@ -32,7 +34,9 @@ def way_from_here(robot: Robot, place: str, planned: Pose2) -> Pose2:
     if off > MOST_BESIDE:
         away = Measured("Base", "off its place", off, MOST_BESIDE, "m")
         raise Discrepancy(
-            f"the base doesn't stand at {place}, where its route along the seam begins", measured=away
+            f"the base doesn't stand at {place}, where its route along the seam begins",
+            measured=away,
+            cause=causes.OFF_GOAL,
         )
     return planned.compose(Pose2(robot.pose.relative_to(planned).x, 0.0, 0.0))
 
@@ -76,7 +80,9 @@ class DrivenBase:
         """
         robot, dt = self._robot, self._robot.period
         if robot.held is not None:
-            raise Discrepancy(f"the base is held back beside the seam: {robot.held.words}")
+            raise Discrepancy(
+                f"the base is held back beside the seam: {robot.held.words}", cause=causes.BLOCKED
+            )
         before = self._along[max(0, index - 1)]
         speed, turn_rate = self._way.command(robot.pose, before, (self._along[index] - before) / dt, dt)
         robot.base.drive(speed, turn_rate)
@@ -84,7 +90,9 @@ class DrivenBase:
         try:
             found = self._follower.joints(self._tools.part(index, index), base.lift(), self._joints)
         except Untrackable as error:
-            raise Discrepancy(f"the seam {error.why} from where the base has come to") from None
+            raise Discrepancy(
+                f"the seam {error.why} from where the base has come to", cause=seam_causes.UNTRACKABLE
+            ) from None
         self._joints = found[0]
         return self._joints
 

@@ -6,6 +6,7 @@ import math
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.primitives.motions.working_arm import working_arm
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.robotics.manipulation.arms.screw_arm import FreeTurn
 from handcart.robotics.manipulation.placement.placer import Placer, Work
@@ -17,7 +18,7 @@ def work_of(spec: RobotFile, speed: float | None = None) -> Work:
     """Return the work of the robot's tool by the robot's file; raise `Discrepancy` if it has no tool."""
     tool = spec.tool
     if tool is None:
-        raise Discrepancy("the robot's file has no tool", permanent=True)
+        raise Discrepancy("the robot's file has no tool", permanent=True, cause=causes.UNSUITABLE)
     tolerance = math.radians(tool.azimuth_tolerance_deg)
     return Work(speed or tool.speed_m_s, tool.force_n, FREE_TURNS[tool.free], tolerance)
 
@@ -27,4 +28,4 @@ def placer_of(spec: RobotFile, speed: float | None = None) -> Placer:
     try:
         return Placer(working_arm(spec), work_of(spec, speed))
     except ValueError as wrong:
-        raise Discrepancy(str(wrong), permanent=True) from None
+        raise Discrepancy(str(wrong), permanent=True, cause=causes.UNSUITABLE) from None

@@ -22,10 +22,12 @@ from handcart.primitives.driving.driving import (
 )
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.motions.arm_motion import follow, move_to_joints, move_to_posture
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.primitives.restoring.retrace import retrace
 from handcart.primitives.restoring.snapshot import Snapshot
 from handcart.primitives.restoring.trace import Trace
+from handcart.primitives.seam import seam_causes
 from handcart.primitives.seam.seam import Seam
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import transform
@@ -98,7 +100,7 @@ class Track(ActionPrimitive):
         known = model.of(Seam)
         seam, work = seam_of(model), known.seam_work
         if work.next is None:
-            raise Discrepancy("the seam isn't divided", permanent=True)
+            raise Discrepancy("the seam isn't divided", permanent=True, cause=causes.NOT_KNOWN)
         if work.next.empty:  # all of it is tracked
             return
         yield from robot.wait(POSITIONING_AVERAGING_S)
@@ -111,7 +113,9 @@ class Track(ActionPrimitive):
             plan = yield from robot.compute(self._planned, robot, placer, part, start, takes=1.0)
         except Untrackable as error:
             known.seam_work = work._replace(next=None, after=(), avoided=(*work.avoided, robot.pose))
-            raise Discrepancy(_words(work.next, error)) from None  # not for good: DIVIDE avoids this place
+            raise Discrepancy(
+                _words(work.next, error), cause=seam_causes.UNTRACKABLE
+            ) from None  # not for good: DIVIDE avoids this place
         yield from move_to_joints(robot, plan.way_in[0], None, around)
         yield from follow(robot, plan.way_in)
         if start is not None:
@@ -135,6 +139,7 @@ class Track(ActionPrimitive):
             raise Discrepancy(
                 f"an obstacle is on the base's route along the seam, at ({x:.2f}, {y:.2f}) m",
                 measured=Measured("RangeSensor", "free way ahead", found[0], WATCH_HORIZON_M, "m"),
+                cause=causes.BLOCKED,
             )
 
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
@@ -180,12 +185,13 @@ class Track(ActionPrimitive):
             self.found(off_mm=round(1e3 * worst, 3))
             if worst > MOST_OFF:
                 off = Measured("Arm", "tool off the seam", 1e3 * worst, 1e3 * MOST_OFF, "mm")
-                raise Discrepancy("the tool leaves the seam", measured=off)
+                raise Discrepancy("the tool leaves the seam", measured=off, cause=seam_causes.OFF_SEAM)
             force = float(np.linalg.norm(robot.arm.hand_force()))
             if force > TOOL_CONTACT_FORCE_N:
                 raise Discrepancy(
                     "the tool touches something",
                     measured=Measured("Arm", "force", force, TOOL_CONTACT_FORCE_N, "N"),
+                    cause=seam_causes.TOOL_CONTACT,
                 )
             _check_known(robot)
         self._at = None
@@ -209,7 +215,9 @@ def _check_known(robot: Robot) -> None:
         measured = Measured(
             "Positioning", f"{TOOL_SIGMAS:g} sigma of the tool", 1e3 * off, 1e3 * MOST_OFF, "mm"
         )
-        raise Discrepancy("the pose of the base isn't known exactly enough", measured=measured)
+        raise Discrepancy(
+            "the pose of the base isn't known exactly enough", measured=measured, cause=causes.UNDETERMINED
+        )
 
 
 def _lead(pose: Floats) -> ToolPath:

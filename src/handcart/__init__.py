@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from handcart.backends.capabilities.range_sensor import RangeSensor
     from handcart.networks.past_runs.past_run import read_run as load_run
     from handcart.primitives.contract.action_primitive import ActionPrimitive
+    from handcart.primitives.outcomes import causes
+    from handcart.primitives.outcomes.cause_kind import CauseKind
     from handcart.primitives.outcomes.discrepancy import Discrepancy, NeedsPerson
     from handcart.primitives.outcomes.outcome import Fail, GiveUp, Success
     from handcart.tools.api import Result, campaign, check, conformance, load_task, run
@@ -37,6 +39,7 @@ _FROM = {
     "Base": "backends.capabilities.base:Base",
     "Beacons": "backends.capabilities.beacons:Beacons",
     "Camera": "backends.capabilities.camera:Camera",
+    "CauseKind": "primitives.outcomes.cause_kind:CauseKind",
     "Discrepancy": "primitives.outcomes.discrepancy:Discrepancy",
     "Fail": "primitives.outcomes.outcome:Fail",
     "GiveUp": "primitives.outcomes.outcome:GiveUp",
@@ -49,6 +52,7 @@ _FROM = {
     "Result": "tools.api:Result",
     "Success": "primitives.outcomes.outcome:Success",
     "campaign": "tools.api:campaign",
+    "causes": "primitives.outcomes:causes",
     "check": "tools.api:check",
     "conformance": "tools.api:conformance",
     "load_run": "networks.past_runs.past_run:read_run",
@@ -62,6 +66,7 @@ __all__ = [
     "Base",
     "Beacons",
     "Camera",
+    "CauseKind",
     "Discrepancy",
     "Fail",
     "GiveUp",
@@ -74,6 +79,7 @@ __all__ = [
     "Result",
     "Success",
     "campaign",
+    "causes",
     "check",
     "conformance",
     "load_run",

@@ -28,8 +28,19 @@ def describe(name: Annotated[str, typer.Argument(help="a primitive, such as MOVE
     print(f"\nneeds:  {', '.join(each.__name__ for each in kind.needs) or 'nothing'}")
     print(f"reads:  {', '.join(kind.reads) or 'nothing'}")
     print(f"writes: {', '.join(kind.writes) or 'nothing'}")
+    print("\n".join(_causes(kind)))
     if tree := _tree(kind):
         print(f"\n{tree}")
+
+
+def _causes(kind: type[ActionPrimitive]) -> list[str]:
+    """Return its causes of Fails and GiveUps, each with its text, and the names of those of any primitive."""
+    from handcart.primitives.contract.raised_causes import causes_of, framework_causes
+
+    own = causes_of(kind)
+    lines = [f"  {cause.name}: {cause.text}" for cause in own]
+    every = ", ".join(each.name for each in framework_causes() if each not in own)
+    return ["\ncauses of Fails and GiveUps:", *lines, f"  as of any primitive: {every}"]
 
 
 def _parameters(kind: type[ActionPrimitive]) -> list[str]:

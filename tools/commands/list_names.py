@@ -1,4 +1,4 @@
-"""`handcart list`: names of primitives, backends, robots and tasks."""
+"""`handcart list`: names of primitives, causes, backends, robots and tasks."""
 
 from __future__ import annotations
 
@@ -15,15 +15,17 @@ class What(StrEnum):
     """Kinds of names that can be listed."""
 
     primitives = "primitives"
+    causes = "causes"
     backends = "backends"
     robots = "robots"
     tasks = "tasks"
 
 
 def list_names(what: Annotated[What, typer.Argument(help="what to list")]) -> None:
-    """List primitives, backends, robots or tasks, with one line about each."""
+    """List primitives, causes of their Fails, backends, robots or tasks, with one line about each."""
     rows = {
         What.primitives: _primitives,
+        What.causes: _causes,
         What.backends: _backends,
         What.robots: _robots,
         What.tasks: _tasks,
@@ -46,6 +48,22 @@ def _primitives() -> list[tuple[str, str]]:
     from handcart.primitives.registry import primitive_class, primitive_names
 
     return [(name, _first_line(name, primitive_class)) for name in primitive_names()]
+
+
+def _causes() -> list[tuple[str, str]]:
+    """Return all causes with their texts, and the primitives that can raise them."""
+    from handcart.primitives.contract.raised_causes import causes_of, framework_causes
+    from handcart.primitives.registry import primitive_class, primitive_names
+
+    raised = {cause: ["any primitive"] for cause in framework_causes()}
+    for name in primitive_names():
+        try:
+            own = causes_of(primitive_class(name))
+        except (ImportError, AttributeError):  # `list primitives` says why it cannot be imported
+            continue
+        for cause in own:
+            raised.setdefault(cause, []).append(name)
+    return [(cause.name, f"{cause.text} ({', '.join(raised[cause])})") for cause in sorted(raised)]
 
 
 def _first_line(name: str, find: Callable[[str], type]) -> str:

@@ -96,7 +96,8 @@ class CampaignWords:
             yield "\nFails and GiveUps by primitive and cause"
         for blame, times in blames:
             found = f" ({blame.check})" if blame.check else ""
-            yield f"{times:>6} x {blame.primitive} {blame.outcome}{found}: {blame.reason}"
+            kind = f" {blame.cause}" if blame.cause else ""
+            yield f"{times:>6} x {blame.primitive} {blame.outcome}{kind}{found}: {blame.reason}"
 
     def _worst_lines(self) -> Iterator[str]:
         from handcart.evaluation.campaigns.statistics.divergence import first_difference

@@ -39,7 +39,9 @@ class ActionEnds(RunObserver):
         check = causes[-1].check if reason and causes else ""
         ends = action.source, action.target, type(outcome).__name__
         for_good = isinstance(outcome, Fail) and outcome.permanent
-        self.ends.append(ActionEnd(self._name(action), *ends, round(event.time, 6), reason, check, for_good))
+        cause = outcome.cause.name if reason and not isinstance(outcome, Success) else ""
+        row = self._name(action), *ends, round(event.time, 6), reason, check, for_good, cause
+        self.ends.append(ActionEnd(*row))
 
     def _name(self, action: Action) -> str:
         return self._names.get(action.index, f"{action.do} ({action.source} to {action.target})")

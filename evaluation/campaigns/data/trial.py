@@ -26,6 +26,8 @@ class ActionEnd(NamedTuple):
     """Check that found the cause, as in `Cause.check`."""
     for_good: bool = False
     """True if a Fail used up all attempts."""
+    cause: str = ""
+    """Kind of cause of a Fail or GiveUp; campaigns from before there were any have none."""
 
     @property
     def primitive(self) -> str:

@@ -30,6 +30,8 @@ class Blame(NamedTuple):
     """Check that found the cause, as in `Cause.check`; empty if unknown."""
     reason: str
     """With # for each number."""
+    cause: str = ""
+    """Kind of cause; empty if unknown."""
 
 
 def in_general(reason: str) -> str:
@@ -102,7 +104,8 @@ class Tally:
         for end in trial.actions:
             self.actions.setdefault(end.action, Counter())[end.outcome] += 1
             if end.outcome != "Success":
-                self.blames[Blame(end.primitive, end.outcome, end.check, in_general(end.reason))] += 1
+                reason = in_general(end.reason)
+                self.blames[Blame(end.primitive, end.outcome, end.check, reason, end.cause)] += 1
         self._rank(at, trial)
 
     def _rank(self, at: int, trial: Trial) -> None:

@@ -14,6 +14,7 @@ from handcart.evaluation.judging.surveys import Surveys
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.contract.attempt import LONGEST_RESTORE, attempt
 from handcart.primitives.knowledge.world_model import WorldModel
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.primitives.outcomes.outcome import Fail, GiveUp, Outcome, Success
 
@@ -167,7 +168,7 @@ class Underway:
 def _thrown(fault: Fault | None) -> Exception | None:
     """Return the exception to throw into an attempt from outside, or None."""
     if fault is not None and fault.kind is FaultKind.CANCEL:
-        return Discrepancy("cancelled by request")
+        return Discrepancy("cancelled by request", cause=causes.CANCELLED)
     if fault is not None and fault.kind is FaultKind.TIME_OUT:
         return TimeoutError("it takes too long")
     return None

@@ -17,6 +17,7 @@ from handcart.backends.ground_truth import GroundTruth
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy
 
 from .parts import part_of
@@ -51,7 +52,7 @@ class Reach(ActionPrimitive):
         yield from self._swing(robot)
         yield from self._grip(robot)
         if self.fails:
-            raise Discrepancy("it was only to be tried")
+            raise Discrepancy("it was only to be tried", cause=causes.CANCELLED)
 
     def _drive(self, robot: Robot) -> Periods:
         """Speeding up and slowing down as the robot may."""
@@ -81,7 +82,7 @@ class Reach(ActionPrimitive):
         end = robot.time + FINGER_TIMEOUT_S
         while abs(gripper.width() - goal) > 5e-4 and not gripper.closed_on_something():
             if robot.time > end:
-                raise Discrepancy("the fingers don't close")
+                raise Discrepancy("the fingers don't close", cause=causes.FINGERS_STUCK)
             yield
 
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:

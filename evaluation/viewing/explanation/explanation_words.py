@@ -165,7 +165,8 @@ def _happened(explanation: Explanation) -> str:
 def cause_words(action: PastAction, cause: Mapping[str, Any]) -> Iterator[str]:
     """Yield one line for each link of a cause: primitive, check, functions, sensor."""
     when = action.end if action.broken_off is None or cause.get("restoring") else action.broken_off
-    yield f"{when:.1f} s: {cause['reason']}"
+    kind = f" [{cause['kind']}]" if cause.get("kind") else ""
+    yield f"{when:.1f} s: {cause['reason']}{kind}"
     chain = [action.do, f"found {CHECK_TEXTS.get(cause['check'], cause['check'])}"]
     if cause["calls"]:
         chain.append(" > ".join(cause["calls"]))

@@ -19,6 +19,7 @@ from handcart.networks.journal.journal_record import read_journal
 from handcart.networks.journal.measured import in_words, measure, measured_fields, snapshot_of
 from handcart.networks.journal.retracing import NeedsOperator, standing
 from handcart.networks.journal.run_log import RunLog, outcome_record
+from handcart.primitives.books.book_causes import JAMMED
 from handcart.primitives.outcomes.cause import Cause
 from handcart.primitives.outcomes.discrepancy import Measured
 from handcart.primitives.outcomes.outcome import GiveUp, Success, fail_if_restored
@@ -110,7 +111,7 @@ def result_of(stand: Stand, folder: Path, outcome: Any, **evidence: Any) -> Mapp
 
 
 CAUSES = [
-    Cause("it resists", "watch", ("A.motion",), Measured("Arm", "force", 8.0, 7.0, "N"), "", False),
+    Cause("it resists", "watch", ("A.motion",), Measured("Arm", "force", 8.0, 7.0, "N"), "", False, JAMMED),
     Cause("no", "restore", (), None, "ValueError", True),
 ]
 
@@ -120,8 +121,21 @@ def test_why_an_action_did_not_succeed_is_told_whole(stand: Stand, tmp_path: Pat
     force = {"sensor": "Arm", "what": "force", "value": 8.0, "limit": 7.0, "unit": "N"}
     assert result_of(stand, tmp_path, GiveUp("x"), **evidence) == {
         "cause": [
-            {"reason": "it resists", "check": "watch", "calls": ["A.motion"], "measured": force},
-            {"reason": "no", "check": "restore", "calls": [], "fault": "ValueError", "restoring": True},
+            {
+                "reason": "it resists",
+                "kind": "jammed",
+                "check": "watch",
+                "calls": ["A.motion"],
+                "measured": force,
+            },
+            {
+                "reason": "no",
+                "kind": "unnamed",
+                "check": "restore",
+                "calls": [],
+                "fault": "ValueError",
+                "restoring": True,
+            },
         ],
         "tolerance": {"base_mm": 40.0},
         "picture": "front",

@@ -95,7 +95,7 @@ def test_run_folder(prepare: Callable[..., tuple[Stand, Prepared]], tmp_path: Pa
     assert end.outcome == "Success"
     assert orjson.loads((folder / "summary.json").read_bytes()) == summary
     assert list(summary) == [
-        "outcome", "situation", "reason", "actions", "fails", "replans", "skipped", "sim_time_s",
+        "outcome", "situation", "reason", "actions", "fails", "replans", "cause", "skipped", "sim_time_s",
         "wall_time_s", "seed", "backend", "run_dir", "metrics",
     ]  # fmt: skip
     assert summary["actions"] == 3

@@ -16,6 +16,7 @@ from handcart.primitives.books.books import Books
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.contract.attempt import PUSHED_REASON
 from handcart.primitives.knowledge.world_model import ModelView, UndeclaredAccess
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, NeedsPerson
 from handcart.primitives.outcomes.outcome import Fail, GiveUp, Success
 from handcart.primitives.restoring.retrace import retrace
@@ -331,7 +332,7 @@ def test_a_push_before_the_start_is_for_a_person(make_rig: Callable[..., Rig]) -
     rig = make_rig()
     stops = count_stops(rig)
     primitive = NotYet(stage="pushed")
-    assert rig.run(primitive) == GiveUp(PUSHED_REASON)
+    assert rig.run(primitive) == GiveUp(PUSHED_REASON, cause=causes.DISPLACED)
     assert [(cause.reason, cause.check) for cause in primitive.evidence.causes] == [(PUSHED_REASON, "push")]
     assert len(stops) == 1
 
@@ -346,7 +347,7 @@ def test_a_robot_that_never_rests_does_not_start(
     monkeypatch.setattr(type(base), "wheel_travel", lambda _: WheelTravel(0.01 * next(ticks), 0.0))
     primitive = Wave()
     words = "the robot doesn't come to rest before the start"
-    assert rig.run(primitive) == GiveUp(words)
+    assert rig.run(primitive) == GiveUp(words, cause=causes.NO_REST)
     assert [(cause.reason, cause.check) for cause in primitive.evidence.causes] == [(words, "rest")]
     assert (len(stops), primitive.facts) == (1, {})
 

@@ -15,6 +15,7 @@ from handcart.evaluation.conformance.rig.layered_backend import LayeredBackend
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.contract.attempt import NOT_ALONE, PUSHED_REASON
 from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, NeedsPerson
 from handcart.primitives.outcomes.outcome import Fail, GiveUp, Success
 from handcart.primitives.restoring.retrace import retrace
@@ -147,7 +148,7 @@ def test_a_push_just_before_success_is_seen(make_rig: Callable[..., Rig]) -> Non
 
 def test_a_push_while_the_effect_is_observed_is_for_a_person(make_rig: Callable[..., Rig]) -> None:
     rig = make_rig()
-    assert rig.run(Stands(effect_s=4.0, scene=rig.scene)) == GiveUp(PUSHED_REASON)
+    assert rig.run(Stands(effect_s=4.0, scene=rig.scene)) == GiveUp(PUSHED_REASON, cause=causes.DISPLACED)
 
 
 def test_a_push_on_the_way_back_ends_restoring_at_once(make_rig: Callable[..., Rig]) -> None:

@@ -20,13 +20,16 @@ from handcart.evaluation.campaigns.statistics.campaign_report import CampaignRep
 
 def trial(seed: int, status: int = 0) -> Trial:
     outcome, reason = ("Success", "") if status == 0 else ("Fail", f"it stands {seed}.5 m ahead")
+    why = "" if status == 0 else "blocked"
     summary: dict[str, Any] = {
         "outcome": outcome,
         "reason": reason,
         "metrics": {"far_mm": 0.1 * seed, "read": seed % 2 == 0},
     }
     summary |= {"sim_time_s": 10.0 + seed, "wall_time_s": 1.0, "actions": 1, "fails": int(status > 0)}
-    end = ActionEnd("MOVE_TO (here to there)", "here", "there", outcome, 10.0 + seed, reason, "watch")
+    end = ActionEnd(
+        "MOVE_TO (here to there)", "here", "there", outcome, 10.0 + seed, reason, "watch", False, why
+    )
     return Trial(seed, status, summary, [end])
 
 
@@ -148,7 +151,7 @@ def test_the_report_counts_causes_and_ranks() -> None:
     found = CampaignReport([trial(seed, 3 * (seed % 4 == 3)) for seed in range(40)])
     assert (found.successes, found.outcomes["Fail: it stands # m ahead"]) == (30, 10)
     ((blame, times),) = found.blames
-    assert (*blame, times) == ("MOVE_TO", "Fail", "watch", "it stands # m ahead", 10)
+    assert (*blame, times) == ("MOVE_TO", "Fail", "watch", "it stands # m ahead", "blocked", 10)
     assert [each.seed for each in found.worst()] == [3, 7, 11, 15, 19, 23, 27, 31, 35, 39]
     far, read = found.spreads()["far_mm"], found.spreads()["read"]
     assert (far.low, far.high) == pytest.approx((1.3, 2.6))  # the 14th and the 27th of 40, by the binomial
