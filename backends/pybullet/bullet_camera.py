@@ -6,18 +6,9 @@ from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import override
 
-from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.description.sensor_specs import CameraSpec
-from handcart.backends.physics.body.robot_body import RobotBody
 from handcart.backends.physics.sensors.engine_camera import SAMPLES_PER_SIDE, EngineCamera
-from handcart.backends.physics.sensors.physics_site import physics_of
-from handcart.backends.physics.world.world_bodies import WorldBodies
-from handcart.backends.simulation.sensors.simulated_camera import SceneCamera, SimulatedCamera
-from handcart.backends.simulation.sensors.simulated_sensor import SensorSite
 from handcart.robotics.geometry.transform import Transform, inverse
-from handcart.robotics.kinematics.arm_model import ArmModel
 
 from .bullet_engine import BulletEngine
 
@@ -31,35 +22,13 @@ class BulletCamera(EngineCamera):
     `EngineCamera`.
     """
 
-    def __init__(
-        self,
-        robot: RobotFile,
-        spec: CameraSpec,
-        arm: ArmModel | None,
-        body: RobotBody,
-        world: WorldBodies,
-        engine: BulletEngine,
-        seed: int,
-    ) -> None:
-        super().__init__(robot, spec, arm, body, world, seed)
-        self._engine = engine
-
-    @classmethod
-    @override
-    def build(cls, site: SensorSite[CameraSpec]) -> SimulatedCamera:
-        """Build the camera that the world's file asks for."""
-        if site.world.camera != "engine":
-            return SceneCamera.build(site)
-        engine, body, world = physics_of(site)
-        assert isinstance(engine, BulletEngine)
-        return cls(site.robot, site.spec, site.scene.arm, body, world, engine, site.seed)
-
     def _draw(
         self, world_T_camera: Transform, K: NDArray[np.float64], size: tuple[int, int]
     ) -> NDArray[np.uint8]:
         """Render the picture in tiles, because the EGL renderer stretches its window of 1024 x 768 to larger
         sizes.
         """
+        assert isinstance(self._engine, BulletEngine)
         width, height = size[0] // SAMPLES_PER_SIDE, size[1] // SAMPLES_PER_SIDE
         picture = np.empty((size[1], size[0]), dtype=np.uint8)
         for row, column in product(range(0, size[1], height), range(0, size[0], width)):

@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 from itertools import product
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from handcart.backends.physics.sensors.physics_site import physics_of
-from handcart.backends.sensors.depth_spec import DepthCameraSpec
-from handcart.backends.simulation.depth.scene_depth_camera import SceneDepthCamera
-from handcart.backends.simulation.depth.simulated_depth_camera import SimulatedDepthCamera, TrueDepth
-from handcart.backends.simulation.sensors.simulated_sensor import SensorSite
+from handcart.backends.physics.sensors.engine_depth_camera import EngineDepthCamera
+from handcart.backends.simulation.depth.simulated_depth_camera import TrueDepth
 from handcart.robotics.geometry.transform import Transform
 
 from .bullet_camera import render_with_depth
@@ -23,23 +19,12 @@ TILE_PX = (960, 720)
 """Largest picture that the EGL renderer draws at once, with room to spare."""
 
 
-class BulletDepthCamera(SimulatedDepthCamera):
-    """Depth camera that Bullet renders: it sees the robot's own arm and rough ground, too."""
-
-    @classmethod
-    @override
-    def build(cls, site: SensorSite[DepthCameraSpec]) -> SimulatedDepthCamera:
-        """Build the camera that the world's file asks for."""
-        return cls(site) if site.world.camera == "engine" else SceneDepthCamera(site)
-
-    def __init__(self, site: SensorSite[Any]) -> None:
-        super().__init__(site)
-        engine = physics_of(site).engine
-        assert isinstance(engine, BulletEngine)
-        self._engine = engine
+class BulletDepthCamera(EngineDepthCamera):
+    """Depth camera that Bullet renders."""
 
     @override
     def _draw(self, world_T_camera: Transform) -> TrueDepth:
+        assert isinstance(self._engine, BulletEngine)
         width, height = self._spec.width_px, self._spec.height_px
         colour = np.empty((height, width, 3), np.uint8)
         depth: NDArray[np.float64] = np.empty((height, width))

@@ -10,7 +10,6 @@ started.
 
 from __future__ import annotations
 
-import argparse
 import math
 import sys
 import tempfile
@@ -23,8 +22,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
-from benchmarks.driving.map_starts import Chart, charts, floor_pose, written_world
-from handcart.backends.loading.robot_loading import load_robot
+from benchmarks.driving.map_starts import Chart, chosen_charts, floor_pose, start_options, written_world
 from handcart.evaluation.trials.rig import Rig, build_rig
 from handcart.primitives.contract.attempt import attempt
 from handcart.primitives.driving.move_to import MoveTo
@@ -179,18 +177,11 @@ def _is_false(outcome: Outcome | None, case: Case, begun: Pose2, after: Pose2) -
 
 
 def main() -> None:
-    words = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    words.add_argument("--runs", type=int, default=200, help="over all maps")
-    words.add_argument("--first", type=int, default=0, help="the first seed")
-    words.add_argument("--map", default="", help="only maps with this word in their name")
-    words.add_argument("--backend", choices=["kinematic", "mujoco", "pybullet"], default="kinematic")
-    words.add_argument("--robot", default="cart")
-    words.add_argument("--verbose", action="store_true", help="a line for each run")
+    words = start_options(__doc__, 200)
     chosen = words.parse_args()
     begun, noticed, outcomes, late, false = time.process_time(), Counter[str](), Counter[str](), 0, 0
     with tempfile.TemporaryDirectory() as folder:
-        radius = load_robot(chosen.robot).footprint_radius_m
-        every = [each for each in charts(Path(folder), radius) if chosen.map in each.name]
+        every = chosen_charts(Path(folder), chosen)
         lifted, seed = 0, chosen.first
         while lifted < chosen.runs:
             chart = every[seed % len(every)]

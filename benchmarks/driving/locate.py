@@ -7,7 +7,6 @@ from where it began. With --boxes, things that no map shows stand around the rob
 
 from __future__ import annotations
 
-import argparse
 import math
 import sys
 import tempfile
@@ -20,8 +19,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
-from benchmarks.driving.map_starts import Chart, charts, written_world
-from handcart.backends.loading.robot_loading import load_robot
+from benchmarks.driving.map_starts import Chart, chosen_charts, start_options, written_world
 from handcart.evaluation.trials.rig import build_rig
 from handcart.primitives.driving.locate import Locate
 from handcart.primitives.outcomes.outcome import Fail, Success
@@ -87,19 +85,12 @@ def _boxes(rng: np.random.Generator, start: Pose2, count: int) -> list[dict[str,
 
 
 def main() -> None:
-    words = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    words.add_argument("--runs", type=int, default=300, help="over all maps")
-    words.add_argument("--first", type=int, default=0, help="the first seed")
+    words = start_options(__doc__, 300)
     words.add_argument("--boxes", type=int, default=0, help="things around the robot that no map shows")
-    words.add_argument("--map", default="", help="only maps with this word in their name")
-    words.add_argument("--backend", choices=["kinematic", "mujoco", "pybullet"], default="kinematic")
-    words.add_argument("--robot", default="cart")
-    words.add_argument("--verbose", action="store_true", help="a line for each run that is not right")
     chosen = words.parse_args()
     begun, total = time.process_time(), Counter[str]()
     with tempfile.TemporaryDirectory() as folder:
-        radius = load_robot(chosen.robot).footprint_radius_m
-        every = [each for each in charts(Path(folder), radius) if chosen.map in each.name]
+        every = chosen_charts(Path(folder), chosen)
         counts = {chart.name: Counter[str]() for chart in every}
         contacts, driven = 0, []
         for number in range(chosen.runs):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 import math
 from collections.abc import Iterator
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from benchmarks.driving.office_map import office_boxes
+from handcart.backends.loading.robot_loading import load_robot
 from handcart.evaluation.trials.rig import RigFiles
 from handcart.primitives.knowledge.place import load_map
 from handcart.robotics.geometry.pose2 import Pose2
@@ -47,6 +49,31 @@ class Chart(NamedTuple):
         x, y = self.grid.to_point(self.cells[rng.integers(len(self.cells))][None])[0]
         x, y = x + rng.uniform(-0.02, 0.02), y + rng.uniform(-0.02, 0.02)
         return Pose2(float(x), float(y), float(rng.uniform(-math.pi, math.pi)))
+
+
+def start_options(description: str | None, runs: int) -> argparse.ArgumentParser:
+    """Return a parser of the options that benchmarks on these maps share.
+
+    Args:
+        description: of the benchmark.
+        runs: default number of runs.
+    """
+    words = argparse.ArgumentParser(
+        description=description, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    words.add_argument("--runs", type=int, default=runs, help="over all maps")
+    words.add_argument("--first", type=int, default=0, help="the first seed")
+    words.add_argument("--map", default="", help="only maps with this word in their name")
+    words.add_argument("--backend", choices=["kinematic", "mujoco", "pybullet"], default="kinematic")
+    words.add_argument("--robot", default="cart")
+    words.add_argument("--verbose", action="store_true", help="a line for each run")
+    return words
+
+
+def chosen_charts(folder: Path, chosen: argparse.Namespace) -> list[Chart]:
+    """Return the maps that `start_options` chose; generated ones are written into a folder."""
+    radius = load_robot(chosen.robot).footprint_radius_m
+    return [chart for chart in charts(folder, radius) if chosen.map in chart.name]
 
 
 def charts(folder: Path, radius: float) -> Iterator[Chart]:

@@ -12,7 +12,6 @@ import numpy as np
 from py_trees.behaviour import Behaviour
 from py_trees.composites import Selector, Sequence
 from pydantic import PrivateAttr
-from typing_extensions import override
 
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.gripper import Gripper
@@ -20,10 +19,10 @@ from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.books import book_causes
 from handcart.primitives.books.book_boxes import held_box
-from handcart.primitives.books.book_grip import book_in, hand_to_spine, holds, opening, unlike_book
+from handcart.primitives.books.book_grip import hand_to_spine, holds, opening
 from handcart.primitives.books.books import Books
 from handcart.primitives.contract.action_primitive import Periods
-from handcart.primitives.contract.tree_primitive import Step, TreePrimitive, leaves
+from handcart.primitives.contract.tree_primitive import Step, leaves
 from handcart.primitives.knowledge.meant_contact import MeantContact
 from handcart.primitives.knowledge.place_name import PlaceName
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
@@ -41,6 +40,7 @@ from handcart.robotics.geometry.transform import Transform, inverse, transform
 from handcart.robotics.kinematics.shapes import Box
 
 from .book_row import row_contacts
+from .held_book import HeldBookPrimitive
 from .shelf_front import measure_shelf
 
 TIPS_BEFORE = 0.007  # [m] that the finger tips stay before the shelf's front: spines stand 3 mm before it
@@ -72,7 +72,7 @@ class _Course(NamedTuple):
     """The book, in the hand's frame."""
 
 
-class Insert(TreePrimitive):
+class Insert(HeldBookPrimitive):
     """Push the held book straight into its slot, until the finger tips are just before the spines.
 
     APPROACH has set the point of entry; the depth is measured on the shelf's front. A book that jams is
@@ -98,14 +98,6 @@ class Insert(TreePrimitive):
     _resists: float = PrivateAttr(default=0.0)
     """Force that resisted the last push, in [N]."""
     _strongest: float = PrivateAttr(default=0.0)
-
-    @override
-    def thing(self, model: ModelView) -> str:
-        return book_in(model)
-
-    @override
-    def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
-        return unlike_book(robot, model)
 
     def tree(self, robot: Robot, model: ModelView) -> Behaviour:
         """Return the preparing steps and the pushes; the first push that gets the book in ends them."""

@@ -10,7 +10,6 @@ import numpy as np
 from py_trees.behaviour import Behaviour
 from py_trees.composites import Sequence
 from pydantic import PrivateAttr
-from typing_extensions import override
 
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.camera import Camera
@@ -19,11 +18,11 @@ from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.books import book_causes
 from handcart.primitives.books.book_boxes import shelf_boxes
-from handcart.primitives.books.book_grip import GRIP_HEIGHT, book_in, holds, opening, unlike_book
+from handcart.primitives.books.book_grip import GRIP_HEIGHT, holds, opening
 from handcart.primitives.books.books import Books
 from handcart.primitives.books.catalogue import name_of_book
 from handcart.primitives.contract.action_primitive import Periods
-from handcart.primitives.contract.tree_primitive import TreePrimitive, leaves
+from handcart.primitives.contract.tree_primitive import leaves
 from handcart.primitives.knowledge.meant_contact import MeantContact
 from handcart.primitives.knowledge.place_name import PlaceName
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
@@ -41,6 +40,7 @@ from handcart.robotics.perception.books.ocr_label_reader import OcrLabelReader
 from handcart.robotics.perception.drawing.overlay import draw_overlay
 
 from .book_row import row_contacts
+from .held_book import HeldBookPrimitive
 from .shelf_front import measure_shelf
 
 LOWER_SPEED = 0.01  # [m/s]
@@ -59,7 +59,7 @@ LOOK_HEIGHT = 0.09  # [m] of the camera above the board: labels stand near the f
 SAME_PLACE = 0.012  # [m] between where the book was let go and where its label is seen
 
 
-class Release(TreePrimitive):
+class Release(HeldBookPrimitive):
     """Let the book go in its slot and push it home: lower, open, back off, close, push, withdraw, look.
 
     It cannot be undone from the opening on: pushed home, the book has nothing left to grip. Its label must
@@ -78,14 +78,6 @@ class Release(TreePrimitive):
     """y in the shelf frame where the book is let go, in [m]."""
     _open_to: float | None = PrivateAttr(default=None)
     """Target opening of the fingers in [m], while they open."""
-
-    @override
-    def thing(self, model: ModelView) -> str:
-        return book_in(model)
-
-    @override
-    def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
-        return unlike_book(robot, model)
 
     def tree(self, robot: Robot, model: ModelView) -> Behaviour:
         """The steps, one after the other."""

@@ -7,15 +7,20 @@ from abc import abstractmethod
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.sensor_specs import CameraSpec
 from handcart.backends.physics.body.robot_body import RobotBody
+from handcart.backends.physics.engine.engine import Engine
 from handcart.backends.physics.world.world_bodies import WorldBodies
 from handcart.backends.simulation.rendering.lens import Lens
-from handcart.backends.simulation.sensors.simulated_camera import SimulatedCamera
+from handcart.backends.simulation.sensors.simulated_camera import SceneCamera, SimulatedCamera
+from handcart.backends.simulation.sensors.simulated_sensor import SensorSite
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.arm_model import ArmModel
+
+from .physics_site import physics_of
 
 # along each side of a pixel, which takes in light from all of its area: edges have no steps
 SAMPLES_PER_SIDE = 2
@@ -35,11 +40,21 @@ class EngineCamera(SimulatedCamera):
         arm: ArmModel | None,
         body: RobotBody,
         world: WorldBodies,
+        engine: Engine,
         seed: int,
     ) -> None:
         super().__init__(robot, spec, arm, seed)
         self._lens = Lens(self._true.model, robot.errors, seed)
-        self._body, self._world = body, world
+        self._body, self._world, self._engine = body, world, engine
+
+    @classmethod
+    @override
+    def build(cls, site: SensorSite[CameraSpec]) -> SimulatedCamera:
+        """Build the camera that the world's file asks for."""
+        if site.world.camera != "engine":
+            return SceneCamera.build(site)
+        engine, body, world = physics_of(site)
+        return cls(site.robot, site.spec, site.scene.arm, body, world, engine, site.seed)
 
     @abstractmethod
     def _draw(

@@ -8,19 +8,8 @@ import pytest
 
 from handcart.backends.loading.robot_loading import load_robot
 from handcart.files.errors import FileError
+from tests.small_robot import LIFTING_ROBOT
 
-ROBOT = """\
-format: handcart-robot/1
-urdf: robot.urdf
-period_s: 0.05
-footprint_radius_m: 0.3
-localizer: odometry
-drive: {wheel_radius_m: 0.1, tread_m: 0.5, top_speed_m_s: 0.5, top_turn_deg_s: 90, acceleration_m_s2: 0.5,
-        turn_acceleration_deg_s2: 90}
-arm: {joints: [lift, turn], top_speed_deg_s: 90, acceleration_deg_s2: 180, slide_speed_mm_s: 50,
-      slide_acceleration_mm_s2: 100, postures: {home: [250, 0]}}
-tolerance: {base_mm: 25, base_deg: 1.5, joints_deg: 0.3, slides_mm: 3, gripper_mm: 1, object_mm: 8}
-"""
 URDF = """\
 <robot name="r">
   <link name="base"/><link name="carriage"/><link name="hand"/><link name="sensor"/>
@@ -38,7 +27,7 @@ FOLLOWS = '<mimic joint="turn"/>'
 def told(tmp_path: Path, section: str, onto: str, kind: str = "fixed", more: str = "") -> str:
     """Return the findings on a robot with that sensor on one of its links; empty if there are none."""
     (tmp_path / "robot.urdf").write_text(URDF.format(onto=onto, kind=kind, more=more), encoding="utf-8")
-    (tmp_path / "robot.yaml").write_text(ROBOT + section, encoding="utf-8")
+    (tmp_path / "robot.yaml").write_text(LIFTING_ROBOT + section, encoding="utf-8")
     try:
         load_robot(str(tmp_path / "robot.yaml"))
     except FileError as error:

@@ -11,17 +11,8 @@ from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.robot_names import named_robots
 from handcart.backends.loading.robot_loading import load_robot
 from handcart.files.errors import FileError
+from tests.small_robot import SMALL_ROBOT
 
-ROBOT = """\
-format: handcart-robot/1
-urdf: robot.urdf
-period_s: 0.05
-footprint_radius_m: 0.3
-localizer: odometry
-drive: {wheel_radius_m: 0.1, tread_m: 0.5, top_speed_m_s: 0.5, top_turn_deg_s: 90, acceleration_m_s2: 0.5,
-        turn_acceleration_deg_s2: 90}
-tolerance: {base_mm: 25, base_deg: 1.5, joints_deg: 0.3, slides_mm: 3, gripper_mm: 1, object_mm: 8}
-"""
 URDF = """\
 <robot name="r">
   <link name="base"/><link name="laser"/><link name="rear"/><link name="mast"/>
@@ -43,7 +34,7 @@ LIDAR = "{beams: 90, reach_m: 8, sigma_mm: 10, frame: laser}"
 
 def read(folder: Path, sections: str) -> RobotFile:
     (folder / "robot.urdf").write_text(URDF, encoding="utf-8")
-    (folder / "robot.yaml").write_text(ROBOT + sections, encoding="utf-8")
+    (folder / "robot.yaml").write_text(SMALL_ROBOT + sections, encoding="utf-8")
     return load_robot(str(folder / "robot.yaml"))
 
 

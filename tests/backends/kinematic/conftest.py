@@ -17,35 +17,16 @@ from handcart.backends.simulation.world_files.world_model import world_model
 from handcart.files.models.loading import load
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import transform
+from tests.shelf_text import GAP, ROOM_WALLS, shelf_text
 
-WORLD = """
+WORLD = f"""
 format: handcart-world/1
-start: {x_m: 2.0, y_m: 1.2, heading_deg: 90}
-walls:
-  - {from_m: [0, 0], to_m: [4, 0]}
-  - {from_m: [4, 0], to_m: [4, 3]}
-  - {from_m: [4, 3], to_m: [0, 3]}
-  - {from_m: [0, 3], to_m: [0, 0]}
-furniture:
-  - {name: desk, x_m: 0.6, y_m: 0.6, heading_deg: 10, size_m: [0.6, 0.4, 0.75]}
+start: {{x_m: 2.0, y_m: 1.2, heading_deg: 90}}
+{ROOM_WALLS}furniture:
+  - {{name: desk, x_m: 0.6, y_m: 0.6, heading_deg: 10, size_m: [0.6, 0.4, 0.75]}}
 surprises:
-  - {name: passer-by, x_m: 3.4, y_m: 1.2, size_m: [0.4, 0.4, 1.7], appears_s: 1.0, leaves_s: 2.0}
-shelves:
-  - name: shelf_1
-    x_m: 2.0
-    y_m: 2.0
-    heading_deg: 90
-    width_m: 0.4
-    books:
-      - {accession: 101, call: 512.2 ABE, thickness_mm: 45, height_mm: 210, depth_mm: 150, grey: 120}
-      - {accession: 102, call: 512.3 ART, thickness_mm: 45, height_mm: 200, depth_mm: 140, grey: 90}
-      - {accession: 103, call: 512.5 BOR, thickness_mm: 40, height_mm: 220, depth_mm: 150, grey: 150}
-      - {gap_mm: 31}
-      - {accession: 104, call: 512.8 POI, thickness_mm: 28, height_mm: 200, depth_mm: 150, grey: 125}
-      - {accession: 105, call: 512.9 SER, thickness_mm: 33, height_mm: 220, depth_mm: 150, grey: 95}
-      - {accession: 106, call: 513.1 WEY, thickness_mm: 27, height_mm: 210, depth_mm: 150, grey: 145}
-tray: {accession: 117, call: 512.7 NAG, thickness_mm: 25, height_mm: 210, depth_mm: 150, grey: 115}
-"""
+  - {{name: passer-by, x_m: 3.4, y_m: 1.2, size_m: [0.4, 0.4, 1.7], appears_s: 1.0, leaves_s: 2.0}}
+{shelf_text([101, 102, 103, GAP, 104, 105, 106])}"""
 
 Make = Callable[..., Any]
 """Makes a `KinematicBackend`; tests look behind it, and know what the robot has."""

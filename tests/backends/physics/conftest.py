@@ -19,31 +19,14 @@ from handcart.backends.simulation.world_files.world_model import world_model
 from handcart.files.models.loading import load
 from handcart.robotics.geometry.transform import Transform, transform
 from handcart.robotics.kinematics.arm_model import ArmModel
+from tests.shelf_text import GAP, ROOM_WALLS, shelf_text
 
-WORLD = """
+WORLD = f"""
 format: handcart-world/1
-start: {x_m: 2.0, y_m: 1.2, heading_deg: 90}
-walls:
-  - {from_m: [0, 0], to_m: [4, 0]}
-  - {from_m: [4, 0], to_m: [4, 3]}
-  - {from_m: [4, 3], to_m: [0, 3]}
-  - {from_m: [0, 3], to_m: [0, 0]}
-furniture:
-  - {name: desk, x_m: 0.6, y_m: 0.6, heading_deg: 10, size_m: [0.6, 0.4, 0.75]}
-shelves:
-  - name: shelf_1
-    x_m: 2.0
-    y_m: 2.0
-    heading_deg: 90
-    width_m: 0.4
-    books:
-      - {accession: 101, call: 512.2 ABE, thickness_mm: 45, height_mm: 210, depth_mm: 150, grey: 120}
-      - {accession: 102, call: 512.3 ART, thickness_mm: 45, height_mm: 200, depth_mm: 140, grey: 90}
-      - {gap_mm: 31}
-      - {accession: 104, call: 512.8 POI, thickness_mm: 28, height_mm: 200, depth_mm: 150, grey: 125}
-      - {accession: 105, call: 512.9 SER, thickness_mm: 33, height_mm: 220, depth_mm: 150, grey: 95}
-tray: {accession: 117, call: 512.7 NAG, thickness_mm: 25, height_mm: 210, depth_mm: 150, grey: 115}
-"""
+start: {{x_m: 2.0, y_m: 1.2, heading_deg: 90}}
+{ROOM_WALLS}furniture:
+  - {{name: desk, x_m: 0.6, y_m: 0.6, heading_deg: 10, size_m: [0.6, 0.4, 0.75]}}
+{shelf_text([101, 102, GAP, 104, 105])}"""
 
 Make = Callable[..., PhysicsBackend]
 

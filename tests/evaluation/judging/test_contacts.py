@@ -27,26 +27,14 @@ from handcart.primitives.driving.move_to import MoveTo
 from handcart.primitives.outcomes.outcome import Success
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import transform
+from tests.shelf_text import GAP, shelf_text
 
-WORLD = """
+WORLD = f"""
 format: handcart-world/1
-start: {x_m: 2.0, y_m: 1.0, heading_deg: 90}
-walls: [{from_m: [0, 0], to_m: [4, 0]}]
-furniture: [{name: lamp, x_m: 0.6, y_m: 1.0, size_m: [0.3, 0.3, 0.3], above_m: 0.8}]
-shelves:
-  - name: shelf_1
-    x_m: 2.0
-    y_m: 2.0
-    heading_deg: 90
-    width_m: 0.4
-    books:
-      - {accession: 101, call: 512.2 ABE, thickness_mm: 45, height_mm: 210, depth_mm: 150}
-      - {accession: 102, call: 512.3 ART, thickness_mm: 45, height_mm: 200, depth_mm: 140}
-      - {accession: 103, call: 512.5 BOR, thickness_mm: 40, height_mm: 220, depth_mm: 150}
-      - {gap_mm: 31}
-      - {accession: 104, call: 512.8 POI, thickness_mm: 28, height_mm: 200, depth_mm: 150}
-tray: {accession: 117, call: 512.7 NAG, thickness_mm: 25, height_mm: 210, depth_mm: 150}
-"""
+start: {{x_m: 2.0, y_m: 1.0, heading_deg: 90}}
+walls: [{{from_m: [0, 0], to_m: [4, 0]}}]
+furniture: [{{name: lamp, x_m: 0.6, y_m: 1.0, size_m: [0.3, 0.3, 0.3], above_m: 0.8}}]
+{shelf_text([101, 102, 103, GAP, 104])}"""
 DOCK = 0.47  # [m] from the base's middle to the shelf's front
 STEP = 0.07  # [rad] of a joint in a period
 

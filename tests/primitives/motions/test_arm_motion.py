@@ -33,20 +33,9 @@ from handcart.robotics.kinematics.shapes import Sphere
 from handcart.robotics.manipulation.motions.collision_model import CollisionModel
 from handcart.robotics.manipulation.motions.motion_planner import plan_motion
 from tests.primitives.conftest import WORLD, Rig
+from tests.small_robot import LIFTING_ROBOT
 
-ROBOT = """\
-format: handcart-robot/1
-urdf: lifter.urdf
-period_s: 0.05
-footprint_radius_m: 0.3
-localizer: odometry
-drive: {wheel_radius_m: 0.1, tread_m: 0.5, top_speed_m_s: 0.5, top_turn_deg_s: 90, acceleration_m_s2: 0.5,
-        turn_acceleration_deg_s2: 90}
-arm: {joints: [lift, turn], top_speed_deg_s: 90, acceleration_deg_s2: 180, slide_speed_mm_s: 50,
-      slide_acceleration_mm_s2: 100, postures: {home: [200, 0]}}
-tolerance: {base_mm: 25, base_deg: 1.5, joints_deg: 0.3, slides_mm: 3, gripper_mm: 1, object_mm: 8}
-errors: {none: true}
-"""
+ROBOT = f"{LIFTING_ROBOT}errors: {{none: true}}\n"
 LIFTER = """\
 <robot name="lifter">
   <link name="base"/><link name="carriage"/><link name="hand"/>
@@ -61,7 +50,7 @@ LIFTER = """\
 @pytest.fixture
 def lifter(tmp_path: Path) -> Robot:
     """An arm with a lift of 50 mm/s, which is at 200 of 300 mm, and a joint without a limit of any kind."""
-    for name, text in (("lifter.urdf", LIFTER), ("robot.yaml", ROBOT), ("world.yaml", WORLD)):
+    for name, text in (("robot.urdf", LIFTER), ("robot.yaml", ROBOT), ("world.yaml", WORLD)):
         (tmp_path / name).write_text(text, encoding="utf-8")
     spec = load_robot(str(tmp_path / "robot.yaml"))
     return Robot(make_backend("kinematic", spec, tmp_path / "world.yaml", 0), spec, Pose2(1.0, 1.0, 0.0))
