@@ -141,7 +141,7 @@ class KeyframeLayer:
             nothing = np.zeros((count, count), dtype=np.bool_)
             corner = here.x - WINDOW_M / 2, here.y - WINDOW_M / 2
             grid = GridMap(nothing, nothing, CELL_M, *corner)
-            self._field = LikelihoodField(grid.with_points(self._points))
+            self._field = LikelihoodField(grid.with_points(self._points), is_drawn=True)
         return self._field
 
 

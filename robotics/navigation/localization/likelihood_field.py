@@ -2,12 +2,18 @@
 
 They are read between cell centres by bilinear interpolation. A surface lies somewhere in its cell, on average
 at the centre: measured from the cells' edges a pose comes out twice as wrong.
+
+A beam shows the side of a wall that faces the sensor. A wall of two cells, as a wall that lies exactly on
+cell borders is drawn, has a surface in both of them: measured to the nearer one, its distance is flat from
+one centre to the other, and a scan fits anywhere between them. A thicker wall attracts points that are beyond
+its middle to its back. So distances for scans are measured to the surfaces that face the sensor alone.
 """
 
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from functools import cached_property
+from typing import Any, NamedTuple
 
 import cv2
 import numpy as np
@@ -15,6 +21,12 @@ from numpy.typing import NDArray
 
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.numerics.compiled import compiled
+
+STEPS_PER_CELL = 256  # in which distances are stored: two bytes each reach to 255 cells
+SECTORS = 8  # of a beam's direction; the first is along x
+SECTOR_TAN = math.tan(math.pi / SECTORS)
+MAX_FACING_COSINE = 0.4  # between a normal and a sector's middle: 90 degrees and half a sector, and a little
+NORMAL_CELLS = 1.5  # sigma by which a map is blurred for its normals
 
 
 class FieldValues(NamedTuple):
@@ -29,8 +41,15 @@ class FieldValues(NamedTuple):
 class LikelihoodField:
     """Distances to the surfaces of a map, ready for matching scans."""
 
-    def __init__(self, grid: GridMap) -> None:
-        """Compute the field; takes roughly a millisecond for 100,000 cells."""
+    def __init__(self, grid: GridMap, is_drawn: bool = False) -> None:
+        """Compute the field; takes roughly a millisecond for 100,000 cells.
+
+        Args:
+            grid: the map.
+            is_drawn: True if cells are occupied where echoes were, so that several of them side by side are
+                one surface with its noise, and no side of them is nearer to the truth.
+        """
+        self._is_drawn = is_drawn
         solid = grid.occupied.astype(np.uint8)
         inner = cv2.erode(solid, np.ones((3, 3), dtype=np.uint8), borderType=cv2.BORDER_REPLICATE)
         away = (solid == inner).astype(np.uint8)
@@ -41,17 +60,37 @@ class LikelihoodField:
             cells = cv2.distanceTransform(away, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
             self.distance = (cells * grid.resolution).astype(np.float32)
 
+    @cached_property
+    def facing(self) -> NDArray[np.uint16]:
+        """(8, h, w) of the cells to the nearest surface that faces the sensor, by `beam_sectors`.
+
+        In steps of which a cell has `STEPS_PER_CELL`, at most 255 cells. (1, h, w), the distance to any
+        surface, where the map was drawn from echoes.
+        """
+        if self._is_drawn:
+            return _in_steps(self.distance / np.float32(self.map.resolution))[None]
+        solid = self.map.occupied
+        cells = solid.astype(np.float32)
+        grey = cv2.GaussianBlur(cells, (0, 0), NORMAL_CELLS, borderType=cv2.BORDER_REPLICATE)
+        x, y = cv2.Sobel(grey, cv2.CV_32F, 1, 0), cv2.Sobel(grey, cv2.CV_32F, 0, 1)
+        least = -MAX_FACING_COSINE * np.hypot(x, y)
+        found = np.empty((SECTORS, *solid.shape), dtype=np.uint16)
+        for sector in range(SECTORS):
+            angle = 2.0 * math.pi * sector / SECTORS
+            before = ~solid & (math.cos(angle) * x + math.sin(angle) * y >= least)
+            beside = cv2.dilate(before.astype(np.uint8), np.ones((3, 3), dtype=np.uint8))
+            found[sector] = _in_steps(_distances(solid & (beside > 0)))
+        return found
+
     def read(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Distance (n,) in [m] of points (n, 2) of the map to the nearest surface; inf outside the map."""
-        distances: NDArray[np.float64] = read_field(self.distance, self.map.occupied, self._scaled(points))[
-            :, 0
-        ]
-        return distances
+        return np.asarray(read_distance(self.distance, self._scaled(points)))
 
-    def reading(self, points: NDArray[np.float64]) -> FieldValues:
-        """Distances as `read` gives them, and their slopes."""
-        readings = read_field(self.distance, self.map.occupied, self._scaled(points))
-        return FieldValues(readings[:, 0], readings[:, 1:3] / self.map.resolution)
+    def reading(self, points: NDArray[np.float64], sensor: tuple[float, float]) -> FieldValues:
+        """Return distances of points (n, 2), in [m], to the surfaces that face a sensor at x, y in [m]."""
+        sectors = beam_sectors(points, sensor, len(self.facing))
+        readings = read_field(self.facing, self.map.occupied, self._scaled(points), sectors)
+        return FieldValues(readings[:, 0] * self.map.resolution, readings[:, 1:3])
 
     def _scaled(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Column and row (n, 2), cell centres at whole numbers."""
@@ -59,12 +98,79 @@ class LikelihoodField:
         return (points - (grid.origin_x, grid.origin_y)) / grid.resolution - 0.5
 
 
+def _distances(surface: NDArray[np.bool_]) -> NDArray[np.float32]:
+    """(h, w) of all cells to the nearest one of a surface, in cells; inf without one."""
+    if not surface.any():
+        return np.full(surface.shape, np.inf, dtype=np.float32)
+    away = (~surface).astype(np.uint8)
+    return np.asarray(cv2.distanceTransform(away, cv2.DIST_L2, cv2.DIST_MASK_PRECISE), dtype=np.float32)
+
+
+def _in_steps(cells: NDArray[np.floating[Any]]) -> NDArray[np.uint16]:
+    """Distances in cells as whole steps, as far as two bytes reach."""
+    steps = np.minimum(cells * STEPS_PER_CELL + 0.5, np.iinfo(np.uint16).max)
+    return np.asarray(steps, dtype=np.uint16)
+
+
+@compiled
+def beam_sectors(points: NDArray[np.float64], sensor: tuple[float, float], count: int) -> NDArray[np.int32]:
+    """(n,) index of each point's distances in `LikelihoodField.facing`, seen from a sensor.
+
+    Args:
+        points: (n, 2) where beams ended, in [m].
+        sensor: x and y on the map, in [m].
+        count: length of `facing`; 1 if no surface has a side.
+    """
+    out = np.zeros(len(points), dtype=np.int32)
+    if count == 1:
+        return out
+    for i in range(len(points)):
+        x, y = points[i, 0] - sensor[0], points[i, 1] - sensor[1]
+        if abs(y) < SECTOR_TAN * abs(x):
+            out[i] = 0 if x > 0.0 else 4
+        elif abs(x) < SECTOR_TAN * abs(y):
+            out[i] = 2 if y > 0.0 else 6
+        else:
+            out[i] = (1 if y > 0.0 else 7) if x > 0.0 else (3 if y > 0.0 else 5)
+    return out
+
+
+@compiled
+def read_distance(distance: NDArray[np.float32], at: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(n,) distance (h, w) of the cells at columns and rows (n, 2), bilinear; inf outside.
+
+    Cell centres are at whole numbers.
+    """
+    height, width = distance.shape
+    out = np.empty(len(at))
+    for i in range(len(at)):
+        column, row = math.floor(at[i, 0]), math.floor(at[i, 1])
+        if not (0 <= column < width - 1 and 0 <= row < height - 1):
+            out[i] = np.inf
+            continue
+        u, v = at[i, 0] - column, at[i, 1] - row
+        low = distance[row, column] * (1 - u) + distance[row, column + 1] * u
+        high = distance[row + 1, column] * (1 - u) + distance[row + 1, column + 1] * u
+        out[i] = low * (1 - v) + high * v
+    return out
+
+
 @compiled
 def read_field(
-    distance: NDArray[np.float32], occupied: NDArray[np.bool_], at: NDArray[np.float64]
+    facing: NDArray[np.uint16],
+    occupied: NDArray[np.bool_],
+    at: NDArray[np.float64],
+    sectors: NDArray[np.int32],
 ) -> NDArray[np.float64]:
-    """Distance, its bilinear slopes along x and y per cell, 1 in solids: (n, 4); inf and zeros outside."""
-    height, width = distance.shape
+    """Distance in cells, its bilinear slopes along x and y, 1 in solids: (n, 4); inf and zeros outside.
+
+    Args:
+        facing: (k, h, w) distances, see `LikelihoodField.facing`.
+        occupied: (h, w) cells of the map.
+        at: (n, 2) column and row of points, cell centres at whole numbers.
+        sectors: (n,) which of the k distances each point reads.
+    """
+    _, height, width = facing.shape
     out = np.empty((len(at), 4))
     for i in range(len(at)):
         column, row = math.floor(at[i, 0]), math.floor(at[i, 1])
@@ -72,9 +178,9 @@ def read_field(
             # A whole row at once would take two seconds more to compile.
             out[i, 0], out[i, 1], out[i, 2], out[i, 3] = np.inf, 0.0, 0.0, 0.0
             continue
-        u, v = at[i, 0] - column, at[i, 1] - row
-        a, b = distance[row, column], distance[row, column + 1]
-        c, d = distance[row + 1, column], distance[row + 1, column + 1]
+        u, v, k = at[i, 0] - column, at[i, 1] - row, sectors[i]
+        a, b = facing[k, row, column] / STEPS_PER_CELL, facing[k, row, column + 1] / STEPS_PER_CELL
+        c, d = facing[k, row + 1, column] / STEPS_PER_CELL, facing[k, row + 1, column + 1] / STEPS_PER_CELL
         out[i, 0] = (a * (1 - u) + b * u) * (1 - v) + (c * (1 - u) + d * u) * v
         out[i, 1] = (b - a) * (1 - v) + (d - c) * v
         out[i, 2] = (c - a) * (1 - u) + (d - b) * u

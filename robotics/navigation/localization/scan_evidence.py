@@ -18,7 +18,7 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.numerics.compiled import compiled_fast
 
-from .likelihood_field import FieldValues
+from .likelihood_field import STEPS_PER_CELL, FieldValues, beam_sectors
 
 SHIFT_CELLS = np.array([2.6, 3.3, 4.3, 5.2])  # cells, each way: more than one, and no multiples of each other
 MIN_SHARE = 0.12  # of the rise that the slopes claim; less is grain: up to 0.10 along a diagonal wall
@@ -50,7 +50,7 @@ class ScanEvidence(NamedTuple):
 
 def weakest_evidence(
     grid: GridMap,
-    distance: NDArray[np.float32],
+    facing: NDArray[np.uint16],
     points: Array,
     reading: FieldValues,
     pose: Pose2,
@@ -62,7 +62,7 @@ def weakest_evidence(
 
     Args:
         grid: the map.
-        distance: (h, w) of its cells to the nearest surface, in [m].
+        facing: (k, h, w) of its cells to the nearest surface that faces the sensor, see `LikelihoodField`.
         points: (n, 2) where beams ended, on the map, in [m].
         reading: of the likelihood field at the points.
         pose: map_T_base that fits best.
@@ -77,7 +77,9 @@ def weakest_evidence(
     if not len(used):
         return ScanEvidence(direction, 0.0)
     near = reading.distances[used], reading.slopes[used]
-    shifted = _Shifted(grid, distance, points[used], *near, np.array(pose[:2]), lever, scale)
+    seen, middle = points[used], np.array(pose[:2])
+    sectors = beam_sectors(seen, pose[:2], len(facing))
+    shifted = _Shifted(grid, facing, sectors, seen, *near, middle, lever, scale)
     across, claimed = shifted.rise(direction)
     if across < PLAIN_SHARE * claimed:
         direction = shifted.flattest(direction)
@@ -100,8 +102,10 @@ class _Shifted(NamedTuple):
     """A scan that is shifted about on a map, its heading following."""
 
     grid: GridMap
-    distance: NDArray[np.float32]
-    """(h, w) of the map's cells to the nearest surface, in [m]."""
+    facing: NDArray[np.uint16]
+    """(k, h, w) of the map's cells to the nearest surface that faces the sensor, in steps."""
+    sectors: NDArray[np.int32]
+    """(m,) which of the k distances each point reads."""
     points: Array
     """(m, 2) on the map, in [m]."""
     distances: Array
@@ -140,8 +144,8 @@ class _Shifted(NamedTuple):
         """See `rises`: along directions (k, 2), by every so manieth point."""
         grid = self.grid
         steps, corner = SHIFT_CELLS * grid.resolution, (grid.origin_x, grid.origin_y)
-        where = rays, steps, every, corner, grid.resolution, self.distance, self.points, self.distances
-        return rises(*where, slopes, self.middle, self.lever, self.scale)
+        where = rays, steps, every, corner, grid.resolution, self.facing, self.sectors, self.points
+        return rises(*where, self.distances, slopes, self.middle, self.lever, self.scale)
 
 
 @compiled_fast
@@ -151,7 +155,8 @@ def rises(
     every: int,
     origin: tuple[float, float],
     resolution: float,
-    distance: NDArray[np.float32],
+    facing: NDArray[np.uint16],
+    sectors: NDArray[np.int32],
     points: Array,
     distances: Array,
     slopes: Array,
@@ -167,7 +172,8 @@ def rises(
         every: so manieth point counts.
         origin: lower-left corner of the map, in [m].
         resolution: side of a cell, in [m].
-        distance: (h, w) of the cells to the nearest surface, in [m].
+        facing: (k, h, w) of the cells to the nearest surface that faces the sensor, in steps.
+        sectors: (m,) which of the k distances each point reads.
         points: (m, 2) of the scan on the map, in [m].
         distances: (m,) of the points to the nearest surface, in [m].
         slopes: (m, 2) of the distances; empty where nobody asks what they claim.
@@ -181,10 +187,12 @@ def rises(
     """
     count, per = (len(points) + every - 1) // every, 1.0 / resolution
     out, before = np.zeros((len(rays), len(steps), 3)), 0.0
-    at, moved = np.empty((2, count)), np.empty((2, count))
+    at, moved, plane = np.empty((2, count)), np.empty((2, count)), np.empty(count, dtype=np.int32)
+    area = facing.shape[1] * facing.shape[2]
     for i in range(count):
         at[0, i] = (points[i * every, 0] - origin[0]) * per - 0.5
         at[1, i] = (points[i * every, 1] - origin[1]) * per - 0.5
+        plane[i] = sectors[i * every] * area
         before += _cost(min(distances[i * every], OFF_MAP_SCALES * scale) ** 2, scale)
     for k in range(len(rays)):
         turn = lever[0] * rays[k, 0] + lever[1] * rays[k, 1]
@@ -192,8 +200,8 @@ def rises(
             moved[0, i] = (rays[k, 0] + turn * (points[i * every, 1] - middle[1])) * per
             moved[1, i] = (rays[k, 1] - turn * (points[i * every, 0] - middle[0])) * per
         for j in range(len(steps)):
-            forth = _shifted_cost(distance, at, moved, steps[j], scale)
-            back = _shifted_cost(distance, at, moved, -steps[j], scale)
+            forth = _shifted_cost(facing, plane, at, moved, steps[j], resolution, scale)
+            back = _shifted_cost(facing, plane, at, moved, -steps[j], resolution, scale)
             out[k, j, 0] = forth + back - 2.0 * before
             out[k, j, 2] = 2.0 * _cost(steps[j] ** 2, scale)
             if len(slopes):
@@ -205,14 +213,24 @@ def rises(
 
 
 @compiled_fast
-def _shifted_cost(distance: NDArray[np.float32], at: Array, moved: Array, step: float, scale: float) -> float:
+def _shifted_cost(
+    facing: NDArray[np.uint16],
+    plane: NDArray[np.int32],
+    at: Array,
+    moved: Array,
+    step: float,
+    resolution: float,
+    scale: float,
+) -> float:
     """Cost in [m²] of points at columns and rows (2, n) that are moved, (2, n) a metre, by a step.
+
+    `plane` (n,) is where the distances that each point reads begin in the flat array.
 
     Without a branch, so that several points are read at once; see `likelihood_field.read_field`. A point
     beyond the map costs as much as one far off.
     """
-    height, width = distance.shape
-    cells, total = distance.reshape(-1), 0.0
+    _, height, width = facing.shape
+    cells, total, unit = facing.reshape(-1), 0.0, resolution / STEPS_PER_CELL
     if height < 2 or width < 2:
         return float(at.shape[1] * _cost((OFF_MAP_SCALES * scale) ** 2, scale))
     for i in range(at.shape[1]):
@@ -221,12 +239,13 @@ def _shifted_cost(distance: NDArray[np.float32], at: Array, moved: Array, step: 
         u, v = u if inside else 0.0, v if inside else 0.0
         column, row = np.int32(u), np.int32(v)
         u, v = u - column, v - row
-        cell = row * np.int32(width) + column
+        cell = plane[i] + row * np.int32(width) + column
         # Numba asks of each index that may be negative whether it is.
-        a, b = cells[np.uint32(cell)], cells[np.uint32(cell + 1)]
-        c, d = cells[np.uint32(cell + width)], cells[np.uint32(cell + width + 1)]
+        a, b = np.float64(cells[np.uint32(cell)]), np.float64(cells[np.uint32(cell + 1)])
+        c, d = np.float64(cells[np.uint32(cell + width)]), np.float64(cells[np.uint32(cell + width + 1)])
         low, high = a + (b - a) * u, c + (d - c) * u
-        total += _cost((low + (high - low) * v) ** 2 if inside else (OFF_MAP_SCALES * scale) ** 2, scale)
+        off = (low + (high - low) * v) * unit if inside else OFF_MAP_SCALES * scale
+        total += _cost(off**2, scale)
     return total
 
 

@@ -13,13 +13,13 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.numerics.compiled import compiled
 
 from .likelihood_field import LikelihoodField as LikelihoodField
-from .likelihood_field import read_field
+from .likelihood_field import beam_sectors, read_field
 from .scan_evidence import ScanEvidence, confirmed, unrelated, weakest_evidence
 
 INLIER_SCALES = 3.0  # scales within which a point counts as explained by the map
 OF_SIGMA = 0.6745  # of a normal error's sigma: half of the errors are smaller
 CELL_SIGMA = 0.3  # of a cell: spread of a surface that lies anywhere in its cell
-CELL_BIAS = 0.25  # of a cell: what a pose is wrong by because surfaces lie anywhere in their cells
+CELL_BIAS = 0.3  # of a cell: error of a pose by one wall, because surfaces lie anywhere in their cells
 MIN_INFORMATION_SHARE = 1e-6  # of an information: what is seen may not tell all of a pose
 ANNEALING_SCALES_M = (
     0.5,
@@ -54,7 +54,7 @@ class ScanMatch(NamedTuple):
 
 @compiled
 def _normal_equations(
-    distance: NDArray[np.float32],
+    facing: NDArray[np.uint16],
     occupied: NDArray[np.bool_],
     points: NDArray[np.float64],
     middle: tuple[float, float],
@@ -76,13 +76,13 @@ def _normal_equations(
     for i in range(len(points)):
         at[i, 0] = (points[i, 0] - origin[0]) / resolution - 0.5
         at[i, 1] = (points[i, 1] - origin[1]) / resolution - 0.5
-    readings = read_field(distance, occupied, at)
+    readings = read_field(facing, occupied, at, beam_sectors(points, middle, len(facing)))
     for i in range(len(points)):
-        residual = readings[i, 0]
+        residual = readings[i, 0] * resolution
         if residual > 4.0 * scale:
             continue
         weight = 1.0 / (1.0 + (residual / scale) ** 2) ** 2
-        slope[0], slope[1] = readings[i, 1] / resolution, readings[i, 2] / resolution
+        slope[0], slope[1] = readings[i, 1], readings[i, 2]
         x, y = points[i, 0] - middle[0], points[i, 1] - middle[1]
         if readings[i, 3] and slope[0] * x + slope[1] * y < 0.0 and residual > 0.5 * resolution:
             continue
@@ -127,7 +127,7 @@ def match_scan(
     def descend(trust: NDArray[np.float64], scale: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         where = (grid.origin_x, grid.origin_y), grid.resolution
         return descend_scan(
-            field.distance, grid.occupied, points, found, near, trust, *seen[:2], *where, scale, noise
+            field.facing, grid.occupied, points, found, near, trust, *seen[:2], *where, scale, noise
         )
 
     for scale in (*ANNEALING_SCALES_M, final) if anneal else (3.0 * final, final):
@@ -135,17 +135,17 @@ def match_scan(
     pose, residuals = Pose2(*found.tolist()), np.empty(0)
     if len(points):
         on_map = pose.apply(points)
-        reading = field.reading(on_map)
+        reading = field.reading(on_map, pose[:2])
         residuals = reading.distances
         evidence = weakest_evidence(
-            grid, field.distance, on_map, reading, pose, hessian - information, final, noise
+            grid, field.facing, on_map, reading, pose, hessian - information, final, noise
         )
         seen = confirmed(evidence, before)
         if seen.share < 1.0:
             information = _inverse(unrelated(prior_covariance, seen))
             found, hessian = descend(information, final)
             pose = Pose2(*found.tolist())
-            residuals = field.read(pose.apply(points))
+            residuals = field.reading(pose.apply(points), pose[:2]).distances
         hessian[:2, :2] += seen.more * seen.direction[:, None] * seen.direction
     inliers = np.count_nonzero(residuals < INLIER_SCALES * noise) / len(points) if len(points) else 0.0
     fit = _inverse(hessian, 1e-9)
@@ -202,7 +202,7 @@ def _posterior(
 
 @compiled
 def descend_scan(
-    distance: NDArray[np.float32],
+    facing: NDArray[np.uint16],
     occupied: NDArray[np.bool_],
     points: NDArray[np.float64],
     start: NDArray[np.float64],
@@ -228,7 +228,7 @@ def descend_scan(
             moved[i, 0] = points[i, 0] * cos - points[i, 1] * sin + pose[0]
             moved[i, 1] = points[i, 0] * sin + points[i, 1] * cos + pose[1]
         hessian, gradient = _normal_equations(
-            distance, occupied, moved, (pose[0], pose[1]), origin, resolution, scale
+            facing, occupied, moved, (pose[0], pose[1]), origin, resolution, scale
         )
         _thin(hessian, gradient, direction, share)
         off[0], off[1], off[2] = pose[0] - prior[0], pose[1] - prior[1], _wrapped(pose[2] - prior[2])

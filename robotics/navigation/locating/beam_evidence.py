@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.robotics.navigation.localization.likelihood_field import LikelihoodField, read_field
+from handcart.robotics.navigation.localization.likelihood_field import LikelihoodField, read_distance
 from handcart.robotics.navigation.localization.scan_matching import CELL_SIGMA, INLIER_SCALES
 from handcart.robotics.navigation.localization.start_search import SHORT_OF_REACH, ScanBeams, trace_ranges
 from handcart.robotics.numerics.compiled import compiled
@@ -121,14 +121,14 @@ def _count(
             way = ranges[i] / resolution if math.isfinite(ranges[i]) else 0.0
             ends[i, 0] = column + way * math.cos(angles[i] + theta)
             ends[i, 1] = row + way * math.sin(angles[i] + theta)
-        readings = read_field(distance, occupied, ends)
+        away = read_distance(distance, ends)
         expected = trace_ranges(distance, occupied, column, row, angles + theta, resolution, reach)
         for i in range(len(angles)):
             if math.isnan(ranges[i]):
                 continue
             if math.isinf(ranges[i]):
                 out[m, 0 if expected[i] > SHORT_OF_REACH * reach else 2] += 1.0
-            elif readings[i, 0] < near:
+            elif away[i] < near:
                 slack = GRAZING_SLACK_M + GRAZING_SLACK_RATIO * ranges[i]
                 out[m, 2 if expected[i] < ranges[i] - slack else 0] += 1.0
             else:

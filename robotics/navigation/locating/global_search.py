@@ -94,7 +94,7 @@ def refine_poses(
     begun = np.ascontiguousarray(poses, dtype=np.float64)
     dense = np.ascontiguousarray(points, dtype=np.float64)
     return np.asarray(
-        _refine(field.distance, grid.occupied, dense, begun, corner, grid.resolution, every, noise)
+        _refine(field.facing, grid.occupied, dense, begun, corner, grid.resolution, every, noise)
     )
 
 
@@ -160,7 +160,7 @@ def _best_of_bins(scores: Array, cells: NDArray[np.int64], size: int) -> NDArray
 
 @compiled
 def _refine(
-    distance: NDArray[np.float32],
+    facing: NDArray[np.uint16],
     occupied: NDArray[np.bool_],
     points: Array,
     poses: Array,
@@ -176,7 +176,7 @@ def _refine(
         pose = poses[m].copy()
         for k in range(len(scales)):
             pose, _ = descend_scan(
-                distance,
+                facing,
                 occupied,
                 points,
                 pose,

@@ -69,7 +69,7 @@ class LocalMap:
     def field(self) -> LikelihoodField:
         """Likelihood field of `grid`."""
         if self._field is None:
-            self._field = LikelihoodField(self.grid)
+            self._field = LikelihoodField(self.grid, is_drawn=True)
         return self._field
 
     @property

@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.localization.scan_matching import CELL_BIAS
 from handcart.robotics.navigation.maps.clearances import Clearances
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.routes.route import Route, plan_route
@@ -24,7 +23,7 @@ SENSED_ROOM = 0.10  # [m] that what was sensed is grown by: its far side wasn't 
 ROOM_BEFORE = 0.02  # [m] likewise before what the robot is to stand before
 # [m]: cells larger than that leave a pose unsure, by `CELL_UNCERTAINTY` of what they are larger
 FINE_CELL_M = 0.05
-CELL_UNCERTAINTY = 2.0 * CELL_BIAS  # twice the standard deviation
+CELL_UNCERTAINTY = 0.5  # of a cell: the farthest that a surface lies from its cell's centre
 # [m] beside the footprint that is left in any case, but on the way out of a start without it
 MIN_ROOM_M = 0.01
 LEAVING_DISTANCE_M = 0.25  # [m] at most, from a start that is too near to something to where there is room

@@ -151,3 +151,43 @@ def test_what_lies_ten_centimetres_off_is_not_explained() -> None:
     before_it = on_wall - (0.0, 0.1)
     match = match_scan(field, np.vstack([on_wall, before_it]), Pose2(2.0, 1.5, 0.0), np.eye(3) * 1e-10)
     assert match.inliers == pytest.approx(0.5)
+
+
+BORDER_OFFSETS = (-0.5, -0.25, -0.02, 0.0, 0.02, 0.25, 0.5)  # of a cell of 5 cm, from a border
+
+
+def two_walls(offset: float, thickness: float) -> Boxes:
+    """A wall at x = 8 m and one at y = 3 m, their near sides `offset` cells behind a border of cells."""
+    off = 0.05 * offset + thickness / 2
+    return [(8.0 + off, 0.0, 0.0, thickness, 20.0), (0.0, 3.0 + off, 0.0, 40.0, thickness)]
+
+
+@pytest.mark.parametrize("thickness", [0.01, 0.05, 0.1, 0.15])
+def test_walls_on_cell_borders_from_one_side_hold_the_claim(
+    thickness: float, scan: Callable[..., np.ndarray]
+) -> None:
+    """The surface of a wall is in its nearest cell: the pose is off by half of a cell at most."""
+    rng, spread = np.random.default_rng(7), np.array([0.05, 0.05, 0.035])
+    for offset in BORDER_OFFSETS:
+        boxes = two_walls(offset, thickness)
+        field = LikelihoodField(from_boxes(boxes, 0.05, (-13.0, -4.0), (23.0, 9.0)))
+        for away, start in ((2.0, 0.08), (5.0, -0.08), (8.0, 0.08)):
+            pose = Pose2(8.0 - away, rng.uniform(-1.0, 1.0), rng.uniform(-3, 3))
+            near = shifted(pose, np.array([start, start, 0.02]))
+            match = match_scan(field, scan(boxes, pose, rng), near, np.diag(spread**2))
+            error = np.abs(off(match.pose, pose)[:2])
+            assert error.max() < 0.025 + 0.006
+            assert (error < 3.0 * np.sqrt(np.diag(match.covariance)[:2])).all()
+            assert match.inliers > 0.75  # the others end beyond the map
+
+
+def test_start_behind_a_walls_near_side_finds_the_near_side(scan: Callable[..., np.ndarray]) -> None:
+    """From a start that is wrong by more than a wall's thickness, its near side is still found."""
+    rng = np.random.default_rng(8)
+    for thickness in (0.1, 0.15, 0.2):
+        boxes = two_walls(0.3, thickness)
+        field = LikelihoodField(from_boxes(boxes, 0.05, (-4.0, -4.0), (14.0, 9.0)))
+        pose = Pose2(4.0, 0.5, 0.4)
+        wrong = shifted(pose, np.array([0.17, 0.15, 0.0]))
+        match = match_scan(field, scan(boxes, pose, rng), wrong, np.diag([0.1, 0.1, 0.03]) ** 2)
+        assert match.pose.distance(pose) < 0.03
