@@ -1,7 +1,7 @@
 """Halls of posts that no map shows: `python -m benchmarks.driving.cluttered [--worlds N] [--speed 1|2]`.
 
 A cellular automaton sets posts into a hall of 14 x 4.8 m, at three densities; start and goal are 10 m apart,
-and a way with 5 cm beside the footprint (a disc of 0.22 m) leads through. `tasks/drive_map` drives there, as
+and a way with 5 cm beside the footprint (a disc) leads through. `tasks/drive_map` drives there, as
 `handcart run` does it. The map shows the walls (`walls`), walls and every other post (`half`), nothing
 (`empty`), or everything (`all`). A world counts as reached if the goal was reached without a Fail. Contacts
 and false outcomes are those of the simulated world. The time is that to the docked pose, over the length of
@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.driving.cluttered_robot import RADIUS_M, write_robot
+from benchmarks.driving.cluttered_robot import write_robot
 from benchmarks.driving.cluttered_worlds import (
     DENSITIES,
     Box,
@@ -132,7 +132,7 @@ def try_world(world: World, chosen: argparse.Namespace) -> Trial:
         tolerance = ROUGH if rough else EXACT
         write_world(world, folder, _mapped(world, chosen.map), chosen.cell, tolerance)
         settings = {key: str(folder / f"{key}.yaml") for key in ("map", "world", "places")}
-        settings |= {"robot": str(write_robot(folder, chosen.speed, chosen.localizer))}
+        settings |= {"robot": str(_robot(folder, chosen))}
         settings |= {"tour": "[goal]", "wait_s": "2"}
         with prepare(TASK, backend=chosen.backend, settings=settings, seed=world.seed) as prepared:
             scene = prepared.backend.scene  # type: ignore[attr-defined]
@@ -146,6 +146,10 @@ def try_world(world: World, chosen: argparse.Namespace) -> Trial:
             result.false, result.contacts = list(judge.untrue), len(scene.contacts)
             _compare(prepared.robot, scene.base, result)
     return result
+
+
+def _robot(folder: Path, chosen: argparse.Namespace) -> Path:
+    return write_robot(folder, chosen.radius, chosen.speed, chosen.localizer, chosen.view)
 
 
 def _compare(robot: Robot, truth: Pose2, result: Trial) -> None:
@@ -197,7 +201,7 @@ def report(results: list[Trial], speed: float) -> str:
     return "\n".join(lines)
 
 
-def draw(world: World, result: Trial, path: Path) -> None:
+def draw(world: World, result: Trial, radius: float, path: Path) -> None:
     """Draw a world, its best way and the true track."""
     from matplotlib.figure import Figure
     from matplotlib.patches import Circle, Rectangle
@@ -207,7 +211,7 @@ def draw(world: World, result: Trial, path: Path) -> None:
         axes.add_patch(Rectangle((x - length / 2, y - width / 2), length, width, color="0.4"))
     axes.plot(*world.best.points.T, "g:", linewidth=1.0)
     axes.plot(*np.array(result.track).T, "b-", linewidth=1.0)
-    axes.add_patch(Circle(result.track[-1], RADIUS_M, color="b", fill=False))
+    axes.add_patch(Circle(result.track[-1], radius, color="b", fill=False))
     axes.set_aspect("equal")
     axes.set_title(f"{result.seed}, density {result.density:g}: {result.outcome}, {result.seconds:.1f} s")
     figure.savefig(path, dpi=80)
@@ -218,11 +222,11 @@ def worlds_of(chosen: argparse.Namespace) -> list[Callable[[], World]]:
     seeds = range(chosen.first, chosen.first + chosen.worlds)
     if chosen.shape != "posts":
         boxes = dead_end() if chosen.shape == "dead_end" else closed_wall()
-        best = make_world(0, 0.0, RADIUS_M).best
+        best = make_world(0, 0.0, chosen.radius).best
         return [lambda seed=seed: World(seed, 0.0, boxes, best) for seed in seeds]  # type: ignore[misc]
     densities = DENSITIES if chosen.density is None else (chosen.density,)
     return [
-        lambda seed=seed: make_world(seed, densities[seed % len(densities)], RADIUS_M)  # type: ignore[misc]
+        lambda seed=seed: make_world(seed, densities[seed % len(densities)], chosen.radius)  # type: ignore[misc]
         for seed in seeds
     ]
 
@@ -237,6 +241,8 @@ def main() -> None:
     words.add_argument("--map", choices=("walls", "half", "empty", "all"), default="walls")
     words.add_argument("--shape", choices=("posts", "dead_end", "closed_wall"), default="posts")
     words.add_argument("--localizer", choices=("scan", "odometry"), default="scan")
+    words.add_argument("--radius", type=float, default=0.22, help="of the footprint, in m (default: 0.22)")
+    words.add_argument("--view", type=float, default=360.0, help="of the lidar, in deg (default: 360)")
     words.add_argument("--cell", type=float, default=0.05, help="of the map, in m (default: 0.05)")
     words.add_argument("--backend", default="kinematic", help="kinematic (default), mujoco, pybullet")
     words.add_argument("--pictures", type=Path, help="existing folder for a picture of each world")
@@ -256,7 +262,7 @@ def main() -> None:
             flush=True,
         )
         if chosen.pictures:
-            draw(world, result, chosen.pictures / f"world_{result.seed}.png")
+            draw(world, result, chosen.radius, chosen.pictures / f"world_{result.seed}.png")
     print(report(results, chosen.speed))
     raise SystemExit(int(any(each.contacts or each.false for each in results)))
 

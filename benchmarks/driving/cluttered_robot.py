@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-RADIUS_M = 0.22
 URDF = """\
 <?xml version="1.0"?>
 <robot name="disc">
@@ -14,9 +13,9 @@ URDF = """\
       <inertia ixx="0.36" ixy="0" ixz="0" iyy="0.36" iyz="0" izz="0.44"/>
     </inertial>
     <collision>
-      <origin xyz="0 0 0.12"/><geometry><cylinder radius="0.21" length="0.16"/></geometry>
+      <origin xyz="0 0 0.12"/><geometry><cylinder radius="{body}" length="0.16"/></geometry>
     </collision>
-    <visual><origin xyz="0 0 0.12"/><geometry><cylinder radius="0.21" length="0.16"/></geometry></visual>
+    <visual><origin xyz="0 0 0.12"/><geometry><cylinder radius="{body}" length="0.16"/></geometry></visual>
   </link>
   <link name="range_sensor"/>
   <joint name="range_sensor_mount" type="fixed">
@@ -57,12 +56,13 @@ footprint_radius_m: {radius}
 localizer: {localizer}
 drive:
   wheel_radius_m: 0.1
-  tread_m: 0.34
+  tread_m: {tread}
   top_speed_m_s: {speed}
   top_turn_deg_s: 120
   acceleration_m_s2: {acceleration}
   turn_acceleration_deg_s2: 360
-range_sensor: {{beams: 360, reach_m: 12.0, sigma_mm: 10}}
+range_sensor:
+  {{beams: {beams}, reach_m: 12.0, sigma_mm: 10, start_deg: {start_deg}, end_deg: {end_deg}}}
 errors:
   wheel_radius_percent: 0.2
   tread_percent: 0.5
@@ -73,17 +73,22 @@ tolerance: {{base_mm: 25, base_deg: 1.5, joints_deg: 0.3, gripper_mm: 1, object_
 """
 
 
-def write_robot(folder: Path, speed: float, localizer: str) -> Path:
+def write_robot(folder: Path, radius: float, speed: float, localizer: str, view: float = 360.0) -> Path:
     """Write the robot's file and its URDF; return the path of the file.
 
     Args:
         folder: existing folder for the files.
+        radius: radius of the footprint, in [m]; the body is 1 cm smaller.
         speed: top speed in [m/s]; its acceleration in [m/s²] is as large.
         localizer: as in a robot's file.
+        view: angle that the lidar sees, in [deg]; a beam a degree.
     """
-    wheels = "".join(WHEEL.format(side=side, y=y) for side, y in (("left", 0.17), ("right", -0.17)))
-    casters = "".join(CASTER.format(end=end, x=x) for end, x in (("front", 0.17), ("rear", -0.17)))
-    (folder / "robot.urdf").write_text(URDF.format(wheels=wheels, casters=casters))
+    tread = radius - 0.05
+    wheels = "".join(WHEEL.format(side=side, y=y) for side, y in (("left", tread), ("right", -tread)))
+    casters = "".join(CASTER.format(end=end, x=x) for end, x in (("front", tread), ("rear", -tread)))
+    (folder / "robot.urdf").write_text(URDF.format(body=radius - 0.01, wheels=wheels, casters=casters))
     path = folder / "robot.yaml"
-    path.write_text(ROBOT.format(radius=RADIUS_M, speed=speed, acceleration=speed, localizer=localizer))
+    lidar = {"beams": round(view) + (view < 360.0), "start_deg": -view / 2, "end_deg": view / 2}
+    drive = {"tread": 2.0 * tread, "speed": speed, "acceleration": speed}
+    path.write_text(ROBOT.format(radius=radius, localizer=localizer, **drive, **lidar))
     return path

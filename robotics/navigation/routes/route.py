@@ -30,6 +30,7 @@ LENGTH_PRICE_SHARES = (
     0.4,
 )  # of the dearest cell's price, that length costs by itself while a way is too long
 SHORTEST_LENGTH_PRICE = 1e4  # that length costs by itself where nothing else counts
+LONG_CORNER_ROOM_M = 0.12  # beside the graph's radius, that longer corners than usual do not give away
 CORNER_ROUNDING_PASSES = 20  # of corner rounding: about half a metre of corner on cells of 5 cm
 
 
@@ -108,9 +109,11 @@ def plan_route(
     path = _within_reason(graph, ends[0], ends[1])
     if path is None:
         return None
+    squares, need, passes = graph.squares, graph.need, CORNER_ROUNDING_PASSES
     if rounding > 1.0:  # passes over fewer points round longer corners
-        path = rounded(graph.squares, graph.need, sampled(path, rounding), CORNER_ROUNDING_PASSES)
-    smooth = rounded(graph.squares, graph.need, sampled(path, 1.0), CORNER_ROUNDING_PASSES)
+        roomy = need + LONG_CORNER_ROOM_M / graph.map.resolution
+        path = rounded(squares, need, sampled(path, rounding), passes, roomy)
+    smooth = rounded(squares, need, sampled(path, 1.0), passes)
     points = _with_ends(ends[0], smooth, ends[1])
     clearance = path_clearance(graph.squares, points) * graph.map.resolution
     if clearance.min() < least:

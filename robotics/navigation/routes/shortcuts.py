@@ -168,21 +168,24 @@ def around_corners(
 
 @compiled
 def rounded(
-    squares: BlockedSquares, need: float, path: NDArray[np.float64], rounds: int
+    squares: BlockedSquares, need: float, path: NDArray[np.float64], rounds: int, roomy: float = 0.0
 ) -> NDArray[np.float64]:
     """Round the corners of an evenly sampled path (n, 2) in [cells], ends kept.
 
     Each sample moves towards the middle of its neighbours, unless a stretch to one of them would then keep
-    less than `need`, in [cells], or less than all of the path did.
+    less than `need`, in [cells], or less than all of the path did. A sample that had more keeps that, but no
+    more than `roomy`, in [cells].
     """
     smooth = path.copy()
     tight = np.inf
     for point in path:
         tight = min(tight, float(squares.distance[int(point[0] + 1.5), int(point[1] + 1.5)]))
-    keep = max(need, tight - 0.71)  # half a cell's diagonal: the point isn't the centre of its cell
+    least = max(need, tight - 0.71)  # half a cell's diagonal: the point isn't the centre of its cell
     moved = np.empty(2)
     for _ in range(rounds):
         for i in range(1, len(smooth) - 1):
+            own = float(squares.distance[int(path[i, 0] + 1.5), int(path[i, 1] + 1.5)]) - 0.71
+            keep = max(least, min(own, roomy))
             moved[0] = 0.5 * smooth[i, 0] + 0.25 * (smooth[i - 1, 0] + smooth[i + 1, 0])
             moved[1] = 0.5 * smooth[i, 1] + 0.25 * (smooth[i - 1, 1] + smooth[i + 1, 1])
             if abs(moved[0] - smooth[i, 0]) + abs(moved[1] - smooth[i, 1]) < 1e-6:
