@@ -105,7 +105,7 @@ def note_bump(robot: Robot, model: WorldModel, evidence: Evidence) -> None:
         "Base", "progress while driven", blocked.moved, MAX_PROGRESS * blocked.commanded, unit="m"
     )
     raise Discrepancy(
-        _words(blocked, bump, robot.spec), measured=moved, check="contact", cause=causes.CONTACT
+        _words(blocked, bump, robot.spec), measured=moved, check="contact", cause=causes.BASE_STOPPED
     )
 
 

@@ -11,7 +11,7 @@ BLOCKED: Final = CauseKind("blocked", "An obstacle is in the way of the base.")
 NO_ROUTE: Final = CauseKind("no_route", "No route leads there, or the base does not fit there.")
 NO_PROGRESS: Final = CauseKind("no_progress", "The base does not move as it is driven.")
 OFF_GOAL: Final = CauseKind("off_goal", "The robot does not come to its goal within the tolerance.")
-CONTACT: Final = CauseKind("contact", "The base runs into something.")
+BASE_STOPPED: Final = CauseKind("base_stopped", "Something stops the base, or its drives are off.")
 
 # Where the robot and things are
 LOST: Final = CauseKind("lost", "The robot does not know where it is.")

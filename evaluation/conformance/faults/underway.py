@@ -43,6 +43,8 @@ class AttemptEnding:
     wrong: tuple[str, ...] = ()
     sensors: tuple[str, ...] = ()
     """Sensors that were read."""
+    cause: str = ""
+    """Kind of cause of a Fail or GiveUp."""
 
 
 @dataclass
@@ -110,11 +112,14 @@ class Underway:
         if isinstance(outcome, GiveUp) and self._whole(fault):
             wrong.append("it gave up, although the robot is whole and nothing was done for good")
         reason = "" if isinstance(outcome, Success) else outcome.reason
-        return self._ended(type(outcome).__name__, reason, count[0], tuple(wrong))
+        cause = "" if isinstance(outcome, Success) else outcome.cause.name
+        return self._ended(type(outcome).__name__, reason, count[0], tuple(wrong), cause)
 
-    def _ended(self, outcome: str, reason: str, periods: int, wrong: tuple[str, ...]) -> AttemptEnding:
+    def _ended(
+        self, outcome: str, reason: str, periods: int, wrong: tuple[str, ...], cause: str = ""
+    ) -> AttemptEnding:
         bitten = bool(self.backend.bitten)
-        return AttemptEnding(outcome, reason, periods, bitten, wrong, self.backend.sensors_read)
+        return AttemptEnding(outcome, reason, periods, bitten, wrong, self.backend.sensors_read, cause)
 
     def _to_the_end(self, fault: Fault | None, count: list[int]) -> Outcome:
         if fault is not None:

@@ -135,7 +135,7 @@ def test_a_person_is_needed(run: Callable[..., tuple[PastRun, ActionNetwork]]) -
     past, _ = run(TASK, ahead="G")
     assert known(past.end)["outcome"] == "GiveUp"
     assert known(past.last_fail).result["cause"] == [
-        {"reason": "ahead needs help", "check": "motion", "calls": ["Think.motion"]}
+        {"reason": "ahead needs help", "kind": "unnamed", "check": "motion", "calls": ["Think.motion"]}
     ]
 
 

@@ -102,7 +102,7 @@ def test_causes_of_shipped_primitives_are_their_own() -> None:
 
 def test_framework_causes_hold_for_any_primitive() -> None:
     names = {each.name for each in framework_causes()}
-    assert {"no_rest", "no_effect", "precondition", "displaced", "contact", "not_following"} <= names
+    assert {"no_rest", "no_effect", "precondition", "displaced", "base_stopped", "not_following"} <= names
     assert {"cancelled", "time_out", "code_error", "robot_fault"} <= names
     assert "jammed" not in names
 

@@ -1,0 +1,138 @@
+"""Two past runs side by side: aligned by action, with the first difference."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from difflib import SequenceMatcher
+from typing import Any
+
+from .past_run import PastAction, PastRun, Record
+
+HEADER_KEYS = ("task_sha256", "network", "settings", "robot", "robot_sha256", "backend", "seed", "handcart")
+UNCHAINED_KEYS = {"wall", "h", "p"}
+"""Keys of a record that differ between two equal runs, or follow from those before it."""
+
+
+@dataclass(frozen=True)
+class ComparedAction:
+    """One action of two runs; None where only the other run has it."""
+
+    one: PastAction | None
+    other: PastAction | None
+
+    @property
+    def action(self) -> PastAction:
+        """The action of the run that has it, the first by preference."""
+        found = self.one or self.other
+        assert found is not None
+        return found
+
+    @property
+    def differs(self) -> str:
+        """What differs first: action, parameters, outcome, cause, residuals or time; empty if nothing."""
+        one, other = self.one, self.other
+        if one is None or other is None:
+            return "action"
+        pairs = {
+            "parameters": (one.parameters, other.parameters),
+            "outcome": (one.outcome, other.outcome),
+            "cause": ((one.cause, one.reason), (other.cause, other.reason)),
+            "residuals": (_residuals(one), _residuals(other)),
+            "time": self.seconds,
+        }
+        return next((name for name, (mine, theirs) in pairs.items() if mine != theirs), "")
+
+    @property
+    def seconds(self) -> tuple[float | None, float | None]:
+        """Duration in each run, in [s]."""
+        return _seconds(self.one), _seconds(self.other)
+
+    def residuals(self) -> Iterator[tuple[str, float | None, float | None]]:
+        """Yield each residual that differs: its name with the unit, and its size in each run."""
+        mine, theirs = _residuals(self.one), _residuals(self.other)
+        for name in dict.fromkeys([*mine, *theirs]):
+            if mine.get(name) != theirs.get(name):
+                yield name, mine.get(name), theirs.get(name)
+
+
+@dataclass(frozen=True)
+class RunComparison:
+    """All that differs between two runs."""
+
+    one: PastRun
+    other: PastRun
+    actions: tuple[ComparedAction, ...]
+
+    @property
+    def headers(self) -> dict[str, tuple[Any, Any]]:
+        """What differs in the setting of the runs: key, and its value in each run."""
+        found = {key: (self.one.header.get(key), self.other.header.get(key)) for key in HEADER_KEYS}
+        return {key: pair for key, pair in found.items() if pair[0] != pair[1]}
+
+    @property
+    def first(self) -> ComparedAction | None:
+        """The first action in which they differ in more than time; None if there is none."""
+        return next((each for each in self.actions if each.differs not in ("", "time")), None)
+
+    @property
+    def first_record(self) -> tuple[Record | None, Record | None] | None:
+        """The first record after the header that differs but for the wall clock; None if all are equal."""
+        mine, theirs = self.one.records[1:], self.other.records[1:]
+        for at in range(max(len(mine), len(theirs))):
+            pair = (mine[at] if at < len(mine) else None), (theirs[at] if at < len(theirs) else None)
+            if pair[0] is None or pair[1] is None or _chained(pair[0]) != _chained(pair[1]):
+                return pair
+        return None
+
+    @property
+    def equal(self) -> bool:
+        """True if the journals are equal but for the header and the wall clock."""
+        return self.first_record is None
+
+
+def compare_runs(one: PastRun, other: PastRun) -> RunComparison:
+    """Align the actions of two runs by primitive and situations, in their order."""
+    mine, theirs = [_identity(each) for each in one.actions], [_identity(each) for each in other.actions]
+    rows: list[ComparedAction] = []
+    for kind, low, high, start, end in SequenceMatcher(None, mine, theirs, False).get_opcodes():
+        if kind == "equal":
+            pairs = zip(one.actions[low:high], other.actions[start:end], strict=True)
+            rows += [ComparedAction(*pair) for pair in pairs]
+            continue
+        rows += [ComparedAction(each, None) for each in one.actions[low:high]]
+        rows += [ComparedAction(None, each) for each in other.actions[start:end]]
+    return RunComparison(one, other, tuple(rows))
+
+
+def _identity(action: PastAction) -> tuple[str, str, str]:
+    return action.do, action.source, action.target
+
+
+def _seconds(action: PastAction | None) -> float | None:
+    return None if action is None else round(action.end - action.start, 6)
+
+
+def _residuals(action: PastAction | None) -> Mapping[str, float | None]:
+    found: Mapping[str, float | None] = {} if action is None else action.result.get("residuals", {})
+    return found
+
+
+def _chained(record: Record) -> dict[str, Any]:
+    """Return what a record says, without what the wall clock or the header decided."""
+    return {key: value for key, value in record.items() if key not in UNCHAINED_KEYS}
+
+
+def record_words(pair: Sequence[Record | None]) -> str:
+    """Describe two records that should be equal: their kinds and times, and the keys that differ."""
+    one, other = pair
+    if one is None or other is None:
+        last = one or other
+        assert last is not None
+        return f"{'the first' if other is None else 'the second'} run alone goes on, with {_at(last)}"
+    keys = [key for key in {**one, **other} if key not in UNCHAINED_KEYS and one.get(key) != other.get(key)]
+    return f"{_at(one)} against {_at(other)} differ in {', '.join(keys)}"
+
+
+def _at(record: Record) -> str:
+    return f"{record['kind']} at {record['t']:.3f} s (record {record['q']})"
