@@ -15,6 +15,7 @@ from handcart.files.errors import InputError
 from handcart.networks.task.preparing import Prepared
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.outcomes.outcome import Fail, Outcome, Success
+from handcart.primitives.outcomes.residual import ResidualKind
 from handcart.primitives.preconditions.hand_use import Hand
 from handcart.primitives.restoring.snapshot import RESIDUAL_SIGMAS
 from handcart.tasks.domain import domains, imported
@@ -127,12 +128,12 @@ class Surveys:
         """Return the standard deviation of the measured base motion, in [mm] and [deg]; with a GNSS as
         claimed.
         """
-        sigma, found = (BASE_SIGMA_MM, BASE_SIGMA_DEG), fail.residuals
-        if not self.run.robot.localization.POSE_JUMPS or "base_unsure_mm" not in found:
-            return sigma
-        return max(sigma[0], found["base_unsure_mm"] / RESIDUAL_SIGMAS), max(
-            sigma[1], found["base_unsure_deg"] / RESIDUAL_SIGMAS
-        )
+        position = fail.residuals.of(ResidualKind.BASE_POSITION_UNCERTAINTY)
+        heading = fail.residuals.of(ResidualKind.BASE_HEADING_UNCERTAINTY)
+        if not self.run.robot.localization.POSE_JUMPS or position is None or heading is None:
+            return BASE_SIGMA_MM, BASE_SIGMA_DEG
+        claimed = position.value / RESIDUAL_SIGMAS, heading.value / RESIDUAL_SIGMAS
+        return max(BASE_SIGMA_MM, claimed[0]), max(BASE_SIGMA_DEG, claimed[1])
 
     def _false_effect(self, claim: Claim) -> list[str]:
         """Return a message for each false claim of a Success; without a survey of the primitive, its

@@ -8,7 +8,8 @@ from collections.abc import Collection, Mapping
 import numpy as np
 
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.ground_truth import GroundTruth
+from handcart.backends.ground_truth import Body, GroundTruth
+from handcart.primitives.outcomes.residual import Residual, ResidualKind, Residuals
 from handcart.robotics.geometry.transform import distance
 
 from .sensor_sigmas import (
@@ -23,31 +24,47 @@ from .sensor_sigmas import (
 GRIPPER_SIGMA_MM = 0.05  # of the measured opening
 UNSURE_SHARE = 2.0  # fixed limit of the base, in tolerances: one known error and one unnoticed
 STILL_LIMITS = {
-    "base mm": 0.5,
-    "base deg": 0.05,
-    "joints deg": 0.05,
-    "slides mm": 0.2,
-    "gripper mm": 0.2,
-    "body mm": 1.0,
+    ResidualKind.BASE_POSITION: 0.5,
+    ResidualKind.BASE_HEADING: 0.05,
+    ResidualKind.JOINTS: 0.05,
+    ResidualKind.SLIDING_JOINTS: 0.2,
+    ResidualKind.GRIPPER: 0.2,
+    ResidualKind.OBJECT: 1.0,
 }
-"""Largest change in two seconds of a scene at rest, by name with unit."""
+"""Largest change in two seconds of a scene at rest, in [mm] or [deg]."""
 
 
-def moved(before: GroundTruth, after: GroundTruth) -> dict[str, float]:
-    """Return how far everything moved, by name with unit; infinity for a body whose support changed."""
+def moved(
+    before: GroundTruth, after: GroundTruth, limits: Mapping[ResidualKind, float] = STILL_LIMITS
+) -> Residuals:
+    """Return how far everything moved; infinity for a body whose support changed.
+
+    Args:
+        before: ground truth at the first instant.
+        after: ground truth at the second instant.
+        limits: largest change of each kind, in [mm] or [deg]; of every body under OBJECT.
+    """
     joints = np.abs(before.joints - after.joints)
-    result = {
-        "base mm": 1e3 * before.base.distance(after.base),
-        "base deg": math.degrees(before.base.turn(after.base)),
-        "joints deg": math.degrees(float(joints[~before.slides].max(initial=0.0))),
-        "slides mm": 1e3 * float(joints[before.slides].max(initial=0.0)),
-        "gripper mm": 1e3 * abs(before.width - after.width),
+    parts = {
+        ResidualKind.BASE_POSITION: 1e3 * before.base.distance(after.base),
+        ResidualKind.BASE_HEADING: math.degrees(before.base.turn(after.base)),
+        ResidualKind.JOINTS: math.degrees(float(joints[~before.slides].max(initial=0.0))),
+        ResidualKind.SLIDING_JOINTS: 1e3 * float(joints[before.slides].max(initial=0.0)),
+        ResidualKind.GRIPPER: 1e3 * abs(before.width - after.width),
     }
-    for name, body in before.bodies.items():
-        now = after.bodies.get(name)
-        lost = now is None or now.support != body.support
-        result[f"{name} mm"] = math.inf if lost or now is None else 1e3 * distance(body.pose, now.pose)
-    return result
+    bodies = (
+        Residual(
+            ResidualKind.OBJECT, _way_mm(body, after.bodies.get(name)), limits[ResidualKind.OBJECT], name
+        )
+        for name, body in before.bodies.items()
+    )
+    return Residuals([*(Residual(kind, way, limits[kind]) for kind, way in parts.items()), *bodies])
+
+
+def _way_mm(body: Body, now: Body | None) -> float:
+    if now is None or now.support != body.support:
+        return math.inf
+    return 1e3 * distance(body.pose, now.pose)
 
 
 def not_restored(
@@ -70,14 +87,14 @@ def not_restored(
     """
     tolerance = spec.tolerance
     allowed = {
-        "base mm": _base_limit(tolerance.base_mm, base_sigma[0], BASE_SIGMA_MM),
-        "base deg": _base_limit(tolerance.base_deg, base_sigma[1], BASE_SIGMA_DEG),
-        "joints deg": tolerance.joints_deg + LIMIT_SIGMAS * JOINT_SIGMA_DEG,
-        "slides mm": tolerance.slides_mm + LIMIT_SIGMAS * SLIDE_SIGMA_MM,
-        "gripper mm": tolerance.gripper_mm + LIMIT_SIGMAS * GRIPPER_SIGMA_MM,
+        ResidualKind.BASE_POSITION: _base_limit(tolerance.base_mm, base_sigma[0], BASE_SIGMA_MM),
+        ResidualKind.BASE_HEADING: _base_limit(tolerance.base_deg, base_sigma[1], BASE_SIGMA_DEG),
+        ResidualKind.JOINTS: tolerance.joints_deg + LIMIT_SIGMAS * JOINT_SIGMA_DEG,
+        ResidualKind.SLIDING_JOINTS: tolerance.slides_mm + LIMIT_SIGMAS * SLIDE_SIGMA_MM,
+        ResidualKind.GRIPPER: tolerance.gripper_mm + LIMIT_SIGMAS * GRIPPER_SIGMA_MM,
+        ResidualKind.OBJECT: tolerance.object_mm + LIMIT_SIGMAS * OBJECT_SIGMA_MM,
     }
-    body = tolerance.object_mm + LIMIT_SIGMAS * OBJECT_SIGMA_MM
-    return _beyond(moved(before, after), allowed, body)
+    return _messages(moved(before, after, allowed))
 
 
 def _base_limit(tolerance: float, sigma: float, of_scans: float) -> float:
@@ -89,22 +106,24 @@ def _base_limit(tolerance: float, sigma: float, of_scans: float) -> float:
 
 def not_still(before: GroundTruth, after: GroundTruth) -> list[str]:
     """Return a message for each quantity that changed although the scene should be at rest."""
-    return _beyond(moved(before, after), STILL_LIMITS, STILL_LIMITS["body mm"])
+    return _messages(moved(before, after))
 
 
 def disturbed(before: GroundTruth, after: GroundTruth, most_mm: float, without: Collection[str]) -> list[str]:
     """Return the bodies that moved more than `most_mm`, each with its motion in [mm], except those in
     `without`.
     """
-    others = {f"{name} mm" for name in before.bodies if name not in without}
-    found = moved(before, after)
-    return [f"{name} {found[name]:.1f}" for name in sorted(others) if not found[name] <= most_mm]
+    ways = {name: _way_mm(body, after.bodies.get(name)) for name, body in before.bodies.items()}
+    others = sorted(name for name in ways if name not in without)
+    return [f"{name} mm {ways[name]:.1f}" for name in others if not ways[name] <= most_mm]
 
 
-def _beyond(found: Mapping[str, float], allowed: Mapping[str, float], body: float) -> list[str]:
-    limits = {name: allowed.get(name, body) for name in found}
+def _messages(changes: Residuals) -> list[str]:
+    """Return a message for each change beyond its limit: `base mm 31.00 (at most 25.00)`."""
     return [
-        f"{name} {size:.2f} (at most {limits[name]:.2f})"
-        for name, size in found.items()
-        if not size <= limits[name]
+        f"{_name(change)} {change.value:.2f} (at most {change.limit:.2f})" for change in changes.beyond.all
     ]
+
+
+def _name(change: Residual) -> str:
+    return f"{change.name} mm" if change.kind is ResidualKind.OBJECT else change.label.replace("_", " ")

@@ -12,7 +12,7 @@ from handcart.networks.graph.network import Action, ActionNetwork, NotBound
 from handcart.networks.graph.planner import NoWay, Plan, Planner
 from handcart.networks.graph.route import Elsewhere, NotStarted, RunDecisions
 from handcart.networks.journal.journal import Journal
-from handcart.networks.journal.measured import in_words, measure
+from handcart.networks.journal.measured import measure
 from handcart.networks.journal.retracing import RunPosition
 from handcart.networks.journal.run_log import Keep, RunLog
 from handcart.primitives.contract.action_primitive import ActionPrimitive
@@ -20,7 +20,7 @@ from handcart.primitives.contract.attempt import attempt, pushed_reason
 from handcart.primitives.contract.unmet import find_unmet
 from handcart.primitives.knowledge.world_model import WorldModel
 from handcart.primitives.outcomes.outcome import Fail, GiveUp, Outcome, Success
-from handcart.primitives.restoring.snapshot import Snapshot, moved
+from handcart.primitives.restoring.snapshot import Snapshot, residuals
 
 from .run_life import RunLife
 from .supervision import Interrupted, Request, Supervision
@@ -242,7 +242,7 @@ class Coordinator:
 
     def _world_changed(self, action: Action, stood: Snapshot, now: Snapshot) -> GiveUp | Elsewhere:
         """Continue from the situation found after a change of the world, or give up (row N9)."""
-        reason = f"somebody changed the world: {in_words(moved(self._robot, stood, now))}"
+        reason = f"somebody changed the world: {residuals(stood, now, self._robot.spec).moved.words}"
         situation = self._watch.situation(self.situation, stood, now)
         self._log.world_changed(action, stood, now, situation, reason)
         if situation is None:

@@ -11,12 +11,12 @@ from typing import NamedTuple
 
 from handcart.backends.robot.robot import Robot
 from handcart.networks.graph.route import NotStarted
-from handcart.networks.journal.measured import in_words
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.cause import FRAMEWORK_MODULES
 from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.primitives.outcomes.outcome import Outcome
-from handcart.primitives.restoring.snapshot import moved, settle, take_snapshot
+from handcart.primitives.outcomes.residual import Residuals
+from handcart.primitives.restoring.snapshot import residuals, settle, take_snapshot
 
 from .run_life import RunLife, RunState
 
@@ -245,11 +245,13 @@ class Supervision:
                     continue
             yield
         self._life.resume()
-        off = {} if stood is None else moved(self._robot, stood, take_snapshot(self._robot, {}))
+        off = Residuals()
+        if stood is not None:
+            off = residuals(stood, take_snapshot(self._robot, {}), self._robot.spec).moved
         if off and self._life.state is RunState.ACTING:
             return (
                 yield from _call_back(
-                    attempt, Discrepancy(f"moved during a pause: {in_words(off)}", cause=causes.DISPLACED)
+                    attempt, Discrepancy(f"moved during a pause: {off.words}", cause=causes.DISPLACED)
                 )
             )
         return None

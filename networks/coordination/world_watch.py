@@ -6,10 +6,11 @@ from collections.abc import Mapping
 
 from handcart.backends.robot.robot import Robot
 from handcart.networks.graph.network import LOCATE_NAME, ActionNetwork
-from handcart.primitives.restoring.snapshot import Snapshot, limits, moved, residuals
+from handcart.primitives.outcomes.residual import ResidualKind, Residuals
+from handcart.primitives.restoring.snapshot import Snapshot, residuals
 
-_BASE = frozenset({"base_mm", "base_deg"})
-"""Residuals of a base that was pushed, with nothing else changed."""
+_BASE = frozenset({ResidualKind.BASE_POSITION, ResidualKind.BASE_HEADING})
+"""Kinds of residuals of a base that was pushed, with nothing else changed."""
 
 
 class WorldWatch:
@@ -51,7 +52,7 @@ class WorldWatch:
         """Return the last snapshot if the robot has moved since; None if nothing has changed."""
         if self._stood is None:
             return None
-        return self._stood if moved(self._robot, self._stood, now) else None
+        return self._stood if self._moved(self._stood, now) else None
 
     def situation(self, here: str, stood: Snapshot, now: Snapshot) -> str | None:
         """Return the situation that holds now; None if that cannot be decided.
@@ -59,11 +60,12 @@ class WorldWatch:
         It is an earlier situation with the facts of `here`, the last one, if only the base has moved
         between the two snapshots, and has moved to its pose of that time.
         """
-        if not moved(self._robot, stood, now).keys() <= _BASE or not self._sure(now):
+        kinds = {residual.kind for residual in self._moved(stood, now).all}
+        if not kinds <= _BASE or not self._sure(now):
             return None
         facts = self._facts(here)
         alike = (name for name in reversed(self._seen) if self._facts(name) == facts)
-        return next((name for name in alike if not moved(self._robot, self._seen[name], now)), None)
+        return next((name for name in alike if not self._moved(self._seen[name], now)), None)
 
     def unlocated_situation(self, here: str) -> str | None:
         """Return a situation from which LOCATE starts, with the facts of `here` except the base; or None."""
@@ -75,9 +77,10 @@ class WorldWatch:
         return None
 
     def _sure(self, now: Snapshot) -> bool:
-        found = residuals(now, now)
-        allowed = limits(self._robot, found)
-        return all(size <= allowed[name] for name, size in found.items())
+        return not residuals(now, now, self._robot.spec).beyond
+
+    def _moved(self, stood: Snapshot, now: Snapshot) -> Residuals:
+        return residuals(stood, now, self._robot.spec).moved
 
     def _facts(self, name: str) -> Mapping[str, object]:
         facts = self._network.situations[name].facts

@@ -53,8 +53,3 @@ def snapshot_of(fields: Mapping[str, Any]) -> Snapshot:
         bool(fields.get("holding", False)),
         {},
     )
-
-
-def in_words(off: Mapping[str, float]) -> str:
-    """Return residuals for people: `base_mm 312, held inf`."""
-    return ", ".join(f"{name} {size:.3g}" for name, size in off.items())

@@ -117,7 +117,7 @@ class RunLog(Intents):
         if changes:
             record["learned"] = changes
         if not isinstance(outcome, Success):
-            _add_causes(record, primitive.evidence)
+            _add_causes(record, primitive.evidence, outcome.residuals.limits)
         if at is not None:
             record["at"] = measured_fields(at)
         after = "" if self._journal is None else self._journal.last
@@ -212,12 +212,12 @@ def outcome_record(number: int, outcome: Outcome) -> records.Result:
             return records.GivenUp(n=number, outcome="GiveUp", reason=reason, residuals=dict(residuals))
 
 
-def _add_causes(record: records.Result, evidence: Evidence) -> None:
+def _add_causes(record: records.Result, evidence: Evidence, limits: records.Sizes) -> None:
     """Why an attempt didn't succeed."""
     if evidence.causes:
         record["cause"] = [_cause(each) for each in evidence.causes]
-    if evidence.limits:
-        record["tolerance"] = dict(evidence.limits)
+    if limits:
+        record["tolerance"] = limits
     if evidence.decisive:
         record["picture"] = evidence.decisive
     if evidence.facts:

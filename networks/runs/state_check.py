@@ -13,12 +13,18 @@ from handcart.networks.journal.measured import measured_fields
 from handcart.networks.journal.retracing import NeedsOperator
 from handcart.networks.journal.waiting import broken_off
 from handcart.networks.task.preparing import Prepared
-from handcart.primitives.restoring.snapshot import Snapshot, limits, residuals, settle, take_snapshot
+from handcart.primitives.outcomes.residual import ResidualKind, Residuals
+from handcart.primitives.restoring.snapshot import Snapshot, residuals, settle, take_snapshot
 
 from .resuming import Past
 
 SETTLING_PERIODS = 40  # at rest, in which a base that was pushed is found again
-_BY_SCANS = ("base_mm", "base_deg", "base_unsure_mm", "base_unsure_deg")
+_BY_SCANS = (
+    ResidualKind.BASE_POSITION,
+    ResidualKind.BASE_HEADING,
+    ResidualKind.BASE_POSITION_UNCERTAINTY,
+    ResidualKind.BASE_HEADING_UNCERTAINTY,
+)
 
 
 @dataclass(frozen=True)
@@ -28,8 +34,7 @@ class StateCheck:
     expected: Snapshot | None
     """Expected snapshot; None if the journal has none."""
     measured: Snapshot
-    residuals: Mapping[str, float]
-    limits: Mapping[str, float]
+    residuals: Residuals
     unknown: tuple[str, ...]
     """Facts in words that no sensor measures."""
     sure: bool
@@ -37,20 +42,11 @@ class StateCheck:
     units: JointUnits
     """Units of the arm's joints."""
 
-    @property
-    def off(self) -> dict[str, float]:
-        """Residuals beyond the robot's tolerance."""
-        return {name: size for name, size in self.residuals.items() if not size <= self.limits[name]}
-
     def words(self) -> list[str]:
         """Return lines with the expected, measured and unknown state."""
-        found = [
-            f"{name} {size:.3g} (at most {self.limits[name]:.3g})" for name, size in self.residuals.items()
-        ]
+        found = self.residuals.words_with_limits
         lines = [] if self.expected is None else [f"expected: {_stands(self.expected, self.units)}"]
-        lines.append(
-            f"measured: {_stands(self.measured, self.units)}; off by {', '.join(found) or 'nothing known'}"
-        )
+        lines.append(f"measured: {_stands(self.measured, self.units)}; off by {found or 'nothing known'}")
         return [*lines, *(f"unknown: {each}" for each in self.unknown)]
 
     def fields(self) -> dict[str, Any]:
@@ -79,17 +75,16 @@ def check_state(robot: Robot, past: Past) -> StateCheck:
     unknown = list(past.doubts())
     if expected is None:
         unknown.append("the robot's state: not in the journal")
-        return StateCheck(None, now, {}, {}, tuple(unknown), False, robot.spec.joint_units)
-    units = robot.spec.joint_units
-    found = residuals(expected, now, units.slides, units.endless)
+        return StateCheck(None, now, Residuals(), tuple(unknown), False, robot.spec.joint_units)
+    found = residuals(expected, now, robot.spec)
     if robot.localization.dead_reckoned:
-        found = {name: size for name, size in found.items() if name not in _BY_SCANS}
+        found = Residuals(residual for residual in found.all if residual.kind not in _BY_SCANS)
         unknown.append("the pose of the base: only its wheels measure it, and they were not read meanwhile")
     elif (lost := robot.localization.lost) is not None:
         unknown.append(f"the pose of the base: {lost.why}")
     unknown.append("objects around it that no sensor sees now")
-    allowed, sure = limits(robot, found), not robot.localization.dead_reckoned
-    return StateCheck(expected, now, found, allowed, tuple(unknown), sure, robot.spec.joint_units)
+    sure = not robot.localization.dead_reckoned
+    return StateCheck(expected, now, found, tuple(unknown), sure, robot.spec.joint_units)
 
 
 def gone_on(past: Past, check: StateCheck, confirm: int | None) -> Past:
@@ -104,10 +99,9 @@ def gone_on(past: Past, check: StateCheck, confirm: int | None) -> Past:
         NeedsOperator: the robot is not as it was left, its state is uncertain, or it was not confirmed.
     """
     doubt = past.standing.in_doubt
-    if check.off:
+    if off := check.residuals.beyond:
         where = "where that action began" if doubt else "where it was left"
-        off = ", ".join(f"{name} {size:.3g}" for name, size in check.off.items())
-        raise NeedsOperator(f"the robot isn't {where}: {off}; bring it there, then resume again")
+        raise NeedsOperator(f"the robot isn't {where}: {off.words}; bring it there, then resume again")
     if doubt is not None and (not check.sure or len(list(past.doubts())) > 1):
         how = f"if all is as it was before that action: handcart ack {past.folder} {doubt['q']}"
         raise NeedsOperator(f"{broken_off(doubt)}, and no sensor measures what it did; {how}")
@@ -117,7 +111,7 @@ def gone_on(past: Past, check: StateCheck, confirm: int | None) -> Past:
     closing: list[tuple[str, Mapping[str, Any]]] = [("RECON", check.fields())]
     if doubt is not None:
         fail = {"n": doubt["n"], "outcome": "Fail", "reason": broken_off(doubt), "permanent": False}
-        found = {"residuals": check.residuals, "tolerance": check.limits, "by": "recon"}
+        found = {"residuals": check.residuals, "tolerance": check.residuals.limits, "by": "recon"}
         closing.append(("RESULT", fail | found))
     records = [{"kind": kind, "q": -1, **fields} for kind, fields in closing]
     return replace(past, standing=past.standing.followed(records), closing=tuple(closing))

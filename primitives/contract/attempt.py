@@ -15,13 +15,12 @@ from handcart.primitives.outcomes.cause import FRAMEWORK_MODULES, Cause, kind_of
 from handcart.primitives.outcomes.cause_kind import CauseKind
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured, NeedsPerson
 from handcart.primitives.outcomes.outcome import Fail, GiveUp, Outcome, Success, fail_if_restored
+from handcart.primitives.outcomes.residual import UNMOVED
 from handcart.primitives.restoring.back_off import back_off
 from handcart.primitives.restoring.retrace import reach_again, retrace
 from handcart.primitives.restoring.snapshot import (
     Seen,
     Snapshot,
-    limits,
-    moved,
     residuals,
     settle,
     take_snapshot,
@@ -83,7 +82,7 @@ def attempt(
     except Exception as early:  # nothing was commanded yet
         robot.stop()
         primitive.evidence.blame(early)
-        return fail_if_restored(_words(early), getattr(early, "permanent", False), {}, {}, kind_of(early))
+        return fail_if_restored(_words(early), getattr(early, "permanent", False), UNMOVED, kind_of(early))
     if not rests or robot.localization.displacements > displaced:
         robot.stop()
         return _not_begun(primitive, robot, rests)
@@ -129,7 +128,7 @@ def _begun(robot: Robot) -> Snapshot:
     robot.failed_from = None
     if first is not None:
         start = replace(now, pose=first)
-        if not moved(robot, start, take_snapshot_since_start(robot, {})):
+        if not residuals(start, take_snapshot_since_start(robot, {}), robot.spec).moved:
             return start
     robot.localization.set_origin()
     return now
@@ -156,11 +155,11 @@ def _think(primitive: ActionPrimitive, robot: Robot, model: WorldModel) -> Gener
     except Discrepancy as discrepancy:
         primitive.evidence.blame(discrepancy)
         reason, permanent = discrepancy.reason, discrepancy.permanent
-        return fail_if_restored(reason, permanent, {}, {}, discrepancy.cause)
+        return fail_if_restored(reason, permanent, UNMOVED, discrepancy.cause)
     except Exception as error:  # a fault of the primitive's own code
         primitive.evidence.blame(error)
         primitive.found(traceback=traceback.format_exc())
-        return fail_if_restored(_words(error), False, {}, {}, kind_of(error))
+        return fail_if_restored(_words(error), False, UNMOVED, kind_of(error))
 
 
 def _recorded(periods: Generator[None, None, T], trace: Trace) -> Generator[None, None, T]:
@@ -233,10 +232,8 @@ def _restore(
             primitive.evidence.blame(error, restoring=True)
             yield from halt(robot)
             return GiveUp(f"{reason}; and restoring failed: {_words(error)}", cause=cause)
-        units = robot.spec.joint_units
-        found = residuals(start, now, units.slides, units.endless)
-        primitive.evidence.limits = limits(robot, found, room)
-        verdict = fail_if_restored(reason, permanent, found, primitive.evidence.limits, cause)
+        found = residuals(start, now, robot.spec, room)
+        verdict = fail_if_restored(reason, permanent, found, cause)
         if isinstance(verdict, Fail):
             robot.failed_from = start.pose
             robot.stop()

@@ -27,8 +27,6 @@ class Evidence:
     """Proposed changes of the robot's file, by key: `camera.calibrated.focal_px`."""
     causes: list[Cause] = field(default_factory=list)
     """Cause that ended the motion, followed by the cause that ended the way back, if that failed too."""
-    limits: dict[str, float] = field(default_factory=dict)
-    """Limit of each measured residual."""
 
     def blame(self, error: Exception, restoring: bool = False) -> None:
         """Note what an exception that left the primitive says of why."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from .cause_kind import CauseKind
 from .causes import UNNAMED
+from .residual import Residuals
 
 _MEASURED = object()
 
@@ -29,7 +30,7 @@ class Fail:
 
     reason: str
     permanent: bool
-    residuals: Mapping[str, float]
+    residuals: Residuals
     _proof: object = field(default=None, repr=False, compare=False)
     cause: CauseKind = UNNAMED
     """Kind of cause that ended the motion."""
@@ -44,7 +45,7 @@ class GiveUp:
     """Only a person can help; the robot holds still."""
 
     reason: str
-    residuals: Mapping[str, float] = field(default_factory=dict)
+    residuals: Residuals = field(default_factory=Residuals)
     cause: CauseKind = UNNAMED
     """Kind of cause that ended the motion."""
 
@@ -53,23 +54,16 @@ Outcome = Success | Fail | GiveUp
 
 
 def fail_if_restored(
-    reason: str,
-    permanent: bool,
-    residuals: Mapping[str, float],
-    limits: Mapping[str, float],
-    cause: CauseKind = UNNAMED,
+    reason: str, permanent: bool, residuals: Residuals, cause: CauseKind = UNNAMED
 ) -> Fail | GiveUp:
-    """The verdict on a restored robot.
+    """Return the outcome of a motion that was undone: a Fail if every residual is within its limit.
 
     Args:
         reason: why the motion could not be completed.
-        permanent: trying again makes no sense.
-        residuals: how far everything measured is from the snapshot, name to size.
-        limits: the largest size allowed, under the same names.
+        permanent: True if trying again makes no sense.
+        residuals: distances of everything measured from the snapshot.
         cause: kind of cause that ended the motion.
     """
-    off = [name for name in residuals if not residuals[name] <= limits[name]]
-    if off:
-        words = ", ".join(f"{name} {residuals[name]:.3g} (at most {limits[name]:.3g})" for name in off)
-        return GiveUp(f"{reason}; and not restored: {words}", residuals, cause)
+    if beyond := residuals.beyond:
+        return GiveUp(f"{reason}; and not restored: {beyond.words_with_limits}", residuals, cause)
     return Fail(reason, permanent, residuals, _MEASURED, cause)

@@ -21,7 +21,7 @@ from .arm_command import command_moment as _command
 from .arm_command import moves_fingers
 from .arm_command import renew_arm as _renew_arm
 from .car_retrace import car_retrace, check_stands
-from .snapshot import Snapshot, limits, residuals, take_snapshot_since_start
+from .snapshot import Snapshot, residuals, take_snapshot_since_start
 from .trace import Moment, Trace
 
 STRETCH_TOLERANCE = PoseTolerance(position=0.006, heading=0.004)
@@ -113,10 +113,8 @@ def reach_again(robot: Robot, start: Snapshot, room: float) -> Generator[None, N
 
 
 def _sure_of(robot: Robot, start: Snapshot, room: float) -> bool:
-    units = robot.spec.joint_units
-    found = residuals(start, take_snapshot_since_start(robot, {}), units.slides, units.endless)
-    allowed = limits(robot, found, room)
-    return all(size <= allowed[name] for name, size in found.items() if "unsure" in name)
+    found = residuals(start, take_snapshot_since_start(robot, {}), robot.spec, room)
+    return all(residual.is_within for residual in found.all if residual.kind.is_uncertainty)
 
 
 def _stretches(moments: Sequence[Moment]) -> list[list[Moment]]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Generator, Mapping, Sequence
+from collections.abc import Generator, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.gripper import Gripper
+from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.robot.localization.pose_covariance import worst_sigmas
 from handcart.backends.robot.robot import Robot
+from handcart.primitives.outcomes.residual import Residual, ResidualKind, Residuals
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.localization.watched_moment import Belief
 
@@ -102,10 +104,8 @@ def take_snapshot_since_start(robot: Robot, seen: Seen) -> Snapshot:
     return replace(take_snapshot(robot, seen), displacement=robot.localization.displacement)
 
 
-def residuals(
-    start: Snapshot, now: Snapshot, slides: Sequence[bool] = (), endless: Sequence[bool] = ()
-) -> dict[str, float]:
-    """Return the differences between `now` and `start`: name with unit to size.
+def residuals(start: Snapshot, now: Snapshot, spec: RobotFile, room: float = math.inf) -> Residuals:
+    """Return the differences between two states, with the limits of the robot's file.
 
     A missing or lost object is infinitely far. Next to the base's residual is its possible unnoticed
     error: 3 sigma of the measurement.
@@ -113,30 +113,48 @@ def residuals(
     Args:
         start: earlier state.
         now: current state.
-        slides: True for each sliding joint of the arm (default: none).
-        endless: True for each continuous joint: a full turn is no change (default: none).
+        spec: the robot's file, with its tolerances and joints.
+        room: largest distance of the base from its earlier pose, in [m], if less than its tolerance.
     """
-    (away, turned), unsure = _apart(start, now), _unsure(start, now)
-    result = {
-        "base_mm": 1e3 * away,
-        "base_deg": math.degrees(turned),
-        "base_unsure_mm": 1e3 * RESIDUAL_SIGMAS * unsure[0],
-        "base_unsure_deg": math.degrees(RESIDUAL_SIGMAS * unsure[1]),
-        "gripper_mm": 1e3 * abs(now.gripper_width - start.gripper_width),
-        "held": math.inf if start.holding != now.holding else 0.0,
-    }
+    tolerance, (away, turned), sigmas = spec.tolerance, _apart(start, now), _unsure(start, now)
+    base_mm = min(tolerance.base_mm, 1e3 * room)
+    angle, length = (RESIDUAL_SIGMAS * sigma for sigma in reversed(sigmas))
+    lost = math.inf if start.holding != now.holding else 0.0
+    return Residuals(
+        [
+            Residual(ResidualKind.BASE_POSITION, 1e3 * away, base_mm),
+            Residual(ResidualKind.BASE_HEADING, math.degrees(turned), tolerance.base_deg),
+            Residual(ResidualKind.BASE_POSITION_UNCERTAINTY, 1e3 * length, base_mm),
+            Residual(ResidualKind.BASE_HEADING_UNCERTAINTY, math.degrees(angle), tolerance.base_deg),
+            Residual(
+                ResidualKind.GRIPPER, 1e3 * abs(now.gripper_width - start.gripper_width), tolerance.gripper_mm
+            ),
+            Residual(ResidualKind.HELD, lost, 0.0),
+            *_of_joints(start, now, spec),
+            *_of_objects(start, now, tolerance.object_mm),
+        ]
+    )
+
+
+def _of_joints(start: Snapshot, now: Snapshot, spec: RobotFile) -> Iterator[Residual]:
+    """Yield the largest change of the rotating joints and of the sliding ones; a full turn of a continuous
+    joint is no change.
+    """
+    slides, endless = (np.array(each, dtype=bool) for each in spec.joint_units[1:])
     off = np.abs(now.joints - start.joints)
-    if any(endless):
+    if endless.any():
         off = np.where(endless, np.abs(np.remainder(off + math.pi, 2.0 * math.pi) - math.pi), off)
-    sliding = np.array(slides, dtype=bool) if len(slides) else np.zeros(off.shape, dtype=bool)
-    if not sliding.all():
-        result["joints_deg"] = math.degrees(float(off[~sliding].max()))
-    if sliding.any():
-        result["slides_mm"] = 1e3 * float(off[sliding].max())
+    if not slides.all():
+        turned = math.degrees(float(off[~slides].max()))
+        yield Residual(ResidualKind.JOINTS, turned, spec.tolerance.joints_deg)
+    if slides.any():
+        yield Residual(ResidualKind.SLIDING_JOINTS, 1e3 * float(off[slides].max()), spec.tolerance.slides_mm)
+
+
+def _of_objects(start: Snapshot, now: Snapshot, limit_mm: float) -> Iterator[Residual]:
     for name, place in start.seen.items():
         away = math.dist(place, now.seen[name]) if name in now.seen else math.inf
-        result[f"object {name} mm"] = 1e3 * away
-    return result
+        yield Residual(ResidualKind.OBJECT, 1e3 * away, limit_mm, name)
 
 
 def _apart(start: Snapshot, now: Snapshot) -> tuple[float, float]:
@@ -168,35 +186,6 @@ def _unsure(start: Snapshot, now: Snapshot) -> tuple[float, float]:
         for late, early in zip(now.pose_sigma, start.pose_sigma, strict=True)
     ]
     return added[0], added[1]
-
-
-def limits(robot: Robot, names: Mapping[str, float], room: float = math.inf) -> dict[str, float]:
-    """Return the tolerance of the robot's file for each residual; for the base at most `room` [m]."""
-    tolerance = robot.spec.tolerance
-    base_mm = min(tolerance.base_mm, 1e3 * room)
-    known = {
-        "base_mm": base_mm,
-        "base_deg": tolerance.base_deg,
-        "base_unsure_mm": base_mm,
-        "base_unsure_deg": tolerance.base_deg,
-        "joints_deg": tolerance.joints_deg,
-        "slides_mm": tolerance.slides_mm,
-        "gripper_mm": tolerance.gripper_mm,
-        "held": 0.0,
-    }
-    return {name: known.get(name, tolerance.object_mm) for name in names}
-
-
-def moved(robot: Robot, stood: Snapshot, now: Snapshot) -> dict[str, float]:
-    """Return the residuals of everything that moved by more than the robot's tolerance.
-
-    An uncertain pose does not count as motion.
-    """
-    units = robot.spec.joint_units
-    found = residuals(stood, now, units.slides, units.endless)
-    found = {name: size for name, size in found.items() if "unsure" not in name}
-    allowed = limits(robot, found)
-    return {name: size for name, size in found.items() if not size <= allowed[name]}
 
 
 def _readings(robot: Robot) -> NDArray[np.float64]:

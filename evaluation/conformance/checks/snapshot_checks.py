@@ -15,7 +15,8 @@ from handcart.evaluation.conformance.rig.reach import Reach
 from handcart.evaluation.judging.true_changes import not_restored
 from handcart.evaluation.trials.rig import Rig
 from handcart.primitives.outcomes.outcome import Fail
-from handcart.primitives.restoring.snapshot import Snapshot, limits, residuals, take_snapshot
+from handcart.primitives.outcomes.residual import Residual, ResidualKind
+from handcart.primitives.restoring.snapshot import Snapshot, residuals, take_snapshot
 
 from .check import Check, CheckResult
 
@@ -35,7 +36,7 @@ def covers(bench: KitBench, finding: CheckResult) -> None:
             finding.expect(len(start.joints) == joints, f"{len(start.joints)} of {joints} joints")
             finding.measured.append(f"{joints} joints, {len(truth.bodies)} bodies")
         seen = _beyond(rig, start)
-        finding.expect(not seen, f"nothing was moved, yet {', '.join(seen)} is")
+        finding.expect(not seen, f"nothing was moved, yet {', '.join(kind.value for kind in seen)} is")
         tolerance = rig.robot.spec.tolerance
         arm, gripper = part_of(backend, Arm), part_of(backend, Gripper)
         if arm is not None:
@@ -45,19 +46,19 @@ def covers(bench: KitBench, finding: CheckResult) -> None:
                 way = 2e-3 * tolerance.slides_mm if slides else math.radians(2.0 * tolerance.joints_deg)
                 goal = beside(bench.spec(), home, number, way)
                 move_joints(backend, arm, goal)
-                residual = "slides_mm" if slides else "joints_deg"
-                finding.expect(residual in _beyond(rig, start), f"joint {number + 1} moves unseen")
+                kind = ResidualKind.SLIDING_JOINTS if slides else ResidualKind.JOINTS
+                finding.expect(kind in _beyond(rig, start), f"joint {number + 1} moves unseen")
                 move_joints(backend, arm, home)
         if gripper is not None:
             before = gripper.command()
             gripper.move(max(0.0, before - 3e-3 * tolerance.gripper_mm))
             steps(backend, REST_READINGS)
-            finding.expect("gripper_mm" in _beyond(rig, start), "the fingers move unseen")
+            finding.expect(ResidualKind.GRIPPER in _beyond(rig, start), "the fingers move unseen")
             gripper.move(before)
             steps(backend, REST_READINGS)
         speed = 0.1
         drive_seen(rig, speed, 2e-3 * tolerance.base_mm / speed)
-        finding.expect("base_mm" in _beyond(rig, start), "the base moves unseen")
+        finding.expect(ResidualKind.BASE_POSITION in _beyond(rig, start), "the base moves unseen")
 
 
 def drive_seen(rig: Rig, speed: float, seconds: float) -> None:
@@ -73,17 +74,15 @@ def tolerances(bench: KitBench, finding: CheckResult) -> None:
     with bench.rig() as rig:
         drive_seen(rig, 0.1, 0.5)
         first = take_snapshot(rig.robot, {})
-        spread: dict[str, list[float]] = {}
+        readings: list[list[Residual]] = []
         for _ in range(REST_READINGS):
             _wait(rig, 1)
-            for name, size in _plain(rig, first).items():
-                spread.setdefault(name, []).append(size)
-        allowed = limits(rig.robot, dict.fromkeys(spread, 0.0))
-        for name, sizes in spread.items():
-            if name != "held":
-                unit = name.rsplit("_", 1)[-1]
-                sigma = 3.0 * float(np.sqrt(np.mean(np.square(sizes)) / 2.0))
-                finding.at_most(f"3 sigma of {name}", sigma, allowed[name], unit)
+            readings.append(_measured(rig, first))
+        for each in zip(*readings, strict=True):
+            name, limit = each[0].label, each[0].limit
+            if each[0].kind is not ResidualKind.HELD and limit is not None:
+                sigma = 3.0 * float(np.sqrt(np.mean(np.square([one.value for one in each])) / 2.0))
+                finding.at_most(f"3 sigma of {name}", sigma, limit, name.rsplit("_", 1)[-1])
 
 
 def drift(bench: KitBench, finding: CheckResult, kind: type[Reach] = Reach) -> None:
@@ -111,16 +110,14 @@ def _wait(rig: Rig, periods: int) -> None:
         rig.robot.step()
 
 
-def _plain(rig: Rig, start: Snapshot) -> dict[str, float]:
-    """Residuals without how unsure the base's are."""
-    found = residuals(start, take_snapshot(rig.robot, {}), rig.robot.spec.joint_units.slides)
-    return {name: size for name, size in found.items() if "unsure" not in name}
+def _measured(rig: Rig, start: Snapshot) -> list[Residual]:
+    """Return the residuals without the uncertainty of the base's pose."""
+    found = residuals(start, take_snapshot(rig.robot, {}), rig.robot.spec)
+    return [residual for residual in found.all if not residual.kind.is_uncertainty]
 
 
-def _beyond(rig: Rig, start: Snapshot) -> list[str]:
-    found = _plain(rig, start)
-    allowed = limits(rig.robot, found)
-    return [name for name, size in found.items() if not size <= allowed[name]]
+def _beyond(rig: Rig, start: Snapshot) -> list[ResidualKind]:
+    return [residual.kind for residual in _measured(rig, start) if residual.is_motion]
 
 
 CHECKS = (

@@ -16,6 +16,7 @@ from handcart.networks.past_runs.past_run import PastAction, PastRun
 from handcart.networks.run_files.run_folder import JOURNAL_FILE
 from handcart.networks.runs.evidence_files import EVIDENCE_FOLDER
 from handcart.networks.runs.flight_recorder import END_STEM, READINGS_SUFFIX
+from handcart.primitives.outcomes.residual import Residuals, read_residuals
 
 FRAMES_SUFFIX = "_frames.log"
 
@@ -27,22 +28,6 @@ class NoSuchAction(InputError):
         last = len(run.actions)
         allowed = f"1 to {last}" if last else "none: no action was started"
         super().__init__(f"{run.folder} has no action {number}; allowed: {allowed}")
-
-
-@dataclass(frozen=True)
-class Residual:
-    """Difference between a quantity at the start of an action and after restoring."""
-
-    name: str
-    """Name of the quantity, with its unit."""
-    size: float
-    limit: float | None
-    """Tolerance of the robot's file; None in journals of older versions."""
-
-    @property
-    def within(self) -> bool:
-        """True if the difference is within its tolerance."""
-        return self.limit is None or self.size <= self.limit
 
 
 @dataclass(frozen=True)
@@ -58,7 +43,7 @@ class Explanation:
     """Knowledge from earlier actions that the primitive uses: entry of the world model, and its source
     action.
     """
-    residuals: tuple[Residual, ...]
+    residuals: Residuals
     picture: Path | None
     """The picture that decided, with the detections drawn into it."""
     points: Path | None
@@ -115,7 +100,7 @@ def _explained(run: PastRun, number: int | None) -> Explanation:
             _kept(run, f"{END_STEM}{READINGS_SUFFIX}"),
             _kept(run, f"{END_STEM}{FRAMES_SUFFIX}"),
         )
-        return Explanation(run, None, None, (), (), None, None, readings, None, frames)
+        return Explanation(run, None, None, (), Residuals(), None, None, readings, None, frames)
     relied_on = tuple(_relied_on(run, action))
     points = [_kept(run, f"{_stem(each)}.npz") for each in (action, *(who for _, who in relied_on[::-1]))]
     return Explanation(
@@ -123,7 +108,7 @@ def _explained(run: PastRun, number: int | None) -> Explanation:
         action,
         choice_of(run, action),
         relied_on,
-        _residuals(action),
+        read_residuals(action.result.get("residuals", {}), action.result.get("tolerance", {})),
         _picture(run, action),
         next((path for path in points if path is not None), None),
         _kept(run, f"{_stem(action)}{READINGS_SUFFIX}") or _at_the_end(run, action, READINGS_SUFFIX),
@@ -150,16 +135,6 @@ def _relied_on(run: PastRun, action: PastAction) -> list[tuple[str, PastAction]]
             else:
                 learned[name] = each
     return [(name, learned[name]) for name in uses if name in learned]
-
-
-def _residuals(action: PastAction) -> tuple[Residual, ...]:
-    limits = action.result.get("tolerance", {})
-    sizes = action.result.get("residuals", {})
-    return tuple(
-        # JSON has no infinity: None is the infinite distance of a missing body.
-        Residual(name, math.inf if size is None else float(size), limits.get(name))
-        for name, size in sizes.items()
-    )
 
 
 def _stem(action: PastAction) -> str:
@@ -211,8 +186,8 @@ def _json(explanation: Explanation, chart: Path | None) -> dict[str, Any]:
         "relied_on": {name: who.number for name, who in explanation.relied_on},
         "cause": list(explanation.causes),
         "residuals": [
-            {"name": r.name, "size": _finite(r.size), "limit": r.limit, "within": r.within}
-            for r in explanation.residuals
+            {"name": r.label, "size": _finite(r.value), "limit": r.limit, "within": r.is_within}
+            for r in explanation.residuals.all
         ],
         "picture": explanation.picture and str(explanation.picture),
         "points": explanation.points and str(explanation.points),

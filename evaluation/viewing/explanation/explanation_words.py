@@ -10,8 +10,9 @@ from typing import Any
 from handcart.networks.graph.planner import SKIP_WEIGHT
 from handcart.networks.past_runs.hindsight import Choice, OpenRoute, Option
 from handcart.networks.past_runs.past_run import PastAction, PastRun
+from handcart.primitives.outcomes.residual import Residual
 
-from .explanation import Explanation, Residual, relying_on_the_journal
+from .explanation import Explanation, relying_on_the_journal
 
 CHECK_TEXTS = {
     "observe": "while looking at what it will touch",
@@ -209,15 +210,15 @@ def _restored(explanation: Explanation) -> str:
         said = "nothing had moved" if action.outcome == "Fail" else "it was not measured"
         return f"What was restored\n  nothing to compare: {said}"
     lasted = "" if action.broken_off is None else f", {action.broken_off:.1f} to {action.end:.1f} s"
-    return "\n".join([f"What was restored{lasted}", *_table(explanation.residuals)])
+    return "\n".join([f"What was restored{lasted}", *_table(explanation.residuals.all)])
 
 
 def _table(residuals: Sequence[Residual]) -> Iterator[str]:
-    width = max(len(each.name) for each in residuals)
+    width = max(len(each.label) for each in residuals)
     for each in residuals:
-        size = f"{each.size:9.3f}" if math.isfinite(each.size) else "     gone"
+        size = f"{each.value:9.3f}" if math.isfinite(each.value) else "     gone"
         limit = "" if each.limit is None else f"  at most {each.limit:g}"
-        yield f"  {each.name:<{width}}  {size}{limit}{'' if each.within else '   <- beyond it'}"
+        yield f"  {each.label:<{width}}  {size}{limit}{'' if each.is_within else '   <- beyond it'}"
 
 
 def _frames(explanation: Explanation) -> str:

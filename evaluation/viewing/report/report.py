@@ -142,11 +142,17 @@ def _gauge(measured: Mapping[str, Any] | None) -> dict[str, Any] | None:
 
 
 def _residuals(explanation: Explanation) -> Iterator[dict[str, Any]]:
-    for each in explanation.residuals:
-        share = each.size / each.limit if each.limit else (0.0 if each.within else math.inf)
-        size = f"{each.size:.3f}" if math.isfinite(each.size) else "gone"
+    for each in explanation.residuals.all:
+        share = each.value / each.limit if each.limit else (0.0 if each.is_within else math.inf)
+        size = f"{each.value:.3f}" if math.isfinite(each.value) else "gone"
         limit = "" if each.limit is None else f"{each.limit:g}"
-        yield {"name": each.name, "size": size, "limit": limit, "share": min(share, 1.0), "ok": each.within}
+        yield {
+            "name": each.label,
+            "size": size,
+            "limit": limit,
+            "share": min(share, 1.0),
+            "ok": each.is_within,
+        }
 
 
 def _small(path: Path) -> str:

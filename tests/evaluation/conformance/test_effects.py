@@ -255,10 +255,10 @@ def test_a_base_stands_and_is_turned_as_it_was_found() -> None:
 
 def test_what_another_thing_carries_now_is_infinitely_far() -> None:
     before, after = truth(Pose2(0, 0, 0), one=0.0), truth(Pose2(0, 0, 0), one=0.0)
-    assert moved(before, after)["one mm"] == 0.0
+    assert moved(before, after)["object one mm"] == 0.0
     held = replace(after, bodies={"one": replace(after.bodies["one"], support="hand")})
-    assert moved(before, held)["one mm"] == math.inf
-    assert moved(before, replace(after, bodies={}))["one mm"] == math.inf
+    assert moved(before, held)["object one mm"] == math.inf
+    assert moved(before, replace(after, bodies={}))["object one mm"] == math.inf
 
 
 def test_how_far_off_it_believed_to_be_is_told_by_squares_and_worst() -> None:

@@ -20,6 +20,7 @@ from handcart.networks.events.run_end import RunEnd
 from handcart.networks.runs.run import prepare
 from handcart.primitives.driving.move_to import MoveTo
 from handcart.primitives.outcomes.outcome import Outcome, Success, fail_if_restored
+from handcart.primitives.outcomes.residual import read_residuals
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.perception.books.call_number import parse
 from tests.tools.conftest import LIBRARY, TOUR
@@ -119,7 +120,9 @@ def test_a_success_that_rammed_a_mapped_wall_is_untrue(claims: Claims) -> None:
 
 def test_a_fail_is_held_against_how_it_began(claims: Claims) -> None:
     """Whatever the robot has measured."""
-    measured = fail_if_restored("the way is blocked", False, {"base_mm": 1.0}, {"base_mm": 25.0})
+    measured = fail_if_restored(
+        "the way is blocked", False, read_residuals({"base_mm": 1.0}, {"base_mm": 25.0})
+    )
     claims.start()
     assert claims.end(measured) == []
     claims.start()

@@ -28,7 +28,7 @@ def test_it_is_the_same_through_all_that_is_put_around_a_backend() -> None:
         inner.scene.base = one.base.compose(Pose2(0.1, 0.0, 0.0))
         now = layered.ground_truth()
         assert now is not None
-        assert moved(one, now)["base mm"] == pytest.approx(100.0)  # and `one` is as it was
+        assert moved(one, now)["base_mm"] == pytest.approx(100.0)  # and `one` is as it was
 
 
 @pytest.mark.parametrize(

@@ -25,7 +25,7 @@ from handcart.primitives.contract.attempt import NOT_ALONE, attempt
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.primitives.outcomes.outcome import Fail, GiveUp
-from handcart.primitives.restoring.snapshot import moved, take_snapshot
+from handcart.primitives.restoring.snapshot import residuals, take_snapshot
 from tests.networks.conftest import Stand
 
 HOME, FAR = {"base": "home", "book": "in hand"}, {"base": "far", "book": "in hand"}
@@ -256,9 +256,9 @@ def test_a_pose_that_is_not_surely_known_has_not_moved(stand: Stand) -> None:
     """N9: a pose that is measured elsewhere has moved, whatever its uncertainty."""
     here = take_snapshot(stand.robot, {})
     unsure = replace(here, dead_reckoned=False, pose_sigma=(0.5, 0.3))
-    assert moved(stand.robot, here, unsure) == {}
+    assert not residuals(here, unsure, stand.robot.spec).moved
     far = replace(unsure, pose=type(here.pose)(0.5, 0.0, 0.0))
-    assert moved(stand.robot, here, far) == {"base_mm": 500.0}
+    assert dict(residuals(here, far, stand.robot.spec).moved) == {"base_mm": 500.0}
 
 
 def test_who_found_more_changed_than_the_base_tells_no_situation(stand: Stand, go: type[Go]) -> None:

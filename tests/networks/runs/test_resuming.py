@@ -36,6 +36,7 @@ from handcart.networks.runs.state_check import (
 )
 from handcart.networks.task.preparing import Prepared
 from handcart.networks.task.task_file import load_task
+from handcart.primitives.outcomes.residual import read_residuals
 from handcart.primitives.restoring.snapshot import REST_PERIODS
 from tests.networks.conftest import Stand
 
@@ -104,10 +105,12 @@ def run(tmp_path: Path, new_stand: Callable[[], Stand], primitives: SimpleNamesp
     return Run(tmp_path / "run", prepare)
 
 
-def found(past: Past, residuals: dict[str, float], sure: bool = True) -> StateCheck:
+def found(past: Past, values: dict[str, float], sure: bool = True) -> StateCheck:
     at = past.standing.at
     assert at is not None
-    return StateCheck(at, at, residuals, dict.fromkeys(residuals, 1.0), (), sure, JointUnits((), (), ()))
+    return StateCheck(
+        at, at, read_residuals(values, dict.fromkeys(values, 1.0)), (), sure, JointUnits((), (), ())
+    )
 
 
 def test_a_result_that_only_the_checkpoint_holds_counts(run: Run) -> None:
@@ -249,7 +252,7 @@ def test_a_look_at_a_robot_of_which_nothing_is_known_says_so(run: Run) -> None:
     past = run.past()
     assert past.standing.at is None
     check = check_state(standing_as_left(run.prepare(), past).robot, past)
-    assert (check.sure, check.off, check.expected) == (False, {}, None)
+    assert (check.sure, len(check.residuals.beyond), check.expected) == (False, 0, None)
     assert check.unknown == ("the robot's state: not in the journal",)
     measured = r"measured: base at \(0\.00, 0\.00\) m, heading -?0\.0 deg; off by nothing known"
     assert re.fullmatch(measured, check.words()[0])
@@ -322,7 +325,7 @@ def test_no_way_left_is_what_comes_next(run: Run) -> None:
 
 def test_what_is_not_known_is_not_in_place(run: Run) -> None:
     check = found(run.past(), {"joints_deg": 0.9, "gripper_mm": math.nan, "held": math.inf})
-    assert check.off.keys() == {"gripper_mm", "held"}
+    assert check.residuals.beyond.keys() == {"gripper_mm", "held"}
 
 
 def test_a_give_up_leaves_the_checkpoint_before_it(run: Run) -> None:

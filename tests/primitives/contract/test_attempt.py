@@ -19,6 +19,7 @@ from handcart.primitives.knowledge.world_model import ModelView, UndeclaredAcces
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, NeedsPerson
 from handcart.primitives.outcomes.outcome import Fail, GiveUp, Success
+from handcart.primitives.outcomes.residual import Residuals
 from handcart.primitives.restoring.retrace import retrace
 from handcart.primitives.restoring.snapshot import Seen, Snapshot
 from handcart.primitives.restoring.trace import Trace
@@ -241,7 +242,7 @@ def test_a_fail_is_measured_where_everything_is_as_it_was(
 
 def test_nobody_else_makes_a_fail() -> None:
     with pytest.raises(TypeError, match="must be measured"):
-        Fail("I say so", False, {})
+        Fail("I say so", False, Residuals())
 
 
 def test_a_person_needed_stops_where_it_is(make_rig: Callable[..., Rig]) -> None:
@@ -323,7 +324,7 @@ def test_nothing_moves_before_the_start_is_allowed(
     primitive = NotYet(stage=stage)
     outcome = rig.run(primitive)
     assert isinstance(outcome, Fail)
-    assert (outcome.reason, outcome.permanent, outcome.residuals) == (reason, False, {})
+    assert (outcome.reason, outcome.permanent, len(outcome.residuals)) == (reason, False, 0)
     assert [cause.check for cause in primitive.evidence.causes] == [check]
     assert (at(rig), rig.restored, len(stops)) == (before, [], 1)
 
@@ -384,7 +385,7 @@ def test_what_only_changes_knowledge_never_moves_or_waits(
     assert ("traceback" in primitive.facts) == (end == "a fault")
     if isinstance(outcome, str):
         assert isinstance(found, Fail)
-        assert (found.reason, found.permanent, found.residuals) == (outcome, end == "for good", {})
+        assert (found.reason, found.permanent, len(found.residuals)) == (outcome, end == "for good", 0)
     else:
         assert found == outcome
 

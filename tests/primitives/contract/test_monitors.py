@@ -29,6 +29,7 @@ from handcart.primitives.outcomes.cause import MAX_CALLS, Cause, cause_of
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured, NeedsPerson
 from handcart.primitives.outcomes.evidence import Evidence
 from handcart.primitives.outcomes.outcome import Fail, GiveUp, Success, fail_if_restored
+from handcart.primitives.outcomes.residual import Residuals, read_residuals
 from handcart.robotics.geometry.pose2 import Pose2
 
 PERIOD = 0.0625
@@ -171,21 +172,22 @@ def test_a_robot_without_an_arm_has_nothing_to_follow() -> None:
 
 def test_a_fail_is_given_where_all_is_within_its_limit() -> None:
     at, over = {"base_mm": 40.0, "held": 0.0}, {"base_mm": 40.0, "held": 0.0}
-    assert isinstance(fail_if_restored("why", True, at, over), Fail)
-    outcome = fail_if_restored("why", False, {"base_mm": 40.01, "held": math.inf, "x": 1.0}, {**over, "x": 2})
+    assert isinstance(fail_if_restored("why", True, read_residuals(at, over)), Fail)
+    far = read_residuals({"base_mm": 40.01, "held": math.inf, "x": 1.0}, {**over, "x": 2})
+    outcome = fail_if_restored("why", False, far)
     words = "why; and not restored: base_mm 40 (at most 40), held inf (at most 0)"
-    assert outcome == GiveUp(words, {"base_mm": 40.01, "held": math.inf, "x": 1.0})
-    assert isinstance(fail_if_restored("why", False, {"base_mm": math.nan}, over), GiveUp)
-    assert isinstance(fail_if_restored("why", False, {}, {}), Fail)
+    assert outcome == GiveUp(words, far)
+    assert isinstance(fail_if_restored("why", False, read_residuals({"base_mm": math.nan}, over)), GiveUp)
+    assert isinstance(fail_if_restored("why", False, Residuals()), Fail)
 
 
 def test_outcomes_and_causes_do_not_change_any_more() -> None:
-    fail = fail_if_restored("why", False, {}, {})
+    fail = fail_if_restored("why", False, Residuals())
     outcome: Any
     for outcome in (Success(), fail, GiveUp("why"), Cause("why", "motion")):
         with pytest.raises(FrozenInstanceError):
             outcome.reason = "because"
-    assert (Success().evidence, GiveUp("why").residuals) == ({}, {})
+    assert (Success().evidence, len(GiveUp("why").residuals)) == ({}, 0)
     assert "_proof" not in repr(fail)
 
 

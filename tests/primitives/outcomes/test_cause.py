@@ -101,9 +101,10 @@ def test_who_found_it_and_by_what(rig: Rig, where: str, calls: tuple[str, ...]) 
 
 def test_an_effect_that_is_not_seen(rig: Rig) -> None:
     primitive = Try(where="effect")
-    assert isinstance(rig.run(primitive), Fail)
+    outcome = rig.run(primitive)
+    assert isinstance(outcome, Fail)
     assert primitive.evidence.causes[0].check == "effect"
-    assert primitive.evidence.limits["base_mm"] == rig.robot.spec.tolerance.base_mm
+    assert outcome.residuals.limits["base_mm"] == rig.robot.spec.tolerance.base_mm
 
 
 def test_a_fault_in_the_code_is_told_as_one(rig: Rig) -> None:

@@ -20,7 +20,7 @@ from handcart.primitives.driving.driving import CAR_ROOM, ROCK_POSITION_TOLERANC
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.primitives.outcomes.outcome import Fail, GiveUp
-from handcart.primitives.restoring.snapshot import moved, take_snapshot
+from handcart.primitives.restoring.snapshot import residuals, take_snapshot
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.localization.watched_moment import Belief
 
@@ -86,9 +86,9 @@ def test_what_a_primitive_needs_is_held_against_what_was_measured(rig: Rig) -> N
 
 
 def test_a_primitive_can_not_allow_itself_more_than_the_robot_s_file(rig: Rig) -> None:
-    limits = Needs(seconds=1.0, room=9.0)
-    assert isinstance(rig.do(limits), Fail)
-    assert limits.evidence.limits["base_mm"] == rig.robot.spec.tolerance.base_mm
+    outcome = rig.do(Needs(seconds=1.0, room=9.0))
+    assert isinstance(outcome, Fail)
+    assert outcome.residuals.limits["base_mm"] == rig.robot.spec.tolerance.base_mm
 
 
 def test_fails_in_a_row_are_measured_from_where_the_first_began(rig: Rig) -> None:
@@ -118,9 +118,9 @@ def test_a_pose_that_jumps_as_more_is_learned_is_no_motion(rig: Rig, jump: float
     stood = replace(take_snapshot(rig.robot, {}), pose_sigma=(0.4, 0.1))
     assert stood.odometry_pose is not None
     now = replace(stood, pose=Pose2(stood.pose.x + jump, *stood.pose[1:]))
-    assert moved(rig.robot, stood, now).keys() == off
+    assert residuals(stood, now, rig.robot.spec).moved.keys() == off
     felt = Pose2(stood.odometry_pose.x + 0.6, *stood.odometry_pose[1:])
-    assert moved(rig.robot, stood, replace(now, odometry_pose=felt)).keys() == {"base_mm"}
+    assert residuals(stood, replace(now, odometry_pose=felt), rig.robot.spec).moved.keys() == {"base_mm"}
 
 
 def test_what_is_unsure_is_told_along_the_worst_direction(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:

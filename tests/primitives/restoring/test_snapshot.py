@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import FrozenInstanceError, replace
 from types import SimpleNamespace
 from typing import Any
@@ -13,6 +14,7 @@ import pytest
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.description.joint_units import JointUnits
+from handcart.primitives.outcomes.residual import ResidualKind
 from handcart.primitives.restoring.snapshot import (
     JOINT_NOISE,
     MIN_HELD_WIDTH_M,
@@ -20,8 +22,6 @@ from handcart.primitives.restoring.snapshot import (
     REST_TIMEOUT_S,
     Snapshot,
     is_holding,
-    limits,
-    moved,
     residuals,
     settle,
     take_snapshot,
@@ -46,6 +46,14 @@ START = Snapshot(
 )
 
 
+def make_spec(slides: Sequence[bool] = (False,) * 3, endless: Sequence[bool] = (False,) * 3) -> Any:
+    units = JointUnits(("a", "b", "c"), tuple(slides), tuple(endless))
+    return SimpleNamespace(tolerance=TOLERANCE, joint_units=units)
+
+
+SPEC = make_spec()
+
+
 class Fingers:
     """A gripper that reads as the test says."""
 
@@ -68,9 +76,7 @@ class Robot:
     def __init__(self, arm: Any = None, gripper: Any = None, jumps: bool = False) -> None:
         parts = {Arm: arm, Gripper: gripper}
         self.backend = SimpleNamespace(get=parts.__getitem__)
-        self.spec = SimpleNamespace(
-            tolerance=TOLERANCE, joint_units=JointUnits(("a", "b", "c"), (False,) * 3, (False,) * 3)
-        )
+        self.spec = SPEC
         self.pose, self.time = Pose2(1.0, 2.0, 0.5), 0.0
         self.base = SimpleNamespace(wheel_travel=lambda: (0.0, 0.0))
         self.localization = SimpleNamespace(
@@ -90,7 +96,7 @@ def arm_at(joints: list[float], command: list[float]) -> Any:
 
 def test_nothing_has_moved_but_what_is_unsure() -> None:
     """3 sigma of both measurements."""
-    assert residuals(START, START) == {
+    assert residuals(START, START, SPEC) == {
         "base_mm": 0.0,
         "base_deg": 0.0,
         "base_unsure_mm": pytest.approx(3e3 * math.hypot(0.003, 0.003)),
@@ -119,77 +125,92 @@ def test_nothing_has_moved_but_what_is_unsure() -> None:
     ],
 )
 def test_each_residual_is_one_thing_in_its_unit(change: dict[str, Any], found: dict[str, float]) -> None:
-    before, now = residuals(START, START), residuals(START, replace(START, **change))
+    before, now = residuals(START, START, SPEC), residuals(START, replace(START, **change), SPEC)
     differs = {name: size for name, size in now.items() if size != pytest.approx(before[name], abs=1e-9)}
     assert differs == {name: pytest.approx(size) for name, size in found.items()}
 
 
 def test_sliding_joints_are_in_mm_and_continuous_ones_within_a_turn() -> None:
     turned = replace(START, joints=START.joints + np.array([0.004, 2 * math.pi + 0.02, -0.01]))
-    found = residuals(START, turned, (True, False, False), (False, True, False))
+    found = residuals(START, turned, make_spec((True, False, False), (False, True, False)))
     assert found["slides_mm"] == pytest.approx(4.0)
     assert found["joints_deg"] == pytest.approx(math.degrees(0.02))
-    assert residuals(START, turned, (True,) * 3).keys() & {"slides_mm", "joints_deg"} == {"slides_mm"}
-    assert residuals(START, turned, (False,) * 3)["joints_deg"] == pytest.approx(360.0 + math.degrees(0.02))
+    assert residuals(START, turned, make_spec((True,) * 3)).keys() & {"slides_mm", "joints_deg"} == {
+        "slides_mm"
+    }
+    assert residuals(START, turned, make_spec())["joints_deg"] == pytest.approx(360.0 + math.degrees(0.02))
     back = replace(START, joints=START.joints - np.array([0.0, 2 * math.pi + 0.02, 0.0]))
-    assert residuals(START, back, (), (False, True, False))["joints_deg"] == pytest.approx(math.degrees(0.02))
+    assert residuals(START, back, make_spec(endless=(False, True, False)))["joints_deg"] == pytest.approx(
+        math.degrees(0.02)
+    )
 
 
 def test_a_pose_that_jumps_counts_as_far_as_it_was_felt() -> None:
     stood = replace(START, odometry_pose=Pose2(0.0, 0.0, 0.0), pose_sigma=(0.03, 0.02))
     jumped = replace(stood, pose=Pose2(1.5, 2.0, 1.0), odometry_pose=Pose2(0.006, 0.008, 0.01))
     sure = 3 * math.hypot(0.03, 0.03), 3 * math.hypot(0.02, 0.02)
-    found = residuals(stood, jumped)
+    found = residuals(stood, jumped, SPEC)
     assert found["base_mm"] == pytest.approx(1e3 * (0.5 - sure[0]))
     assert found["base_deg"] == pytest.approx(math.degrees(0.5 - sure[1]))
-    felt = residuals(stood, replace(jumped, pose=Pose2(1.1, 2.0, 0.52)))
+    felt = residuals(stood, replace(jumped, pose=Pose2(1.1, 2.0, 0.52)), SPEC)
     assert (felt["base_mm"], felt["base_deg"]) == pytest.approx((10.0, math.degrees(0.01)))
     for unknown in (replace(stood, odometry_pose=None), stood):
         now = jumped if unknown is not stood else replace(jumped, odometry_pose=None)
-        assert residuals(unknown, now)["base_mm"] == pytest.approx(500.0)
+        assert residuals(unknown, now, SPEC)["base_mm"] == pytest.approx(500.0)
 
 
 def test_a_displacement_that_is_known_goes_before_the_poses() -> None:
     """Along its worst direction; unless where the robot is isn't known at all."""
     far = Belief(np.array([0.03, -0.04, -0.2]), np.diag([0.01, 0.02, 0.005]) ** 2)
     now = replace(START, displacement=far, pose=Pose2(9.0, 9.0, 0.0), dead_reckoned=True)
-    found = residuals(START, now)
+    found = residuals(START, now, SPEC)
     assert (found["base_mm"], found["base_deg"]) == pytest.approx((50.0, math.degrees(0.2)))
     assert (found["base_unsure_mm"], found["base_unsure_deg"]) == pytest.approx((60.0, math.degrees(0.015)))
-    lost = residuals(START, replace(now, pose_sigma=(math.inf, math.inf), dead_reckoned=False))
+    lost = residuals(START, replace(now, pose_sigma=(math.inf, math.inf), dead_reckoned=False), SPEC)
     assert lost["base_unsure_mm"] == math.inf
 
 
 def test_by_wheels_alone_only_what_was_added_is_unsure() -> None:
     stood = replace(START, pose_sigma=(0.03, 0.02), dead_reckoned=True)
-    found = residuals(stood, replace(stood, pose_sigma=(0.05, 0.025)))
+    found = residuals(stood, replace(stood, pose_sigma=(0.05, 0.025)), SPEC)
     assert found["base_unsure_mm"] == pytest.approx(3 * 40.0)
     assert found["base_unsure_deg"] == pytest.approx(math.degrees(3 * 0.015))
-    assert residuals(stood, replace(stood, pose_sigma=(0.01, 0.01)))["base_unsure_mm"] == 0.0
+    assert residuals(stood, replace(stood, pose_sigma=(0.01, 0.01)), SPEC)["base_unsure_mm"] == 0.0
 
 
 def test_each_residual_has_its_limit_and_the_base_its_room() -> None:
-    robot: Any = Robot()
-    base = ("base_mm", "base_deg", "base_unsure_mm", "base_unsure_deg")
-    names = (*base, "joints_deg", "slides_mm", "gripper_mm", "held", "object cup mm")
-    assert limits(robot, dict.fromkeys(names, 0.0)) == dict(
-        zip(names, (40.0, 2.0, 40.0, 2.0, 0.5, 3.0, 1.0, 0.0, 8.0), strict=True)
-    )
-    assert limits(robot, {"base_mm": 0.0, "base_unsure_mm": 0.0, "held": 0.0}, 0.012) == {
-        "base_mm": pytest.approx(12.0),
-        "base_unsure_mm": pytest.approx(12.0),
+    spec = make_spec((True, False, False))
+    assert residuals(START, START, spec).limits == {
+        "base_mm": 40.0,
+        "base_deg": 2.0,
+        "base_unsure_mm": 40.0,
+        "base_unsure_deg": 2.0,
+        "gripper_mm": 1.0,
         "held": 0.0,
+        "joints_deg": 0.5,
+        "slides_mm": 3.0,
+        "object cup mm": 8.0,
+        "object pen mm": 8.0,
     }
-    assert limits(robot, {"base_mm": 0.0}, 9.0) == {"base_mm": 40.0}
-    assert limits(robot, {}) == {}
+    within = residuals(START, START, spec, 0.012).limits
+    assert (within["base_mm"], within["base_unsure_mm"]) == pytest.approx((12.0, 12.0))
+    assert residuals(START, START, spec, 9.0).limits["base_mm"] == 40.0
 
 
 @pytest.mark.parametrize(("off_mm", "told"), [(40.0, False), (40.001, True), (math.nan, True)])
 def test_moved_is_what_is_beyond_its_limit_or_not_known(off_mm: float, told: bool) -> None:
-    robot: Any = Robot()
     stood = replace(START, pose=Pose2(0.0, 0.0, 0.0), pose_sigma=(9.0, 9.0))
-    off = moved(robot, stood, replace(stood, pose=Pose2(off_mm / 1e3, 0.0, 0.0)))
+    off = residuals(stood, replace(stood, pose=Pose2(off_mm / 1e3, 0.0, 0.0)), make_spec()).moved
     assert list(off) == ["base_mm"] * told
+
+
+@pytest.mark.parametrize("name", ["unsure_box", "base_unsure_mm", "mm", "cup mm", ""])
+def test_an_object_of_any_name_counts_as_motion(name: str) -> None:
+    stood = replace(START, seen={name: (1.0, 0.0, 0.5)})
+    gone = residuals(stood, replace(stood, seen={}), make_spec()).moved
+    assert [(each.kind, each.name, each.value) for each in gone.all] == [
+        (ResidualKind.OBJECT, name, math.inf)
+    ]
 
 
 def test_a_snapshot_holds_what_was_read() -> None:

@@ -1,0 +1,153 @@
+"""Measured differences between two states of a robot, each with its limit."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from enum import Enum
+
+_OBJECT_LABEL = "object ", " mm"
+
+
+class ResidualKind(Enum):
+    """Measured quantity of a residual; the value is its label in journals, which ends with its unit."""
+
+    BASE_POSITION = "base_mm"
+    BASE_HEADING = "base_deg"
+    BASE_POSITION_UNCERTAINTY = "base_unsure_mm"
+    """Possible unnoticed motion of the base."""
+    BASE_HEADING_UNCERTAINTY = "base_unsure_deg"
+    """Possible unnoticed turn of the base."""
+    JOINTS = "joints_deg"
+    """Largest change of a rotating joint."""
+    SLIDING_JOINTS = "slides_mm"
+    """Largest change of a sliding joint."""
+    GRIPPER = "gripper_mm"
+    """Change of the opening."""
+    HELD = "held"
+    """0, or infinity if something was lost or grasped."""
+    OBJECT = "object"
+    """Distance of an object from its earlier place, in [mm]."""
+    OTHER = ""
+    """A quantity of another version's journal."""
+
+    @property
+    def is_uncertainty(self) -> bool:
+        """True for how uncertain a measurement is, which is no motion."""
+        return self in (ResidualKind.BASE_POSITION_UNCERTAINTY, ResidualKind.BASE_HEADING_UNCERTAINTY)
+
+
+@dataclass(frozen=True)
+class Residual:
+    """Difference of one quantity between two states."""
+
+    kind: ResidualKind
+    value: float
+    """Size in the unit of the kind; infinity for a lost object."""
+    limit: float | None
+    """Largest value allowed, in the same unit; None in journals of older versions."""
+    name: str = ""
+    """Name of the object, or label of another version's quantity; empty for the robot's own parts."""
+
+    @property
+    def label(self) -> str:
+        """Label in journals and messages: `base_mm`, `object cup mm`."""
+        if self.kind is ResidualKind.OBJECT:
+            return self.name.join(_OBJECT_LABEL)
+        return self.name if self.kind is ResidualKind.OTHER else self.kind.value
+
+    @property
+    def is_within(self) -> bool:
+        """True if the value is within its limit; an unknown value (NaN) is not."""
+        return self.limit is None or self.value <= self.limit
+
+    @property
+    def is_motion(self) -> bool:
+        """True if something moved beyond its limit."""
+        return not self.kind.is_uncertainty and not self.is_within
+
+    @classmethod
+    def from_label(cls, label: str, value: float, limit: float | None) -> Residual:
+        """Return the residual that a journal holds under a label."""
+        start, end = _OBJECT_LABEL
+        if label.startswith(start) and label.endswith(end) and len(label) >= len(start + end):
+            return cls(ResidualKind.OBJECT, value, limit, label[len(start) : -len(end)])
+        kind = next((kind for kind in ResidualKind if kind.value == label), ResidualKind.OTHER)
+        if kind in (ResidualKind.OBJECT, ResidualKind.OTHER):
+            return cls(ResidualKind.OTHER, value, limit, label)
+        return cls(kind, value, limit)
+
+
+class Residuals(Mapping[str, float]):
+    """Residuals of a comparison of two states; as a mapping, from label to value."""
+
+    def __init__(self, residuals: Iterable[Residual] = ()) -> None:
+        """Collect residuals; their order is kept."""
+        self._by_label = {residual.label: residual for residual in residuals}
+
+    @property
+    def all(self) -> tuple[Residual, ...]:
+        """The residuals themselves."""
+        return tuple(self._by_label.values())
+
+    def of(self, kind: ResidualKind) -> Residual | None:
+        """Return the residual of one of the robot's own parts; None if it was not measured."""
+        return next((residual for residual in self.all if residual.kind is kind), None)
+
+    @property
+    def beyond(self) -> Residuals:
+        """Those beyond their limits."""
+        return Residuals(residual for residual in self.all if not residual.is_within)
+
+    @property
+    def moved(self) -> Residuals:
+        """Those beyond their limits that count as motion."""
+        return Residuals(residual for residual in self.all if residual.is_motion)
+
+    @property
+    def limits(self) -> dict[str, float | None]:
+        """Limits by label; None where no limit is known."""
+        return {label: residual.limit for label, residual in self._by_label.items()}
+
+    @property
+    def words(self) -> str:
+        """Values for people: `base_mm 312, held inf`."""
+        return ", ".join(f"{label} {value:.3g}" for label, value in self.items())
+
+    @property
+    def words_with_limits(self) -> str:
+        """Values and limits for people: `base_mm 312 (at most 25)`."""
+        return ", ".join(
+            f"{each.label} {each.value:.3g} (at most {math.nan if each.limit is None else each.limit:.3g})"
+            for each in self.all
+        )
+
+    def __getitem__(self, label: str) -> float:
+        return self._by_label[label].value
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._by_label)
+
+    def __len__(self) -> int:
+        return len(self._by_label)
+
+    def __repr__(self) -> str:
+        return f"Residuals({self.words})"
+
+
+UNMOVED = Residuals()
+"""Residuals of a robot that was not commanded to move: there is nothing to compare."""
+
+
+def read_residuals(values: Mapping[str, float | None], limits: Mapping[str, float | None]) -> Residuals:
+    """Return the residuals of a journal's record.
+
+    Args:
+        values: label to value; None, as JSON has no infinity, is infinite.
+        limits: label to limit; missing in journals of older versions.
+    """
+    return Residuals(
+        Residual.from_label(label, math.inf if value is None else float(value), limits.get(label))
+        for label, value in values.items()
+    )
