@@ -43,6 +43,7 @@ OWN_COMMANDS = {
     "map keepout": ("maps.keepout", "keepout", "Draw keep-out zones over a map."),
     "map compare": ("maps.compare", "compare", "Align two maps, and compare their walls."),
     "map walls": ("maps.walls", "walls", "Compare a map with the walls of a world."),
+    "new": ("new.new", "new", "Begin a project, a primitive, a domain, a robot ..."),
     "make-map": ("commands.make_map", "make_map", "Draw the map of a world, in ROS format."),
     "teach": ("hardware.teach", "teach", "Record a posture into a robot's file."),
     "adopt": ("commands.adopt", "adopt", "Write calibration values into a robot's file."),

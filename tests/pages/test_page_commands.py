@@ -29,6 +29,7 @@ PREPARED = {
     ],
     "docs/how_to/export.md": [],
     "docs/how_to/locate.md": [],
+    "docs/how_to/new.md": [],
     "docs/how_to/obstacles.md": [],
     "docs/explanation/stack_blocks.md": [],
     "docs/explanation/outcomes.md": [],

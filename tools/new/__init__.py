@@ -1,0 +1,1 @@
+"""`handcart new`: folders that work as they are, to begin from."""

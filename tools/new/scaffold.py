@@ -1,0 +1,164 @@
+"""Templates of new packages, robots and tasks, and how they are written."""
+
+from __future__ import annotations
+
+import keyword
+import re
+from pathlib import Path
+from string import Template
+from typing import NamedTuple
+
+from handcart.files.errors import InputError
+from handcart.tools.terminal.writing import check_folder, write_text
+
+TEMPLATES_FOLDER = Path(__file__).parent / "templates"
+SHIPPED_ROBOTS_FOLDER = Path(__file__).parents[2] / "backends" / "robots"
+SUFFIX = ".template"
+WHEELS_FILE = "wheels.yaml"  # a robot without lidar
+ROBOT_HEAD = "# Two wheels and what its sensors see. Every key: `handcart schema robot`."
+WHEELS_TAIL = (
+    "\nodometry: {wheel_radius_percent: 0.2, tread_percent: 0.2, slip_percent: 0.2}  # assumed errors\n"
+)
+NAME_PATTERN = r"[a-z][a-z0-9]*(_[a-z0-9]+)*"
+
+
+class NotAName(InputError):
+    """A name that no package can have."""
+
+
+class FolderInUse(InputError):
+    """A folder that has files in it."""
+
+
+class Kind(NamedTuple):
+    """Something new that can be made from templates."""
+
+    help: str
+    parts: tuple[tuple[str, str], ...]
+    """Folders of templates, and where below the new folder their files go."""
+    next_commands: tuple[str, ...]
+    """What a person does with it, in this order; `$folder` is the new folder."""
+    worlds: tuple[str, ...] = ()
+    """World files below the new folder, of which a map `map.yaml` is drawn beside each."""
+    robots: tuple[str, ...] = ()
+    """Robot files below the new folder that are made from the shipped cart; `wheels.yaml` without lidar."""
+
+
+ROOM_COMMANDS = ("handcart check $folder/room/task.yaml", "handcart run $folder/room/task.yaml")
+PACKAGE_COMMANDS = ("pip install -e $folder", "pytest $folder")
+KINDS = {
+    "project": Kind(
+        "a package with a robot, a room, a task, a primitive and its tests, and CI",
+        (("project", ""), ("primitive", ""), ("room", "room")),
+        (
+            *PACKAGE_COMMANDS,
+            *ROOM_COMMANDS,
+            "handcart conformance --rehearse $folder/room/task.yaml --primitive $NAME --instants 2",
+        ),
+        ("room/world.yaml",),
+        ("robot/robot.yaml",),
+    ),
+    "task": Kind(
+        "a room with a map, places and a task",
+        (("task", ""),),
+        ("handcart check $folder/task.yaml", "handcart run $folder/task.yaml"),
+        ("world.yaml",),
+    ),
+    "robot": Kind(
+        "a robot's file beside its URDF: two wheels and a lidar",
+        (),
+        ("handcart check $folder/robot.yaml", "handcart run drive_map --robot $folder/robot.yaml"),
+        robots=("robot.yaml",),
+    ),
+    "primitive": Kind(
+        "a package with a primitive and its tests",
+        (("primitive", ""),),
+        (*PACKAGE_COMMANDS, "handcart do $NAME distance_m=1.0 limit_m=10 --robot cart"),
+    ),
+    "domain": Kind(
+        "a package with knowledge, objects, a primitive and a survey",
+        (("domain", ""),),
+        (
+            PACKAGE_COMMANDS[0],
+            "handcart make-map $folder/room/world.yaml --out $folder/room/map.yaml",
+            *ROOM_COMMANDS,
+            PACKAGE_COMMANDS[1],
+        ),
+    ),
+    "backend": Kind(
+        "a package with a backend of two wheels, and its tests",
+        (("backend", ""),),
+        (
+            *PACKAGE_COMMANDS,
+            "handcart conformance --backend $name --robot $folder/wheels.yaml --part checks",
+        ),
+        robots=("wheels.yaml",),
+    ),
+}
+
+
+def names_of(name: str) -> dict[str, str]:
+    """Return the forms of a name that templates use.
+
+    Args:
+        name: lower case, words joined by `_`.
+
+    Raises:
+        NotAName: it is no such name, or a word that Python uses itself.
+    """
+    if not re.fullmatch(NAME_PATTERN, name) or keyword.iskeyword(name):
+        raise NotAName(
+            f"invalid name {name!r}; allowed: small letters, digits and single `_`, a letter first, "
+            "and no word of Python"
+        )
+    return {
+        "name": name,
+        "NAME": name.upper(),
+        "Name": "".join(word.capitalize() for word in name.split("_")),
+        "distribution": name.replace("_", "-"),
+        "words": name.replace("_", " "),
+    }
+
+
+def write_new(kind: Kind, name: str, folder: Path) -> list[Path]:
+    """Write the files of a kind into a new or empty folder, and return their paths.
+
+    Raises:
+        NotAName: see `names_of`.
+        FolderInUse: the folder has files in it; nothing is written.
+        NotWritable: a file cannot be written.
+    """
+    names = names_of(name)
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        raise FolderInUse(f"{folder}: there is something already; allowed: a new or an empty folder")
+    check_folder(folder)
+    written = []
+    for part, below in kind.parts:
+        source = TEMPLATES_FOLDER / part
+        for template in sorted(source.rglob(f"*{SUFFIX}")):
+            relative = str(template.relative_to(source)).removesuffix(SUFFIX).replace("NAME", name)
+            path = folder / below / relative
+            path.parent.mkdir(parents=True, exist_ok=True)
+            write_text(path, Template(template.read_text(encoding="utf-8")).substitute(names))
+            written.append(path)
+    for robot in kind.robots:
+        written += write_robot(folder / robot, name)
+    return written
+
+
+def write_robot(path: Path, name: str) -> tuple[Path, Path]:
+    """Write a robot's file and its URDF from the shipped cart, and return both paths."""
+    cart, urdf = SHIPPED_ROBOTS_FOLDER / "cart", path.with_name(f"{name}.urdf")
+    is_blind = path.name == WHEELS_FILE
+    dropped = "can|range_sensor" if is_blind else "can"
+    text = (cart / "robot.yaml").read_text(encoding="utf-8").replace("cart.urdf", urdf.name)
+    text = re.sub(rf"(?m)^({dropped}):.*\n(?:[ \t].*\n|\n)*", "", text)
+    text = re.sub(r"\A#.*", ROBOT_HEAD, text)
+    if is_blind:
+        text = text.replace("localizer: scan               #", "localizer: odometry           #")
+        text += WHEELS_TAIL
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write_text(path, text)
+    shape = (cart / "cart.urdf").read_text(encoding="utf-8")
+    write_text(urdf, shape.replace('robot name="cart"', f'robot name="{name}"'))
+    return path, urdf
