@@ -30,7 +30,7 @@ class FolderInUse(InputError):
     """A folder that has files in it."""
 
 
-class Kind(NamedTuple):
+class Starter(NamedTuple):
     """Something new that can be made from templates."""
 
     help: str
@@ -47,7 +47,7 @@ class Kind(NamedTuple):
 ROOM_COMMANDS = ("handcart check $folder/room/task.yaml", "handcart run $folder/room/task.yaml")
 PACKAGE_COMMANDS = ("pip install -e $folder", "pytest $folder")
 KINDS = {
-    "project": Kind(
+    "project": Starter(
         "a package with a robot, a room, a task, a primitive and its tests, and CI",
         (("project", ""), ("primitive", ""), ("room", "room")),
         (
@@ -58,24 +58,24 @@ KINDS = {
         ("room/world.yaml",),
         ("robot/robot.yaml",),
     ),
-    "task": Kind(
+    "task": Starter(
         "a room with a map, places and a task",
         (("task", ""),),
         ("handcart check $folder/task.yaml", "handcart run $folder/task.yaml"),
         ("world.yaml",),
     ),
-    "robot": Kind(
+    "robot": Starter(
         "a robot's file beside its URDF: two wheels and a lidar",
         (),
         ("handcart check $folder/robot.yaml", "handcart run drive_map --robot $folder/robot.yaml"),
         robots=("robot.yaml",),
     ),
-    "primitive": Kind(
+    "primitive": Starter(
         "a package with a primitive and its tests",
         (("primitive", ""),),
         (*PACKAGE_COMMANDS, "handcart do $NAME distance_m=1.0 limit_m=10 --robot cart"),
     ),
-    "domain": Kind(
+    "domain": Starter(
         "a package with knowledge, objects, a primitive and a survey",
         (("domain", ""),),
         (
@@ -85,7 +85,7 @@ KINDS = {
             PACKAGE_COMMANDS[1],
         ),
     ),
-    "backend": Kind(
+    "backend": Starter(
         "a package with a backend of two wheels, and its tests",
         (("backend", ""),),
         (
@@ -120,7 +120,7 @@ def names_of(name: str) -> dict[str, str]:
     }
 
 
-def write_new(kind: Kind, name: str, folder: Path) -> list[Path]:
+def write_new(kind: Starter, name: str, folder: Path) -> list[Path]:
     """Write the files of a kind into a new or empty folder, and return their paths.
 
     Raises:
