@@ -14,6 +14,8 @@ from handcart.evaluation.conformance.planted.mutants import Caught
 
 from .task_runs import Ran, compared
 
+MIN_CAUSE_SHARE = 0.95  # of the Fails and GiveUps after faults that must name a cause of the fault
+MIN_JUDGED_CAUSES = 20  # fewer show nothing
 OUTCOME_NAMES = ("Success", "Fail", "GiveUp")
 
 
@@ -73,6 +75,22 @@ class KitReport:
         return [trial for trial in self.trials if trial.ending.wrong]
 
     @property
+    def judged_causes(self) -> list[FaultTrial]:
+        """Trials that ended in Fail or GiveUp after a fault of which it is known what it may lead to."""
+        return [trial for trial in self.trials if trial.names_its_cause is not None]
+
+    @property
+    def wrong_causes(self) -> list[FaultTrial]:
+        """Those of `judged_causes` that name another cause."""
+        return [trial for trial in self.judged_causes if not trial.names_its_cause]
+
+    @property
+    def causes_hold(self) -> bool:
+        """True if injected faults lead to their causes; too few show nothing."""
+        judged = len(self.judged_causes)
+        return judged < MIN_JUDGED_CAUSES or len(self.wrong_causes) <= (1.0 - MIN_CAUSE_SHARE) * judged
+
+    @property
     def planted(self) -> list[Caught]:
         """Liars that could be planted on this robot."""
         return [each for each in self.mutants if not each.skipped]
@@ -86,7 +104,8 @@ class KitReport:
     def ok(self) -> bool:
         """True if every check holds."""
         looked_at = (*self.checks, *self.tasks)
-        return not (self.violations or self.missed or self.broken) and all(each.ok for each in looked_at)
+        wrong = self.violations or self.missed or self.broken or not self.causes_hold
+        return not wrong and all(each.ok for each in looked_at)
 
     def as_dict(self) -> dict[str, Any]:
         """Return the report as values for JSON."""
@@ -101,6 +120,10 @@ class KitReport:
                 "bitten": self.bitten,
                 "outcomes": self._outcomes(),
                 "violations": [_violation(each) for each in self.violations],
+                "causes": {
+                    "judged": len(self.judged_causes),
+                    "wrong": [f"{each}: {each.ending.cause}" for each in self.wrong_causes],
+                },
             },
             "mutants": {
                 "planted": len(self.planted),
@@ -172,8 +195,17 @@ class KitReport:
             felt = sum(trial.ending.bitten for trial in trials)
             row = "".join(f"{ended[each]:>9}" for each in OUTCOME_NAMES)
             yield f"  {title:<18}{len(trials):>8}{felt:>8}{row}"
+        yield from self._cause_lines()
         for trial in self.violations:
             yield f"  VIOLATION  {trial}"
+
+    def _cause_lines(self) -> Iterator[str]:
+        judged, wrong = len(self.judged_causes), self.wrong_causes
+        word = "" if self.causes_hold else "WRONG  "
+        right = f"{judged - len(wrong)} of {judged} Fails and GiveUps"
+        yield f"  {word}{right} name a cause that the fault may lead to"
+        for trial in wrong:
+            yield f"    {trial.title}, period {trial.period}, {trial.fault}: {trial.ending.cause}"
 
     def _mutant_lines(self) -> Iterator[str]:
         yield ""

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .expected_causes import expected_causes
 from .fault import NO_FAULT, PRIMITIVE_FAULTS, Fault, FaultKind, all_sensors, faults_of, variant
 from .forked import Died, Hung, forkable, forked
 from .rehearsal import Rehearsal, Solo
@@ -25,10 +26,18 @@ class FaultTrial(NamedTuple):
     fault: str
     kind: str
     ending: AttemptEnding
+    expected: tuple[str, ...] = ()
+    """Causes that a Fail or GiveUp after the fault may name; empty: any."""
 
     def __str__(self) -> str:
         head = f"{self.title}, period {self.period}, {self.fault}: {self.ending.outcome}"
         return f"{head}: {'; '.join(self.ending.wrong)} ({self.ending.reason})"
+
+    @property
+    def names_its_cause(self) -> bool | None:
+        """True if a Fail or GiveUp names a cause of the fault; None if there is nothing to judge."""
+        judged = self.ending.outcome in ("Fail", "GiveUp") and self.ending.bitten and self.expected
+        return self.ending.cause in self.expected if judged else None
 
     @property
     def title(self) -> str:
@@ -81,7 +90,8 @@ class Batch:
                 period += 1
             for fault in self.faults(name, number, nominal.sensors or all_sensors()):
                 ending = self._tried(underway, fault)
-                yield FaultTrial(name, self.action, period, str(fault), fault.kind.value, ending)
+                words, expected = (str(fault), fault.kind.value), expected_causes(fault)
+                yield FaultTrial(name, self.action, period, *words, ending, expected)
 
     def faults(self, name: str, number: int, sensors: Sequence[str]) -> list[Fault]:
         """Return the faults to inject at an instant, by its number: one of each kind, and all of the domain's

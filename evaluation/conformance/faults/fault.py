@@ -9,6 +9,7 @@ from functools import cache
 from typing import Any
 
 from handcart.backends.sensors.all_kinds import all_capabilities
+from handcart.primitives.outcomes.cause_kind import CauseKind
 from handcart.tasks.domain import domains, imported
 
 NO_FAULT = "nothing"
@@ -72,6 +73,8 @@ class Fault:
     """At which a standing base slides round, in [rad/s]."""
     act: Callable[[Any], None] | None = None
     """What happens in the world: called with the simulated one before each of its periods."""
+    causes: tuple[CauseKind, ...] = ()
+    """Causes that a Fail or GiveUp after it may name, for a fault of the world; empty: any."""
 
     def __str__(self) -> str:
         what = f"{self.kind.value} {self.sensor}".rstrip()

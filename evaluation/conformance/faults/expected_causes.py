@@ -1,0 +1,57 @@
+"""Which causes an injected fault may lead to, by its kind and the sensor that it falsifies."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from handcart.primitives.outcomes import causes
+from handcart.primitives.outcomes.cause_kind import CauseKind
+
+from .fault import Fault, FaultKind
+
+POSE_CAUSES = (causes.LOST, causes.DISPLACED, causes.UNDETERMINED, causes.OFF_GOAL, causes.NO_REST)
+"""Where the base is, or whether it rests, is not known or not as it was."""
+CAUSES_OF_SENSORS: Mapping[str, tuple[CauseKind, ...]] = {
+    "wheels": (*POSE_CAUSES, causes.BASE_STOPPED, causes.NO_PROGRESS),
+    "joints": (causes.NOT_FOLLOWING, causes.ARM_BLOCKED, causes.NO_REST, causes.OFF_GOAL, causes.NO_ARM_PATH),
+    "force": (causes.ARM_BLOCKED, causes.OCCUPIED, causes.NO_SUPPORT, causes.NO_REST),
+    "width": (causes.FINGERS_STUCK, causes.NOT_HELD, causes.SLIPPED, causes.PRECONDITION, causes.NO_REST),
+    "range": (*POSE_CAUSES, causes.NOT_SEEN, causes.AMBIGUOUS, causes.BLOCKED, causes.NO_ROUTE),
+    "camera": (causes.NOT_SEEN, causes.AMBIGUOUS, causes.MISPLACED),
+    "depth camera": (causes.NOT_SEEN, causes.AMBIGUOUS, causes.MISPLACED),
+    "imu": (*POSE_CAUSES, causes.MISPLACED),
+    "gps": POSE_CAUSES,
+    "beacons": POSE_CAUSES,
+    "positioning": POSE_CAUSES,
+}
+"""What a sensor with wrong readings may seem to show."""
+UNSEEN_CAUSES = (causes.SENSOR_FAULT, causes.NO_EFFECT)
+"""A sensor that is known to be wrong, or that does not show the effect."""
+CAUSES_OF_FAULTS: Mapping[FaultKind, tuple[CauseKind, ...]] = {
+    FaultKind.EXCEPTION: (causes.CODE_ERROR,),
+    FaultKind.REFUSED: (causes.ROBOT_FAULT,),
+    FaultKind.STUCK: (
+        *(causes.BASE_STOPPED, causes.NO_PROGRESS, causes.NOT_FOLLOWING, causes.ARM_BLOCKED),
+        *(causes.FINGERS_STUCK, causes.NOT_HELD, causes.OFF_GOAL, causes.NO_EFFECT),
+    ),
+    FaultKind.SLIP: (
+        *(*POSE_CAUSES, causes.BASE_STOPPED, causes.NO_PROGRESS),
+        *(causes.NOT_SEEN, causes.MISPLACED, causes.NO_EFFECT),
+    ),
+    FaultKind.CANCEL: (causes.CANCELLED,),
+    FaultKind.TIME_OUT: (causes.TIME_OUT,),
+    FaultKind.LIDAR: (*CAUSES_OF_SENSORS["range"], *UNSEEN_CAUSES),
+}
+"""What an actuator, a person or an exception may lead to, whatever sensor finds it out."""
+FALSIFIED_KINDS = (FaultKind.STALE, FaultKind.NAN)
+
+
+def expected_causes(fault: Fault) -> tuple[str, ...]:
+    """Return the names of the causes that an attempt with this fault may name; empty: any.
+
+    Faults of a domain's world declare their own.
+    """
+    found = fault.causes or CAUSES_OF_FAULTS.get(fault.kind, ())
+    if fault.kind in FALSIFIED_KINDS:
+        found = (*CAUSES_OF_SENSORS.get(fault.sensor, ()), *UNSEEN_CAUSES)
+    return tuple(each.name for each in found)
