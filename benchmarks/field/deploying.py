@@ -27,6 +27,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from benchmarks.field.placement_radius import share_radius
 from handcart.backends.robot.robot import Robot
 from handcart.backends.simulation.field.field_props import FieldProps
 from handcart.networks.coordination.coordinator import Coordinator
@@ -39,7 +40,6 @@ from handcart.primitives.field.field import Field
 from handcart.primitives.field.field_work import FieldWork
 from handcart.primitives.motions.grip import hand_to_tips
 from handcart.robotics.manipulation.motions.collision_model import HELD_NAME, CollisionModel
-from handcart.robotics.navigation.outdoors.placement_errors import share_radius
 
 TASKS_FOLDER = Path(__file__).parent.parent.parent / "tasks"
 LAYING_SETTINGS = {

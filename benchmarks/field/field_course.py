@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.robotics.navigation.outdoors.placement_errors import TARGET_OFFSET_M
+from benchmarks.field.placement_radius import TARGET_OFFSET_M
 
 POINT_SPACING_M = 0.05  # [m] between points of a line
 

@@ -31,6 +31,7 @@ from benchmarks.field.field_course import FieldCourse, straight_course, zigzag_c
 from benchmarks.field.field_log import FieldLog, record_course
 from benchmarks.field.field_trial import FieldTrial, as_laid, start_pose, try_course
 from benchmarks.field.information_limit import information_limit
+from benchmarks.field.placement_radius import share_radius, tip_covariance
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.outdoors.field_noise import (
     REALISTIC_NOISE,
@@ -40,12 +41,7 @@ from handcart.robotics.navigation.outdoors.field_noise import (
 )
 from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
 from handcart.robotics.navigation.outdoors.particle_filter import ParticleFilter
-from handcart.robotics.navigation.outdoors.placement_errors import (
-    aligned_spread,
-    nees,
-    share_radius,
-    tip_covariance,
-)
+from handcart.robotics.navigation.outdoors.placement_errors import aligned_spread, nees
 
 COURSE_MAKERS: dict[str, Callable[[], FieldCourse]] = {"straight": straight_course, "zigzag": zigzag_course}
 PAPER_ERRORS_MM = {"straight": (58.0, 148.0), "zigzag": (283.0, 123.0)}  # [mm], along and across

@@ -16,20 +16,20 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.robotics.manipulation.arms.pitch_arm import PitchArm
-from handcart.robotics.manipulation.arms.planar_arm import PlanarArm
-from handcart.robotics.manipulation.arms.score_rule import Measure, ScoreRule
-from handcart.robotics.manipulation.paths.tool_path import ToolPath, tool_path
-from handcart.robotics.manipulation.placement.directional_manipulability import (
+from benchmarks.seam.directional_manipulability import (
     top_speed,
     top_speed_by_program,
 )
-from handcart.robotics.manipulation.placement.placement_bound import score_bound
+from benchmarks.seam.greedy_division import greedy_division
+from benchmarks.seam.placement_bound import score_bound
+from benchmarks.seam.planar_arm import PlanarArm
+from handcart.robotics.manipulation.arms.pitch_arm import PitchArm
+from handcart.robotics.manipulation.arms.score_rule import Measure, ScoreRule
+from handcart.robotics.manipulation.paths.tool_path import ToolPath, tool_path
 from handcart.robotics.manipulation.placement.placement_division import (
     Division,
     best_division,
     best_division_by_cost,
-    greedy_division,
 )
 from handcart.robotics.manipulation.placement.placement_refinement import refine
 

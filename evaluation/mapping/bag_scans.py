@@ -26,8 +26,6 @@ ODOM_FRAMES = ("odom", "odom_combined", "odometry")
 MAX_COUNT_CHANGE = 3
 """Beams by which scans of one lidar may differ: some drivers deliver one more or less."""
 Array = NDArray[np.float64]
-Transforms = dict[str, list[tuple[float, str, Pose2]]]
-"""Time, parent frame and pose in it of each frame."""
 
 
 def read_bag_scans(path: Path, scan_topic: str | None = None) -> ScanLog:

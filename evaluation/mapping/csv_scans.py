@@ -131,23 +131,3 @@ def _log(table: Array, header: Loaded[ScansHeader]) -> ScanLog:
     angles = np.radians(np.linspace(lidar.first_deg, lidar.last_deg, ranges.shape[1]))
     mount = Pose2(lidar.x_m, lidar.y_m, math.radians(lidar.heading_deg))
     return ScanLog(table[:, 0], table[:, 1:4], angles, ranges, mount, lidar.reach_m)
-
-
-def scans_csv(log: ScanLog) -> str:
-    """Return a log as the text of a CSV file."""
-    lidar = {
-        "first_deg": math.degrees(log.angles[0]),
-        "last_deg": math.degrees(log.angles[-1]),
-        "reach_m": log.reach,
-        "x_m": log.mount.x,
-        "y_m": log.mount.y,
-        "heading_deg": math.degrees(log.mount.theta),
-    }
-    lines = [HEADER_MARK, "format: handcart-scans/1", "lidar:"]
-    lines += [f"  {key}: {value!r}" for key, value in lidar.items()]
-    lines += [HEADER_MARK, ",".join([*POSE_COLUMNS, *(f"r{k}" for k in range(log.ranges.shape[1]))])]
-    for time, pose, ranges in zip(log.times, log.odometry, log.ranges, strict=True):
-        cells = [f"{time:.6f}", *(f"{value:.6f}" for value in pose)]
-        cells += ["" if math.isnan(value) else f"{value:.4f}" for value in ranges.tolist()]
-        lines.append(",".join(cells))
-    return "\n".join(lines) + "\n"

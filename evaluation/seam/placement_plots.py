@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from handcart.evaluation.viewing.drawing.figure_file import save_figure
 from handcart.evaluation.viewing.drawing.palette import SERIES_COLOURS
 from handcart.robotics.manipulation.arms.pitch_arm import PitchArm
-from handcart.robotics.manipulation.arms.planar_arm import PlanarArm
 from handcart.robotics.manipulation.paths.tool_path import ToolPath
 from handcart.robotics.manipulation.placement.placement_division import Division
 
@@ -29,30 +28,6 @@ class DividedPath(NamedTuple):
     bases: Floats
     """(b, 3): base poses that the division numbers."""
     division: Division
-
-
-def draw_planar_divisions(
-    arm: PlanarArm, path: ToolPath, panels: Sequence[DividedPath], target: Path
-) -> None:
-    """Draw the two-link arm in some postures of each segment, one panel below the other, as in figure 2.
-
-    Raises:
-        OSError: the file cannot be written.
-    """
-    figure, axes = _figure(len(panels), (7.0, 2.6 * len(panels)))
-    for ax, panel in zip(axes, panels, strict=True):
-        for colour, segment in _coloured(panel.division):
-            base, points = panel.bases[segment.placement], path.points[segment.first : segment.last + 1]
-            ax.plot(points[:, 0], points[:, 1], color=colour, linewidth=3.0)
-            ax.plot(*base[:2], "o", color=colour)
-            some = points[np.linspace(0, len(points) - 1, DRAWN_POSTURES).astype(int)]
-            for (first, both), tip in zip(np.cumsum(arm.joints(base, some), axis=1), some, strict=True):
-                elbow = base[:2] + arm.first * np.array((np.cos(first), np.sin(first)))
-                wrist = elbow + arm.second * np.array((np.cos(both), np.sin(both)))
-                ends = np.vstack((base[:2], elbow, wrist if np.isfinite(both) else tip[:2]))
-                ax.plot(ends[:, 0], ends[:, 1], "-o", color=colour, markersize=2.5, linewidth=0.8, alpha=0.6)
-        _label(ax, panel, path)
-    _save(figure, target)
 
 
 def draw_divisions(

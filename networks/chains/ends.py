@@ -45,4 +45,3 @@ class Ends(NamedTuple):
 
 
 AT_GOAL = Ends(goal=certain(1.0, 0.0))
-NOTHING_LEFT = Ends(no_way=certain(1.0, 0.0))

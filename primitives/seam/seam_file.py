@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from handcart.files.csv_table import CsvRow, number_in, read_csv
 from handcart.files.errors import FileError, Finding
 from handcart.files.findings import Findings
-from handcart.files.whole_file import write_whole
 from handcart.robotics.geometry.transform import transform
 from handcart.robotics.manipulation.paths.tool_path import ToolPath, tool_path
 from handcart.robotics.manipulation.paths.untrackable import Untrackable
@@ -52,15 +51,6 @@ def untrackable(file: str, error: Untrackable) -> FileError:
     advised = nearest or "allowed: " in error.why or "needed: " in error.why
     allowed = "" if advised else "; allowed: a seam without that"
     return _refused(file, error.index + 2, f"this point {error.why}{nearest}{allowed}")
-
-
-def write_seam(path: Path, poses: NDArray[np.float64]) -> None:
-    """Write poses (p, 6): x, y, z in [m], roll, pitch, yaw in [rad]."""
-    rows = [",".join(SEAM_COLUMNS)]
-    for pose in poses.tolist():
-        numbers = [f"{value:.5f}" for value in pose[:3]]
-        rows.append(",".join(numbers + [f"{math.degrees(value):.4f}" for value in pose[3:]]))
-    write_whole(path, "\n".join(rows) + "\n")
 
 
 def _row(file: str, row: CsvRow, findings: Findings) -> list[float]:

@@ -19,7 +19,7 @@ def test_each_is_listed_with_what_it_measures() -> None:
     modules = [
         path for path in (ROOT / "benchmarks").rglob("*.py") if path.stem not in ("__init__", "__main__")
     ]
-    commands = [path for path in modules if "argparse" in path.read_text(encoding="utf-8")]
+    commands = [path for path in modules if "parse_args(" in path.read_text(encoding="utf-8")]
     assert commands
     for path in commands:
         assert ".".join(path.relative_to(ROOT).with_suffix("").parts) in found

@@ -14,7 +14,6 @@ from handcart.evaluation.offline_localization.logs.drive_log import DriveLog
 
 MAX_TILT_DEG = 20.0  # between the IMU's z axis and gravity
 MIN_FORCE = 5.0  # [m/s2] of measured gravity; less: the IMU subtracts it
-G_UNIT = (0.8, 1.3)  # of accelerations in g
 MIN_TURNS = 0.02  # [rad/s] standard deviation of the turns by which gyros are compared
 ALIKE, UNLIKE = 0.5, 0.3  # correlation of a gyro axis that turns with the wheels, and of one that does not
 SMOOTHED_S = 1.0

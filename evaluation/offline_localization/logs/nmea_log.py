@@ -23,7 +23,6 @@ from .drive_log import DriveLog
 from .places import checked_places
 
 DAY_S = 86_400.0
-GST_MAX_DELAY_S = 2.0  # between a GGA and the GST that belongs to it
 
 
 def with_nmea(log: DriveLog, path: Path) -> DriveLog:

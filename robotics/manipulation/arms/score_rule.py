@@ -29,7 +29,7 @@ class Measure(IntEnum):
 
 
 class ScoreRule(NamedTuple):
-    """A measure and the limits of each joint, as lengths (`performance`)."""
+    """A measure and the limits of each joint, as lengths: b_min and b_max of Shin (2005)."""
 
     measure: Measure
     low: Floats

@@ -98,23 +98,10 @@ def farthest_run(usable: Masks, joined: Masks, first: int) -> tuple[int, int]:
     """The placement that gets farthest from the point `first`, and where to; `first` where none does."""
     placement, farthest = -1, first
     for b in range(usable.shape[1]):
-        last = _run_end(usable, joined, first, b)
+        last = run_end(usable, joined, first, b)
         if last > farthest:
             placement, farthest = b, last
     return placement, farthest
-
-
-@compiled
-def heaviest_run(values: Singles, usable: Masks, joined: Masks, steps: Floats, first: int) -> tuple[int, int]:
-    """The placement whose whole run from the point `first` has the greatest integral, and its end."""
-    placement, end, heaviest = -1, first, -np.inf
-    for b in range(values.shape[1]):
-        last = _run_end(usable, joined, first, b)
-        if last > first:
-            total = segment_score(values, steps, b, first, last)
-            if total > heaviest:
-                placement, end, heaviest = b, last, total
-    return placement, end
 
 
 @compiled
@@ -127,7 +114,8 @@ def segment_score(values: Singles, steps: Floats, placement: int, first: int, la
 
 
 @compiled
-def _run_end(usable: Masks, joined: Masks, first: int, placement: int) -> int:
+def run_end(usable: Masks, joined: Masks, first: int, placement: int) -> int:
+    """Return the last point of the run of a placement that begins at the point `first`."""
     if not usable[first, placement]:
         return first
     last = first

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -12,7 +11,7 @@ from numpy.typing import NDArray
 from handcart.robotics.manipulation.arms.placement_scores import PlacementScores
 from handcart.robotics.manipulation.paths.untrackable import Untrackable
 
-from .division_programs import cheapest_layers, farthest_run, heaviest_run, layers, segment_score
+from .division_programs import cheapest_layers, farthest_run, layers, segment_score
 
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
@@ -82,7 +81,7 @@ def best_division(scores: PlacementScores, lengths: Floats, count: int) -> Divis
     if count < len(needed):
         reached = needed[count - 1].last if count > 0 else 0
         raise TooFewPlacements(reached, count, len(needed))
-    return _division(layers(*_arrays(scores, lengths), count), scores, lengths)
+    return _division(layers(*score_arrays(scores, lengths), count), scores, lengths)
 
 
 def best_division_by_cost(scores: PlacementScores, lengths: Floats, cost: float) -> Division:
@@ -92,60 +91,10 @@ def best_division_by_cost(scores: PlacementScores, lengths: Floats, cost: float)
         Untrackable: no set of placements tracks the path.
     """
     _longest_first(scores)
-    return _division(cheapest_layers(*_arrays(scores, lengths), cost), scores, lengths)
+    return _division(cheapest_layers(*score_arrays(scores, lengths), cost), scores, lengths)
 
 
-def greedy_division(scores: PlacementScores, lengths: Floats) -> Division:
-    """Divide by the paper's rule: take the placement with the greatest integral on the remaining path, and
-    repeat.
-
-    The paper doesn't define the ends of a segment. Here it begins at the end of the one before, and ends
-    where the placement becomes unusable.
-
-    Raises:
-        Untrackable: no placement continues from some point.
-    """
-    values, usable, joined, steps = _arrays(scores, lengths)
-    first, segments = 0, []
-    while first < len(steps):
-        placement, last = heaviest_run(values, usable, joined, steps, first)
-        if last <= first:
-            raise _stuck(scores, first)
-        segments.append(PathSegment(int(placement), first, int(last)))
-        first = int(last)
-    return _total(segments, values, steps)
-
-
-def division_by_hand(
-    scores: PlacementScores, lengths: Floats, placements: Sequence[int], cuts: Sequence[int]
-) -> Division:
-    """Return a division chosen by the caller: `cuts` are the points between one placement and the next.
-
-    Raises:
-        Untrackable: a placement can't track its part; the first bad point is named.
-        ValueError: cuts that don't grow, or not one fewer than placements.
-    """
-    values, usable, joined, steps = _arrays(scores, lengths)
-    ends = [0, *cuts, len(steps)]
-    if len(ends) != len(placements) + 1 or any(a >= b for a, b in pairwise(ends)):
-        needed = len(placements) - 1
-        raise ValueError(f"{len(placements)} placements need {needed} growing cuts inside the path")
-    segments = [
-        PathSegment(placement, *between)
-        for placement, between in zip(placements, pairwise(ends), strict=True)
-    ]
-    for number, (placement, first, last) in enumerate(segments):
-        bad = np.flatnonzero(~usable[first : last + 1, placement])
-        if len(bad):
-            why = f"can't be tracked from placement {number} of the division"
-            raise Untrackable(first + int(bad[0]), why)
-        if joined.size and not joined[first:last, placement].all():
-            index = first + 1 + int(np.argmin(joined[first:last, placement]))
-            raise Untrackable(index, f"makes the arm jump at placement {number} of the division")
-    return _total(segments, values, steps)
-
-
-def _arrays(scores: PlacementScores, lengths: Floats) -> tuple[Singles, Masks, Masks, Floats]:
+def score_arrays(scores: PlacementScores, lengths: Floats) -> tuple[Singles, Masks, Masks, Floats]:
     """(p, b) values and usable, (p-1, b) joined (or empty), (p-1,) lengths of steps."""
     joined = np.zeros((0, 0), dtype=np.bool_) if scores.joined is None else scores.joined.T
     return (
@@ -158,19 +107,20 @@ def _arrays(scores: PlacementScores, lengths: Floats) -> tuple[Singles, Masks, M
 
 def _longest_first(scores: PlacementScores) -> list[PathSegment]:
     """Divide by longest segments: no division has fewer, because a part of a usable run is usable."""
-    _, usable, joined, steps = _arrays(scores, np.arange(scores.usable.shape[1], dtype=np.float64))
+    _, usable, joined, steps = score_arrays(scores, np.arange(scores.usable.shape[1], dtype=np.float64))
     scores.check()
     first, segments = 0, []
     while first < len(steps):
         placement, last = farthest_run(usable, joined, first)
         if last <= first:
-            raise _stuck(scores, first)
+            raise stuck_at(scores, first)
         segments.append(PathSegment(int(placement), first, int(last)))
         first = int(last)
     return segments
 
 
-def _stuck(scores: PlacementScores, index: int) -> Untrackable:
+def stuck_at(scores: PlacementScores, index: int) -> Untrackable:
+    """Return the error for a point from which no placement continues."""
     scores.check()
     return Untrackable(index + 1, "can't be tracked from a placement that also tracks the point before it")
 
@@ -180,10 +130,11 @@ def _division(placements: NDArray[np.int64], scores: PlacementScores, lengths: F
     starts = np.flatnonzero(np.concatenate(([True], placements[1:] != placements[:-1])))
     ends = np.append(starts[1:], len(placements))
     segments = [PathSegment(int(placements[a]), int(a), int(b)) for a, b in zip(starts, ends, strict=True)]
-    values, _, _, steps = _arrays(scores, lengths)
-    return _total(segments, values, steps)
+    values, _, _, steps = score_arrays(scores, lengths)
+    return score_segments(segments, values, steps)
 
 
-def _total(segments: Sequence[PathSegment], values: Singles, steps: Floats) -> Division:
+def score_segments(segments: Sequence[PathSegment], values: Singles, steps: Floats) -> Division:
+    """Return the division into the given segments, with its integral."""
     score = sum(segment_score(values, steps, *segment) for segment in segments)
     return Division(tuple(segments), float(score))

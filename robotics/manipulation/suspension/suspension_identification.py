@@ -55,24 +55,6 @@ class SuspensionFit(NamedTuple):
     """Root mean square of the residuals: in [m]; of sightings, 1 if they are as good as stated."""
 
 
-def fit_displacements(
-    swings: Sequence[Swing], displacements: Floats, known: Mapping[str, float] | None = None
-) -> SuspensionFit:
-    """Fit the model to displacements (n, 3) of the hand in [m], in the base frame at the reference.
-
-    `known` gives parameters that aren't fitted.
-
-    Raises:
-        ValueError: the swings don't determine one of the others.
-    """
-
-    def residuals(model: SuspensionModel, _: Floats) -> Floats:
-        moved = [model.displaced(*swing)[:3, 3] - swing.base_T_hand[:3, 3] for swing in swings]
-        return np.ravel(np.array(moved) - displacements)
-
-    return _fit(residuals, len(swings), np.empty(0), known or {})
-
-
 def fit_sightings(
     sightings: Sequence[Sighting],
     hand_T_camera: Transform,

@@ -68,20 +68,3 @@ class SuspensionModel(NamedTuple):
 
 
 _REFINEMENTS = 3  # each makes the error a hundred times smaller
-
-
-def stacking_error(world_T_goal: Transform, world_T_block: Transform) -> Floats:
-    """E_x, E_y (2,) in [m] along the goal's axes: the goal less where the block is (eq. 14)."""
-    return -(inverse(world_T_goal) @ world_T_block)[:2, 3]
-
-
-def processed_error(
-    world_T_goal: Transform, world_T_block: Transform, world_T_base: Transform, motion: Transform
-) -> Floats:
-    """Return E_x, E_y (2,) in [m] without the effect of the base's `motion`: processed error (section 5.4).
-
-    `world_T_base` is the base at the reference posture, `motion` is `base_motion` with the angles measured
-    for this block.
-    """
-    undone = world_T_base @ inverse(motion) @ inverse(world_T_base) @ world_T_block
-    return stacking_error(world_T_goal, undone)

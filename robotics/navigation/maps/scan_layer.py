@@ -17,7 +17,6 @@ PASS_SCORE = 1  # taken from a cell through which beams pass, once a scan
 OCCUPIED_SCORE = 5  # from which a cell counts as occupied: two hits; a lone reading is noise
 MAX_SCORE = 12  # so that what has left is cleared by eight scans
 REACH_M = 6.0  # beyond which nothing is taken in: beams are sparse and the heading's error shifts their ends
-NO_CELLS = np.empty((0, 4))
 
 Floats = NDArray[np.float64]
 

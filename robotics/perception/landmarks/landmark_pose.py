@@ -4,31 +4,11 @@ from __future__ import annotations
 
 import math
 
-import cv2
 import numpy as np
 
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, inverse
 from handcart.robotics.perception.landmarks.landmark import Landmark, square_corners
-
-
-def landmark_pose(seen: Landmark, side: float = 0.06) -> Transform:
-    """Return camera_T_landmark (4, 4) of a landmark with sides of `side` [m], without other knowledge.
-
-    Collins and Bartoli, "Infinitesimal plane-based pose estimation" (2014). The tilt is weakly seen: use
-    `planar_pose` if the camera's is known better.
-
-    Raises:
-        ValueError: the corners are not an image of a square.
-    """
-    solved, turn, origin = cv2.solvePnP(
-        square_corners(side), seen.rays, np.eye(3), None, flags=cv2.SOLVEPNP_IPPE_SQUARE
-    )
-    if not solved:
-        raise ValueError("the corners are not an image of a square")
-    pose = np.eye(4)
-    pose[:3, :3], pose[:3, 3] = cv2.Rodrigues(turn)[0], origin.ravel()
-    return pose
 
 
 def planar_pose(seen: Landmark, camera_T_plane: Transform) -> Pose2:
@@ -63,13 +43,3 @@ def facing(height: float) -> Transform:
     pose = np.diag([1.0, -1.0, -1.0, 1.0])
     pose[2, 3] = height
     return pose
-
-
-def apparent_side(seen: Landmark, camera_T_plane: Transform) -> float:
-    """Return the length of the landmark's sides in that plane, in [m]: reveals a wrong height or a wrong
-    mark.
-    """
-    plane_T_camera = inverse(camera_T_plane)
-    directions = np.column_stack([seen.rays, np.ones(4)]) @ plane_T_camera[:3, :3].T
-    corners = directions[:, :2] * (-plane_T_camera[2, 3] / directions[:, 2:])
-    return float(np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1).mean())

@@ -10,8 +10,8 @@ from benchmarks.field.field_course import (
 )
 from benchmarks.field.field_drive import PERIOD_S, FieldTimes
 from benchmarks.field.field_log import record_course
+from benchmarks.field.placement_radius import TARGET_OFFSET_M
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_NOISE
-from handcart.robotics.navigation.outdoors.placement_errors import TARGET_OFFSET_M
 
 
 @pytest.mark.parametrize("course", [straight_course(5), zigzag_course()])

@@ -11,11 +11,9 @@ import pytest
 from handcart.evaluation.seam.placement_plots import (
     DividedPath,
     draw_divisions,
-    draw_planar_divisions,
 )
 from handcart.evaluation.seam.tracking_plot import draw_tracking_errors
 from handcart.robotics.manipulation.arms.pitch_arm import PitchArm
-from handcart.robotics.manipulation.arms.planar_arm import PlanarArm
 from handcart.robotics.manipulation.paths.tool_path import ToolPath, tool_path
 from handcart.robotics.manipulation.placement.placement_division import Division, PathSegment
 
@@ -40,10 +38,9 @@ def _is_a_picture(file: Path) -> bool:
 
 
 def test_divisions_are_drawn(tmp_path: Path, path: ToolPath, panel: DividedPath) -> None:
-    draw_planar_divisions(PlanarArm(), path, [panel, panel], tmp_path / "2.png")
     draw_divisions(path, [panel], tmp_path / "4.png", PitchArm())
     draw_divisions(path, [panel], tmp_path / "any_arm.png")
-    assert all(_is_a_picture(tmp_path / name) for name in ("2.png", "4.png", "any_arm.png"))
+    assert all(_is_a_picture(tmp_path / name) for name in ("4.png", "any_arm.png"))
 
 
 def test_tracking_errors_are_drawn(tmp_path: Path) -> None:

@@ -10,9 +10,9 @@ import cv2
 import numpy as np
 import pytest
 
+from benchmarks.driving.box_ranges import box_ranges
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
-from handcart.robotics.navigation.maps.box_ranges import box_ranges
 from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes, from_ros
 
 MAPS = Path(__file__).resolve().parents[3] / "../shared/maps"

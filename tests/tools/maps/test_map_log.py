@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from handcart.evaluation.mapping.csv_scans import scans_csv
+from benchmarks.driving.box_ranges import box_ranges
+from handcart.evaluation.mapping.csv_scans import HEADER_MARK, POSE_COLUMNS
 from handcart.files.maps.map_file import load_map
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.mapping.box_walls import surface_distances
 from handcart.robotics.navigation.mapping.scan_log import ScanLog
-from handcart.robotics.navigation.maps.box_ranges import box_ranges
 from handcart.tools.main import main
 
 from .drives import small_drive, small_floor
@@ -28,6 +29,26 @@ def status(*words: str) -> int:
         main(["map", *words])
     assert isinstance(end.value.code, int)
     return end.value.code
+
+
+def scans_csv(log: ScanLog) -> str:
+    """Return a log as the text of a CSV file."""
+    lidar = {
+        "first_deg": math.degrees(log.angles[0]),
+        "last_deg": math.degrees(log.angles[-1]),
+        "reach_m": log.reach,
+        "x_m": log.mount.x,
+        "y_m": log.mount.y,
+        "heading_deg": math.degrees(log.mount.theta),
+    }
+    lines = [HEADER_MARK, "format: handcart-scans/1", "lidar:"]
+    lines += [f"  {key}: {value!r}" for key, value in lidar.items()]
+    lines += [HEADER_MARK, ",".join([*POSE_COLUMNS, *(f"r{k}" for k in range(log.ranges.shape[1]))])]
+    for time, pose, ranges in zip(log.times, log.odometry, log.ranges, strict=True):
+        cells = [f"{time:.6f}", *(f"{value:.6f}" for value in pose)]
+        cells += ["" if math.isnan(value) else f"{value:.4f}" for value in ranges.tolist()]
+        lines.append(",".join(cells))
+    return "\n".join(lines) + "\n"
 
 
 def written(log: ScanLog, path: Path) -> Path:

@@ -6,11 +6,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from benchmarks.driving.box_ranges import box_ranges
 from handcart.backends.simulation.sensors.ranges import cast_rays
 from handcart.backends.simulation.world.solids import FloorPlan, Solid, of_furniture
 from handcart.backends.simulation.world.world_file import Furniture, Surprise
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.maps.box_ranges import box_ranges
 
 ANGLES = np.linspace(-np.pi, np.pi, 360, endpoint=False)
 

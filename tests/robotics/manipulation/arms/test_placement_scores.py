@@ -5,19 +5,20 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from handcart.robotics.kinematics.arm_model import ArmModel
-from handcart.robotics.manipulation.arms.pitch_arm import PitchArm
-from handcart.robotics.manipulation.arms.planar_arm import PlanarArm
-from handcart.robotics.manipulation.arms.score_rule import Measure, ScoreRule
-from handcart.robotics.manipulation.arms.screw_arm import FreeTurn, ScrewArm
-from handcart.robotics.manipulation.placement.directional_manipulability import (
+from benchmarks.seam.directional_manipulability import (
     directional,
     manipulability,
     top_speed,
 )
-from handcart.robotics.manipulation.placement.performance import sure_performance
-from handcart.robotics.manipulation.placement.placement_bound import score_bound
-from handcart.robotics.manipulation.placement.placement_division import best_division, greedy_division
+from benchmarks.seam.greedy_division import greedy_division
+from benchmarks.seam.performance import sure_performance
+from benchmarks.seam.placement_bound import score_bound
+from benchmarks.seam.planar_arm import PlanarArm
+from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.manipulation.arms.pitch_arm import PitchArm
+from handcart.robotics.manipulation.arms.score_rule import Measure, ScoreRule
+from handcart.robotics.manipulation.arms.screw_arm import FreeTurn, ScrewArm
+from handcart.robotics.manipulation.placement.placement_division import best_division
 from handcart.robotics.manipulation.placement.placement_refinement import refine
 from tests.robotics.manipulation.seams import arched, five_joint_urdf, stands, straight
 

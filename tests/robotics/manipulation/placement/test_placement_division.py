@@ -8,15 +8,14 @@ from itertools import combinations, pairwise, product
 import numpy as np
 import pytest
 
+from benchmarks.seam.greedy_division import greedy_division
 from handcart.robotics.manipulation.arms.placement_scores import PlacementScores
 from handcart.robotics.manipulation.paths.untrackable import Untrackable
 from handcart.robotics.manipulation.placement.placement_division import (
     TooFewPlacements,
     best_division,
     best_division_by_cost,
-    division_by_hand,
     fewest_placements,
-    greedy_division,
 )
 
 CASES = 300
@@ -91,17 +90,6 @@ def test_weights_are_lengths_not_numbers_of_points() -> None:
     assert best_division(scores, np.array([0.0, 4.8, 4.9, 5.0]), 1).segments[0].placement == 0
 
 
-def test_by_hand_is_scored_and_checked() -> None:
-    usable = np.array([[True, True, True, False], [False, True, True, True]])
-    scores = PlacementScores(usable.astype(np.float32), usable)
-    lengths = np.arange(4.0)
-    assert division_by_hand(scores, lengths, [0, 1], [2]).score == pytest.approx(3.0)
-    with pytest.raises(Untrackable, match="point 3 of the path can't be tracked from placement 0"):
-        division_by_hand(scores, lengths, [0], [])
-    with pytest.raises(ValueError, match="need 1 growing cuts"):
-        division_by_hand(scores, lengths, [0, 1], [3])
-
-
 def test_what_is_blocked_is_divided_again() -> None:
     rng = np.random.default_rng(3)
     scores = PlacementScores(rng.random((6, 30)).astype(np.float32), np.ones((6, 30), bool))
@@ -133,14 +121,3 @@ def test_of_equals_the_first_is_taken() -> None:
     assert best_division(scores, lengths, 1).segments == ((1, 0, 5),)
     assert best_division_by_cost(scores, lengths, 0.1).segments == ((1, 0, 5),)
     assert greedy_division(scores, lengths).segments == ((1, 0, 5),)
-
-
-def test_by_hand_the_arm_may_not_jump() -> None:
-    values, usable = np.ones((2, 6), dtype=np.float32), np.ones((2, 6), dtype=np.bool_)
-    joined = np.ones((2, 5), dtype=np.bool_)
-    joined[0, 2] = False
-    scores = PlacementScores(values, usable, joined)
-    assert division_by_hand(scores, np.arange(6.0), [0, 1], [2]).score == pytest.approx(5.0)
-    with pytest.raises(Untrackable, match="makes the arm jump at placement 0") as refused:
-        division_by_hand(scores, np.arange(6.0), [0, 1], [4])
-    assert refused.value.index == 3

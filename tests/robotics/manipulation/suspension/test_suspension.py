@@ -8,14 +8,11 @@ from handcart.robotics.manipulation.suspension.laser_spot import SpotShift, fit_
 from handcart.robotics.manipulation.suspension.suspension_identification import (
     Sighting,
     Swing,
-    fit_displacements,
     fit_sightings,
 )
 from handcart.robotics.manipulation.suspension.suspension_model import (
     SuspensionModel,
     base_motion,
-    processed_error,
-    stacking_error,
 )
 
 DOWN = np.diag([1.0, -1.0, -1.0, 1.0])
@@ -39,10 +36,6 @@ def test_small_turns_are_the_papers_first_order() -> None:
     moved = base_motion(psi, roll=phi) @ hand(x, y, z)
     first_order = (-psi * y, psi * x - phi * z, phi * y)  # eq. 12
     assert moved[:3, 3] - (x, y, z) == pytest.approx(first_order, abs=1e-5)
-    goal = hand(x, y, z)
-    goal[:3, :3] = np.eye(3)
-    errors = stacking_error(goal, moved)
-    assert errors == pytest.approx((psi * y, -psi * x + phi * z), abs=1e-5)  # eq. 14
 
 
 def test_the_pivots_height_matters() -> None:
@@ -62,44 +55,6 @@ def test_a_corrected_posture_arrives(y: float) -> None:
     distance, turn = difference(TRUE.displaced(command, REFERENCE, 3), goal)
     assert distance < 1e-8
     assert turn < 1e-8
-
-
-def test_processed_error_is_what_the_motion_does_not_explain() -> None:
-    world_T_base = transform((1.0, 2.0, 0.0), (0.0, 0.0, 0.7))
-    goal = world_T_base @ transform((0.15, 0.6, 0.25))
-    motion = base_motion(-2e-3, -3e-3, 1e-3, 0.1)
-    off = transform((0.0004, -0.0007, 0.0))
-    block = world_T_base @ motion @ inverse(world_T_base) @ goal @ off
-    assert np.abs(stacking_error(goal, block)).max() > 0.001
-    assert processed_error(goal, block, world_T_base, motion) == pytest.approx((-0.0004, 0.0007), abs=1e-9)
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_identified_from_displacements(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    swings = spread(rng, 40)
-    moved = np.array([TRUE.displaced(*swing)[:3, 3] - swing.base_T_hand[:3, 3] for swing in swings])
-    fit = fit_displacements(swings, moved + rng.normal(0.0, 1e-4, moved.shape))
-    off = np.abs(np.subtract(fit.model, TRUE)) / np.array(fit.sigmas)
-    assert off.max() < 4.0
-    assert fit.model == pytest.approx(TRUE, rel=0.15)
-    assert fit.rms == pytest.approx(1e-4, rel=0.25)
-
-
-def test_exact_displacements_give_the_exact_model() -> None:
-    swings = spread(np.random.default_rng(1), 8)
-    moved = np.array([TRUE.displaced(*swing)[:3, 3] - swing.base_T_hand[:3, 3] for swing in swings])
-    assert fit_displacements(swings, moved).model == pytest.approx(TRUE, rel=1e-6)
-
-
-def test_a_parameter_that_was_not_measured_is_named() -> None:
-    swings = [Swing(hand(0.25, y, 0.55), REFERENCE, n) for n, y in enumerate(np.linspace(0.35, 0.7, 8))]
-    moved = np.array([TRUE.displaced(*swing)[:3, 3] - swing.base_T_hand[:3, 3] for swing in swings])
-    with pytest.raises(ValueError, match=r"can't determine pitch_per_m"):
-        fit_displacements(swings, moved)
-    fit = fit_displacements(swings, moved, {"pitch_per_m": TRUE.pitch_per_m})
-    assert fit.model == pytest.approx(TRUE, rel=1e-5)
-    assert fit.sigmas.pitch_per_m == 0.0
 
 
 def sightings_of(rng: np.random.Generator, arm_error: float) -> tuple[list[Sighting], Transform]:

@@ -7,10 +7,10 @@ import math
 import numpy as np
 import pytest
 
+from benchmarks.driving.box_ranges import box_ranges
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
 from handcart.robotics.navigation.localization.start_search import ScanBeams, check_start, map_ranges
-from handcart.robotics.navigation.maps.box_ranges import box_ranges
 from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
 
 from ..conftest import ANGLES, Boxes

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from benchmarks.driving.box_ranges import box_ranges
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.localization.start_search import ScanBeams
 from handcart.robotics.navigation.locating.scan_jump import CONFIRMED_CHANGES, ScanJump
-from handcart.robotics.navigation.maps.box_ranges import box_ranges
 
 from ..conftest import ANGLES, Boxes
 

@@ -10,12 +10,13 @@ from benchmarks.field.field_drive import PERIOD_S
 from benchmarks.field.field_log import FieldLog, record_course
 from benchmarks.field.field_trial import as_laid, start_pose, try_course
 from benchmarks.field.information_limit import information_limit
+from benchmarks.field.placement_radius import tip_covariance
 from handcart.backends.plain_values import to_plain
 from handcart.backends.saved_state import pack
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_NOISE, RTK_NOISE, FieldNoise
 from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
-from handcart.robotics.navigation.outdoors.placement_errors import nees, tip_covariance
+from handcart.robotics.navigation.outdoors.placement_errors import nees
 from handcart.robotics.navigation.outdoors.smoothing import TrackRecord
 from handcart.robotics.navigation.outdoors.suppositions import Supposition
 

@@ -3,14 +3,9 @@ import math
 import numpy as np
 import pytest
 
+from benchmarks.field.placement_radius import share_radius, tip_covariance, tip_place
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.outdoors.placement_errors import (
-    aligned_spread,
-    nees,
-    share_radius,
-    tip_covariance,
-    tip_place,
-)
+from handcart.robotics.navigation.outdoors.placement_errors import aligned_spread, nees
 
 
 def test_the_tip_is_on_the_right() -> None:

@@ -7,12 +7,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from handcart.robotics.manipulation.arms.placement_scores import PlacementScores
+from handcart.robotics.manipulation.arms.score_rule import UNUSABLE_SCORE, ScoreRule, worth
+from handcart.robotics.manipulation.arms.two_links import two_links
 from handcart.robotics.manipulation.paths.tool_path import ToolPath
 from handcart.robotics.numerics.compiled import compiled
-
-from .placement_scores import PlacementScores
-from .score_rule import UNUSABLE_SCORE, ScoreRule, worth
-from .two_links import two_links
 
 Floats = NDArray[np.float64]
 

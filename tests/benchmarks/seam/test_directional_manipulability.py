@@ -5,19 +5,19 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from handcart.robotics.manipulation.arms.planar_arm import PlanarArm
-from handcart.robotics.manipulation.placement.directional_manipulability import (
+from benchmarks.seam.directional_manipulability import (
     directional,
     manipulability,
     top_speed,
     top_speed_by_program,
 )
-from handcart.robotics.manipulation.placement.performance import (
+from benchmarks.seam.performance import (
     performance,
     printed_performance,
     speed_margin,
     sure_performance,
 )
+from benchmarks.seam.planar_arm import PlanarArm
 
 
 @pytest.mark.parametrize(("m", "n"), [(2, 2), (2, 3), (3, 4), (3, 7), (5, 5), (6, 6), (6, 7), (6, 8)])

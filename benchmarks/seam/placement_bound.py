@@ -14,14 +14,13 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.seam.bound_table import bound_table
+from benchmarks.seam.planar_arm import PlanarArm
 from handcart.robotics.manipulation.arms.pitch_arm import PitchArm
 from handcart.robotics.manipulation.arms.placement_scores import PlacementScores
-from handcart.robotics.manipulation.arms.planar_arm import PlanarArm
 from handcart.robotics.manipulation.arms.score_rule import Measure, ScoreRule
 from handcart.robotics.manipulation.paths.tool_path import ToolPath
-
-from .bound_table import bound_table
-from .placement_division import best_division
+from handcart.robotics.manipulation.placement.placement_division import best_division
 
 Floats = NDArray[np.float64]
 
