@@ -12,6 +12,7 @@ from handcart.backends.description.robot_file import Drive, GripperSpec
 from handcart.robotics.kinematics.arm_model import ArmModel
 
 from .backend import CommandError
+from .capabilities.base import DriveCommand
 
 _ROUNDING = 1e-9
 
@@ -19,7 +20,21 @@ Vector = NDArray[np.float64]
 
 
 def checked_drive(drive: Drive, speed: float, turn_rate: float) -> tuple[float, float]:
-    """A speed in [m/s] and a turn rate in [rad/s] within the robot's limits; raises `CommandError`."""
+    """Return a speed in [m/s] and a turn rate in [rad/s] within the robot's limits.
+
+    Raises:
+        CommandError: a value isn't finite or beyond a limit.
+    """
+    command = checked_command(drive, speed, turn_rate)
+    return command.speed, command.turn_rate
+
+
+def checked_command(drive: Drive, speed: float, turn_rate: float, sideways: float = 0.0) -> DriveCommand:
+    """Return a command of speeds in [m/s] and a turn rate in [rad/s] within the robot's limits.
+
+    Raises:
+        CommandError: a value isn't finite or beyond a limit.
+    """
     top, top_turn = drive.top_speed_m_s, math.radians(drive.top_turn_deg_s)
     # Written so that NaN is refused too.
     if not abs(speed) <= top + _ROUNDING:
@@ -32,7 +47,20 @@ def checked_drive(drive: Drive, speed: float, turn_rate: float) -> tuple[float, 
             f"a turn rate of {turn_rate} rad/s at {speed} m/s; allowed: -{sharpest:.3f} to {sharpest:.3f},"
             f" a curvature of {drive.sharpest_per_m} 1/m"
         )
-    return float(speed), float(turn_rate)
+    _check_sideways(drive, speed, sideways)
+    return DriveCommand(float(speed), float(turn_rate), float(sideways))
+
+
+def _check_sideways(drive: Drive, speed: float, sideways: float) -> None:
+    top = drive.top_sideways
+    if not abs(sideways) <= top + _ROUNDING:
+        allowed = f"-{top} to {top}" if top else f"0, because the drive is {drive.kind}"
+        raise CommandError(f"a sideways speed of {sideways} m/s; allowed: {allowed}")
+    if sideways != 0.0 and math.hypot(speed / drive.top_speed_m_s, sideways / top) > 1.0 + 1e-6:
+        raise CommandError(
+            f"a speed of {speed} m/s with {sideways} m/s sideways; allowed: "
+            f"(speed / {drive.top_speed_m_s})² + (sideways / {top})² at most 1"
+        )
 
 
 def checked_joints(model: ArmModel, joints: Vector, last: Vector, most: Vector) -> Vector:

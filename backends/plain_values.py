@@ -130,7 +130,8 @@ def _of_class(kind: Any) -> _Codec:
         return _Codec(lambda value: value.model_dump(mode="json", by_alias=True), kind.model_validate)
     if issubclass(kind, tuple):
         named: Any = kind
-        return _fixed(lambda values: named(*values), [_codec(each) for each in _hints(kind, named._fields)])
+        parts = [_codec(each) for each in _hints(kind, named._fields)]
+        return _fixed(lambda values: named(*values), parts, optional=len(named._field_defaults))
     if dataclasses.is_dataclass(kind):
         return _dataclass(kind)
     if hasattr(kind, "STATE"):
@@ -200,10 +201,13 @@ def _array(dtype: np.dtype[Any], marks: tuple[Any, ...]) -> _Codec:
     return _Codec(lambda value: np.ascontiguousarray(value, dtype=dtype), read)
 
 
-def _fixed(make: Callable[[Any], Any], parts: list[_Codec]) -> _Codec:
+def _fixed(make: Callable[[Any], Any], parts: list[_Codec], optional: int = 0) -> _Codec:
+    """Return the codec of a fixed number of values; older data may lack the last, `optional` ones."""
+
     def read(data: object) -> Any:
-        each_with = zip(parts, _list(data), strict=True)
-        return make([codec.read(each) for codec, each in each_with])
+        values = _list(data)
+        present = max(len(values), len(parts) - optional)
+        return make([codec.read(value) for codec, value in zip(parts[:present], values, strict=True)])
 
     def write(value: Any) -> list[Any]:
         return [codec.write(each) for codec, each in zip(parts, value, strict=True)]

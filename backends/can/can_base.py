@@ -30,7 +30,7 @@ class CanBase(Base):
 
     def set_travel(self, travel: WheelTravel) -> None:
         """The wheels have rolled so far before."""
-        self._left.travel, self._right.travel = travel
+        self._left.travel, self._right.travel = travel.left, travel.right
 
     def forget(self) -> None:
         """Forget the command."""

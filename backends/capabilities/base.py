@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from abc import abstractmethod
-from typing import ClassVar, NamedTuple
+from typing import ClassVar, NamedTuple, Self
+
+from typing_extensions import override
 
 from .capability import Capability, Reading
 
@@ -15,10 +18,46 @@ class WheelTravel(NamedTuple):
     """[m]"""
     right: float
     """[m]"""
+    sideways: float = 0.0
+    """Travel to the left in [m] of a base that can drive sideways; its `left` and `right` are the travel of
+    its sides.
+    """
 
     def away(self, other: WheelTravel) -> float:
-        """The farthest that either wheel has rolled since `other`, in [m]."""
-        return max(abs(self.left - other.left), abs(self.right - other.right))
+        """The farthest that any of the three has rolled since `other`, in [m]."""
+        return max(
+            abs(self.left - other.left), abs(self.right - other.right), abs(self.sideways - other.sideways)
+        )
+
+
+class DriveCommand(NamedTuple):
+    """Command of a base for one period."""
+
+    speed: float = 0.0
+    """Forward speed, in [m/s]."""
+    turn_rate: float = 0.0
+    """[rad/s]"""
+    sideways: float = 0.0
+    """Speed to the left, in [m/s]."""
+
+    @property
+    def direction(self) -> float:
+        """Direction of travel against the base's heading, in [rad]; 0 for straight ahead and straight
+        back.
+        """
+        return math.atan2(self.sideways, self.speed) if self.sideways else 0.0
+
+    @property
+    def along(self) -> float:
+        """Speed along `direction`, in [m/s]; negative for straight back."""
+        return math.hypot(self.speed, self.sideways) if self.sideways else self.speed
+
+    @classmethod
+    def towards(cls, direction: float, along: float, turn_rate: float) -> Self:
+        """Return the command of a speed `along` [m/s] in a direction [rad] against the base's heading."""
+        if direction == 0.0:
+            return cls(along, turn_rate)
+        return cls(along * math.cos(direction), turn_rate, along * math.sin(direction))
 
 
 class Base(Capability):
@@ -38,3 +77,21 @@ class Base(Capability):
     @abstractmethod
     def wheel_travel(self) -> WheelTravel:
         """The encoders' reading."""
+
+
+class HolonomicBase(Base):
+    """A base that drives in any direction: on mecanum or omni wheels, or on steered ones (swerve)."""
+
+    @abstractmethod
+    @override
+    def drive(self, speed: float, turn_rate: float, sideways: float = 0.0) -> None:
+        """Command the next period's motion.
+
+        Args:
+            speed: forward, in [m/s].
+            turn_rate: in [rad/s].
+            sideways: to the left, in [m/s].
+
+        Raises:
+            CommandError: a value isn't finite or beyond the robot's limits.
+        """

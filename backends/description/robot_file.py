@@ -25,6 +25,8 @@ from handcart.robotics.kinematics.urdf_mounts import joints_between
 from handcart.robotics.manipulation.suspension.suspension_model import SuspensionModel
 
 from .can_spec import CanSpec
+from .drive_spec import ALL_DRIVE_KINDS as ALL_DRIVE_KINDS
+from .drive_spec import Drive as Drive
 from .ground_spec import GroundSpec
 from .joint_units import JointUnits
 from .sensor_specs import CameraSpec, OdometrySpec
@@ -42,36 +44,6 @@ if TYPE_CHECKING:
 Positive = Annotated[float, Field(gt=0.0)]
 Role = Literal["base", "hand", "tray", "range_sensor", "camera", "imu", "gps"]
 NotNegative = Annotated[float, Field(ge=0.0)]
-
-
-class Drive(FileModel):
-    """Two driven wheels; or the rear ones of a car, which steers with those in front."""
-
-    kind: Literal["differential", "ackermann"] = "differential"
-    sharpest_per_m: Positive = 0.5
-    """`ackermann`: the largest curvature that can be steered."""
-    steering_per_m_s: Positive = 0.5
-    """`ackermann`: by how much of it the steering turns in a second."""
-    wheel_radius_m: Positive
-    tread_m: Positive
-    """Distance between the wheels."""
-    left: str | tuple[str, ...] | None = None
-    """The joint that drives the left side, or several, where the URDF doesn't call it `left_wheel`."""
-    right: str | tuple[str, ...] | None = None
-    """Wheel joints on the right."""
-    top_speed_m_s: Positive
-    top_turn_deg_s: Positive
-    acceleration_m_s2: Positive
-    turn_acceleration_deg_s2: Positive
-    lateral_acceleration_m_s2: Positive | None = None
-    """Maximum of speed times turn rate. (default: `acceleration_m_s2`, but at least 1 and at most 2)"""
-
-    @property
-    def lateral_acceleration(self) -> float:
-        """Maximum of speed times turn rate, in [m/s²]."""
-        if self.lateral_acceleration_m_s2 is not None:
-            return self.lateral_acceleration_m_s2
-        return min(max(self.acceleration_m_s2, 1.0), 2.0)
 
 
 class ArmSpec(FileModel):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Annotated, ClassVar, Literal, Self
 
@@ -11,7 +12,7 @@ from typing_extensions import override
 from handcart.files.errors import UnsafePath
 from handcart.files.inside import FilePath, resolve_inside
 from handcart.files.models.model import FileModel
-from handcart.robotics.navigation.localization.odometry import OdometryErrors
+from handcart.robotics.navigation.localization.odometry import OdometryErrors, SidewaysErrors
 
 from .camera_info import CameraInfo, load_camera_info
 from .range_spec import RangeSpec as RangeSpec
@@ -35,6 +36,23 @@ class OdometrySpec(FileModel):
     slip_percent: Positive = 2.0
     """Sigma of the slip of each wheel's travel, independent every `slip_length_m`."""
     slip_length_m: Positive = 0.1
+    sideways_percent: Positive = 5.0
+    """`holonomic`: sigma of the distance driven sideways, and of the motion ahead that goes with it, constant
+    in time.
+    """
+    sideways_turn_deg_per_m: Positive = 3.0
+    """`holonomic`: sigma of the turn that goes with each metre sideways, constant in time."""
+    sideways_slip_percent: Positive = 4.0
+    """`holonomic`: sigma of the slip sideways, independent every `slip_length_m`."""
+
+    @property
+    def sideways_errors(self) -> SidewaysErrors:
+        """Return the errors of motion sideways in SI units."""
+        return SidewaysErrors(
+            self.sideways_percent / 100,
+            math.radians(self.sideways_turn_deg_per_m),
+            self.sideways_slip_percent / 100,
+        )
 
     @property
     def errors(self) -> OdometryErrors:

@@ -23,6 +23,10 @@ class Errors(FileModel):
     wheel_radius_percent: NotNegative = 0.2
     tread_percent: NotNegative = 0.5
     slip_percent: NotNegative = 1.0
+    sideways_percent: NotNegative = 1.0
+    """Relative error of the distance that a `holonomic` base drives sideways, beyond that of its wheels'
+    radii.
+    """
     joint_repeatability_mrad: NotNegative = 0.15
     encoder_mrad: NotNegative = 0.02
     """Sigma of a joint's reading."""

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from typing_extensions import override
 
 from handcart.backends.description.ground_spec import GroundSpec
-from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.description.robot_file import ALL_DRIVE_KINDS, RobotFile
 from handcart.backends.simulation.body.base_contact import move_base, touching_passers
 from handcart.backends.simulation.body.hand import SimulatedHand
 from handcart.backends.simulation.body.rough_ride import RoughRide
@@ -17,14 +17,16 @@ from handcart.backends.simulation.world.world_file import WorldFile
 from handcart.robotics.geometry.pose2 import Pose2
 
 from .kinematic_car import KinematicCar
+from .kinematic_holonomic import KinematicHolonomicBase
 from .kinematic_parts import KinematicArm, KinematicBase, KinematicGripper
 
+KinematicWheels = KinematicBase | KinematicCar | KinematicHolonomicBase
 LEVEL_GROUND = GroundSpec(roughness_deg=0.0)
 """Ground that a car drives on if the world's file has no ground."""
 
 
 class KinematicBackend(SimulatedBackend):
-    """A differential drive with arm, gripper, camera and lidar among solid things.
+    """A mobile base with arm, gripper, camera and lidar among solid things.
 
     Simulated errors, seeded: radius of each wheel, tread, slip in each period, joint repeatability, the
     tilt of the base after the arm has swung, ranges, image noise, blur, light and lens, the force reading,
@@ -52,7 +54,8 @@ class KinematicBackend(SimulatedBackend):
 
     name = "kinematic"
     SIMULATIONS = ("kinematic", "scene")
-    _base: KinematicBase | KinematicCar
+    drive_kinds = ALL_DRIVE_KINDS
+    _base: KinematicWheels
     _arm: KinematicArm | None
     _gripper: KinematicGripper | None
 
@@ -73,7 +76,9 @@ class KinematicBackend(SimulatedBackend):
 
     def _wheels(
         self, robot: RobotFile, world: WorldFile, seed: int
-    ) -> tuple[KinematicBase | KinematicCar, RoughRide | None]:
+    ) -> tuple[KinematicWheels, RoughRide | None]:
+        if robot.drive.kind == "holonomic":
+            return KinematicHolonomicBase(robot, seed), None
         if robot.drive.kind != "ackermann":
             return KinematicBase(robot, seed), None
         ride = RoughRide(robot, world.ground or LEVEL_GROUND, seed)

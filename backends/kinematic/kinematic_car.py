@@ -27,11 +27,11 @@ class KinematicCar(CommandedBase):
 
     def advance(self, period: int) -> Pose2:
         """Turn the wheels for a period; gives how the base truly moves if nothing is in its way."""
-        speed, turn_rate = self._take_command()
+        speed, turn_rate, _ = self._take_command()
         if speed != 0.0:
             most = self._drive.steering_per_m_s * self._period
             self._bend += max(-most, min(most, turn_rate / speed - self._bend))
         rolled, half = speed * self._period, 0.5 * self._bend * self._drive.tread_m
-        left, right = self._travel
+        left, right, _ = self._travel
         self._travel = WheelTravel(left + rolled * (1.0 - half), right + rolled * (1.0 + half))
         return self._ride.motion(rolled, self._bend, period)

@@ -47,7 +47,7 @@ class KinematicBase(CommandedBase):
 
     def advance(self, period: int) -> Pose2:
         """Turn the wheels for a period; gives how the base truly moves if nothing is in its way."""
-        speed, turn_rate = self._take_command()
+        speed, turn_rate, _ = self._take_command()
         half = turn_rate * self._drive.tread_m / 2
         left, right = (speed - half) * self._period, (speed + half) * self._period
         self._travel = WheelTravel(self._travel.left + left, self._travel.right + right)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.description.robot_file import ALL_DRIVE_KINDS, RobotFile
 from handcart.backends.mujoco.engine.mujoco_engine import MujocoEngine
 from handcart.backends.mujoco.engine.mujoco_module import mujoco
 from handcart.backends.physics.display import needs_display
@@ -39,6 +39,7 @@ class MujocoBackend(PhysicsBackend):
 
     name = "mujoco"
     SIMULATIONS = ("mujoco", "physics", "scene")
+    drive_kinds = ALL_DRIVE_KINDS
     _engine: MujocoEngine
     _body: MujocoBody
     _window: Window | None = None

@@ -29,6 +29,7 @@ from .body.physics_arm import PhysicsArm
 from .body.physics_base import PhysicsBase
 from .body.physics_car import PhysicsCar
 from .body.physics_gripper import PhysicsGripper
+from .body.physics_holonomic import PhysicsHolonomicBase
 from .body.robot_body import RobotBody
 from .body.suspension_springs import SuspensionSprings
 from .body.touch import ContactReader
@@ -39,6 +40,7 @@ from .sensors.physics_site import PhysicsSite
 from .world.terrain import Terrain
 from .world.world_bodies import WorldBodies
 
+PhysicsWheels = PhysicsBase | PhysicsCar | PhysicsHolonomicBase
 SETTLING_TIME_S = 0.3  # [s] that everything gets to come to rest before time begins
 SETTLES_OUTDOORS = 1.5  # the same on rough ground, onto which the robot is let down
 LET_DOWN = 0.01  # [m] above its highest point under the wheels
@@ -52,7 +54,7 @@ _FELT = 4  # of a period's looks at what touches, the last ones in which the for
 
 
 class PhysicsBackend(SimulatedBackend):
-    """A differential drive with arm, gripper, camera and lidar in a physics engine.
+    """A mobile base with arm, gripper, camera and lidar in a physics engine.
 
     It reads the same robot and world files as the kinematic backend, with the same solids. Two driven
     wheels and frictionless casters roll on a floor, or several wheels on each side, which slide sideways
@@ -70,7 +72,7 @@ class PhysicsBackend(SimulatedBackend):
     """
 
     STATE: ClassVar[Kinds] = {**SimulatedBackend.STATE, "held_name": str | None}
-    _base: PhysicsBase | PhysicsCar
+    _base: PhysicsWheels
     _arm: PhysicsArm | None
     _gripper: PhysicsGripper | None
 
@@ -110,11 +112,7 @@ class PhysicsBackend(SimulatedBackend):
         self._bodies: dict[str, PropsBody] = {
             name: kind(self.scene.props[name], pieces) for name, kind in kinds.items() if kind is not None
         }
-        self._base = (
-            PhysicsCar(robot, self._body, self._engine.chunk, world.ground or GroundSpec())
-            if robot.drive.kind == "ackermann"
-            else PhysicsBase(robot, self._body, self._engine.chunk, seed)
-        )
+        self._base = self._make_base(robot, world, seed)
         self._body.cover(self._body.casters, CASTER_SURFACE)
         self._on_floor = terrain is None
         site = PhysicsSite(self._engine, self._body, self._world)
@@ -123,6 +121,12 @@ class PhysicsBackend(SimulatedBackend):
             self._run_period()
         self._base.rezero()
         self._build_sensors(settled=True, engine=site)
+
+    def _make_base(self, robot: RobotFile, world: WorldFile, seed: int) -> PhysicsWheels:
+        if robot.drive.kind == "ackermann":
+            return PhysicsCar(robot, self._body, self._engine.chunk, world.ground or GroundSpec())
+        kind = PhysicsHolonomicBase if robot.drive.kind == "holonomic" else PhysicsBase
+        return kind(robot, self._body, self._engine.chunk, seed)
 
     def _put_up(self, robot: RobotFile, world: WorldFile, seed: int) -> Terrain | None:
         """The world, and the robot's body in it; gives the ground where it is rough."""
@@ -184,7 +188,7 @@ class PhysicsBackend(SimulatedBackend):
     def _run_period(self) -> None:
         if self._grip is not None and self._gripper is not None and self._gripper.opening:
             self._grip.let_go()
-        self._base.begin()
+        self._base.begin(self._periods)
         for part in (self._arm, self._gripper):
             if part is not None:
                 part.begin(self._periods)

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from handcart.backends.capabilities.base import Base, WheelTravel
+from handcart.backends.backend import CommandError
+from handcart.backends.capabilities.base import Base, DriveCommand, HolonomicBase, WheelTravel
 from handcart.backends.capabilities.range_sensor import Scan
 from handcart.backends.description.robot_file import RobotFile
 from handcart.robotics.geometry.pose2 import Pose2
@@ -31,7 +32,7 @@ SPEED_RATIOS = (
 )  # shares of a speed that are tried, the last one before standing still
 
 
-class GuardedBase(Base):
+class GuardedBase(HolonomicBase):
     """Passes on the part of each command that can be driven, and braked from, without a contact.
 
     The area that the footprint sweeps until the base could stop is compared with the map at the estimated
@@ -70,7 +71,7 @@ class GuardedBase(Base):
         self._braking, self._period = robot.drive.acceleration_m_s2, robot.period_s
         self._is_car = robot.drive.kind == "ackermann"
         self._starts = True
-        self._command = (0.0, 0.0)
+        self._command = DriveCommand()
         self._held: HoldingObstacle | None = None
         self._slowed_to = math.inf
         self._felt = NO_STANDS
@@ -96,12 +97,20 @@ class GuardedBase(Base):
         if self._unseen is not None:
             self._unseen.forget()
 
-    def drive(self, speed: float, turn_rate: float) -> None:
-        """See `Base`; slower than that where the way isn't free."""
-        if math.isfinite(speed) and math.isfinite(turn_rate) and speed != 0.0:
-            speed, turn_rate = self._allowed(*self._caught_up(speed, turn_rate))
-        self._base.drive(speed, turn_rate)
-        self._command = (speed, turn_rate)
+    def drive(self, speed: float, turn_rate: float, sideways: float = 0.0) -> None:
+        """See `HolonomicBase`; slower than that where the way isn't free."""
+        command = DriveCommand(speed, turn_rate, sideways)
+        if all(map(math.isfinite, command)) and command.along != 0.0:
+            way = command.direction
+            along, turn_rate = self._allowed(*self._caught_up(command.along, turn_rate), way)
+            command = DriveCommand.towards(way, along, turn_rate)
+        if isinstance(self._base, HolonomicBase):
+            self._base.drive(*command)
+        elif command.sideways == 0.0:
+            self._base.drive(command.speed, command.turn_rate)
+        else:
+            raise CommandError(f"a sideways speed of {sideways} m/s; allowed: 0, because no wheels do that")
+        self._command = command
 
     @override
     def wheel_travel(self) -> WheelTravel:
@@ -125,13 +134,13 @@ class GuardedBase(Base):
         """(n, 2) points on the map in [m] that it keeps off."""
         return self._felt
 
-    def taken(self) -> tuple[tuple[float, float], HoldingObstacle | None]:
+    def taken(self) -> tuple[DriveCommand, HoldingObstacle | None]:
         """Return the base's command since the last call, and the obstacle that held it back.
 
-        Speed in [m/s] and turn rate in [rad/s], zero without a command: a command ends with its period.
+        The command is zero if there was none: it ends with its period.
         """
         taken = self._command, self._held
-        self._command, self._held = (0.0, 0.0), None
+        self._command, self._held = DriveCommand(), None
         return taken
 
     def _begin(self) -> None:
@@ -160,16 +169,24 @@ class GuardedBase(Base):
             return speed, turn_rate
         return math.copysign(most, speed), turn_rate * (most / abs(speed) if self._is_car else 1.0)
 
-    def _allowed(self, speed: float, turn_rate: float) -> tuple[float, float]:
+    def _allowed(self, speed: float, turn_rate: float, direction: float) -> tuple[float, float]:
+        """Return the part of a speed in [m/s] and of a turn rate in [rad/s] that is free.
+
+        `direction` of travel in [rad] against the heading: the footprint is a circle, so the base is
+        guarded as one that heads there.
+        """
         self._begin()
         pose = self._pose()
         scan = self._around(pose)
+        if direction != 0.0:
+            base_T_way = Pose2(0.0, 0.0, direction)
+            pose, scan = pose.compose(base_T_way), base_T_way.inverse().apply(scan)
         for share in SPEED_RATIOS:
             slower, turn = share * speed, turn_rate * (share if self._is_car else 1.0)
             way = math.copysign(self._way_to_stop(abs(slower)), slower)
             _free, held = self._guard.free_way(pose, scan, turn / slower, way)
             if held is None and self._unseen is not None:
-                held = self._unseen.held(pose, turn / slower, way)
+                held = self._unseen.held(pose, turn / slower, way, direction)
             if held is None:
                 self._slowed_to = abs(slower) if self._held or self._slowed_to < math.inf else math.inf
                 return slower, turn

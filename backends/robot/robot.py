@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Generator, Iterator
 from functools import cached_property
 from typing import Any, ClassVar, TypeVar
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 
 from handcart.backends.backend import Backend
 from handcart.backends.capabilities.arm import Arm
-from handcart.backends.capabilities.base import Base
+from handcart.backends.capabilities.base import Base, DriveCommand, HolonomicBase
 from handcart.backends.capabilities.camera import Camera
 from handcart.backends.capabilities.capability import Capability
 from handcart.backends.capabilities.gripper import Gripper
@@ -39,7 +40,7 @@ from .beside import beside
 from .fresh_pictures import FreshPictures
 from .guarded_base import GuardedBase, steady_points
 from .localization.localizations import localization_of
-from .robot_errors import MissingCapability, MissingSensor, UnknownStart
+from .robot_errors import MissingCapability, MissingSensor, NoSidewaysDrive, UnknownStart
 from .unseen_ground import UnseenGround
 
 T = TypeVar("T")
@@ -97,6 +98,8 @@ class Robot:
         self.other_lidars = tuple(_other_lidars(backend, spec, sensor))
         """Further lidars: the base keeps off what they see, too."""
         wheels = self.get(Base)  # type: ignore[type-abstract]
+        if spec.drive.kind == "holonomic" and not isinstance(wheels, HolonomicBase):
+            raise NoSidewaysDrive(backend)
         self._unseen = None if self.lidar is None else self._unseen_ground(self.lidar)
         self._averaged = AveragedScan(lambda: self.localization.odometry_pose)
         self._guarded = GuardedBase(
@@ -109,8 +112,8 @@ class Robot:
             self._averaged.restart,
             lambda: self.localization.is_located,
         )
-        self.driven = (0.0, 0.0)
-        """Speed in [m/s] and turn rate in [rad/s] that the base was commanded in the last period."""
+        self.command = DriveCommand()
+        """Command of the base in the last period."""
         self.held: HoldingObstacle | None = None
         """Obstacle that the base was held back from in the last period, because it would have touched it."""
         self.blocked: Blocked | None = None
@@ -212,14 +215,7 @@ class Robot:
     @cached_property
     def drive_limits(self) -> DriveLimits:
         """Limits of the base's speed, turn rate and accelerations."""
-        drive = self.spec.drive
-        return DriveLimits(
-            drive.top_speed_m_s,
-            np.radians(drive.top_turn_deg_s),
-            drive.acceleration_m_s2,
-            np.radians(drive.turn_acceleration_deg_s2),
-            drive.lateral_acceleration,
-        )
+        return self.spec.drive.limits
 
     @property
     def stopping_distance(self) -> float:
@@ -232,6 +228,11 @@ class Robot:
         return UnseenGround(lidar, radius, lambda: self.localization.odometry_pose, lambda: self.time)
 
     # What is estimated
+
+    @property
+    def driven(self) -> tuple[float, float]:
+        """Speed ahead in [m/s] and turn rate in [rad/s] that the base was commanded in the last period."""
+        return self.command.speed, self.command.turn_rate
 
     @cached_property
     def attitude(self) -> Attitude:
@@ -285,7 +286,7 @@ class Robot:
     def step(self, paused: bool = False) -> None:
         """Let one period pass and update the estimates; `time` does not advance in a pause."""
         self._moved, self._movers = self._movers, set()
-        self.driven, self.held = self._guarded.taken()
+        self.command, self.held = self._guarded.taken()
         self.backend.step()
         self.time += 0.0 if paused else self.period
         self._feel()
@@ -296,10 +297,12 @@ class Robot:
     def _locate(self) -> None:
         """Bring the estimated pose up to date, and see whether the base gets on."""
         travel, before = self.localization.travel, self.localization.odometry_pose
-        self.localization.update(self.driven)
-        rolled = 0.5 * (sum(self.localization.travel) - sum(travel))
+        self.localization.update(self.command)
+        rolled, way = self.localization.travel, self.command.direction
+        ahead = 0.5 * (rolled.left - travel.left + rolled.right - travel.right)
+        along = ahead * math.cos(way) + (rolled.sideways - travel.sideways) * math.sin(way)
         now = self.localization.odometry_pose
-        self.blocked = self._motion.update(self.driven[0], rolled, before, now)
+        self.blocked = self._motion.update(self.command.along, along, before, now, way)
         if self.blocked is not None:
             self._motion.clear()
 

@@ -3,6 +3,7 @@
 HandcartError
 ├── MissingCapability (ValueError)
 ├── MissingSensor (ValueError)
+├── NoSidewaysDrive (ValueError)
 ├── UnknownStart (ValueError)
 └── StaleReading (RuntimeError)
 """
@@ -34,6 +35,16 @@ class MissingSensor(HandcartError, ValueError):
     def __init__(self, name: str, spec: RobotFile) -> None:
         wrong = "the backend does not provide" if name in spec.sensors else "the robot's file has no"
         super().__init__(f"{wrong} sensor {name!r}{suggest(name, spec.sensors)}")
+
+
+class NoSidewaysDrive(HandcartError, ValueError):
+    """The robot's file has a holonomic drive, and the backend cannot drive sideways."""
+
+    exit_status = 2
+
+    def __init__(self, backend: Backend) -> None:
+        words = "drives no holonomic base; allowed: a backend whose base is a HolonomicBase"
+        super().__init__(f"the backend {backend.name!r} {words}: kinematic, mujoco")
 
 
 class UnknownStart(HandcartError, ValueError):

@@ -58,11 +58,17 @@ class UnseenGround:
         """Forget where the base has driven: poses are in another frame from now on."""
         self._driven = []
 
-    def held(self, pose: Pose2, curvature: float, length: float) -> HoldingObstacle | None:
-        """Return the unseen ground that an arc of `length` [m] leads to; None if free or driven."""
-        scan = self._lidar.scan()
-        found = unseen_edge(scan.angles, scan.blind(), scan.base_T_sensor, self._radius, curvature, length)
-        here = self._rolled()
+    def held(
+        self, pose: Pose2, curvature: float, length: float, direction: float = 0.0
+    ) -> HoldingObstacle | None:
+        """Return the unseen ground that an arc of `length` [m] leads to; None if free or driven.
+
+        `direction` of travel in [rad] against the base's heading; `pose` heads there.
+        """
+        scan, base_T_way = self._lidar.scan(), Pose2(0.0, 0.0, direction)
+        way_T_sensor = base_T_way.inverse().compose(scan.base_T_sensor)
+        found = unseen_edge(scan.angles, scan.blind(), way_T_sensor, self._radius, curvature, length)
+        here = self._rolled().compose(base_T_way)
         if not self._driven:
             self._remember(here)
         if found is None:

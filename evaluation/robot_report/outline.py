@@ -18,6 +18,7 @@ from .sensor_frames import SensorFrame, sensor_frames
 
 MIN_AXLE_Y = 0.9  # y component of a wheel's axis
 _WHEEL = re.compile(r"wheel", re.IGNORECASE)
+_SIDEWAYS = re.compile(r"mecanum|omni[_-]?(wheel|drive|direct)|swerve", re.IGNORECASE)
 _IDLE = re.compile(r"caster|castor|steer|swivel|rotation", re.IGNORECASE)
 _FINGER = re.compile(r"finger|gripper|jaw|knuckle|thumb", re.IGNORECASE)
 _FLOOR = 0.01  # [m] that a base frame may be above the floor
@@ -35,6 +36,10 @@ class Wheels:
     """Distance between the sides, in [m]."""
     radius: float | None
     """Radius of a wheel, in [m]; None: the wheels have no collision bodies."""
+    wheelbase: float = 0.0
+    """Distance between the foremost and the rearmost of them, in [m]."""
+    drives_sideways: bool = False
+    """True if a name in the URDF says that they are mecanum, omni or swerve wheels."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +73,7 @@ class Outline:
 def outline_of(urdf_text: str) -> Outline:
     """Guess the outline of a robot; raise ValueError if the text is not a valid URDF."""
     tree = LinkTree(urdf_text)
-    wheels = _wheels(tree, bodies_of(urdf_text))
+    wheels = _wheels(tree, bodies_of(urdf_text), bool(_SIDEWAYS.search(urdf_text)))
     driving = set() if wheels is None else {*wheels.left, *wheels.right}
     chains = _chains(tree, driving)
     arm = chains[0] if chains else ()
@@ -107,7 +112,7 @@ def _is_base_frame(tree: LinkTree, link: str) -> bool:
     return bool(np.allclose(pose[:3, :3], np.eye(3), atol=1e-3) and np.abs(pose[:2, 3]).max() < _FLOOR)
 
 
-def _wheels(tree: LinkTree, bodies: Sequence[Shape]) -> Wheels | None:
+def _wheels(tree: LinkTree, bodies: Sequence[Shape], sideways: bool) -> Wheels | None:
     """Return wheels with known names, otherwise the outermost joints named "wheel" that roll forward."""
     known = driven_wheels(tree.moving)
     if known.left and known.right:
@@ -123,7 +128,8 @@ def _wheels(tree: LinkTree, bodies: Sequence[Shape]) -> Wheels | None:
         return None
     y_left, y_right = (np.mean([tree.pose[tree.child[n]][1, 3] for n in side]) for side in (left, right))
     radius = _radius([each for each in bodies if each.name == tree.child[left[0]]])
-    return Wheels(left, right, float(abs(y_left - y_right)), radius)
+    along = [float(tree.pose[tree.child[name]][0, 3]) for name in (*left, *right)]
+    return Wheels(left, right, float(abs(y_left - y_right)), radius, max(along) - min(along), sideways)
 
 
 def _rolls(tree: LinkTree, joint: JointFacts) -> bool:

@@ -89,8 +89,11 @@ class FlightRecorder(RunObserver):
             "scan_explained": robot.localization.explained,
         }
         if self._base is not None:
-            row["wheel_left_m"], row["wheel_right_m"] = self._base.wheel_travel()
+            travel, command = self._base.wheel_travel(), robot.command
+            row["wheel_left_m"], row["wheel_right_m"] = travel.left, travel.right
             row["speed_command_m_s"], row["turn_command_rad_s"] = robot.driven
+            if robot.spec.drive.kind == "holonomic":
+                row["wheel_sideways_m"], row["sideways_command_m_s"] = travel.sideways, command.sideways
         if self._arm is not None:
             row["joints_rad"], row["joints_command_rad"] = self._arm.joints(), self._arm.command()
             row["hand_force_n"] = self._arm.hand_force()

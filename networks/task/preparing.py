@@ -197,6 +197,8 @@ def _read(
             if task.document.root.deepest(("knowledge", key))[1]:
                 wrong = f"{key}: a car-like base plans without a map; allowed: a base that turns on the spot"
                 findings.add(task.document.finding(("knowledge", key), wrong))
+    if spec is not None and (wrong := _drive_fault(name, spec)):
+        findings.add(task.document.finding(("robot",), wrong))
     if spec is not None and not task.knowledge.is_start_known:
         findings.add(*start_findings(task.document, spec, task.path("knowledge", "map") is not None))
     if spec is not None and known is not None and world is not None and not resumed:
@@ -206,6 +208,18 @@ def _read(
     if spec is not None and known is not None and not findings:
         rooms = place_rooms(task, spec, known[0], task.knowledge.start)
     return _Read(task, name, spec, known, world, findings, rooms)
+
+
+def _drive_fault(name: str, spec: RobotFile) -> str:
+    """Return why a backend cannot drive a robot; "" if it can, or cannot be loaded."""
+    try:
+        kinds = backend_class(name).drive_kinds
+    except InputError:
+        return ""
+    if spec.drive.kind in kinds:
+        return ""
+    allowed = ", ".join(sorted(kinds))
+    return f"the backend {name!r} drives no {spec.drive.kind} base; allowed with it: {allowed}"
 
 
 def _has_drives(name: str) -> bool:

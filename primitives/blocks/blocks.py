@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
+from handcart.backends.capabilities.base import WheelTravel
 from handcart.files.models.loading import Loaded, load_document
 from handcart.files.yaml.yaml_document import read_document
 from handcart.primitives.blocks.building import Building
@@ -36,7 +37,7 @@ class Fixed(NamedTuple):
     """x and y of the hand at the measurement, in the base frame, in [m]: the base tilts with it."""
     attitude: tuple[float, float, float]
     """Roll, pitch and yaw by the inertial sensors then, in [rad]."""
-    travel: tuple[float, float]
+    travel: WheelTravel
     """Travel of the wheels at the measurement, in [m]; the pose is invalid once they roll on."""
     moved: float
     """Over how long the gyros' rates had been added up then, in [s]: by `Attitude.moved`."""

@@ -32,7 +32,7 @@ def surroundings(robot: Robot, model: ModelView) -> tuple[Box, ...]:
 def standing(robot: Robot, model: ModelView) -> Pose2:
     """Return map_T_base: by the landmark if one was seen from here, otherwise as estimated."""
     fixed = model.of(Blocks).fixed
-    here = fixed is not None and fixed.travel == tuple(robot.base.wheel_travel())
+    here = fixed is not None and fixed.travel == robot.base.wheel_travel()
     return fixed.pose if fixed is not None and here else robot.pose
 
 

@@ -171,10 +171,10 @@ def fixed_by(robot: Robot, name: str, place: str, planned: Pose2, found: Fixatio
     pose = planned.compose(found.planned_T_base)
     reach = (float(found.base_T_hand[0, 3]), float(found.base_T_hand[1, 3]))
     attitude = (*robot.attitude.tilt, robot.attitude.yaw)
-    left, right = robot.base.wheel_travel()
+    travel = robot.base.wheel_travel()
     noise = robot.spec.arm.accuracy_mm / 1e3 if robot.spec.arm else 0.0
     sigma = worst_sigmas(covariance_of_mean(found.seen, (noise, HEADING_NOISE)))
-    return Fixed(name, place, pose, sigma, reach, attitude, (left, right), robot.attitude.moved)
+    return Fixed(name, place, pose, sigma, reach, attitude, travel, robot.attitude.moved)
 
 
 def covariance_of_mean(seen: Sequence[Pose2], noise: tuple[float, float]) -> NDArray[np.float64]:

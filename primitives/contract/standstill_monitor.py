@@ -34,7 +34,7 @@ class StandstillMonitor:
         )
         if moved or robot.held is not None:
             self._place, self._driven = robot.pose, 0.0
-        elif robot.driven != (0.0, 0.0):
+        elif any(robot.command):
             self._driven += robot.period
         if self._driven > STANDSTILL_TIMEOUT_S:
             stood = Measured("Base", "time driven without moving", self._driven, STANDSTILL_TIMEOUT_S, "s")

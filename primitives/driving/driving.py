@@ -18,6 +18,7 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.following.car_tracker import CarTracker
 from handcart.robotics.navigation.following.path_tracking import PathTracker
 from handcart.robotics.navigation.following.pose_regulator import PoseTolerance
+from handcart.robotics.navigation.following.sideways_tracking import make_tracker
 from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
 from handcart.robotics.navigation.localization.unexpected import path_blocked, unexpected_points
 from handcart.robotics.navigation.maps.grid_map import GridMap
@@ -98,7 +99,9 @@ def plan_tracker(
         if found.route is None:
             raise no_way(place, found)
         points = found.route.points
-    return PathTracker(points, goal.theta, robot.drive_limits, reverse, tolerance, model.speed_limits), points
+    return make_tracker(
+        points, goal.theta, robot.drive_limits, reverse, tolerance, model.speed_limits
+    ), points
 
 
 def plan_car_drive(robot: Robot, model: ModelView, goal: Pose2) -> CarPath | None:

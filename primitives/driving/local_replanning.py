@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Generator
 
 import numpy as np
 from numpy.typing import NDArray
 
+from handcart.backends.capabilities.base import DriveCommand
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.knowledge.bumps import avoided_points
 from handcart.primitives.knowledge.place import Place
@@ -15,6 +17,7 @@ from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.following.path_tracking import PathTracker
+from handcart.robotics.navigation.following.sideways_tracking import make_tracker
 from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
 from handcart.robotics.navigation.maps.scan_layer import ScanLayer
 from handcart.robotics.navigation.routes.replanning import Replanner, RouteLook, free_length
@@ -123,7 +126,7 @@ class LocalReplanning:
         self._next_look = robot.time + LOOK_PERIOD_S
         if better:
             self._next_better = robot.time + BETTER_PERIOD_S
-        speed = abs(robot.driven[0])
+        speed = abs(robot.command.along)
         lead = LEAD_S * speed if speed > LEAD_SPEED_M_S else 0.0
         arguments = robot.pose, tracker.ahead, self._avoided(robot), lead, better
         self._job = robot.compute(self._answer, *arguments, takes=robot.period)
@@ -184,15 +187,15 @@ class LocalReplanning:
         return pinned and self._backed_off < BACK_OFF_MAX_TRIES
 
     def back_off(self, robot: Robot, tracker: PathTracker) -> Generator[None, None, None]:
-        """Drive straight back from what holds the base, as far as that is free, and plan again."""
+        """Drive straight away from what holds the base, as far as that is free, and plan again."""
         self._backed_off += 1
         held = robot.held
         if held is not None and held.shown_by == "scan":
             self._layer.add(np.array([[held.x, held.y]]), robot.time)
         start, end = robot.pose, robot.time + BACK_OFF_TIMEOUT_S
-        sign = 1.0 if tracker.reverse else -1.0
+        command = _away_from(robot, 1.0 if tracker.reverse else -1.0)
         while robot.pose.distance(start) < BACK_OFF_M and robot.time < end:
-            robot.base.drive(sign * BACK_OFF_SPEED_M_S, 0.0)
+            robot.base.drive(*command)
             yield
             if robot.held is not None:
                 break
@@ -224,7 +227,7 @@ class LocalReplanning:
             raise Discrepancy(
                 "an obstacle is on the way back, and no other way leads there", cause=causes.BLOCKED
             )
-        tracker = PathTracker(look.points, goal.theta, robot.drive_limits, allowed=look.speeds)
+        tracker = make_tracker(look.points, goal.theta, robot.drive_limits, allowed=look.speeds)
         while not tracker.finished(robot.pose):
             self.update(robot, tracker)
             waits = self.blocked_since is not None
@@ -265,3 +268,16 @@ class LocalReplanning:
             measured=Measured("RangeSensor", "points sensed that are not on the map", len(self.points)),
             cause=causes.NO_ROUTE,
         )
+
+
+def _away_from(robot: Robot, sign: float) -> DriveCommand:
+    """Return the command that leads away from what holds the base: back, or any way if it can drive so.
+
+    `sign` is 1 for a base whose rear led.
+    """
+    held = robot.held
+    if robot.spec.drive.kind != "holonomic" or held is None:
+        return DriveCommand(sign * BACK_OFF_SPEED_M_S)
+    x, y = robot.pose.inverse().apply(np.array([[held.x, held.y]]))[0].tolist()
+    most = min(BACK_OFF_SPEED_M_S, robot.drive_limits.sideways)
+    return DriveCommand.towards(math.atan2(-y, -x), most, 0.0)

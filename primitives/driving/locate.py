@@ -22,8 +22,8 @@ from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured, NeedsPerson
 from handcart.primitives.restoring.snapshot import settle
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.following.path_tracking import PathTracker
 from handcart.robotics.navigation.following.pose_regulator import PoseTolerance
+from handcart.robotics.navigation.following.sideways_tracking import make_tracker
 from handcart.robotics.navigation.localization.scan_matching import LikelihoodField, ScanMatch, match_scan
 from handcart.robotics.navigation.locating.global_search import same_place
 from handcart.robotics.navigation.locating.hypotheses import MIN_EXPLAINED, REFUTED_LOG, Hypotheses
@@ -176,7 +176,7 @@ class Locate(ActionPrimitive):
     def _turn(self, robot: Robot, angle: float) -> Periods:
         goal = robot.pose.theta + angle
         here = np.array([[robot.pose.x, robot.pose.y]])
-        tracker = PathTracker(here, goal, robot.drive_limits, tolerance=ARRIVAL_TOLERANCE)
+        tracker = make_tracker(here, goal, robot.drive_limits, tolerance=ARRIVAL_TOLERANCE)
         end = robot.time + 4.0 * HELD_TIMEOUT_S
         while not tracker.finished(robot.pose) and robot.time < end:
             robot.base.drive(*tracker.command(robot.pose, robot.period))
@@ -186,7 +186,7 @@ class Locate(ActionPrimitive):
         """Drive along a route, up to where something holds the base back; return the distance, in [m]."""
         limits = robot.drive_limits
         limits = limits._replace(speed=min(limits.speed, SPEED_M_S))
-        tracker = PathTracker(route, None, limits, tolerance=ARRIVAL_TOLERANCE)
+        tracker = make_tracker(route, None, limits, tolerance=ARRIVAL_TOLERANCE)
         since, stood, held, begun = robot.time, robot.pose, False, robot.time
         end = begun + DRIVE_TIMEOUT_S
         while not tracker.finished(robot.pose) and robot.time < min(end, since + HELD_TIMEOUT_S):

@@ -37,6 +37,7 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.following.car_tracker import CarTracker
 from handcart.robotics.navigation.following.path_tracking import PathTracker
 from handcart.robotics.navigation.following.pose_regulator import PoseTolerance
+from handcart.robotics.navigation.following.sideways_tracking import make_tracker
 
 from .docking import DOCK_TOLERANCE, NOT_DETERMINED, dock
 from .driving import (
@@ -207,7 +208,7 @@ class MoveTo(ActionPrimitive):
             return (yield from plan_tracker(robot, model, self.place, goal, arrived, self.reverse))
         look = yield from self._local.plan(robot)
         limits = robot.drive_limits
-        tracker = PathTracker(look.points, goal.theta, limits, self.reverse, arrived, look.speeds)
+        tracker = make_tracker(look.points, goal.theta, limits, self.reverse, arrived, look.speeds)
         return tracker, look.points
 
     def _replanned(self, robot: Robot, tracker: PathTracker | CarTracker) -> Periods:
@@ -242,7 +243,7 @@ class MoveTo(ActionPrimitive):
                 raise self._stuck(robot, model, robot.time - since, rolled)
             next(arm, None)
             yield
-            rolled += abs(robot.driven[0]) * robot.period
+            rolled += abs(robot.command.along) * robot.period
             driven += robot.localization.odometry_pose.distance(last)
             last = robot.localization.odometry_pose
             self.found(path_length_m=round(driven, 3))

@@ -13,6 +13,7 @@ from handcart.backends.robot.robot import Robot
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.primitives.outcomes.evidence import Evidence
+from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.kinematics.shapes import corners
 from handcart.robotics.navigation.following.blocked_motion import MAX_PROGRESS, Blocked
 from handcart.robotics.navigation.maps.bump_area import (
@@ -49,7 +50,9 @@ def remember_bump(
     direction = heading + (0.0 if forwards else math.pi)
     bump = np.array([pose.x, pose.y, direction])
     model.bumps = np.vstack([model.bumps, bump])
-    arm = pose.apply(leading_points(_arm_outlines(robot), forwards))
+    base_T_way = Pose2(0.0, 0.0, 0.0 if blocked is None else blocked.direction)
+    outlines = [base_T_way.inverse().apply(each) for each in _arm_outlines(robot)]
+    arm = pose.apply(base_T_way.apply(leading_points(outlines, forwards)))
     model.arm_bumps = np.vstack([model.arm_bumps, np.insert(arm, 2, direction, axis=1)])
     return bump
 

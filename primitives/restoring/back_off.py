@@ -8,8 +8,9 @@ from collections.abc import Generator
 import numpy as np
 from numpy.typing import NDArray
 
+from handcart.backends.capabilities.base import DriveCommand
 from handcart.backends.robot.robot import Robot
-from handcart.robotics.geometry.pose2 import wrap
+from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.following.blocked_motion import Blocked
 
 from .trace import Trace
@@ -46,9 +47,11 @@ def back_off(robot: Robot, blocked: Blocked, trace: Trace) -> Generator[None, No
         bend = 0.0
         if away >= STRAIGHT_M:
             wanted = float(np.interp(away + LEAD_M, way, headings))
-            bend = wrap(wanted - robot.localization.odometry_pose.theta) / LEAD_M
+            now = robot.localization.odometry_pose.theta + blocked.direction
+            bend = wrap(wanted - now) / LEAD_M
         turn_rate = min(MAX_CURVATURE_PER_M, max(-MAX_CURVATURE_PER_M, bend)) * speed
-        robot.base.drive(-speed if blocked.forwards else speed, turn_rate)
+        along = -speed if blocked.forwards else speed
+        robot.base.drive(*DriveCommand.towards(blocked.direction, along, turn_rate))
         yield
 
 
@@ -65,7 +68,8 @@ def _way_in(trace: Trace, blocked: Blocked, length: float) -> tuple[Floats, Floa
     Up to `length`, in [m], or to where the base last came from the other side, or turned without driving.
     """
     moments = trace.moments[: trace.nearest(blocked.pose) + 1]
-    poses = [each.odometry_pose or each.pose for each in reversed(moments)]
+    turned = Pose2(0.0, 0.0, blocked.direction)
+    poses = [(each.odometry_pose or each.pose).compose(turned) for each in reversed(moments)]
     distances, headings, last = [0.0], [poses[0].theta], poses[0]
     for pose in poses[1:]:
         step = pose.distance(last)

@@ -13,8 +13,8 @@ from handcart.backends.robot.robot import Robot
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.following.path_tracking import PathTracker
-from handcart.robotics.navigation.following.pose_regulator import PoseRegulator, PoseTolerance
+from handcart.robotics.navigation.following.pose_regulator import PoseTolerance
+from handcart.robotics.navigation.following.sideways_tracking import make_regulator, make_tracker
 from handcart.robotics.navigation.maps.speed_limits import SpeedLimits
 
 from .arm_command import command_moment as _command
@@ -75,7 +75,7 @@ def reach_pose(
         return
     if robot.pose.distance(goal) < 0.5 * tolerance.position and robot.pose.turn(goal) < tolerance.heading:
         return
-    regulator = PoseRegulator(goal, robot.drive_limits, tolerance)
+    regulator = make_regulator(goal, robot.drive_limits, tolerance)
     begun, end = robot.time, robot.time + LONGEST_REACH
     while not regulator.finished(robot.pose):
         regulator.tolerance = _widened(robot, tolerance, robot.time - begun)
@@ -147,7 +147,7 @@ def _drive_back(
         yield from reach_pose(robot, goal)
     else:
         limits = robot.drive_limits
-        tracker = PathTracker(points, goal.theta, limits, _forwards(stretch), STRETCH_TOLERANCE, allowed)
+        tracker = make_tracker(points, goal.theta, limits, _forwards(stretch), STRETCH_TOLERANCE, allowed)
         while not tracker.finished(robot.pose):
             robot.base.drive(*tracker.command(robot.pose, robot.period))
             if left and way[len(left) - 1] <= tracker.progress and not moves_fingers(robot, left[-1]):

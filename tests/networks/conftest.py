@@ -76,7 +76,7 @@ class TwoWheels(Backend):
 
     def step(self) -> None:
         (speed, turn), self.wheels.command = self.wheels.command, (0.0, 0.0)
-        left, right = self.wheels.travel
+        left, right, _ = self.wheels.travel
         self.wheels.travel = WheelTravel(
             left + 0.05 * (speed - 0.2 * turn), right + 0.05 * (speed + 0.2 * turn)
         )

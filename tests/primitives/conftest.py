@@ -140,13 +140,14 @@ def make_rig(tmp_path: Path) -> Callable[..., Rig]:
         localizer: str = "scan",
         lidar: Mapping[str, Any] | None = None,
         errors: Mapping[str, Any] | None = None,
+        robot: str = "librarian",
     ) -> Rig:
         world = tmp_path / "world.yaml"
         text = WORLD.replace("shelves:\n", furniture + "shelves:\n").replace(
             "y_m: 1.0,", f"y_m: {start_y},", 1
         )
         world.write_text(text + more, encoding="utf-8")
-        spec = load_robot("librarian").model_copy(update={"localizer": localizer})
+        spec = load_robot(robot).model_copy(update={"localizer": localizer})
         assert spec.range_sensor is not None
         sensor = RangeSpec.model_validate({**spec.range_sensor.model_dump(), **(lidar or {})})
         erring = spec.errors.model_copy(update=dict(errors or {}))

@@ -96,7 +96,7 @@ class BackendPlant(Plant):
     def _tell(self, drives: Mapping[int, DriveNode], seconds: float) -> None:
         if self._base is not None:
             travel = self._base.wheel_travel()
-            for axis, way in zip((self._axes.left, self._axes.right), travel, strict=True):
+            for axis, way in zip((self._axes.left, self._axes.right), travel[:2], strict=True):
                 drives[axis.spec.node].moved(way * axis.units.scale, seconds, torque=0)
         if self._arm is not None and self._model is not None:
             angles = self._arm.joints()

@@ -23,7 +23,7 @@ from handcart.backends.mujoco.engine.world_spec import (
     TYRE_IMPEDANCE,
     quaternion,
 )
-from handcart.backends.physics.body.robot_body import RobotBody
+from handcart.backends.physics.body.robot_body import PlanarDrive, RobotBody
 from handcart.backends.physics.engine.surface import ContactSurface
 from handcart.backends.physics.refusal import refusal
 from handcart.backends.physics.urdf.rigid_groups import passing_pairs
@@ -37,6 +37,7 @@ from handcart.robotics.kinematics.urdf_tree import joint_leaders
 from .building import ENGINE_NAME
 from .mujoco_joints import YIELDING_DRIVE_NAME, MujocoJoints
 from .mujoco_urdf import read_robot
+from .planar_drive import MujocoPlanarDrive, add_planar_drive
 from .robot_looks import PartLook, robot_looks
 
 TOP_ACCELERATION = 100.0  # of a drive that moves nothing but itself [rad/s²]
@@ -54,6 +55,7 @@ class MujocoBody(RobotBody):
         """Load it with `base` as world_T_base."""
         self._engine = engine
         self.sprung = robot.errors.lean_mrad_per_m > 0.0
+        self._radius = robot.footprint_radius_m
         self.id = engine.grow()
         try:
             self._load(engine, robot, base)
@@ -69,6 +71,8 @@ class MujocoBody(RobotBody):
         leaders = joint_leaders(self._urdf.text)
         self.effort = {joint.name: float(joint.actfrcrange[1]) for joint in child.joints}
         self._furnish(child, robot.arm.joints if robot.arm is not None else (), leaders)
+        if robot.drive.kind == "holonomic":
+            add_planar_drive(child)
         spec = engine.world.spec
         spec.attach(child, prefix=ROBOT_PREFIX, frame=spec.worldbody.add_frame())
         root = next(each for each in spec.bodies if each.name.startswith(ROBOT_PREFIX))
@@ -81,7 +85,8 @@ class MujocoBody(RobotBody):
         self.link_index = {name: number - 1 for number, name in enumerate(names)}
         self.link_names = {number: name for name, number in self.link_index.items()}
         self.wheels = driven_wheels(self.effort)
-        self.wheels.check()
+        if robot.drive.kind != "holonomic":
+            self.wheels.check()
         for wheel in (geometry for name in self.rolling for geometry in spec.body(ROBOT_PREFIX + name).geoms):
             engine.world.bulge(wheel)
         self._leave_out(robot)
@@ -177,6 +182,12 @@ class MujocoBody(RobotBody):
     @override
     def joints(self, names: Sequence[str]) -> MujocoJoints:
         return MujocoJoints(self._engine, [ROBOT_PREFIX + name for name in names])
+
+    @override
+    def planar_drive(self) -> PlanarDrive:
+        mass = sum(map(self.mass, self.link_index))
+        inertia = mass * self._radius**2 / 2.0
+        return MujocoPlanarDrive(self._engine, mass, inertia, ROBOT_PREFIX)
 
     @override
     def reset(self, joint: str, position: float) -> None:

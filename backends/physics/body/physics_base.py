@@ -40,9 +40,9 @@ class PhysicsBase(CommandedBase):
         if len(wheels.all) > 2:
             body.cover(wheels.all, SCRUBBING_SURFACE)
 
-    def begin(self) -> None:
+    def begin(self, period: int) -> None:
         """A period begins."""
-        speed, turn_rate = self._take_command()
+        speed, turn_rate, _ = self._take_command()
         half = turn_rate / self._tread_scale * self._drive.tread_m / 2
         rims = np.where(self._right, speed + half, speed - half)
         self.drives.speeds = rims * self._scale / self._drive.wheel_radius_m

@@ -49,9 +49,9 @@ class PhysicsCar(CommandedBase):
             body.mirror(ROCKER_JOINTS)
         self._bend = 0.0
 
-    def begin(self) -> None:
+    def begin(self, period: int) -> None:
         """A period begins."""
-        speed, turn_rate = self._take_command()
+        speed, turn_rate, _ = self._take_command()
         if speed != 0.0:
             most = self._drive.steering_per_m_s * self._period
             self._bend += max(-most, min(most, turn_rate / speed - self._bend))

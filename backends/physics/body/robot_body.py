@@ -6,15 +6,37 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
 from typing import ClassVar
 
+import numpy as np
+from numpy.typing import NDArray
+
 from handcart.backends.physics.engine.surface import ContactSurface
 from handcart.backends.physics.urdf.sound_urdf import casters
 from handcart.backends.physics.urdf.sprung import CHASSIS_LINK
 from handcart.backends.physics.urdf.urdf_repairs import Repair
 from handcart.backends.urdf.driven_wheels import DrivenWheels
+from handcart.files.errors import InputError
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform
 
 from .joint_group import JointGroup
+
+Floats = NDArray[np.float64]
+
+
+class NoPlanarDrive(InputError):
+    """An engine cannot drive a base in any direction."""
+
+
+class PlanarDrive(ABC):
+    """Pushes the base along the floor and turns it, as wheels that drive in any direction do."""
+
+    @abstractmethod
+    def limit(self, force: float, torque: float) -> None:
+        """Push with at most a force in [N] along each axis, and turn with at most a torque in [Nm]."""
+
+    @abstractmethod
+    def drive(self, twist: Floats) -> None:
+        """Bring the base to speeds (3,) ahead and to the left in [m/s], and to a turn rate in [rad/s]."""
 
 
 class RobotBody(ABC):
@@ -80,6 +102,14 @@ class RobotBody(ABC):
     @abstractmethod
     def links_behind(self, joint: str) -> set[int]:
         """The engine's numbers of the links that a joint moves."""
+
+    def planar_drive(self) -> PlanarDrive:
+        """Return what pushes a base that drives in any direction.
+
+        Raises:
+            NoPlanarDrive: the engine has none.
+        """
+        raise NoPlanarDrive("this engine drives no holonomic base; allowed: the backends kinematic, mujoco")
 
     def sprung_masses(self) -> dict[str, float]:
         """Masses in [kg] of all links that the suspension carries, by name."""

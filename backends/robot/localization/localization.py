@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.backend import Backend
-from handcart.backends.capabilities.base import Base, WheelTravel
+from handcart.backends.capabilities.base import Base, DriveCommand, WheelTravel
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.plain_values import Kinds, attributes, from_plain, set_attributes
 from handcart.backends.saved_state import NotAState
@@ -190,19 +190,20 @@ class Localization(ABC):
 
     # What happens
 
-    def update(self, driven: tuple[float, float]) -> None:
+    def update(self, driven: DriveCommand) -> None:
         """A period has passed: take in what was sensed in it.
 
         Args:
-            driven: speed in [m/s] and turn rate in [rad/s] that the base was commanded in it.
+            driven: what the base was commanded in it.
         """
         travel = self._base.wheel_travel()
-        if not (math.isfinite(travel.left) and math.isfinite(travel.right)):
+        if not all(map(math.isfinite, travel)):
             travel = self.travel  # the next sound reading has it all
         left, right = travel.left - self.travel.left, travel.right - self.travel.right
+        sideways = travel.sideways - self.travel.sideways
         self.travel = travel
-        self._predict(left, right)
-        self._watch_lifting(left, right)
+        self._predict(left, right, sideways)
+        self._watch_lifting(left, right, sideways)
         self._extend_local_map()
         if travel.away(self._stood) <= MAX_REST_WHEEL_DIFFERENCE_M:
             self.still += 1
@@ -249,12 +250,12 @@ class Localization(ABC):
         self.still = 0
         self.set_origin()
 
-    def _watch_lifting(self, left: float, right: float) -> None:
+    def _watch_lifting(self, left: float, right: float, sideways: float) -> None:
         """Compare this period's scan with the one before; the wheels travelled this far, in [m]."""
         lidar = self._range_sensor
         if self._map_field is None or not isinstance(lidar, Lidar) or self.lifted is not None:
             return
-        self._scan_jump.roll(left, right, self._wheels.odometry.tread)
+        self._scan_jump.roll(left, right, self._wheels.odometry.tread, sideways)
         rests = self.still > STILL_SCANS
         if (rests and self.still % LOOK_AGAIN != 0) or lidar.silence:
             return
@@ -280,9 +281,9 @@ class Localization(ABC):
         """
         return []
 
-    def _predict(self, left: float, right: float) -> None:
+    def _predict(self, left: float, right: float, sideways: float) -> None:
         """The wheels travelled this far, in [m]."""
-        self._wheels.predict(left, right)
+        self._wheels.predict(left, right, sideways)
 
     def _correct(self) -> None:
         """Correct the pose by scans, as long as they add information."""

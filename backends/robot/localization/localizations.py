@@ -11,6 +11,7 @@ from handcart.backends.description.ground_spec import OUTDOOR_LOCALIZERS
 from handcart.backends.description.robot_file import RobotFile
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.localization.localizer import ScanLocalizer
+from handcart.robotics.navigation.localization.odometry import OdometryErrors
 from handcart.robotics.navigation.localization.odometry_localizer import OdometryLocalizer
 from handcart.robotics.navigation.localization.positioning_localizer import PositioningLocalizer
 from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
@@ -39,7 +40,7 @@ def localization_of(
         grid: map that scans are compared with.
         lidar: lidar whose scans are compared with the map; None without one.
     """
-    tread, positioning, errors = spec.drive.tread_m, spec.positioning, spec.odometry.errors
+    tread, positioning, errors = spec.drive.tread_m, spec.positioning, odometry_errors(spec)
     if spec.localizer == "positioning" and positioning and backend.get(Positioning):  # type: ignore[type-abstract]
         sigma = positioning.sigma_mm / 1e3, positioning.heading_sigma_mrad / 1e3
         return PositioningLocalization(
@@ -54,6 +55,14 @@ def localization_of(
     if spec.localizer in OUTDOOR_LOCALIZERS:
         return OutdoorLocalization(backend, wheels, field_localizer(spec, start, spec.antenna), lidar)
     return WheelLocalization(backend, wheels, lidar)
+
+
+def odometry_errors(spec: RobotFile) -> OdometryErrors:
+    """Return the assumed errors of a robot's wheels."""
+    errors = spec.odometry.errors
+    if spec.drive.kind != "holonomic":
+        return errors
+    return errors._replace(sideways=spec.odometry.sideways_errors)
 
 
 def range_noise(spec: RobotFile) -> float:

@@ -155,9 +155,9 @@ class OutdoorLocalization(Localization):
     def smoothed(self) -> list[Belief]:
         return self._filter.smoothed()
 
-    def _predict(self, left: float, right: float) -> None:
+    def _predict(self, left: float, right: float, sideways: float) -> None:
         if self._wheels.looks:
-            super()._predict(left, right)
+            super()._predict(left, right, sideways)
         self._here = None
         rolled = np.array([left, right])
         rates, accelerations = self._imu.rates(), self._imu.accelerations()

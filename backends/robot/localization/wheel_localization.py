@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from typing import ClassVar
 
 from typing_extensions import override
 
 from handcart.backends.backend import Backend
+from handcart.backends.capabilities.base import DriveCommand
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.plain_values import Kinds
 from handcart.robotics.navigation.localization.localizer import LEAST_INLIERS
@@ -86,9 +88,9 @@ class WheelLocalization(Localization):
         super()._correct()
 
     @override
-    def update(self, driven: tuple[float, float]) -> None:
+    def update(self, driven: DriveCommand) -> None:
         before = self.travel
         super().update(driven)
-        speed, turn_rate = driven
-        way = (abs(speed) + 0.5 * self._wheels.odometry.tread * abs(turn_rate)) * self._period
+        turned = 0.5 * self._wheels.odometry.tread * abs(driven.turn_rate)
+        way = (math.hypot(driven.speed, driven.sideways) + turned) * self._period
         self._unanswered = self._unanswered + way if self.travel == before else 0.0

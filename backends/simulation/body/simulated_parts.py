@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.backends.capabilities.arm import Arm
-from handcart.backends.capabilities.base import Base, WheelTravel
+from handcart.backends.capabilities.base import Base, DriveCommand, HolonomicBase, WheelTravel
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.description.robot_file import GripperSpec, RobotFile
 from handcart.backends.description.simulated_errors import Errors
-from handcart.backends.limits import checked_drive, checked_joints, checked_width
+from handcart.backends.limits import checked_command, checked_joints, checked_width
 from handcart.backends.plain_values import Kinds
 from handcart.backends.simulation.body.swing import is_swing, swing_yaw
 from handcart.backends.simulation.noise.keyed_noise import keyed, keyed_normal
@@ -31,17 +31,17 @@ Vector = NDArray[np.float64]
 class CommandedBase(Base):
     """Wheels that are simulated: a command counts for the period that comes, and only for it."""
 
-    STATE: ClassVar[Kinds] = {"_command": tuple[float, float], "_travel": WheelTravel}
+    STATE: ClassVar[Kinds] = {"_command": DriveCommand, "_travel": WheelTravel}
     """Attributes that a checkpoint keeps, with their types."""
 
     def __init__(self, robot: RobotFile) -> None:
         self._drive, self._period = robot.drive, robot.period_s
-        self._command = (0.0, 0.0)
+        self._command = DriveCommand()
         self._travel = WheelTravel(0.0, 0.0)
 
     @override
     def drive(self, speed: float, turn_rate: float) -> None:
-        self._command = checked_drive(self._drive, speed, turn_rate)
+        self._command = checked_command(self._drive, speed, turn_rate)
 
     @override
     def wheel_travel(self) -> WheelTravel:
@@ -49,12 +49,20 @@ class CommandedBase(Base):
 
     def halt(self) -> None:
         """Forget the command."""
-        self._command = (0.0, 0.0)
+        self._command = DriveCommand()
 
-    def _take_command(self) -> tuple[float, float]:
-        """Speed in [m/s] and turn rate in [rad/s] of the period that begins."""
-        command, self._command = self._command, (0.0, 0.0)
+    def _take_command(self) -> DriveCommand:
+        """Return the command of the period that begins."""
+        command, self._command = self._command, DriveCommand()
         return command
+
+
+class CommandedHolonomicBase(CommandedBase, HolonomicBase):
+    """Simulated wheels that drive in any direction."""
+
+    @override
+    def drive(self, speed: float, turn_rate: float, sideways: float = 0.0) -> None:
+        self._command = checked_command(self._drive, speed, turn_rate, sideways)
 
 
 class SimulatedArm(Arm):

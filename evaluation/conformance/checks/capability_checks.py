@@ -121,6 +121,26 @@ def signs_of_the_base(bench: KitBench, finding: CheckResult) -> None:
                 _near(finding, f"truly turned by {words}", went.theta, turn * seconds, room, "rad")
 
 
+def signs_of_sideways_motion(bench: KitBench, finding: CheckResult) -> None:
+    """Left is left, and the base does not turn meanwhile, in wheels and truth."""
+    if bench.spec().drive.kind != "holonomic":
+        raise Skipped("the base cannot drive sideways")
+    with bench.rig() as rig:
+        base, speed, seconds = needed(rig.backend, Base), 0.2, 20 * bench.spec().period_s
+        for sideways in (speed, -speed):
+            before, stood = base.wheel_travel(), rig.backend.ground_truth()
+            drive(rig.backend, 0.0, 0.0, 20, sideways)
+            went, after = np.subtract(base.wheel_travel(), before), rig.backend.ground_truth()
+            words = f"{sideways:g} m/s sideways for {seconds:g} s"
+            _near(finding, f"wheels by {words}", float(went[2]), sideways * seconds, 0.02, "m")
+            finding.at_most(f"the sides rolled by {words}", float(np.abs(went[:2]).max()), 0.02, "m")
+            if stood is not None and after is not None:
+                moved = after.base.relative_to(stood.base)
+                _near(finding, f"truly by {words}", moved.y, sideways * seconds, 0.04, "m")
+                _near(finding, f"truly ahead by {words}", moved.x, 0.0, 0.03, "m")
+                _near(finding, f"truly turned by {words}", moved.theta, 0.0, 0.05, "rad")
+
+
 def signs_of_the_scan(bench: KitBench, finding: CheckResult) -> None:
     """Turning left moves what is seen to the right, by as much."""
     if bench.spec().drive.kind == "ackermann":
@@ -259,6 +279,7 @@ CHECKS = (
     Check("capabilities", "the backend has what the robot's file says", declared),
     Check("readings", "shapes, units and ranges of readings at rest", readings),
     Check("base", "forward is forward, left is left, in m/s and rad/s", signs_of_the_base),
+    Check("sideways", "left is left, in m/s, of a base that drives sideways", signs_of_sideways_motion),
     Check("scan's frame", "turning left moves what is seen to the right", signs_of_the_scan),
     Check("joints", "each joint moves to its commanded angle, in rad", signs_of_the_joints),
     Check("fingers", "they open to the commanded width, and press when closed", fingers),

@@ -56,7 +56,7 @@ class FaultyBackend(LayeredBackend):
         self._read_once: set[str] = set()
         self._joints: Vector | None = None
         self._width: float | None = None
-        self._hidden = np.zeros(2)
+        self._hidden = np.zeros(3)
         self._driven = False
 
     def inject(self, fault: Fault) -> None:
@@ -125,15 +125,15 @@ class FaultyBackend(LayeredBackend):
             self._call("")
         return take()
 
-    def base_drive(self, base: Base, speed: float, turn_rate: float) -> None:
+    def base_drive(self, base: Base, *command: float) -> None:
         """Pass on the base's command, unless the fault holds or slows the base."""
         self._driven = True
         if self._sticks(base):
             base.drive(0.0, 0.0)
         elif self._is(FaultKind.SLIP):
-            base.drive((1.0 - LOST_ROLL_RATIO) * speed, (1.0 - LOST_ROLL_RATIO) * turn_rate)
+            base.drive(*((1.0 - LOST_ROLL_RATIO) * rate for rate in command))
         else:
-            base.drive(speed, turn_rate)
+            base.drive(*command)
 
     def arm_move(self, arm: Arm, joints: Vector) -> None:
         """Pass on the arm's command, unless the fault holds the arm."""

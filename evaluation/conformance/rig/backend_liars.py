@@ -31,17 +31,17 @@ class KeepsDriving(LayeredBackend):
 
     def __init__(self, inner: Backend, spec: RobotFile) -> None:
         super().__init__(inner)
-        self._command = (0.0, 0.0)
+        self._command: tuple[float, ...] = (0.0, 0.0)
 
-    def base_drive(self, base: Base, speed: float, turn_rate: float) -> None:
+    def base_drive(self, base: Base, *command: float) -> None:
         """Kept."""
-        base.drive(speed, turn_rate)
-        self._command = (speed, turn_rate)
+        base.drive(*command)
+        self._command = command
 
     def step(self) -> None:
         """Renews what was kept."""
         base = part_of(self.inner, Base)
-        if base is not None and self._command != (0.0, 0.0):
+        if base is not None and any(self._command):
             base.drive(*self._command)
         self.inner.step()
 
@@ -56,12 +56,13 @@ class QueuesCommands(LayeredBackend):
 
     def __init__(self, inner: Backend, spec: RobotFile) -> None:
         super().__init__(inner)
-        self._command, self._due = (0.0, 0.0), -1
+        self._command: tuple[float, ...] = (0.0, 0.0)
+        self._due = -1
 
-    def base_drive(self, base: Base, speed: float, turn_rate: float) -> None:
+    def base_drive(self, base: Base, *command: float) -> None:
         """Kept in the queue."""
-        base.drive(speed, turn_rate)
-        self._command = (speed, turn_rate)
+        base.drive(*command)
+        self._command = command
 
     def stop(self) -> None:
         """Doesn't empty the queue."""
@@ -83,9 +84,9 @@ class TakesAnything(LayeredBackend):
     def __init__(self, inner: Backend, spec: RobotFile) -> None:
         super().__init__(inner)
 
-    def base_drive(self, base: Base, speed: float, turn_rate: float) -> None:
+    def base_drive(self, base: Base, *command: float) -> None:
         """Never refused."""
-        _try(lambda: base.drive(speed, turn_rate))
+        _try(lambda: base.drive(*command))
 
     def arm_move(self, arm: Arm, joints: Vector) -> None:
         """Never refused."""
@@ -109,9 +110,9 @@ class MovesAtOnce(LayeredBackend):
     def __init__(self, inner: Backend, spec: RobotFile) -> None:
         super().__init__(inner)
 
-    def base_drive(self, base: Base, speed: float, turn_rate: float) -> None:
+    def base_drive(self, base: Base, *command: float) -> None:
         """And off it goes."""
-        base.drive(speed, turn_rate)
+        base.drive(*command)
         self.inner.step()
 
 
@@ -124,7 +125,7 @@ class WrongUnits(LayeredBackend):
     def base_wheel_travel(self, base: Base) -> WheelTravel:
         """Return the wheels' travel in [mm] instead of [m]."""
         travel = base.wheel_travel()
-        return WheelTravel(1e3 * travel.left, 1e3 * travel.right)
+        return WheelTravel(*(1e3 * way for way in travel))
 
 
 class EchoesCommands(LayeredBackend):

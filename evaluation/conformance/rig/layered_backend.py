@@ -10,6 +10,7 @@ from typing import Any
 from typing_extensions import override
 
 from handcart.backends.backend import Backend
+from handcart.backends.capabilities.base import HolonomicBase
 from handcart.backends.capabilities.capability import Capability
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.sensors.all_kinds import all_capabilities
@@ -40,7 +41,7 @@ class LayeredBackend(Backend):
         kind = next((kind for kind in all_capabilities() if isinstance(part, kind)), None)
         if kind is None:
             return part
-        layer: Capability = _layered(kind)(self, part)
+        layer: Capability = _layered(kind, _provided(part, kind))(self, part)
         return layer
 
     def pass_on(self, part: Capability, kind: Kind, method: str, *words: Any) -> Any:
@@ -70,12 +71,17 @@ class LayeredBackend(Backend):
         self.inner.close()
 
 
+def _provided(part: Capability, kind: Kind) -> Kind:
+    """Return the interface that a capability provides: a kind, or one that extends it."""
+    return HolonomicBase if isinstance(part, HolonomicBase) else kind
+
+
 @cache
-def _layered(kind: Kind) -> Callable[[LayeredBackend, Capability], Any]:
+def _layered(kind: Kind, provided: Kind) -> Callable[[LayeredBackend, Capability], Any]:
     """The class of layers around a kind of capability: its abstract methods ask the whole."""
     names = sorted(kind.__abstractmethods__ | {name for name in dir(kind) if _is_property(kind, name)})
     methods = {name: _passing(kind, name) for name in names}
-    return type(f"Layered{kind.__name__}", (kind,), {"__init__": _begin, **methods})
+    return type(f"Layered{kind.__name__}", (provided,), {"__init__": _begin, **methods})
 
 
 def _begin(self: Any, whole: LayeredBackend, inner: Capability) -> None:

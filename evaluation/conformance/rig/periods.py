@@ -27,11 +27,12 @@ def steps(backend: Backend, count: int) -> None:
         backend.step()
 
 
-def drive(backend: Backend, speed: float, turn_rate: float, periods: int) -> None:
+def drive(backend: Backend, speed: float, turn_rate: float, periods: int, sideways: float = 0.0) -> None:
     """Drive for a number of periods, then wait until the base is at rest."""
     base = needed(backend, Base)
+    more = (sideways,) if sideways else ()
     for _ in range(periods):
-        base.drive(speed, turn_rate)
+        base.drive(speed, turn_rate, *more)
         backend.step()
     steps(backend, SETTLING_PERIODS)
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 from handcart.backends.description.joint_units import JointUnits
-from handcart.evaluation.robot_report.outline import Outline
+from handcart.evaluation.robot_report.outline import Outline, Wheels
 from handcart.files.extras import lack
 from handcart.robotics.kinematics.urdf_contents import JointFacts, joints_of
 
@@ -116,9 +116,24 @@ def _drive(outline: Outline, urdf: str) -> list[str]:
         lines.append(f"  wheel_radius_m: {wheels.radius:.4g}     # {GUESSED_TEXT}")
     else:
         lines.append("  wheel_radius_m: 0.1     # measure: the URDF's wheels have no bodies")
-    lines.append(f"  tread_m: {wheels.tread:.4g}     # {GUESSED_TEXT}")
+    lines += _tread(wheels)
     limits = "top_speed_m_s: 0.5|top_turn_deg_s: 60|acceleration_m_s2: 0.5|turn_acceleration_deg_s2: 90"
     return ["drive:", *lines, *(f"  {each}     # choose" for each in limits.split("|"))]
+
+
+def _tread(wheels: Wheels) -> list[str]:
+    """Return the lines of the kind of the drive and its tread."""
+    if wheels.drives_sideways:
+        tread = wheels.tread + wheels.wheelbase
+        return [
+            "  kind: holonomic     # by the names of its wheels or links",
+            f"  tread_m: {tread:.4g}     # {GUESSED_TEXT}: track and wheelbase together; of omni wheels the"
+            " diameter of their circle",
+        ]
+    if len(wheels.left) > 1 or len(wheels.right) > 1:
+        why = "measure: wheels that slide sideways turn the base by less than their distance says"
+        return [f"  tread_m: {wheels.tread:.4g}     # {why}"]
+    return [f"  tread_m: {wheels.tread:.4g}     # {GUESSED_TEXT}"]
 
 
 def _units(outline: Outline, facts: Mapping[str, JointFacts]) -> JointUnits:

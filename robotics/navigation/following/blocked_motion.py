@@ -29,7 +29,9 @@ class _Period(NamedTuple):
     now: Pose2
     """Likewise at its end."""
     ahead: float
-    """Distance that the base moved along its heading, in [m]; negative backwards."""
+    """Distance that the base moved that way, in [m]; negative backwards."""
+    direction: float
+    """Direction in which it is driven against its heading, in [rad]."""
 
 
 class Blocked(NamedTuple):
@@ -50,6 +52,8 @@ class Blocked(NamedTuple):
     moved: float
     """Distance that the base moved in it by all sensors the way that it was driven, in [m]; negative where it
     rebounded."""
+    direction: float = 0.0
+    """Direction in which it was driven against its heading, in [rad]; `pose` and `heading` include it."""
 
     @property
     def slips(self) -> bool:
@@ -78,20 +82,26 @@ class BlockedMotion:
         self._periods.clear()
         self._in_a_row = 0
 
-    def update(self, speed: float, rolled: float, before: Pose2, now: Pose2) -> Blocked | None:
+    def update(
+        self, speed: float, rolled: float, before: Pose2, now: Pose2, direction: float = 0.0
+    ) -> Blocked | None:
         """Take in a period; return why the base does not get on, or None.
 
         Args:
             speed: commanded in the period, in [m/s].
-            rolled: mean of what both wheels rolled in it, in [m].
+            rolled: what the wheels rolled in it that way, in [m].
             before: map_T_base at its start, as estimated.
             now: map_T_base at its end.
+            direction: in which it is driven against its heading, in [rad].
         """
+        if direction != 0.0:
+            before, now = (pose.compose(Pose2(0.0, 0.0, direction)) for pose in (before, now))
         commanded = speed * self._length
         if commanded == 0.0 or (self._periods and commanded * self._periods[-1].commanded < 0.0):
             self.clear()
         if commanded != 0.0:
-            self._periods.append(_Period(commanded, rolled, before, now, now.relative_to(before).x))
+            ahead = now.relative_to(before).x
+            self._periods.append(_Period(commanded, rolled, before, now, ahead, direction))
         found = self._judged()
         self._in_a_row = 0 if found is None else self._in_a_row + 1
         return found if self._in_a_row >= CONFIRMING_PERIODS else None
@@ -116,5 +126,6 @@ class BlockedMotion:
                 abs(commanded),
                 sign * rolled,
                 sign * ahead,
+                window[farthest].direction,
             )
         return None

@@ -1,4 +1,4 @@
-"""Limits of a differential drive, and commands that stay within them."""
+"""Limits of a drive, and commands that stay within them."""
 
 from __future__ import annotations
 
@@ -25,6 +25,8 @@ class DriveLimits(NamedTuple):
     """Maximum angular acceleration in [rad/s²]."""
     lateral_acceleration: float = 1.0
     """Maximum of speed times turn rate, in [m/s²]."""
+    sideways: float = 0.0
+    """Maximum speed sideways in [m/s]; 0 of a base that cannot drive sideways."""
 
     def turn_rate_at(self, speed: float) -> float:
         """Return the maximum turn rate at a speed in [m/s], in [rad/s]."""
@@ -51,7 +53,11 @@ class Ramp:
         """True if the last command was zero, or nearly so."""
         return abs(self.speed) < 1e-3 and abs(self.turn_rate) < 2e-3
 
-    def towards(self, speed: float, turn_rate: float, dt: float) -> tuple[float, float]:
+    def reset(self) -> None:
+        """Begin at rest again."""
+        self.speed = self.turn_rate = 0.0
+
+    def towards(self, speed: float, turn_rate: float, dt: float) -> tuple[float, ...]:
         """The allowed command nearest to what is wanted, in [m/s] and [rad/s], `dt` in [s] after the last."""
         limits = self.limits
         speed = _clip(speed, limits.speed)

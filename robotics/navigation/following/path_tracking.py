@@ -58,13 +58,19 @@ class PathTracker:
         """
         self._limits = limits
         self._flip = math.pi if reverse else 0.0
-        self._ramp = Ramp(limits)
+        self._ramp = self._make_ramp(limits)
         self._turning = True
         self._closing = False
         self._set_route(points, allowed)
         end = self._points[-1]
         goal = Pose2(float(end[0]), float(end[1]), 0.0 if goal_heading is None else wrap(goal_heading))
-        self._regulator = PoseRegulator(goal, limits, tolerance, goal_heading is None, self._ramp)
+        self._regulator = self._make_regulator(goal, tolerance, goal_heading is None)
+
+    def _make_ramp(self, limits: DriveLimits) -> Ramp:
+        return Ramp(limits)
+
+    def _make_regulator(self, goal: Pose2, tolerance: PoseTolerance, any_heading: bool) -> PoseRegulator:
+        return PoseRegulator(goal, self._limits, tolerance, any_heading, self._ramp)
 
     def reroute(self, points: NDArray[np.float64], allowed: AllowedSpeeds | None = None) -> None:
         """Continue along another route to the same goal, without a stop.
@@ -80,7 +86,12 @@ class PathTracker:
         most = np.full(len(self._points), self._limits.speed)
         if allowed is not None:
             most = _around(allowed.at(self._points, self._limits.speed))
-        self._speed = _speed_profile(self._along, self._curvature, self._limits, most)
+        self._speed = _speed_profile(self._along, self._curvature, self._profile_limits, most)
+
+    @property
+    def _profile_limits(self) -> DriveLimits:
+        """Limits that the speeds along the route are planned with."""
+        return self._limits
 
     def _set_route(self, points: NDArray[np.float64], allowed: AllowedSpeeds | None) -> None:
         self._points, self._along = _resample(points)
@@ -92,7 +103,7 @@ class PathTracker:
 
     def stopped(self) -> None:
         """Begin at rest again: another law has driven the base meanwhile."""
-        self._ramp.speed = self._ramp.turn_rate = 0.0
+        self._ramp.reset()
         self._turning = True
 
     @property
@@ -104,6 +115,10 @@ class PathTracker:
     def closing(self) -> bool:
         """True if only the goal's pose is left to be regulated."""
         return self._closing
+
+    @property
+    def _is_near_end(self) -> bool:
+        return self.remaining < CLOSING_DISTANCE_M
 
     @property
     def progress(self) -> float:
@@ -125,17 +140,21 @@ class PathTracker:
         """Return True if the robot is at rest at the end, within tolerance."""
         return self._closing and self._regulator.finished(pose)
 
-    def command(self, pose: Pose2, dt: float) -> tuple[float, float]:
-        """Speed in [m/s], negative backwards, and turn rate in [rad/s] for the next `dt` in [s]."""
+    def command(self, pose: Pose2, dt: float) -> tuple[float, ...]:
+        """Return the command of the base for the next `dt` in [s].
+
+        Speed in [m/s], negative backwards, turn rate in [rad/s], and of a base that can drive sideways its
+        speed to the left in [m/s].
+        """
         self._advance(pose)
-        self._closing = self._closing or self.remaining < CLOSING_DISTANCE_M
+        self._closing = self._closing or self._is_near_end
         if self._closing:
             return self._regulator.command(pose, dt)
         speed, turn_rate = self._track(Pose2(pose.x, pose.y, wrap(pose.theta + self._flip)))
         return self._ramp.towards(-speed if self._flip else speed, turn_rate, dt)
 
-    def hold(self, pose: Pose2, dt: float) -> tuple[float, float]:
-        """Return the speed in [m/s] and turn rate in [rad/s] with which to come to rest and remain at rest.
+    def hold(self, pose: Pose2, dt: float) -> tuple[float, ...]:
+        """Return the command, as of `command`, with which to come to rest and remain at rest.
 
         While the base still rolls, its progress is updated: points that it has passed are no longer ahead.
 

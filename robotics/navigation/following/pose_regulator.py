@@ -78,8 +78,8 @@ class PoseRegulator:
     def _aligned(self, pose: Pose2) -> bool:
         return self._any_heading or pose.turn(self.goal) <= self.tolerance.heading
 
-    def command(self, pose: Pose2, dt: float) -> tuple[float, float]:
-        """Speed in [m/s] and turn rate in [rad/s] for the next `dt` in [s]."""
+    def command(self, pose: Pose2, dt: float) -> tuple[float, ...]:
+        """Return the base's command for the next `dt` in [s]: speed in [m/s], turn rate in [rad/s]."""
         goal = self.goal.relative_to(pose)
         self._choose_phase(pose, goal)
         limits = self._ramp.limits

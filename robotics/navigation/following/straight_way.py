@@ -31,4 +31,5 @@ class StraightWay:
         """
         here = pose.relative_to(self._start)
         turn = -(speed * here.y / RETURN_LENGTH_M + 2.0 * abs(speed) * here.theta) / RETURN_LENGTH_M
-        return self._ramp.towards(speed + CATCH_UP_RATE * (along - here.x), turn, dt)
+        along, turn, *_ = self._ramp.towards(speed + CATCH_UP_RATE * (along - here.x), turn, dt)
+        return along, turn

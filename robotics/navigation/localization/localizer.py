@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.navigation.localization.holonomic_odometry import odometry_of
 from handcart.robotics.navigation.localization.odometry import Odometry, OdometryErrors
 from handcart.robotics.navigation.localization.scan_matching import (
     CELL_SIGMA,
@@ -37,7 +38,20 @@ MAX_REST_SPREAD = (
     0.010,
 )  # [m], [rad] by which scans of one place never differ: eight times their spread
 DISPLACED_SIGMAS = 3.0  # sigmas of a match by which its pose then lies elsewhere
+MAX_SIDEWAYS_RATIO = 0.2  # of the way ahead; more of it, and the length of the way ahead is not compared
 SHARE_OF_CELL = 0.2  # by which they never differ on large cells, where several places fit alike
+
+
+class RolledWay(NamedTuple):
+    """Travel of the wheels, in [m]."""
+
+    left: float = 0.0
+    right: float = 0.0
+    sideways: float = 0.0
+
+    def added(self, left: float, right: float, sideways: float) -> RolledWay:
+        """Return the travel with more of it."""
+        return RolledWay(self.left + left, self.right + right, self.sideways + sideways)
 
 
 class Localizer(ABC):
@@ -54,7 +68,7 @@ class Localizer(ABC):
         covariance: NDArray[np.float64] | None = None,
     ) -> None:
         """Start at a pose, certain or with a covariance (3, 3); `tread` of the wheels in [m]."""
-        self._odometry = Odometry(start, tread, errors, covariance)
+        self._odometry = odometry_of(start, tread, errors, covariance)
         self.surface_error = 0.0
         """Error in [m] of surfaces on the map, beyond that of its cells."""
 
@@ -78,9 +92,9 @@ class Localizer(ABC):
         """(3, 3) of x, y in [m] and heading in [rad], in the map frame."""
         return self._odometry.covariance
 
-    def predict(self, left: float, right: float) -> None:
+    def predict(self, left: float, right: float, sideways: float = 0.0) -> None:
         """The wheels travelled this far, in [m]."""
-        self._odometry.predict(left, right)
+        self._odometry.predict(left, right, sideways)
 
     @property
     def field(self) -> LikelihoodField | None:
@@ -121,7 +135,7 @@ class ScanLocalizer(Localizer):
         "last_match": ScanMatch | None,
         "_poor": int,
         "_map_error": NDArray[np.float64],
-        "_rolled": tuple[float, float],
+        "_rolled": RolledWay,
         "misplaced": bool,
     }
 
@@ -159,7 +173,7 @@ class ScanLocalizer(Localizer):
         """True if the first scan contradicts the stated start, but does not reveal the true one."""
         self.slip = SlipMonitor()
         """Monitor of wheels that slip more than assumed."""
-        self._rolled = (0.0, 0.0)  # by the wheels in its window
+        self._rolled = RolledWay()  # in its window
         self.way = WayMonitor()
         """Monitor of travel that is longer or shorter than measured by the wheels."""
         self.last_match: ScanMatch | None = None
@@ -182,7 +196,7 @@ class ScanLocalizer(Localizer):
         self._poor, self._map_error, self.misplaced, self.last_match = 0, np.zeros((3, 3)), False, None
         self.slip.begin()
         self.way.begin()
-        self._rolled = (0.0, 0.0)
+        self._rolled = RolledWay()
 
     @property
     def sure(self) -> bool:
@@ -195,17 +209,21 @@ class ScanLocalizer(Localizer):
         return self._map_error @ self._map_error.T
 
     @override
-    def predict(self, left: float, right: float) -> None:
-        if left == 0.0 and right == 0.0:
+    def predict(self, left: float, right: float, sideways: float = 0.0) -> None:
+        if left == 0.0 and right == 0.0 and sideways == 0.0:
             super().predict(left, right)
             return
         before, errors, tread = self.pose, self._odometry.errors, self._odometry.tread
         self._odometry.slip_factor = self.slip.factor
-        super().predict(left, right)
-        self.slip.roll(left, right, turn_variance(errors.slip, errors.slip_length, left, right, tread))
+        super().predict(left, right, sideways)
+        by_slip = turn_variance(errors.slip, errors.slip_length, left, right, tread)
+        by_slip += self._odometry.sideways_turn_variance(sideways)
+        self.slip.roll(left, max(abs(right), abs(sideways)), by_slip)
         slip_variance = errors.slip**2 * self.slip.factor * errors.slip_length
         self.way.roll(0.5 * (left + right), slip_variance * (abs(left) + abs(right)) / 4.0)
-        self._rolled = (self._rolled[0] + left, self._rolled[1] + right)
+        if abs(sideways) > MAX_SIDEWAYS_RATIO * 0.5 * abs(left + right):
+            self.way.begin()
+        self._rolled = self._rolled.added(left, right, sideways)
         error = self._map_error.copy()  # the one of the last match stays as it is
         error[0] += (before.y - self.pose.y) * error[2]
         error[1] += (self.pose.x - before.x) * error[2]
@@ -278,7 +296,7 @@ class ScanLocalizer(Localizer):
             missed = wrap(float(match.pose.theta - self.pose.theta))
             self.slip.take(missed, self._odometry.turn_variance(*self._rolled))
         if self.slip.begun:
-            self._rolled = (0.0, 0.0)
+            self._rolled = RolledWay()
 
     def _count_way(self, match: ScanMatch) -> None:
         """Compare the travel with the wheels' measurement, if the scan alone determines it."""

@@ -15,6 +15,17 @@ from .watched_moment import Belief, WatchedMoment
 _LEAST = 1e-12 * np.eye(3)  # [m², rad²] of a pose that is certain: it can be divided by
 
 
+class SidewaysErrors(NamedTuple):
+    """One-sigma errors of sideways motion on mecanum, omni or swerve wheels."""
+
+    scale: float = 0.05
+    """Relative error of the distance sideways, and of the motion ahead that goes with it; constant."""
+    turn: float = 0.05
+    """Turn that goes with each metre sideways, in [rad/m]; constant."""
+    slip: float = 0.04
+    """Relative error of the distance sideways, new every `OdometryErrors.slip_length`."""
+
+
 class OdometryErrors(NamedTuple):
     """One-sigma errors of a differential drive's wheels; by default those of uncalibrated wheels."""
 
@@ -26,6 +37,8 @@ class OdometryErrors(NamedTuple):
     """Relative error of each wheel's travel, new every `slip_length`."""
     slip_length: float = 0.1
     """Distance after which the slip is new, in [m]."""
+    sideways: SidewaysErrors | None = None
+    """Errors of sideways motion; None for a base that cannot drive sideways."""
 
 
 class Odometry:
@@ -64,11 +77,18 @@ class Odometry:
         self._errors = errors
         self.slip_factor = 1.0
         """Factor of the slip's variance relative to `errors`."""
-        self._scales = np.zeros(3)  # relative: left travel, right travel, tread
-        self._state = np.diag([0.0, 0.0, 0.0, errors.radius**2, errors.radius**2, errors.tread**2])
-        self._origin = WatchedMoment(Belief(np.array(pose), np.zeros((3, 3))), np.zeros((3, 6)))
+        constants = self._constant_sigmas(errors)
+        self._scales = np.zeros(len(constants))  # relative: left travel, right travel, tread
+        self._state = np.diag([0.0, 0.0, 0.0, *(sigma**2 for sigma in constants)])
+        shared = np.zeros((3, 3 + len(constants)))
+        self._origin = WatchedMoment(Belief(np.array(pose), np.zeros((3, 3))), shared)
         self.reset(pose, covariance)
         self.set_origin()
+
+    @staticmethod
+    def _constant_sigmas(errors: OdometryErrors) -> tuple[float, ...]:
+        """Return the sigmas of the errors that stay the same: the states after those of the pose."""
+        return errors.radius, errors.radius, errors.tread
 
     @property
     def covariance(self) -> NDArray[np.float64]:
@@ -105,8 +125,11 @@ class Odometry:
         if covariance is not None:
             self._state[:3, :3] = covariance
 
-    def predict(self, left: float, right: float) -> None:
-        """Move by the travel of both wheels since the last call, in [m]."""
+    def predict(self, left: float, right: float, sideways: float = 0.0) -> None:
+        """Move by the travel of both wheels since the last call, in [m].
+
+        `sideways` in [m] is what a base drove to the left that can; see `HolonomicOdometry`.
+        """
         if left == 0.0 and right == 0.0:
             self.pose = self.pose._replace(theta=wrap(self.pose.theta))
             return
@@ -166,10 +189,14 @@ class Odometry:
         """Assumed errors of the wheels."""
         return self._errors
 
-    def turn_variance(self, left: float, right: float) -> float:
+    def sideways_turn_variance(self, sideways: float) -> float:
+        """Variance in [rad²] of a turn by slip over travel sideways in [m]."""
+        return 0.0
+
+    def turn_variance(self, left: float, right: float, sideways: float = 0.0) -> float:
         """Variance in [rad²] of a turn by what is not known of the wheels, over their travel in [m]."""
         by_scale = np.array([-left, right, -(right - left)]) / self.tread
-        return float(by_scale @ self._state[3:, 3:] @ by_scale)
+        return float(by_scale @ self._state[3:6, 3:6] @ by_scale)
 
     @property
     def scale_variance(self) -> float:

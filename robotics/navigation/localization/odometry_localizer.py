@@ -93,11 +93,12 @@ class OdometryLocalizer(Localizer):
         self._driven, self._then = UNCHECKED_WAY_M, UNKNOWN_VARIANCE_M2
 
     @override
-    def predict(self, left: float, right: float) -> None:
+    def predict(self, left: float, right: float, sideways: float = 0.0) -> None:
         before = self.pose
-        super().predict(left, right)
-        self._rolled += max(abs(left), abs(right))
-        self._driven += max(abs(left), abs(right))
+        super().predict(left, right, sideways)
+        travelled = max(abs(left), abs(right), abs(sideways))
+        self._rolled += travelled
+        self._driven += travelled
         if self._rolled > DRIVING_WHEEL_TRAVEL_M:
             self._stands = None
         elif self._stands is not None:

@@ -56,9 +56,9 @@ class PositioningLocalizer(Localizer):
         self._poses: tuple[Pose2, ...] = (start,)  # as they were believed first
         self._shifts: tuple[tuple[Pose2, ...], ...] = ((),)  # in each of their periods: of all until then
 
-    def predict(self, left: float, right: float) -> None:
+    def predict(self, left: float, right: float, sideways: float = 0.0) -> None:
         """See `Localizer`; once a period."""
-        super().predict(left, right)
+        super().predict(left, right, sideways)
         self._poses = (*self._poses[-KEPT_PERIODS:], self.pose)
         self._shifts = (*self._shifts[-KEPT_PERIODS:], ())
 

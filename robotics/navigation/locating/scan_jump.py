@@ -34,10 +34,14 @@ class ScanJump:
         self.share = 0.0
         """Share of the last scan's beams that differ from those of the reference."""
 
-    def roll(self, left: float, right: float, tread: float) -> None:
-        """Take the travel of both wheels into account, in [m], `tread` in [m]."""
+    def roll(self, left: float, right: float, tread: float, sideways: float = 0.0) -> None:
+        """Take the travel of both wheels, and the travel to the left, into account, in [m].
+
+        `tread` is in [m].
+        """
         forward, turn = 0.5 * (left + right), (right - left) / tread
-        step = Pose2(forward * math.cos(0.5 * turn), forward * math.sin(0.5 * turn), turn)
+        cos, sin = math.cos(0.5 * turn), math.sin(0.5 * turn)
+        step = Pose2(forward * cos - sideways * sin, forward * sin + sideways * cos, turn)
         self._moved = self._moved.compose(step)
 
     def take(self, beams: ScanBeams, at_rest: bool) -> bool:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from handcart.backends.capabilities.base import Base, WheelTravel
+from handcart.backends.capabilities.base import Base, DriveCommand, WheelTravel
 from handcart.backends.capabilities.range_sensor import Scan
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.loading.robot_loading import load_robot
@@ -187,8 +187,8 @@ def test_it_is_slowed_to_the_largest_share_that_can_brake(
 def test_what_was_commanded_is_told_once(spec: RobotFile) -> None:
     rolling = Rolling(spec, 1.0, lambda _: NOTHING)
     rolling.base.drive(0.2, 0.3)
-    assert rolling.base.taken() == ((0.2, 0.3), None)
-    assert rolling.base.taken() == ((0.0, 0.0), None)
+    assert rolling.base.taken() == (DriveCommand(0.2, 0.3), None)
+    assert rolling.base.taken() == (DriveCommand(), None)
 
 
 @pytest.mark.parametrize(("speed", "turn"), [(math.nan, 0.1), (0.1, math.inf), (0.0, 0.5)])

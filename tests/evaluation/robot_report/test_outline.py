@@ -90,6 +90,17 @@ def test_a_draft_is_a_robots_file(outline: Outline, tmp_path: Path) -> None:
     assert (robot.localizer, robot.range_sensor is not None) == ("scan", True)
 
 
+def test_a_draft_of_a_mecanum_base_drives_sideways(tmp_path: Path) -> None:
+    text = robot_path("cart/mecanum").with_name("mecanum.urdf").read_text(encoding="utf-8")
+    (tmp_path / "robot.urdf").write_text(text, encoding="utf-8")
+    file = tmp_path / "robot.yaml"
+    file.write_text(draft_text(outline_of(text), text, "robot.urdf", {}), encoding="utf-8")
+    drive = load_robot(str(file)).drive
+    assert (drive.kind, drive.wheel_radius_m) == ("holonomic", 0.08)
+    assert drive.tread_m == pytest.approx(0.7)
+    assert "sideways" not in draft_text(outline_of(URDF), URDF, "robot.urdf", {})
+
+
 def test_the_librarian_is_guessed_from_its_urdf() -> None:
     text = robot_path("librarian").with_name("librarian.urdf").read_text(encoding="utf-8")
     found = outline_of(text)

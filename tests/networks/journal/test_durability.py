@@ -11,7 +11,7 @@ from typing import ClassVar
 
 import pytest
 
-from handcart.backends.capabilities.base import Base
+from handcart.backends.capabilities.base import Base, WheelTravel
 from handcart.backends.robot.robot import Robot
 from handcart.networks.coordination.coordinator import Coordinator
 from handcart.networks.coordination.supervision import Request
@@ -115,7 +115,7 @@ def test_nothing_moves_before_the_start_is_on_the_disk(stand: Stand, disk: Disk,
         periods = run.run()
         go_on(stand, periods, 100)
         assert has(events, Started)
-        assert stand.backend.wheels.travel == (0.0, 0.0)
+        assert stand.backend.wheels.travel == WheelTravel(0.0, 0.0)
         soon(disk, stand, periods, lambda: stand.backend.wheels.travel.left > 0.0)
 
 
@@ -172,7 +172,7 @@ def test_a_disk_that_fails_ends_the_run_and_is_never_asked_again(
                 go_on(stand, periods, 1)
                 time.sleep(0.001)
         assert disk.calls == 1
-        assert stand.backend.wheels.travel == (0.0, 0.0)
+        assert stand.backend.wheels.travel == WheelTravel(0.0, 0.0)
         with pytest.raises(JournalError):
             journal.append("MORE", 0.0, {})
         assert disk.calls == 1

@@ -234,7 +234,7 @@ def test_a_look_waits_until_the_robot_rests(run: Run, monkeypatch: pytest.Monkey
     def rolling(*paused: bool) -> None:
         stepped[0] += 1
         if SETTLING_PERIODS < stepped[0] <= SETTLING_PERIODS + rolls:
-            left, right = wheels.travel
+            left, right, _ = wheels.travel
             wheels.travel = WheelTravel(left + 0.01, right + 0.01)
         step(*paused)
 

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import pytest
 
+from handcart.backends.capabilities.base import WheelTravel
 from handcart.primitives.blocks.base_turn import BaseTurn, fused
 from handcart.primitives.blocks.blocks import Fixed
 from handcart.robotics.geometry.pose2 import Pose2
 
 
 def found_at(x: float, theta: float, sigma: tuple[float, float] = (0.0003, 0.0004)) -> Fixed:
-    return Fixed(
-        "wall", "stacking", Pose2(x, 0.0, theta), sigma, (0.0, 0.5), (0.0, 0.0, 0.0), (0.0, 0.0), 0.0
-    )
+    pose, still = Pose2(x, 0.0, theta), WheelTravel(0.0, 0.0)
+    return Fixed("wall", "stacking", pose, sigma, (0.0, 0.5), (0.0, 0.0, 0.0), still, 0.0)
 
 
 def test_each_weighs_by_its_variance() -> None:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from handcart.backends.capabilities.base import DriveCommand
 from handcart.backends.description.joint_units import JointUnits
 from handcart.primitives.contract.intents import UNRECORDED_INTENTS, Intents
 from handcart.primitives.contract.standstill_monitor import (
@@ -36,7 +37,7 @@ PERIOD = 0.0625
 
 
 def base() -> Any:
-    return SimpleNamespace(pose=Pose2(0.0, 0.0, 0.0), held=None, driven=(0.0, 0.0), period=PERIOD)
+    return SimpleNamespace(pose=Pose2(0.0, 0.0, 0.0), held=None, command=DriveCommand(), period=PERIOD)
 
 
 def checks_until_stuck(robot: Any, monitor: StandstillMonitor, most: int = 400) -> int | None:
@@ -53,10 +54,10 @@ def checks_until_stuck(robot: Any, monitor: StandstillMonitor, most: int = 400) 
     return None
 
 
-@pytest.mark.parametrize("driven", [(0.1, 0.0), (0.0, -0.1), (-0.1, 0.0)])
-def test_a_base_that_is_driven_and_stands_is_stuck_after_its_time(driven: tuple[float, float]) -> None:
+@pytest.mark.parametrize("driven", [(0.1, 0.0), (0.0, -0.1), (-0.1, 0.0), (0.0, 0.0, 0.1)])
+def test_a_base_that_is_driven_and_stands_is_stuck_after_its_time(driven: tuple[float, ...]) -> None:
     robot = base()
-    robot.driven = driven
+    robot.command = DriveCommand(*driven)
     assert checks_until_stuck(robot, StandstillMonitor(robot)) == round(STANDSTILL_TIMEOUT_S / PERIOD) == 160
 
 
@@ -64,7 +65,7 @@ def test_a_base_that_is_not_driven_or_waits_is_not_stuck() -> None:
     robot = base()
     monitor = StandstillMonitor(robot)
     assert checks_until_stuck(robot, monitor) is None
-    robot.driven, robot.held = (0.1, 0.0), "somebody"
+    robot.command, robot.held = DriveCommand(0.1), "somebody"
     assert checks_until_stuck(robot, monitor) is None
 
 
@@ -82,7 +83,7 @@ def test_motion_begins_the_time_again_and_trembling_does_not(
 ) -> None:
     robot = base()
     monitor = StandstillMonitor(robot)
-    robot.driven = (0.1, 0.0)
+    robot.command = DriveCommand(0.1)
     assert checks_until_stuck(robot, monitor, 150) is None
     robot.pose = Pose2(*step)
     expected = 160 - 150 if stuck else 161

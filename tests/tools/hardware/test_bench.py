@@ -65,7 +65,7 @@ def test_wheels_are_driven_over_the_network(
         for _ in range(20):
             base.drive(0.2, 0.0)
             backend.step()
-        left, right = base.wheel_travel()
+        left, right, _ = base.wheel_travel()
         assert left == pytest.approx(right)
         assert 0.05 < left < 0.05 + 0.2 * (time.monotonic() - begun)  # the drives have a clock of their own
         assert backend.figures()["loop"]["periods"] == 20

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from handcart.backends.backend import Backend
-from handcart.backends.capabilities.base import Base, WheelTravel
+from handcart.backends.capabilities.base import Base, DriveCommand, WheelTravel
 from handcart.backends.capabilities.beacons import BeaconRanges, Beacons
 from handcart.backends.capabilities.capability import Capability
 from handcart.backends.capabilities.gps import Fix, Gps
@@ -35,7 +35,7 @@ from handcart.robotics.navigation.outdoors.gyro_only import GyroOnly
 
 START = Pose2(2.0, 3.0, 0.5)
 GRAVITY = np.array([0.0, 0.0, 9.81])
-STANDS = (0.0, 0.0)
+STANDS = DriveCommand()
 START_VARIANCES = [0.05**2, 0.05**2, 0.035**2]
 
 
@@ -187,7 +187,7 @@ def test_still_counts_periods_in_which_wheels_stand() -> None:
         found.update(STANDS)
         seen.append(found.still)
     assert seen == [1, 2, 0, 1, 2, 3, 0, 1]
-    assert found.travel == pytest.approx((1.3e-3, 6.5e-4))
+    assert found.travel[:2] == pytest.approx((1.3e-3, 6.5e-4))
 
 
 def test_a_reading_that_is_not_finite_is_made_up_for_by_the_next() -> None:
@@ -209,7 +209,7 @@ def test_wheels_that_do_not_answer_are_lost_after_3_cm(driven: tuple[float, floa
     found = made("cart", "odometry", wheels)
     assert isinstance(found, WheelLocalization)
     for _ in range(4):
-        found.update(driven)
+        found.update(DriveCommand(*driven))
         lost.append(found.lost)
     assert lost[:3] == [None] * 3
     assert lost[3] is not None
@@ -218,7 +218,7 @@ def test_wheels_that_do_not_answer_are_lost_after_3_cm(driven: tuple[float, floa
     assert lost[3].sensor == "Base"
     assert found.sigma == (math.inf, math.inf)
     wheels.roll(1e-4, 0.0)
-    found.update(driven)
+    found.update(DriveCommand(*driven))
     assert found.lost is None
     assert found.sigma == worst_sigmas(found.covariance)
 

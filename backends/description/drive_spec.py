@@ -1,0 +1,73 @@
+"""The drive in a robot's file."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Literal, get_args
+
+from pydantic import Field
+
+from handcart.files.models.model import FileModel
+from handcart.robotics.navigation.following.drive_limits import DriveLimits
+
+Positive = Annotated[float, Field(gt=0.0)]
+DriveKind = Literal["differential", "ackermann", "holonomic"]
+ALL_DRIVE_KINDS = frozenset(get_args(DriveKind))
+
+
+class Drive(FileModel):
+    """Driven wheels: two sides, the rear ones of a car, or wheels that drive in any direction."""
+
+    kind: DriveKind = "differential"
+    """`differential`: two sides that turn at different speeds, with one wheel or several each (skid
+    steering). `ackermann`: a car, which steers with the wheels in front. `holonomic`: mecanum, omni or swerve
+    wheels.
+    """
+    sharpest_per_m: Positive = 0.5
+    """`ackermann`: the largest curvature that can be steered."""
+    steering_per_m_s: Positive = 0.5
+    """`ackermann`: by how much of it the steering turns in a second."""
+    wheel_radius_m: Positive
+    tread_m: Positive
+    """Distance between the wheels. With skid steering the effective one, as measured when it turns.
+    `holonomic`: twice the arm by which wheels turn the base: for mecanum wheels half of track and wheelbase
+    together, twice; for others the diameter of their circle.
+    """
+    left: str | tuple[str, ...] | None = None
+    """The joint that drives the left side, or several, where the URDF doesn't call it `left_wheel`."""
+    right: str | tuple[str, ...] | None = None
+    """Wheel joints on the right."""
+    top_speed_m_s: Positive
+    top_sideways_m_s: Positive | None = None
+    """`holonomic`: maximum speed sideways. (default: `top_speed_m_s`)"""
+    top_turn_deg_s: Positive
+    acceleration_m_s2: Positive
+    turn_acceleration_deg_s2: Positive
+    lateral_acceleration_m_s2: Positive | None = None
+    """Maximum of speed times turn rate. (default: `acceleration_m_s2`, but at least 1 and at most 2)"""
+
+    @property
+    def lateral_acceleration(self) -> float:
+        """Maximum of speed times turn rate, in [m/s²]."""
+        if self.lateral_acceleration_m_s2 is not None:
+            return self.lateral_acceleration_m_s2
+        return min(max(self.acceleration_m_s2, 1.0), 2.0)
+
+    @property
+    def limits(self) -> DriveLimits:
+        """Limits of speeds and accelerations."""
+        return DriveLimits(
+            self.top_speed_m_s,
+            math.radians(self.top_turn_deg_s),
+            self.acceleration_m_s2,
+            math.radians(self.turn_acceleration_deg_s2),
+            self.lateral_acceleration,
+            self.top_sideways,
+        )
+
+    @property
+    def top_sideways(self) -> float:
+        """Maximum speed sideways, in [m/s]; 0 of a base that cannot drive sideways."""
+        if self.kind != "holonomic":
+            return 0.0
+        return self.top_speed_m_s if self.top_sideways_m_s is None else self.top_sideways_m_s

@@ -1,0 +1,57 @@
+"""A drive that pushes the base of a robot in MuJoCo."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from typing_extensions import override
+
+from handcart.backends.mujoco.engine.mujoco_engine import MujocoEngine
+from handcart.backends.mujoco.engine.mujoco_module import mujoco
+from handcart.backends.physics.body.robot_body import PlanarDrive
+
+SITE_NAME = "planar drive"
+AXES = ("ahead", "left", "turn")
+GEARS = ((1, 0, 0, 0, 0, 0), (0, 1, 0, 0, 0, 0), (0, 0, 0, 0, 0, 1))
+CATCHES_UP_S = 0.005
+"""Time constant in which the base comes to a commanded speed, unless the limits of the drive hold."""
+
+
+class MujocoPlanarDrive(PlanarDrive):
+    """Three velocity servos of MuJoCo at the base's frame, on the floor."""
+
+    def __init__(self, engine: MujocoEngine, mass: float, inertia: float, prefix: str) -> None:
+        """Drive a base of a mass in [kg] and an inertia in [kg m²] about the vertical."""
+        self._engine = engine
+        self._numbers = [int(engine.model.actuator(prefix + _name(axis)).id) for axis in AXES]
+        self._gain = np.array([mass, mass, inertia]) / CATCHES_UP_S
+
+    @override
+    def limit(self, force: float, torque: float) -> None:
+        limits = self._engine.model.actuator_forcerange
+        limits[self._numbers, 1] = (force, force, torque)
+        limits[self._numbers, 0] = -limits[self._numbers, 1]
+
+    @override
+    def drive(self, twist: NDArray[np.float64]) -> None:
+        model = self._engine.model
+        model.actuator_gainprm[self._numbers, 0] = self._gain
+        model.actuator_biasprm[self._numbers, 2] = -self._gain
+        self._engine.data.ctrl[self._numbers] = twist
+
+
+def add_planar_drive(robot: Any) -> None:
+    """Add the servos to the `MjSpec` of a robot; they do nothing yet."""
+    robot.body("base").add_site(name=SITE_NAME)
+    for axis, gear in zip(AXES, GEARS, strict=True):
+        servo = robot.add_actuator(name=_name(axis), target=SITE_NAME)
+        servo.trntype = mujoco().mjtTrn.mjTRN_SITE
+        servo.biastype = mujoco().mjtBias.mjBIAS_AFFINE
+        servo.gear = gear
+        servo.forcelimited, servo.forcerange = 1, (-1e-9, 1e-9)
+
+
+def _name(axis: str) -> str:
+    return f"{SITE_NAME} {axis}"

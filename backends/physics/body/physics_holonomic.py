@@ -1,0 +1,70 @@
+"""The wheels of a simulated robot that drives in any direction."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from handcart.backends.capabilities.base import WheelTravel
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.physics.engine.engine import GRAVITY_M_S2
+from handcart.backends.physics.engine.surface import CASTER_SURFACE
+from handcart.backends.simulation.body.mecanum_wheels import MecanumWheels
+from handcart.backends.simulation.body.simulated_parts import CommandedHolonomicBase
+
+from .robot_body import RobotBody
+from .wheel_drives import WheelDrives
+
+ROLLER_FRICTION = 0.6
+"""Coulomb's, between rollers and floor: nothing pushes the base with more than this share of its weight."""
+
+
+class PhysicsHolonomicBase(CommandedHolonomicBase):
+    """Wheels that carry the base without friction, and a drive that pushes it where they would.
+
+    Rollers are not simulated. The drive brings the base to the motion of `MecanumWheels`, with at most the
+    friction that rollers have under the base's weight. So the base is accelerated, held up by obstacles and
+    tipped as by wheels. The encoders follow the commands; the turning of the wheels is only seen.
+    """
+
+    def __init__(self, robot: RobotFile, body: RobotBody, chunk: float, seed: int) -> None:
+        """Take the wheels over; `chunk` in [s] is how often the drives act."""
+        super().__init__(robot)
+        wheels = body.wheels.all
+        self._sides = np.repeat([-1.0, 1.0], [len(body.wheels.left), len(body.wheels.right)])
+        self.drives = WheelDrives(body, chunk, wheels)
+        body.cover(body.rolling, CASTER_SURFACE)
+        self._planar = body.planar_drive()
+        force = ROLLER_FRICTION * GRAVITY_M_S2 * sum(map(body.mass, body.link_index))
+        self._most = force, 0.5 * force * robot.drive.tread_m
+        self._errors = MecanumWheels(robot, seed)
+        self._given, self._periods = 0.0, 0
+
+    def begin(self, period: int) -> None:
+        """A period begins."""
+        speed, turn_rate, sideways = self._take_command()
+        half = turn_rate * self._drive.tread_m / 2
+        rims = (speed - half, speed + half, sideways)
+        way = WheelTravel(*(rate * self._period for rate in rims))
+        twist = self._errors.twist(way, period) if any(way) else np.zeros(3)
+        twist[2] += self._given
+        self._given = 0.0
+        self._planar.limit(*self._most)
+        self._planar.drive(twist / self._period)
+        self._travel = WheelTravel(*(sum(pair) for pair in zip(self._travel, way, strict=True)))
+        self.drives.speeds = (speed + half * self._sides) / self._drive.wheel_radius_m
+
+    def give(self, turn: float) -> None:
+        """Turn the standing base by an angle in [rad] on its tyres: no encoder sees it."""
+        self._given += turn
+
+    def act(self) -> None:
+        """Command the drives for the next chunk of the period."""
+        self.drives.follow()
+
+    def read(self) -> None:
+        """Take nothing: the encoders follow the commands."""
+
+    def rezero(self) -> None:
+        """Count from here on."""
+        self._travel = WheelTravel(0.0, 0.0)
+        self.drives.rezero()

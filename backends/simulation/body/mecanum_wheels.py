@@ -1,0 +1,63 @@
+"""Motion of a base on four mecanum wheels with errors."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.capabilities.base import WheelTravel
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.simulation.noise.keyed_noise import keyed, keyed_normal
+from handcart.robotics.geometry.pose2 import Pose2
+
+SIDEWAYS_SIGNS = np.array([-1.0, 1.0, 1.0, -1.0])
+"""Of the wheels' travel when the base drives to the left: front left, front right, rear left, rear right."""
+TURN_SIGNS = np.array([-1.0, 1.0, -1.0, 1.0])
+
+
+class MecanumWheels:
+    """Four wheels whose true radii, arm and slip differ from the robot's file, by its `errors` and a seed.
+
+    Each wheel errs by itself, so a base that drives sideways also turns and drifts ahead (Muir and Neuman
+    1987, eqs. 31 to 33). Rollers that give make the way sideways longer or shorter.
+    """
+
+    def __init__(self, robot: RobotFile, seed: int) -> None:
+        """Draw what stays the same for a run."""
+        self._seed, errors = seed, robot.errors
+        *radii, arm, sideways = keyed(seed, "mecanum wheels").standard_normal(6)
+        self._scales = 1.0 + errors.wheel_radius_percent / 100 * np.array(radii)
+        self._arm = 0.5 * robot.drive.tread_m
+        self._true_arm = self._arm * (1.0 + errors.tread_percent / 100 * arm)
+        self._sideways = 1.0 + errors.sideways_percent / 100 * float(sideways)
+        self._slip = errors.slip_percent / 100
+
+    def motion(self, way: WheelTravel, period: int) -> Pose2:
+        """Pose of the base after a period in that before it, if nothing is in its way.
+
+        Args:
+            way: travel of the base in it as its wheels were commanded, in [m].
+            period: its number, on which slip depends.
+        """
+        if not any(way):
+            return Pose2(0.0, 0.0, 0.0)
+        ahead, left, turn = self.twist(way, period).tolist()
+        half = 0.5 * turn
+        chord = math.sin(half) / half if abs(half) > 1e-9 else 1.0
+        cos, sin = math.cos(half), math.sin(half)
+        return Pose2(chord * (cos * ahead - sin * left), chord * (sin * ahead + cos * left), turn)
+
+    def twist(self, way: WheelTravel, period: int) -> NDArray[np.float64]:
+        """(3,) true travel ahead and to the left in [m], and turn in [rad]; see `motion`."""
+        ahead, turned = 0.5 * (way.left + way.right), 0.5 * (way.right - way.left)
+        rims = ahead + way.sideways * SIDEWAYS_SIGNS + turned * TURN_SIGNS
+        rims *= self._scales * (1.0 - self._slip * keyed_normal(self._seed, "slip", period, 4))
+        return np.array(
+            [
+                rims.mean(),
+                self._sideways * (rims @ SIDEWAYS_SIGNS) / 4.0,
+                (rims @ TURN_SIGNS) / (4.0 * self._true_arm),
+            ]
+        )

@@ -1,0 +1,91 @@
+"""Commands of a base that drives in any direction, and its way to a pose."""
+
+from __future__ import annotations
+
+import math
+
+from typing_extensions import override
+
+from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.navigation.following.drive_limits import DriveLimits, Ramp, rate_to_stop
+from handcart.robotics.navigation.following.pose_regulator import FINE_SHARE, PoseRegulator, PoseTolerance
+
+
+class SidewaysRamp(Ramp):
+    """Keeps commands of a base that drives in any direction within its limits.
+
+    The speed's change is limited as a vector on the floor: a base that turns while it drives straight is not
+    accelerated. The largest speed in each direction is that of an ellipse.
+    """
+
+    def __init__(self, limits: DriveLimits) -> None:
+        super().__init__(limits)
+        self.sideways = 0.0
+
+    @property
+    @override
+    def at_rest(self) -> bool:
+        return super().at_rest and abs(self.sideways) < 1e-3
+
+    @override
+    def reset(self) -> None:
+        super().reset()
+        self.sideways = 0.0
+
+    @override
+    def towards(self, speed: float, turn_rate: float, dt: float, sideways: float = 0.0) -> tuple[float, ...]:
+        limits = self.limits
+        last, turned = complex(self.speed, self.sideways), complex(0.0, -self.turn_rate * dt)
+        last *= complex(math.cos(turned.imag), math.sin(turned.imag))
+        change = complex(*_within_ellipse(speed, sideways, limits)) - last
+        most = limits.acceleration * dt
+        now = last + change * min(1.0, most / max(abs(change), 1e-12))
+        self.speed, self.sideways = _within_ellipse(now.real, now.imag, limits)
+        faster = max(-limits.turn_rate, min(limits.turn_rate, turn_rate)) - self.turn_rate
+        most = limits.turn_acceleration * dt
+        self.turn_rate += max(-most, min(most, faster))
+        return self.speed, self.turn_rate, self.sideways
+
+
+class SidewaysRegulator(PoseRegulator):
+    """Brings a base that drives in any direction to a pose: straight there, while it turns."""
+
+    _ramp: SidewaysRamp
+
+    def __init__(
+        self,
+        goal: Pose2,
+        limits: DriveLimits,
+        tolerance: PoseTolerance = PoseTolerance(),
+        any_heading: bool = False,
+        ramp: Ramp | None = None,
+    ) -> None:
+        """Regulate to a goal; see `PoseRegulator`."""
+        super().__init__(goal, limits, tolerance, any_heading, SidewaysRamp(limits) if ramp is None else ramp)
+
+    @override
+    def command(self, pose: Pose2, dt: float) -> tuple[float, ...]:
+        goal, limits = self.goal.relative_to(pose), self._ramp.limits
+        away = math.hypot(goal.x, goal.y)
+        near = away < FINE_SHARE * self.tolerance.position
+        most = speed_towards(goal.x, goal.y, limits)
+        along = 0.0 if near else rate_to_stop(away, most, limits.acceleration) / away
+        is_fine = self._any_heading or abs(goal.theta) < FINE_SHARE * self.tolerance.heading
+        turn = 0.0 if is_fine else rate_to_stop(goal.theta, limits.turn_rate, limits.turn_acceleration)
+        return self._ramp.towards(along * goal.x, turn, dt, along * goal.y)
+
+
+def speed_towards(x: float, y: float, limits: DriveLimits) -> float:
+    """Return the maximum speed in [m/s] in the direction of (x, y) in the base frame."""
+    size = math.hypot(x / limits.speed, y / limits.sideways)
+    return limits.speed if size == 0.0 else math.hypot(x, y) / size
+
+
+def turn_to(heading: float, pose: Pose2, limits: DriveLimits) -> float:
+    """Return the turn rate in [rad/s] with which a base turns to a heading in [rad] and stops there."""
+    return rate_to_stop(wrap(heading - pose.theta), limits.turn_rate, limits.turn_acceleration)
+
+
+def _within_ellipse(speed: float, sideways: float, limits: DriveLimits) -> tuple[float, float]:
+    size = max(1.0, math.hypot(speed / limits.speed, sideways / limits.sideways))
+    return speed / size, sideways / size

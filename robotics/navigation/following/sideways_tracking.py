@@ -1,0 +1,103 @@
+"""Following a route with a base that drives in any direction."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+from typing_extensions import override
+
+from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.navigation.following.drive_limits import DriveLimits, Ramp
+from handcart.robotics.navigation.following.path_tracking import MIN_SPEED_M_S, PathTracker
+from handcart.robotics.navigation.following.pose_regulator import PoseRegulator, PoseTolerance
+from handcart.robotics.navigation.maps.speed_limits import AllowedSpeeds
+
+from .sideways_motion import SidewaysRamp, SidewaysRegulator, speed_towards, turn_to
+
+GOAL_HEADING_DISTANCE_M = 1.0  # before the end, from where the base turns to the goal's heading
+SIDEWAYS_GAIN_PER_S = 2.0  # with which an error beside the route dies down
+MAX_SIDEWAYS_RATIO = 0.5  # of the planned speed, with which the base returns to the route
+MIN_SIDEWAYS_SPEED_M_S = 0.05
+MIN_TURNING_RATIO = 0.3  # of the planned speed, while the base heads elsewhere
+
+
+class SidewaysTracker(PathTracker):
+    """Drives along a route, its heading along it, and in the last metre sideways as the goal's heading asks.
+
+    Unlike a differential drive it need not turn in place: it sets out at once and turns meanwhile.
+    """
+
+    _ramp: SidewaysRamp
+
+    def __init__(
+        self,
+        points: NDArray[np.float64],
+        goal_heading: float | None,
+        limits: DriveLimits,
+        reverse: bool = False,
+        tolerance: PoseTolerance = PoseTolerance(),
+        allowed: AllowedSpeeds | None = None,
+    ) -> None:
+        """Track a route; see `PathTracker`."""
+        self._goal_heading = goal_heading
+        super().__init__(points, goal_heading, limits, reverse, tolerance, allowed)
+
+    @override
+    def _make_ramp(self, limits: DriveLimits) -> Ramp:
+        return SidewaysRamp(limits)
+
+    @override
+    def _make_regulator(self, goal: Pose2, tolerance: PoseTolerance, any_heading: bool) -> PoseRegulator:
+        return SidewaysRegulator(goal, self._limits, tolerance, any_heading, self._ramp)
+
+    @property
+    @override
+    def _profile_limits(self) -> DriveLimits:
+        return self._limits._replace(turn_rate=math.inf)
+
+    @override
+    def command(self, pose: Pose2, dt: float) -> tuple[float, ...]:
+        self._advance(pose)
+        self._closing = self._closing or self._is_near_end
+        if self._closing:
+            return self._regulator.command(pose, dt)
+        reference = self._reference()
+        is_last = self.remaining < GOAL_HEADING_DISTANCE_M and self._goal_heading is not None
+        heading = self._goal_heading if is_last else wrap(reference.theta + self._flip)
+        assert heading is not None
+        x, y = self._velocity(reference, pose, wrap(heading - pose.theta))
+        return self._ramp.towards(x, turn_to(heading, pose, self._limits), dt, y)
+
+    def _velocity(self, reference: Pose2, pose: Pose2, off: float) -> tuple[float, float]:
+        """Return the wanted speed ahead and to the left in [m/s]; the base heads `off` by that in [rad]."""
+        planned = float(np.interp(self._progress, self._along, self._speed))
+        planned *= max(MIN_TURNING_RATIO, math.cos(0.5 * off) ** 2)
+        beside = reference.inverse().apply(np.array([[pose.x, pose.y]]))[0, 1]
+        most = max(MAX_SIDEWAYS_RATIO * planned, MIN_SIDEWAYS_SPEED_M_S)
+        back = max(-most, min(most, -SIDEWAYS_GAIN_PER_S * float(beside)))
+        size = max(planned, MIN_SPEED_M_S)
+        towards = reference.theta + math.atan2(back, size) - pose.theta
+        x, y = math.cos(towards), math.sin(towards)
+        size = min(math.hypot(size, back), speed_towards(x, y, self._limits))
+        return size * x, size * y
+
+
+def make_tracker(
+    points: NDArray[np.float64],
+    goal_heading: float | None,
+    limits: DriveLimits,
+    reverse: bool = False,
+    tolerance: PoseTolerance = PoseTolerance(),
+    allowed: AllowedSpeeds | None = None,
+) -> PathTracker:
+    """Return the tracker of a base, which drives sideways if its limits allow that; see `PathTracker`."""
+    kind = SidewaysTracker if limits.sideways > 0.0 else PathTracker
+    return kind(points, goal_heading, limits, reverse, tolerance, allowed)
+
+
+def make_regulator(goal: Pose2, limits: DriveLimits, tolerance: PoseTolerance) -> PoseRegulator:
+    """Return the regulator of a base, which drives sideways if its limits allow that."""
+    kind = SidewaysRegulator if limits.sideways > 0.0 else PoseRegulator
+    return kind(goal, limits, tolerance)
